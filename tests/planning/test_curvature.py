@@ -10,7 +10,7 @@ from twistarm import Position, Task, arm_from_screws, load_arm, rotations
 from twistarm.arm.arm import Arm
 from twistarm.ik.targets import Pose
 from twistarm.planning.cartesian.curvature import deviation_bend
-from twistarm.planning.cartesian.curves import Line, Screw
+from twistarm.planning.cartesian.curves import line, screw
 from twistarm.planning.cartesian.moving_target import MovingTarget
 from twistarm.planning.cartesian.tool_derivatives import ToolDerivatives
 from twistarm.planning.cartesian.tool_speed import greatest_tool_speeds
@@ -52,7 +52,7 @@ def test_no_second_difference_exceeds_the_bound(kind, tmp_path):
         g1 = g0.copy()
         g1[:3, 3] += twist[:3]
         g1[:3, :3] = rotations.exp(twist[3:]) @ g0[:3, :3]
-        for curve in (Line(g0, g1), Screw(g0, twist)):
+        for curve in (line(g0, g1), screw(g0, twist)):
             for like in (Pose(g0), Position(g0[:3, 3]), Task(g0, [0.0, 0.0, np.inf, 0.0, 0.0, np.inf])):
                 position, rotation = seconds(arm, MovingTarget(curve, like), path)
                 bound = deviation_bend(arm, MovingTarget(curve, like), path)[0]

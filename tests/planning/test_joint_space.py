@@ -1,16 +1,14 @@
 """`plan_joint`: the laws of every kind, and the motion of a real arm."""
 
 import itertools
-import pickle
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from joint_space_cases import ARM, KINDS, MET, PASSES, PATH, RATE, RATES, STRAIGHT, WAYS, use
+from joint_space_cases import ARM, MET, PASSES, PATH, RATE, RATES, STRAIGHT, WAYS, use
 from strategies import generators
-from twistarm import load_arm
 from twistarm.planning import plan_joint
 from twistarm.planning.joint_space import MERGE_TOL
 from twistarm.support.errors import InputError
@@ -77,22 +75,6 @@ def test_waypoints_are_passed_at_their_times_from_rest_to_rest(kind, stop, task)
         assert np.abs(motion(motion.times, 1)).max() <= 1e-6 * motion.peak(1).max()
 
 
-@pytest.mark.parametrize(("kind", "stop"), WAYS)
-@few
-@given(task=tasks())
-def test_each_derivative_integrates_to_the_one_before(kind, stop, task):
-    points, limits = task
-    wide = limits.with_({"lower": -10.0, "upper": 10.0}, ARM.joint_names)
-    motion = plan_joint(ARM, points, kind=kind, limits=wide, stop_at_waypoints=stop)
-    nodes, weights = np.polynomial.legendre.leggauss(6)
-    for a, b in zip(motion.breakpoints[:-1], motion.breakpoints[1:], strict=True):
-        t = 0.5 * (b - a) * nodes + 0.5 * (a + b)
-        for order in (1, 2):
-            gained = 0.5 * (b - a) * weights @ motion(t, order)
-            size = motion.peak(order - 1) + motion.peak(order) * motion.duration * 1e-3
-            assert (np.abs(gained - (motion(b, order - 1) - motion(a, order - 1))) <= 1e-7 * size + 1e-12).all()
-
-
 @pytest.mark.parametrize(("kind", "stop"), STRAIGHT)
 @few
 @given(task=tasks())
@@ -126,26 +108,3 @@ def test_progress_rises_to_one(kind, stop):
     plan_joint(ARM, PATH, kind=kind, stop_at_waypoints=stop, limits=RATES, progress=seen.append)
     assert all(0 < a <= b for a, b in itertools.pairwise(seen))
     assert seen[-1] == 1.0
-
-
-def test_the_same_call_gives_the_same_bits_and_survives_pickling():
-    for kind in KINDS:
-        first, again = (plan_joint(ARM, PATH, kind=kind, limits=RATES) for _ in range(2))
-        assert np.array_equal(first.coefficients, again.coefficients)
-        assert np.array_equal(pickle.loads(pickle.dumps(first)).breakpoints, again.breakpoints)
-
-
-@pytest.mark.parametrize(("kind", "stop"), WAYS)
-def test_the_rover_arm_moves_through_three_poses(kind, stop):
-    arm = load_arm("rover_arm")
-    via = 0.5 * (arm.ready + arm.random_theta(np.random.default_rng(0)))
-    motion = plan_joint(arm, ["ready", via, "ready"], kind=kind, stop_at_waypoints=stop)
-    samples = motion.sample(0.01)
-    assert arm.limits.contains(samples.theta, tol=PASSES).all()
-    assert use(motion, arm.limits) == pytest.approx(1.0, rel=MET)
-    assert np.allclose(motion(motion.times[1]), via)
-    # The tool's velocity is the hybrid Jacobian's: position differences against the joint rates of the plan.
-    i = len(samples.t) // 3
-    h = 1e-5
-    moved = arm.fk(motion(samples.t[i] + h))[:3, 3] - arm.fk(motion(samples.t[i] - h))[:3, 3]
-    assert np.allclose(moved / (2 * h), (arm.hybrid_jacobian(samples.theta[i]) @ samples.theta_dot[i])[:3], atol=1e-6)

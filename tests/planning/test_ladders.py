@@ -16,7 +16,7 @@ ARM = load_arm("rover_arm", limits={"acceleration": 3.0})
 
 BLOCKED_AS_IT_MOVES_LEAST = [
     ([-0.24, 1.17, -1.16, 0.72, -0.8], [0.207, -0.257, -0.023]),
-    ([0.04, -1.54, 2.31, -0.3, 0.77], [0.32, -0.222, 0.739]),
+    pytest.param([0.04, -1.54, 2.31, -0.3, 0.77], [0.32, -0.222, 0.739], marks=pytest.mark.slow),
 ]
 
 

@@ -48,12 +48,10 @@ def test_what_was_written_is_read_back(rover, motion, tmp_path, kind, ending):
     assert np.abs(read(between) - planned(between)).max() <= jump * 0.02**2 / 32
 
 
-def test_a_motion_of_no_length_is_read_back(rover, tmp_path):
-    still = plan_joint(rover, [rover.ready, rover.ready], limits=RATES)
-    for ending, write in WRITERS.items():
-        read = load_trajectory(rover, write(still, tmp_path / f"still{ending}"))
-        assert read.duration == 0.0
-        assert np.array_equal(read(3.0), rover.ready)
+@pytest.mark.parametrize("ending", WRITERS)
+def test_a_motion_of_no_length_is_read_back(rover, tmp_path, ending):
+    still = plan_joint(rover, [rover.ready], limits=RATES)
+    assert load_trajectory(rover, WRITERS[ending](still, tmp_path / f"still{ending}")).duration == 0.0
 
 
 def test_yaml_is_the_message_that_json_is_to_every_reader(motion, tmp_path):
@@ -125,15 +123,6 @@ def test_what_others_write(rover, tmp_path):
     assert_allclose(read([0.0, 0.5, 2.0, 3.0]), rover.ready + np.array([[0.0], [0.05], [0.25], [0.4]]), atol=1e-12)
 
 
-def test_columns_in_another_order_and_more_of_them(rover, motion, tmp_path):
-    def turned(lines):
-        return [",".join([*reversed(line.split(",")), "0"]) for line in lines]
-
-    file = replace(motion, labels=()).to_csv(tmp_path / "a.csv", 0.02)
-    copy, read = load_trajectory(rover, changed(file, turned)), load_trajectory(rover, file)
-    assert np.array_equal(copy.coefficients, read.coefficients)
-
-
 # -- what is none ------------------------------------------------------------------------------------------------
 
 
@@ -151,16 +140,12 @@ def line(number, change):
 BAD_CSV = {
     "no header": (lambda lines: lines[1:], "line 1: a motion of rover_arm has 'time \\[s\\]' once; here it is not"),
     "degrees": (line(1, lambda text: text.replace("elbow.position [rad]", "elbow.position [deg]")), "closest: 'elbow"),
-    "twice": (line(1, lambda text: text.replace("acceleration [m/s^2]", "x").replace("slide.x", "time [s]")), "twice"),
-    "short": (line(7, lambda text: text.rsplit(",", 1)[0]), "line 7: 15 values where there are 16 columns"),
-    "nan": (line(7, lambda text: "nan" + text[text.index(",") :]), "line 7: 'nan' is no number"),
+    "short": (line(7, lambda text: text.rsplit(",", 1)[0]), "line 7: 15 values"),
     "word": (line(7, lambda text: "soon" + text[text.index(",") :]), "line 7: 'soon' is no number"),
-    "back in time": (line(7, lambda text: "0.01" + text[text.index(",") :]), "line 7: time must increase; got 0.01"),
     "a picosecond": (line(7, lambda text: "0.080000000001" + text[text.index(",") :]), "line 7: time must increase"),
     "so fast": (line(7, lambda text: text.rsplit(",", 1)[0] + ",1e300"), "line 7: no arm moves so far or so fast; got"),
     "beyond": (line(7, lambda text: ",".join([text.split(",")[0], "9", *text.split(",")[2:]])), "joint 'slide' at 9 m"),
     "no line": (lambda lines: lines[:1], "holds no point of a motion"),
-    "empty": (lambda lines: [], "line 1"),
 }
 
 
@@ -188,29 +173,18 @@ def at(*path, value=None):
 
 
 BAD_MESSAGES = {
-    "a name": (
-        at("joint_names", 2, value="ellbow"),
-        "joint_names of rover_arm have 'elbow' once; .*closest: 'ellbow'$",
-    ),
-    "a name twice": (at("joint_names", 1, value="elbow"), "'shoulder' once; here it is not"),
+    "a name": (at("joint_names", 2, value="ellbow"), "'elbow' once; .*closest: 'ellbow'$"),
     "a typo": (lambda m: m.update(point=m.pop("points")), "'points' is missing; closest: 'point'"),
     "no list": (at("points", value={}), "points must be a list"),
-    "no points": (at("points", value=[]), "holds no point"),
     "no point": (at("points", 3, value=7), r"point 3 \(counted from 0\): a mapping with 'time_from_start' is needed"),
     "no position": (at("points", 3, "positions"), "point 3 .*: 'positions' is missing"),
     "too few": (at("points", 3, "positions", 0), "point 3 .*: positions must be a list of 5 numbers"),
-    "a word": (
-        at("points", 3, "velocities", 0, value="fast"),
-        r"point 3 .*velocities\[0\] must be a number; got 'fast'",
-    ),
-    "too large": (at("points", 3, "velocities", 0, value=1e301), "must be finite and at most 1e"),
+    "a word": (at("points", 3, "velocities", 0, value="fast"), "point 3 .*velocities.0. must be a number"),
     "a standstill": (at("points", 3, "time_from_start", value={"sec": 0, "nanosec": 0}), "point 3 .*: time must incr"),
     "half a second": (at("points", 3, "time_from_start", "sec", value=0.5), "in whole sec and nanosec from 0"),
-    "no nanoseconds": (at("points", 3, "time_from_start", "nanosec"), "time_from_start: 'nanosec' is missing"),
     "beyond": (at("points", 3, "positions", 0, value=9.0), "point 3 .*: joint 'slide' at 9 m is"),
     "a late label": (at("labels", 0, "time", value=99.0), "the times of labels must not decrease"),
     "no label": (at("labels", 0, "text"), "labels: 'text' is missing"),
-    "a label of lines": (at("labels", 0, "text", value="a\nb"), "a label must be one line of text"),
 }
 
 
@@ -228,13 +202,11 @@ def test_a_bad_message_is_told(rover, motion, tmp_path, change, why):
 
 FILES = {
     "none.csv": (None, "cannot read .*none.csv: no such file"),
-    "none.json": (None, "cannot read .*none.json: no such file"),
     "binary.csv": (b"\xff\xfe\x00\x81\x00", "is no text"),
     "binary.yaml": (b"\xff\xfe\x00\x81\x00", "cannot read .*binary.yaml"),
     "torn.json": (b'{"joint_names": [\n"a",', "torn.json is no JSON: .* line 2 column"),
     "torn.yaml": (b"joint_names: [\n'a',\npoints: {", r"torn.yaml:[34]: not usable YAML"),
     "nan.json": (b'{"points": [NaN]}', "numbers must be finite; got NaN"),
-    "list.yaml": (b"[1, 2]", "a mapping with 'joint_names' is needed"),
     "bomb.yaml": (b"a: &a [1]\nb: &b [*a, *a]\nc: !!python/object/apply:os.system [x]", "bomb.yaml:3"),
     "motion.txt": (b"", r"a motion is read from \*.csv, \*.json, \*.yaml, \*.yml; got .*motion.txt"),
 }
@@ -258,7 +230,6 @@ def test_yaml_of_a_team_is_never_replaced(motion, tmp_path, monkeypatch, capsys)
     assert run([*arguments, "joint_limits.yaml"]) == 2
     assert (tmp_path / "joint_limits.yaml").read_text() == "joint_limits: {}\n"
     assert run([*arguments, "motion.yaml"]) == 0
-    assert run([*arguments, "motion.yaml", "--kind", "quintic"]) == 0
     assert load_trajectory(load_arm("rover_arm"), "motion.yaml").joint_names == motion.joint_names
     capsys.readouterr()
 

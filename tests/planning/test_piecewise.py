@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import PPoly
 
 from strategies import generators
-from twistarm.planning.piecewise import derivative, evaluate, extremes, shifted, stretched
+from twistarm.planning.piecewise import derivative, evaluate, extremes, shifted
 
 ROUNDING = 1e-12
 """Relative: a dozen operations in double precision on values of one order."""
@@ -20,12 +20,6 @@ def motions(draw):
     scale = rng.choice([0.0, 1e-14, 1e-7, 1.0, 1.0, 1.0], size=shape)
     powers = np.arange(degree, -1, -1.0)[:, None, None]
     return rng.normal(size=shape) * scale / durations[:, None] ** powers, durations
-
-
-def real_roots_in(polynomial, duration):
-    """Where a one-dimensional polynomial is stationary, by the eigenvalues of NumPy's companion matrix."""
-    roots = np.roots(np.polyder(polynomial))
-    return np.real(roots[(np.abs(np.imag(roots)) < 1e-6 * duration)])
 
 
 @given(motions(), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
@@ -66,7 +60,8 @@ def test_no_sample_and_no_root_exceeds_the_extremes(motion):
     for s, duration in enumerate(durations):
         for j in range(coefficients.shape[2]):
             polynomial = coefficients[:, s, j]
-            roots = np.clip(real_roots_in(polynomial, duration), 0.0, duration)
+            roots = np.roots(np.polyder(polynomial))
+            roots = np.clip(np.real(roots[np.abs(np.imag(roots)) < 1e-6 * duration]), 0.0, duration)
             sampled = np.polyval(polynomial, np.concatenate([np.linspace(0, duration, 1001), roots]))
             assert values[:, s, j].max() >= sampled.max() - ROUNDING * scale[s, j]
             assert values[:, s, j].min() <= sampled.min() + ROUNDING * scale[s, j]
@@ -91,15 +86,3 @@ def test_hard_stationary_points(roots, name):
     expected = np.polyval(polynomial, [0.0, 1.0, *inside])
     assert values.max() == pytest.approx(expected.max(), abs=ROUNDING)
     assert values.min() == pytest.approx(expected.min(), abs=ROUNDING)
-
-
-@given(motions(), st.sampled_from([0.01, 1.0, 7.0]))
-def test_a_stretched_motion_takes_the_same_values_later(motion, factor):
-    coefficients, durations = motion
-    tau = 0.4 * durations[:, None]
-    slow = evaluate(stretched(coefficients, factor), factor * tau)
-    assert np.allclose(slow, evaluate(coefficients, tau), rtol=ROUNDING, atol=ROUNDING)
-
-
-def test_the_derivative_of_a_constant_is_zero():
-    assert derivative(np.ones((1, 2, 3)), 3).tolist() == np.zeros((1, 2, 3)).tolist()

@@ -5,15 +5,11 @@ import numpy as np
 import pytest
 from scipy.interpolate import PPoly
 
-from strategies import derivative
 from twistarm.planning import Samples, Trajectory
 from twistarm.support.errors import InputError
 
 ROUNDING = 1e-13
 """Values of order 1 after a handful of operations."""
-
-FINITE_DIFFERENCE = 1e-8
-"""Sixth order with steps of 1 ms: rounding of 1e-16 over 1e-3, and then over the other factors."""
 
 
 def motion(n=2):
@@ -37,20 +33,13 @@ def standstill():
 
 
 @pytest.mark.parametrize("order", range(4))
-@pytest.mark.parametrize("shape", [(), (7,), (2, 3), (0,)])
+@pytest.mark.parametrize("shape", [(), (2, 3), (0,)])
 def test_inside_it_is_scipys_piecewise_polynomial(order, shape):
     trajectory = motion()
     t = np.random.default_rng(0).uniform(0.01, 4.99, shape)
     reference = PPoly(trajectory.coefficients, trajectory.breakpoints).derivative(order)
     assert trajectory(t, order).shape == (*shape, 2)
     assert np.allclose(trajectory(t, order), reference(t), atol=ROUNDING, rtol=ROUNDING)
-
-
-@pytest.mark.parametrize("order", [1, 2, 3])
-def test_each_order_is_the_derivative_of_the_one_before(order):
-    trajectory, t = motion(), np.linspace(0.1, 4.9, 41)
-    t = t[np.abs(t - 2.0) > 0.01]
-    assert np.allclose(trajectory(t, order), derivative(lambda h: trajectory(t + h, order - 1)), atol=FINITE_DIFFERENCE)
 
 
 @pytest.mark.parametrize("t", [-1.0, 0.0, 5.0, 5.5, 1e9])
@@ -62,12 +51,6 @@ def test_the_ends_are_held(t):
     assert (trajectory(t, 3) == 0).all() == outside
 
 
-def test_at_the_ends_jerk_is_the_limit_from_inside():
-    # 60 d / T³: Lynch & Park §9.2.2.1, third derivative of 10 u³ − 15 u⁴ + 6 u⁵ at u = 0 and 1.
-    trajectory = motion()
-    assert trajectory([0.0, 5.0], 3)[:, 0] == pytest.approx([60 / 8, -1.5 * 60 / 27])
-
-
 def test_peaks_are_those_of_the_textbook():
     # Lynch & Park §9.2.2.1: velocity 15/8 d/T, acceleration 10/√3 d/T².
     trajectory = motion()
@@ -77,7 +60,7 @@ def test_peaks_are_those_of_the_textbook():
     assert trajectory.peak(3) == pytest.approx(np.array([1.0, 2.0]) * 60 / 8)
 
 
-@pytest.mark.parametrize("dt", [0.01, 0.3, 1 / 3, 1.0, 2.5, 5.0, 100.0])
+@pytest.mark.parametrize("dt", [0.01, 1 / 3, 2.5, 100.0])
 def test_samples_increase_strictly_and_end_on_the_duration(dt):
     samples = motion().sample(dt)
     assert isinstance(samples, Samples)
@@ -123,24 +106,16 @@ def test_it_is_plain_read_only_data():
         trajectory.coefficients[0] = 1.0
 
 
-def test_evaluating_leaves_the_waypoints_alone():
-    trajectory = motion()
-    trajectory(0.0)[:] = 9.0
-    trajectory(np.array([0.0, 9.0]))[:] = 9.0
-    assert trajectory(0.0).tolist() == [0.0, 0.0]
-
-
-@pytest.mark.parametrize("order", [-1, 4, 1.0, "1", None, [1]])
+@pytest.mark.parametrize("order", [-1, 4, 1.0, None])
 def test_an_order_that_does_not_exist(order):
-    with pytest.raises(InputError, match=r"order must be 0 \(position\), 1, 2 or 3 \(jerk\); got"):
-        motion()(0.0, order)
-    with pytest.raises(InputError, match="order must be"):
-        motion().peak(order)
+    for ask in (lambda: motion()(0.0, order), lambda: motion().peak(order)):
+        with pytest.raises(InputError, match="order must be"):
+            ask()
 
 
-@pytest.mark.parametrize("dt", [0.0, -0.1, np.nan, np.inf, 1e-9, 1e-320, "x", [0.1], None])
+@pytest.mark.parametrize("dt", [0.0, -0.1, np.nan, 1e-320, "x", [0.1]])
 def test_a_dt_that_makes_no_samples(dt):
-    with pytest.raises(InputError, match=r"dt must be (one positive number|finite|an array of real numbers)"):
+    with pytest.raises(InputError, match="dt must be"):
         motion().sample(dt)
 
 
@@ -169,9 +144,7 @@ def test_parts_that_do_not_fit_are_refused():
         ([(5.1, "open")], r"lie within \[0, 5\] s; got 5.1 s"),
         ([(np.nan, "open")], "the time of a label must be finite"),
         ([(1.0, "two\nlines")], "a label must be one line of text"),
-        ([(1.0, " ")], "a label must be one line of text"),
         ([(1.0, None)], "a label must be one line of text"),
-        ([1.0, "open"], "labels must be pairs"),
         ("open", "labels must be pairs"),
     ],
 )

@@ -7,8 +7,9 @@ import numpy as np
 from ..arm.arm import Arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
+from .hermite import through
 from .joint_path import JointPath
-from .piecewise import shifted
+from .piecewise import shifted, side_by_side
 from .within import POSITION_TOL, overshoot
 
 SAMPLES = 256
@@ -79,28 +80,16 @@ def part(path: JointPath, begins: float, ends: float) -> JointPath:
 
 def joined(paths: list[JointPath]) -> JointPath:
     """Paths one after the other as one, of the highest degree among them."""
-    degree = max(len(path.coefficients) for path in paths)
-    coefficients = [np.pad(path.coefficients, ((degree - len(path.coefficients), 0), (0, 0), (0, 0))) for path in paths]
     steps = np.concatenate([np.diff(path.breakpoints) for path in paths])
-    return JointPath(np.concatenate([[0.0], np.cumsum(steps)]), np.concatenate(coefficients, axis=1))
+    return JointPath(np.concatenate([[0.0], np.cumsum(steps)]), side_by_side([path.coefficients for path in paths]))
 
 
 def _quintic(before: JointPath, begins: float, after: JointPath, ends: float) -> JointPath:
     h = before.length - begins + ends
     q0, v0, a0 = (before(np.array(begins), order) for order in range(3))
     q1, v1, a1 = (after(np.array(ends), order) for order in range(3))
-    d = q1 - q0
-    coefficients = np.stack(
-        [
-            (6 * d - 3 * h * (v0 + v1) - 0.5 * h**2 * (a0 - a1)) / h**5,
-            (-15 * d + h * (8 * v0 + 7 * v1) + h**2 * (1.5 * a0 - a1)) / h**4,
-            (10 * d - h * (6 * v0 + 4 * v1) - 0.5 * h**2 * (3 * a0 - a1)) / h**3,
-            0.5 * a0,
-            v0,
-            q0,
-        ]
-    )
-    return JointPath(np.array([0.0, h]), coefficients[:, None])
+    t = np.array([0.0, h])
+    return JointPath(t, through(t, *(np.stack(both) for both in ((q0, q1), (v0, v1), (a0, a1)))))
 
 
 def _distance(arm: Arm, path: JointPath, s: Array, centre: Array) -> Array:

@@ -17,7 +17,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import InputError, NotConvergedError, UnknownNameError
 from ..theory import rotations, screws
-from .cartesian.curves import Arc, Curve, Line, Screw
+from .cartesian.curves import Curve, arc, line, screw
 from .cartesian.moving_target import MovingTarget
 from .segments import CONSTRAINED, ArcMove, Constrained, JointMove, LineMove, ScrewMove
 from .tolerances import decided
@@ -96,19 +96,19 @@ def _free_curve(move: Curved, g0: Array) -> Curve:
     """The curve of a move that has no goal but says how it goes."""
     if isinstance(move, LineMove):
         offset = np.asarray(move.offset)
-        return Line(g0, _with_position(g0, g0[:3, 3] + (g0[:3, :3] @ offset if move.frame == "tool" else offset)))
+        return line(g0, _with_position(g0, g0[:3, 3] + (g0[:3, :3] @ offset if move.frame == "tool" else offset)))
     assert move.twist is not None
     if isinstance(move, ArcMove) and not move.turn:
-        return Arc(g0, move.twist, g0[:3, :3])
-    return Screw(g0, move.twist)
+        return Curve(g0, move.twist, np.zeros(3))
+    return screw(g0, move.twist)
 
 
 def _curve_to(move: Curved, g0: Array, g1: Array) -> Curve:
     if isinstance(move, LineMove):
-        return Line(g0, g1)
+        return line(g0, g1)
     if isinstance(move, ScrewMove):
-        return Screw(g0, screws.log(g1 @ screws.inverse(g0)))
-    return Arc.through(g0, np.asarray(move.via), g1)
+        return screw(g0, screws.log(g1 @ screws.inverse(g0)))
+    return arc(g0, np.asarray(move.via), g1)
 
 
 def _like(arm: Arm, constrain: Constrained, g: Array) -> AnyTarget:

@@ -88,11 +88,10 @@ def plan_joint(
 ) -> Trajectory:
     """A motion through `waypoints`, at rest at the first and the last, that keeps the joint limits everywhere.
 
-    Waypoints (k, n) [rad, m], one (a motion of duration 0) or more: arrays, mappings {joint: value} or names of poses
-    (`arm.configurations`). A target of the tool (`Pose`, `Position`, `Approach`, `Task` or a pose (4, 4)) stands for
-    the configuration that `solve_ik` finds from the waypoint before it (`arm.ready` for the first). Joints that turn
-    without end come to a target by the shorter way; to a configuration they go as it says, from 0 to 2π by a full turn.
-    With `unwrap` they take the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18. `notes` name such joints.
+    A waypoint is a configuration, or a target of the tool (`Pose`, `Position`, `Approach`, `Task` or a pose (4, 4)),
+    which stands for the configuration that `solve_ik` finds from the waypoint before it (`arm.ready` for the first).
+    Joints that turn without end come to a target by the shorter way; to a configuration they go as it says, from 0 to
+    2π by a full turn. With `unwrap` they take the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18.
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
     - `quintic`: the C⁴ spline, acceleration zero at both ends; smoother, and it swings wider between waypoints.
@@ -103,45 +102,38 @@ def plan_joint(
     - `time_optimal`: the shortest motion along a cubic spline through the waypoints. Some velocity or acceleration is
       at its limit all the time; a jerk limit is not looked at. It takes no `times`.
     - `s_curve`: straight from waypoint to waypoint in the shortest time that velocity, acceleration and jerk limits
-      of each joint and motor allow, stopping at each. A joint without a jerk limit comes to its acceleration limit in
-      0.1 s. Each joint has a profile of its own, and all arrive together; where joints share a motor, they move in
-      proportion.
+      allow, stopping at each. Where no jerk limit is given, the acceleration limit is reached in 0.1 s. Each joint has
+      a profile of its own, and all arrive together; where joints share a motor, they move in proportion.
 
-    Velocity, acceleration and jerk limits of the arm's motors (`arm.actuators`) are kept as those of its joints.
+    Limits of the arm's motors (`arm.actuators`) are kept as those of its joints. The extremes of the polynomials are
+    checked, not samples (to 1e-9).
 
-    With `stop_at_waypoints` cubic and quintic rest at each waypoint too (quintic with zero acceleration) and move
-    straight from one to the next; without it a spline may swing beyond the range of its waypoints, inside the limits.
+    Without `times` one velocity, acceleration or (where given, for cubic and quintic) jerk limit is met exactly. Where
+    a joint has no velocity or acceleration limit, the usual one counts (1 rad/s, 0.25 m/s, 3 rad/s², 1 m/s²). For
+    segments that stop that is the minimum. The proportions of a spline's segments are searched: within 1 % of the
+    minimum, but where a spline was pulled in typically within 2 % for cubic and 15 % for quintic. Either may be slower
+    than stopping where a path turns back. Consecutive waypoints nearer than 1e-6 are merged; if none other remains, the
+    motion has duration 0. With `times` limits that are missing are not checked. Its `notes` say what was assumed,
+    merged, unwrapped or smoothed away.
 
-    Without `times` the motion is as short as its kind was found to allow: one velocity, acceleration or (where
-    given, for cubic and quintic) jerk limit is met exactly, and none is exceeded. Where a joint has no velocity or
-    acceleration limit, the usual one counts (1 rad/s, 0.25 m/s, 3 rad/s², 1 m/s²), and `notes` say so. For segments
-    that stop that is the minimum. The proportions of a spline's segments are searched: within 1 % of the minimum, but
-    where a spline was pulled in typically within 2 % for cubic and 15 % for quintic. Either may be slower than stopping
-    where a path turns back. Consecutive waypoints nearer than 1e-6 are merged, and `notes` name them; if none other
-    remains, the motion has duration 0. With `times` (k,) [s], increasing from 0, the motion passes waypoint i at
-    times[i], and limits that are missing are not checked.
-
-    Recorded waypoints are rounded or noisy, and a path through each of them is slow. `smooth` is how far it may leave
-    them, such as 0.01 for values with two decimals: each joint then has the smallest third differences within that.
-    Where the recording stays at one place within that it is passed once, and `notes` name the waypoints.
-
-    The extremes of the polynomials are checked, not samples (to 1e-9). Source: Lynch & Park, Modern Robotics, §9.2 and
-    §9.3.
+    Source: Lynch & Park, Modern Robotics, §9.2 and §9.3.
 
     Args:
         arm: The arm.
-        waypoints: Configurations (k, n) [rad, m], k ≥ 1; each an array, a mapping {joint: value}, the name of a
-            pose or a target.
+        waypoints: One or more configurations (k, n) [rad, m]; each an array, a mapping {joint: value}, the name of a
+            pose (`arm.configurations`) or a target.
         kind: "cubic", "quintic", "trapezoid", "time_optimal" or "s_curve".
         limits: By default those of the arm; a `JointLimits`, or changes to the arm's such as
             {"velocity": 1.0, "acceleration": {"elbow": 2.0}} [rad/s, m/s and so on].
         times: Times of the waypoints (k,) [s], increasing from 0; None for a motion as short as the limits allow.
-        stop_at_waypoints: Whether the motion rests at every waypoint.
+        stop_at_waypoints: Whether cubic and quintic move straight, and rest at every waypoint; without it a spline may
+            swing beyond the range of its waypoints, inside the limits.
         position_tol: How far off a target [m] a waypoint still meets it; 1e-6 by default.
         orientation_tol: The same of its rotation [rad].
         unwrap: Whether joints of which a whole turn moves nothing go to configurations by the shorter way too.
-        smooth: How far [rad, m] each joint may leave the waypoints between the first and the last, to pass them as
-            smoothly as can be; None: it passes them exactly.
+        smooth: How far [rad, m] each joint may leave recorded waypoints, which are rounded or noisy, such as 0.01 for
+            two decimals: it then has the smallest third differences within that, and where the recording stays at one
+            place it is passed once. The first and the last are kept; None: all are passed exactly.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
@@ -307,15 +299,6 @@ def _stays(points: Array, width: float) -> list[tuple[int, int]]:
     return [(max(a, 1), min(b, len(points) - 2)) for a, b in runs if b - a + 1 >= least]
 
 
-def _at_times(points: Array, kind: Kind, stop: bool, times: Array, bounds: PathBounds) -> tuple[Array, Array]:
-    """Breakpoints and coefficients of a motion that passes each waypoint at its time."""
-    if len(points) == 1:
-        return np.zeros(2), points[None]
-    if kind == "trapezoid":
-        return spline.trapezoid(points, times, timing.trapezoid_ramps(points, times, bounds))
-    return pulled_in(FITS[kind, stop](points, times), times, points, bounds.limits)
-
-
 def _timed(
     points: Array,
     kind: Kind,
@@ -329,10 +312,13 @@ def _timed(
         if kind == "time_optimal":
             raise InputError("a time_optimal motion takes no times: it is as fast as it can be; other kinds take them")
         when = _as_times(times, len(points))
-        if kind != "s_curve" or len(points) == 1:
-            return when, *_at_times(points, kind, stop, when, bounds)
-    if times is not None:
-        return double_s_rests(points, bounds, when)
+        if len(points) == 1:
+            return when, np.zeros(2), points[None]
+        if kind == "s_curve":
+            return double_s_rests(points, bounds, when)
+        if kind == "trapezoid":
+            return when, *spline.trapezoid(points, when, timing.trapezoid_ramps(points, when, bounds))
+        return when, *pulled_in(FITS[kind, stop](points, when), when, points, bounds.limits)
     kept, owner = _distinct(points)
     if len(kept) == 1:
         return np.zeros(len(points)), np.zeros(2), kept[None]

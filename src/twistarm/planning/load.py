@@ -71,7 +71,6 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
     if len(points.t) == 0:
         raise InputError(f"{file} holds no point of a motion")
     _require_usual(points)
-    _require_increasing(points)
     _require_within(arm, points)
     t, theta = points.t - points.t[0], points.theta
     labels = tuple((time - float(points.t[0]), text) for time, text in points.labels)
@@ -85,18 +84,15 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
         raise InputError(f"{file}: {error}") from error
 
 
-def _require_increasing(points: Points) -> None:
-    apart: NDArray[np.bool_] = np.diff(points.t) >= SHORTEST_STEP
-    if not apart.all():
-        k = int(np.argmin(apart)) + 1
-        raise InputError(f"{points.place(k)}: time must increase; got {points.t[k]:g} after {points.t[k - 1]:g}")
-
-
 def _require_usual(points: Points) -> None:
     for values in (points.t[:, None], points.theta, points.theta_dot, points.theta_ddot):
         if values is not None and not (np.abs(values) <= LARGEST).all():
             k, j = (int(index) for index in np.unravel_index(np.argmax(np.abs(values)), values.shape))
             raise InputError(f"{points.place(k)}: no arm moves so far or so fast; got {values[k, j]:g}")
+    apart: NDArray[np.bool_] = np.diff(points.t) >= SHORTEST_STEP
+    if not apart.all():
+        k = int(np.argmin(apart)) + 1
+        raise InputError(f"{points.place(k)}: time must increase; got {points.t[k]:g} after {points.t[k - 1]:g}")
 
 
 def _require_within(arm: Arm, points: Points) -> None:

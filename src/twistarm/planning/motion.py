@@ -16,6 +16,7 @@ from ..support.errors import InputError, shown
 from .cartesian.refusal import PathError
 from .joint_path import JointPath
 from .joint_space import completed
+from .piecewise import side_by_side
 from .route import Leg, Router
 from .segments import SEGMENTS, Dwell, Move, Segment, place
 from .spans import Progress
@@ -103,27 +104,32 @@ def plan(
         raise InputError(f"start must be one configuration ({arm.n},); got {origin.shape}")
     require_waypoints(origin[None], bounds, arm.joint_names, arm.units, "start")
 
-    def told(done: int) -> None:
-        if progress is not None:
-            progress(0.9 * done / len(moves))
-
-    def legs_of(given: list[Segment]) -> tuple[list[Leg], list[str]]:
-        router = Router(planned, given, bounds, told, as_flag(unwrap, "unwrap"))
-        return router.legs(origin), router.notes
-
-    try:
-        legs, said = legs_of(moves)
-    except PathError:
-        wider = but_for_rounding(arm, moves)
-        if not wider:
-            raise
-        legs, said = legs_of(wider)
-        said = [*said, ROUNDED]
+    legs, said = _legs(planned, moves, origin, bounds, as_flag(unwrap, "unwrap"), progress)
     timed = [stretch for run in runs(legs) for stretch in _fastest(planned, run, bounds, kind)]
     motion = replace(_assembled(arm, origin, legs, timed), notes=(*notes, *said))
     if progress is not None:
         progress(1.0)
     return motion
+
+
+def _legs(
+    arm: Arm, moves: list[Segment], origin: Array, limits: JointLimits, unwrap: bool, progress: Progress | None
+) -> tuple[list[Leg], list[str]]:
+    """The legs from `origin` (n,) on and what is said of them; within what rounded axes miss, where not exactly."""
+
+    def told(done: int) -> None:
+        if progress is not None:
+            progress(0.9 * done / len(moves))
+
+    router = Router(arm, moves, limits, told, unwrap)
+    try:
+        return router.legs(origin), router.notes
+    except PathError:
+        wider = but_for_rounding(arm, moves)
+        if not wider:
+            raise
+    router = Router(arm, wider, limits, told, unwrap)
+    return router.legs(origin), [*router.notes, ROUNDED]
 
 
 def _with_ranges(arm: Arm, limits: JointLimits) -> Arm:
@@ -166,11 +172,15 @@ def as_segments(
 class Timed:
     """A stretch in time: breakpoints (m + 1,) [s] from 0, coefficients, and when each of its legs ends [s]."""
 
-    first: int
-    last: int
+    stretch: Stretch
     breakpoints: Array
     coefficients: Array
     ends: Array
+
+    @property
+    def duration(self) -> float:
+        """Length in time [s]."""
+        return float(self.breakpoints[-1])
 
 
 def _fastest(arm: Arm, run: list[Leg], limits: JointLimits, kind: str) -> list[Timed]:
@@ -185,66 +195,59 @@ def _fastest(arm: Arm, run: list[Leg], limits: JointLimits, kind: str) -> list[T
         return rounded
     stopped = [timed([leg]) for leg in run]
     known = np.concatenate([[0.0], rounded[0].ends])
-    alone = np.array([stretch.breakpoints[-1] for stretch in stopped])
+    alone = np.array([stretch.duration for stretch in stopped])
     slow = np.flatnonzero(known[2:] - known[:-2] > alone[1:] + alone[:-1]) + 1
     options = [rounded, stopped]
     if 0 < len(slow) < len(run) - 1:
         cuts = [0, *slow.tolist(), len(run)]
         options.append([timed(run[i:j]) for i, j in pairwise(cuts)])
-    return min(options, key=lambda option: sum(float(stretch.breakpoints[-1]) for stretch in option))
+    return min(options, key=lambda option: sum(stretch.duration for stretch in option))
 
 
 def _timed(stretch: Stretch, bounds: PathBounds, kind: str) -> Timed:
-    path = stretch.path
+    path, straight = stretch.path, stretch.path.coefficients.shape[:2] == (2, 1)
     if path.length == 0.0:
-        return Timed(stretch.first, stretch.last, np.zeros(2), path.coefficients, np.zeros(1))
-    if kind == "s_curve" and stretch.ceiling is None and len(path.coefficients) == 2 and len(path.breakpoints) == 2:
+        return Timed(stretch, np.zeros(2), path.coefficients, np.zeros(1))
+    if kind == "s_curve" and stretch.ceiling is None and straight:
         breakpoints, coefficients = double_s(path.start, path.end, bounds)
-        return Timed(stretch.first, stretch.last, breakpoints, coefficients, breakpoints[-1:])
+        return Timed(stretch, breakpoints, coefficients, breakpoints[-1:])
     law = LAWS[kind](path, bounds)
     known = np.append(law.coefficients[-1], path.length)
-    ends = np.interp(stretch.ends, known, law.breakpoints)
-    return Timed(stretch.first, stretch.last, *law.along(path), ends)
+    return Timed(stretch, *law.along(path), np.interp(stretch.ends, known, law.breakpoints))
 
 
 def _assembled(arm: Arm, origin: Array, legs: list[Leg], timed: list[Timed]) -> Trajectory:
     """One trajectory of all stretches and dwells."""
-    times, waypoints, labels = [0.0], [origin], []
-    steps, pieces, at = [], [], 0.0
-    for stretch in timed:
-        for leg, end in zip(legs[stretch.first : stretch.last + 1], stretch.ends, strict=True):
+    times, labels, steps, pieces, at = [0.0], [], [], [], 0.0
+    for each in timed:
+        for leg, end in zip(legs[each.stretch.first : each.stretch.last + 1], each.ends.tolist(), strict=True):
             segment = leg.segment
-            dwell = segment.seconds if isinstance(segment, Dwell) else 0.0
             if segment.label:
-                labels.append((at + float(end), segment.label))
+                labels.append((at + end, segment.label))
+            dwell = segment.seconds if isinstance(segment, Dwell) else 0.0  # alone in its stretch, which takes no time
             if dwell:
                 steps.append(np.array([dwell]))
                 pieces.append(leg.end[None, None])
-            times.append(at + float(end) + dwell)
-            waypoints.append(leg.end)
-        if stretch.breakpoints[-1] > 0.0:
-            steps.append(np.diff(stretch.breakpoints))
-            pieces.append(stretch.coefficients)
-        at += float(stretch.breakpoints[-1]) + (dwell if stretch.breakpoints[-1] == 0.0 else 0.0)
+            times.append(at + end + dwell)
+        if each.duration:
+            steps.append(np.diff(each.breakpoints))
+            pieces.append(each.coefficients)
+        at += each.duration + dwell
     if not steps:
         steps, pieces = [np.zeros(1)], [origin[None, None]]
-    degree = max(map(len, pieces))
-    coefficients = np.concatenate([np.pad(each, ((degree - len(each), 0), (0, 0), (0, 0))) for each in pieces], axis=1)
+    coefficients = side_by_side(pieces)
     breakpoints = np.concatenate([[0.0], np.cumsum(np.concatenate(steps))])
     when = np.minimum(times, breakpoints[-1])
+    through = np.array([origin, *(leg.end for leg in legs)])
+    rounded = np.array([False, *(isinstance(leg.segment, Move) and leg.segment.blend > 0.0 for leg in legs)])
     motion = Trajectory(
         arm.joint_names,
         arm.units,
-        np.array(waypoints),
+        through,
         when,
         breakpoints,
         coefficients,
         arm.actuators,
         tuple((min(t, float(breakpoints[-1])), text) for t, text in labels),
     )
-    return replace(motion, waypoints=np.where(_rounded(legs)[:, None], motion(when), motion.waypoints))
-
-
-def _rounded(legs: list[Leg]) -> Array:
-    """Which waypoints (k,) a motion does not pass but rounds."""
-    return np.array([False] + [isinstance(leg.segment, Move) and leg.segment.blend > 0.0 for leg in legs])
+    return replace(motion, waypoints=np.where(rounded[:, None], motion(when), through))

@@ -6,6 +6,7 @@ layout of SciPy's `PPoly`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from math import comb
 
@@ -40,6 +41,12 @@ def stretched(coefficients: Array, factor: float) -> Array:
     powers = np.arange(len(coefficients) - 1, -1, -1.0)
     slower: Array = coefficients * (1.0 / factor) ** powers[:, None, None]
     return slower
+
+
+def side_by_side(pieces: Sequence[Array]) -> Array:
+    """Coefficients of all these pieces, one after the other, of the highest degree among them."""
+    degree = max(map(len, pieces))
+    return np.concatenate([np.pad(each, ((degree - len(each), 0), (0, 0), (0, 0))) for each in pieces], axis=1)
 
 
 def composed(outer: Array, inner: Array) -> Array:

@@ -96,8 +96,27 @@ class JointMove(Move):
         object.__setattr__(self, "to", as_goal(self.to))
 
 
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class _CurveMove(Move):
+    """A move along a curve, to a goal or as far as it says itself; `constrain`: what of the pose is kept then."""
+
+    constrain: Constrained | None = None
+
+    def _check_way(self, name: str, size: int, way: str) -> None:
+        """Check the goal, or else the attribute of that name (size,) which stands in its place."""
+        goal, given = getattr(self, "to", None), getattr(self, name)
+        if (goal is None) == (given is None):
+            raise InputError(f"a {type(self).__name__} needs a goal, or {way}")
+        if given is None:
+            object.__setattr__(self, "to", as_goal(goal))
+        else:
+            object.__setattr__(self, name, _one(given, name, size))
+        if self.constrain is not None:
+            require_choice(self.constrain, CONSTRAINED, "constrain")
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class LineMove(Move):
+class LineMove(_CurveMove):
     """The tool's origin along a straight line, its rotation about one fixed axis (slerp), both in proportion.
 
     What the target leaves free is left free on the way: to a `Position` the rotation, to an `Approach` the turn about
@@ -111,18 +130,11 @@ class LineMove(Move):
     to: Goal | None
     offset: Array | None = field(default=None, kw_only=True)
     frame: str = field(default="tool", kw_only=True)
-    constrain: Constrained | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if (self.to is None) == (self.offset is None):
-            raise InputError("a LineMove needs a goal, or LineMove.by(offset)")
-        if self.offset is None:
-            object.__setattr__(self, "to", as_goal(self.to))
-            return
-        object.__setattr__(self, "offset", _one(self.offset, "offset"))
+        self._check_way("offset", 3, "LineMove.by(offset)")
         require_choice(self.frame, ("tool", "base"), "frame")
-        _check_constrained(self.constrain)
 
     @classmethod
     def by(cls, offset: Row, *, frame: str = "tool", constrain: Constrained | None = None, **options: Any) -> LineMove:
@@ -134,21 +146,15 @@ class LineMove(Move):
         Args:
             offset: From the start to the end (3,) [m].
             frame: Whose axes: "tool" or "base".
-            constrain: What of the pose is kept: "pose", "approach" or "position"; None: the pose, and by arms of fewer
-                than six joints the first of the three that they can.
-            **options: As for every move: blend, speed, tool_speed, turn_speed, position_tol, orientation_tol, label.
-
-        Returns:
-            The `LineMove`.
-
-        Raises:
-            InputError: An argument cannot be used.
+            constrain: What of the pose is kept: "pose", "approach" (all but turning about the tool axis) or "position";
+                None: the pose, and by arms of fewer than six joints the first of the three that they can.
+            **options: Those of every `Move`: blend, speed and so on.
         """
         return cls(None, offset=_one(offset, "offset"), frame=frame, constrain=constrain, **options)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ScrewMove(Move):
+class ScrewMove(_CurveMove):
     """The tool along one screw, g(s) = exp(s ξ̂) g0, s from 0 to 1 (MLS §2.3.3, Chasles' theorem).
 
     To a goal, ξ = log(g1 g0⁻¹), the one screw of at most half a turn that leads there.
@@ -158,17 +164,10 @@ class ScrewMove(Move):
 
     to: Goal | None
     twist: Array | None = field(default=None, kw_only=True)
-    constrain: Constrained | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if (self.to is None) == (self.twist is None):
-            raise InputError("a ScrewMove needs a goal, or ScrewMove.about(axis, point, angle)")
-        if self.twist is None:
-            object.__setattr__(self, "to", as_goal(self.to))
-            return
-        object.__setattr__(self, "twist", _one(self.twist, "twist", 6))
-        _check_constrained(self.constrain)
+        self._check_way("twist", 6, "ScrewMove.about(axis, point, angle)")
 
     @classmethod
     def about(
@@ -190,15 +189,8 @@ class ScrewMove(Move):
             point: A point on it (3,) [m].
             angle: How far to turn [rad], by the right-hand rule.
             pitch: Advance along the axis per angle [m/rad].
-            constrain: What of the pose is followed: "pose", "approach" (all but turning about the tool axis) or
-                "position"; None: the pose, and by arms of fewer than six joints the first of the three that they can.
-            **options: As for every move: blend, speed, tool_speed, turn_speed, position_tol, orientation_tol, label.
-
-        Returns:
-            The `ScrewMove`.
-
-        Raises:
-            InputError: An argument cannot be used.
+            constrain: As for `LineMove.by`.
+            **options: Those of every `Move`: blend, speed and so on.
         """
         w, q = _axis(axis), _one(point, "point")
         v = np.cross(q, w) + as_number(pitch, "pitch") * w
@@ -206,7 +198,7 @@ class ScrewMove(Move):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ArcMove(Move):
+class ArcMove(_CurveMove):
     """The tool's origin along the circular arc from where it is through `via` to the goal, rotation by slerp.
 
     `via` (3,) [m] in base axes, or a target of which the position counts. The three points must not lie on a line, nor
@@ -220,19 +212,15 @@ class ArcMove(Move):
     to: Goal | None
     twist: Array | None = field(default=None, kw_only=True)
     turn: bool = field(default=True, kw_only=True)
-    constrain: Constrained | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.twist is None and (self.to is None or self.via is None):
+            raise InputError("an ArcMove needs via and a goal, or ArcMove.about(axis, centre, angle)")
+        self._check_way("twist", 6, "ArcMove.about(axis, centre, angle)")
         if self.twist is None:
-            if self.to is None or self.via is None:
-                raise InputError("an ArcMove needs via and a goal, or ArcMove.about(axis, centre, angle)")
-            object.__setattr__(self, "to", as_goal(self.to))
             object.__setattr__(self, "via", frozen(_point(self.via)))
-            return
-        object.__setattr__(self, "twist", _one(self.twist, "twist", 6))
         as_flag(self.turn, "turn")
-        _check_constrained(self.constrain)
 
     @classmethod
     def about(
@@ -252,15 +240,8 @@ class ArcMove(Move):
             centre: A point on it (3,) [m].
             angle: How far [rad], by the right-hand rule; several turns too.
             turn: Whether the tool turns with the arc, as a hand on a door's handle does, or keeps its rotation.
-            constrain: What of the pose is followed: "pose", "approach" (all but turning about the tool axis) or
-                "position"; None: the pose, and by arms of fewer than six joints the first of the three that they can.
-            **options: As for every move: blend, speed, tool_speed, turn_speed, position_tol, orientation_tol, label.
-
-        Returns:
-            The `ArcMove`.
-
-        Raises:
-            InputError: An argument cannot be used.
+            constrain: As for `LineMove.by`.
+            **options: Those of every `Move`: blend, speed and so on.
         """
         w, q = _axis(axis), _one(centre, "centre")
         twist = as_number(angle, "angle") * np.concatenate([np.cross(q, w), w])
@@ -288,11 +269,6 @@ SEGMENTS = (JointMove, LineMove, ScrewMove, ArcMove, Dwell)
 def place(i: int, segment: Segment) -> str:
     """`segment 2 (LineMove)`: the segment at index 1, as people count."""
     return f"segment {i + 1} ({type(segment).__name__})"
-
-
-def _check_constrained(value: Any) -> None:
-    if value is not None:
-        require_choice(value, CONSTRAINED, "constrain")
 
 
 def as_goal(value: Any) -> Goal:

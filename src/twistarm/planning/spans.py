@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ..support.errors import InputError
+
 Progress = Callable[[float], object]
 """Called with the fraction done, in (0, 1]."""
 
@@ -12,3 +14,12 @@ MARGIN = 1e-10
 
 SHORTEST, LONGEST = 1e-9, 1e9
 """Lengths [s] of motions whose coefficients keep clear of overflow."""
+
+
+def require_span(duration: float) -> None:
+    """Raise InputError where a motion of this duration [s] is too short or too long to be planned."""
+    if not SHORTEST <= duration <= LONGEST:
+        raise InputError(
+            f"this path and these limits make a motion of {duration:.3g} s; {SHORTEST:g} s to {LONGEST:g} s can be "
+            "planned: check the units of both"
+        )

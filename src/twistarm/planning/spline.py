@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..support.checks import Array
-from ..support.errors import missing_extra
 from .hermite import through
+from .optional import scipy
 
 
 def cubic(waypoints: Array, times: Array) -> Array:
@@ -17,21 +17,13 @@ def cubic(waypoints: Array, times: Array) -> Array:
 
     Acceleration is continuous inside and starts and ends with a step. Lynch & Park §9.3 (via points).
     """
-    try:
-        from scipy.interpolate import CubicSpline
-    except ImportError as error:
-        raise missing_extra("planning", "SciPy", "plan") from error
-    return np.asarray(CubicSpline(times, waypoints, bc_type="clamped").c)
+    return np.asarray(scipy("interpolate").CubicSpline(times, waypoints, bc_type="clamped").c)
 
 
 def natural(waypoints: Array, times: Array) -> Array:
     """The C² cubic spline without second derivatives at both ends, (4, k − 1, n)."""
-    try:
-        from scipy.interpolate import CubicSpline
-    except ImportError as error:
-        raise missing_extra("planning", "SciPy", "plan") from error
     # From the first waypoint on: a joint that does not move then stays free of rounding.
-    coefficients = CubicSpline(times, waypoints - waypoints[0], bc_type="natural").c.copy()
+    coefficients = scipy("interpolate").CubicSpline(times, waypoints - waypoints[0], bc_type="natural").c.copy()
     coefficients[-1] += waypoints[0]
     return np.asarray(coefficients)
 
@@ -42,15 +34,12 @@ def quintic(waypoints: Array, times: Array) -> Array:
     Of all paths through the waypoints at these times it has the least ∫ jerk² dt. The unknowns are velocity and
     acceleration at each inner waypoint; that jerk and snap are continuous there is a banded system of equations.
     """
-    try:
-        from scipy.linalg import solve_banded
-    except ImportError as error:
-        raise missing_extra("planning", "SciPy", "plan") from error
     rates = np.zeros((2, *waypoints.shape))
     inner = len(waypoints) - 2
     if inner > 0:
         bands, given = _jerk_and_snap(np.diff(waypoints, axis=0), np.diff(times))
-        solved = solve_banded((3, 3), bands, given, overwrite_ab=True, overwrite_b=True, check_finite=False)
+        solve = scipy("linalg").solve_banded
+        solved = solve((3, 3), bands, given, overwrite_ab=True, overwrite_b=True, check_finite=False)
         rates[:, 1:-1] = solved.reshape(inner, 2, -1).swapaxes(0, 1)
     return through(times, waypoints, *rates)
 

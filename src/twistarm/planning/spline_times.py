@@ -14,8 +14,8 @@ import numpy as np
 from ..arm import engine
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, frozen
-from ..support.errors import missing_extra
 from .hermite import through
+from .optional import scipy
 from .piecewise import derivative, evaluate
 
 LOOKS = 17
@@ -40,10 +40,7 @@ def shortest_spline(way: Array, degree: int, rates: JointLimits, durations: Arra
 
 def in_numpy(way: Array, degree: int, limits: tuple[Array, ...], durations: Array) -> Array:
     """The same search, by SciPy."""
-    try:
-        from scipy.optimize import minimize
-    except ImportError as error:
-        raise missing_extra("planning", "SciPy", "plan") from error
+    minimize = scipy("optimize").minimize
     x, least = np.log(durations), (np.inf, np.log(durations))
     for power in NORMS:
 
@@ -109,9 +106,8 @@ def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power
 
 def solved(bands: Array, right: Array) -> Array:
     """The unknowns (N, r) of a positive definite system, in SciPy's upper form (2 R, N), and right sides (N, r)."""
-    from scipy.linalg import cho_solve_banded, cholesky_banded
-
-    return np.asarray(cho_solve_banded((cholesky_banded(bands), False), right)) if right.size else right
+    linalg = scipy("linalg")
+    return np.asarray(linalg.cho_solve_banded((linalg.cholesky_banded(bands), False), right)) if right.size else right
 
 
 @cache

@@ -7,12 +7,11 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from ..support.checks import Array
-from ..support.errors import InputError
 from . import spline
 from .joint_path import JointPath
 from .piecewise import derivative, evaluate, stretched
 from .pulling_in import pulled_in
-from .spans import LONGEST, MARGIN, SHORTEST, Progress
+from .spans import MARGIN, Progress, require_span
 from .spline_times import shortest_spline
 from .time_laws.bounds import PathBounds
 from .time_laws.jerk_limited import fastest_passes
@@ -42,8 +41,8 @@ FEW = 60
 MOST_KNOTS = 1000
 """Of the spline along which a motion with jerk limits begins."""
 
-NEWTON, SLOW = 8, 1e-6
-"""Steps to when a law comes to a place, and the least share of its mean rate that they count on."""
+INSTANTS = 20_001
+"""At which it is looked at for when it comes to the waypoints."""
 
 EASING, EASED_LOOKS = 3.0, 4
 """Segments over which a quintic's first times are averaged, and instants looked at for each."""
@@ -103,7 +102,9 @@ def _inside_jerk(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
         return most[0], most[1]
 
     for s, t in fastest_passes(path, bounds, excess, smooth_ends=degree == 5):
-        tried.append(_reached(fit, t, s, way))
+        instants = np.linspace(0.0, t[-1], INSTANTS)
+        law = JointPath(t, fit(s[:, None], t))
+        tried.append(np.interp(way, np.maximum.accumulate(law(instants)[:, 0]), instants))
     return min(tried, key=lambda times: _needed(fit, waypoints, times, bounds))
 
 
@@ -114,19 +115,6 @@ def _largest_rates(rows: Array, durations: Array, bounds: PathBounds) -> list[Ar
         np.max(np.abs(evaluate(derivative(rows, order), tau)) / limit, axis=(0, 2))
         for order, limit in ((2, bounds.rates.acceleration), (3, bounds.rates.jerk))
     ]
-
-
-def _reached(fit: Fit, t: Array, s: Array, places: Array) -> Array:
-    """When a law through s (m,) at t (m,) comes to these places."""
-    law = JointPath(t, fit(s[:, None], t))
-    piece = np.clip(np.searchsorted(s, places, side="right") - 1, 0, len(s) - 2)
-    low, high, gap = t[piece], t[piece + 1], np.maximum(np.diff(s)[piece], np.finfo(np.float64).tiny)
-    times: Array = low + (high - low) * np.clip((places - s[piece]) / gap, 0.0, 1.0)
-    for _ in range(NEWTON):
-        rate = np.maximum(law(times, 1)[:, 0], SLOW * float(s[-1] / t[-1]))
-        times = np.clip(times - (law(times)[:, 0] - places) / rate, low, high)
-    times[0], times[-1] = 0.0, t[-1]
-    return times
 
 
 def _eased(times: Array) -> Array:
@@ -241,9 +229,5 @@ def _line_limits(waypoints: Array, bounds: PathBounds) -> tuple[Array, Array]:
 def _accumulated(durations: Array) -> Array:
     """Times (k,) from the durations between them, none of which is left a rounding of the whole."""
     total = float(durations.sum())
-    if not SHORTEST <= total <= LONGEST:
-        raise InputError(
-            f"these waypoints and limits make a motion of {total:.3g} s; {SHORTEST:g} s to {LONGEST:g} s can be "
-            "planned: check the units of both"
-        )
+    require_span(total)
     return np.concatenate([[0.0], np.cumsum(np.maximum(durations, LEAST_PART * total))])

@@ -260,8 +260,12 @@ class Trajectory:
 
 
 def _as_labels(labels: Iterable[tuple[float, str]], duration: float) -> tuple[tuple[float, str], ...]:
+    try:
+        pairs = [(time, text) for time, text in labels]
+    except (TypeError, ValueError) as error:
+        raise InputError(f"labels must be pairs such as (1.5, 'close gripper'); got {shown(labels)}") from error
     checked, earliest = [], 0.0
-    for time, text in _pairs(labels):
+    for time, text in pairs:
         at = as_number(time, "the time of a label")
         if not earliest <= at <= duration:
             allowed = f"must not decrease and lie within [0, {duration:g}] s"
@@ -271,13 +275,6 @@ def _as_labels(labels: Iterable[tuple[float, str]], duration: float) -> tuple[tu
         checked.append((at, text))
         earliest = at
     return tuple(checked)
-
-
-def _pairs(labels: Iterable[tuple[float, str]]) -> list[tuple[float, str]]:
-    try:
-        return [(time, text) for time, text in labels]
-    except (TypeError, ValueError) as error:
-        raise InputError(f"labels must be pairs such as (1.5, 'close gripper'); got {shown(labels)}") from error
 
 
 def _check_order(order: int) -> None:

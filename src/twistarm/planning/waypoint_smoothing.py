@@ -7,7 +7,7 @@ from math import comb
 import numpy as np
 
 from ..support.checks import Array
-from ..support.errors import missing_extra
+from .optional import scipy
 
 ORDER = 3
 """Of the differences that are made small: those of a path of constant curvature are 0."""
@@ -38,10 +38,7 @@ def smoothed(points: Array, tolerance: Array) -> Array:
 
 def _column(y: Array, tolerance: Array) -> Array:
     """One joint's values (k,): u = (z − y) / tolerance makes weight/2 Σ (Δ³z)² − Σ log(1 − u²) least."""
-    try:
-        from scipy.linalg import solveh_banded
-    except ImportError as error:
-        raise missing_extra("planning", "SciPy", "plan") from error
+    solve = scipy("linalg").solveh_banded
     rough = float((np.diff(y, ORDER) ** 2).sum())
     if rough == 0.0:
         return y
@@ -52,7 +49,7 @@ def _column(y: Array, tolerance: Array) -> Array:
             matrix = weight * bands
             matrix[-1] += 2.0 * (1.0 + u**2) / (1.0 - u**2) ** 2
             matrix[-1, [0, -1]] += PINNED * matrix[-1].max()
-            step = -solveh_banded(matrix, slope)
+            step = -solve(matrix, slope)
             step[[0, -1]] = 0.0
             with np.errstate(divide="ignore"):
                 room = float(np.min((1.0 - np.sign(step) * u) / np.abs(step)))

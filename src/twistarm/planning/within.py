@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 
 import numpy as np
@@ -31,23 +31,19 @@ def stretch_needed(coefficients: Array, durations: Array, limits: JointLimits) -
     A motion `f` times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """
     worst = np.zeros(len(durations))
-    for order, rate in enumerate(RATES, 1):
-        limit = getattr(limits, rate)
-        if np.isfinite(limit).any():
-            _, values = extremes(derivative(coefficients, order), durations)
-            ratio = (np.abs(values).max(0) / limit).max(-1)
-            worst = np.maximum(worst, ratio ** (1.0 / order))
+    for order, limit in _limited(limits):
+        _, values = extremes(derivative(coefficients, order), durations)
+        worst = np.maximum(worst, (np.abs(values).max(0) / limit).max(-1) ** (1.0 / order))
     return worst
 
 
 def slowed_by(coefficients: Array, durations: Array, limits: JointLimits) -> float:
     """The largest `stretch_needed` of all segments, to 1e-10, of which only those near it are looked at closely."""
-    worst = 0.0
-    for order, rate in enumerate(RATES, 1):
-        limit = getattr(limits, rate)
-        if np.isfinite(limit).any():
-            worst = max(worst, largest(derivative(coefficients, order) / limit, durations) ** (1.0 / order))
-    return worst
+    used = (
+        largest(derivative(coefficients, order) / limit, durations) ** (1.0 / order)
+        for order, limit in _limited(limits)
+    )
+    return max(used, default=0.0)
 
 
 def stretch_sampled(coefficients: Array, durations: Array, limits: JointLimits) -> Array:
@@ -55,12 +51,18 @@ def stretch_sampled(coefficients: Array, durations: Array, limits: JointLimits) 
     degree = len(coefficients) - 1
     unit = coefficients * (durations ** np.arange(degree, -1, -1.0)[:, None])[:, :, None]
     worst = np.zeros(len(durations))
-    for order, rate in enumerate(RATES, 1):
-        limit = getattr(limits, rate)
-        if np.isfinite(limit).any():
-            values = np.abs(np.tensordot(_samplers(degree, order), unit, 1)).max(0)
-            worst = np.maximum(worst, (values / limit).max(-1) ** (1.0 / order) / durations)
+    for order, limit in _limited(limits):
+        values = np.abs(np.tensordot(_samplers(degree, order), unit, 1)).max(0)
+        worst = np.maximum(worst, (values / limit).max(-1) ** (1.0 / order) / durations)
     return worst
+
+
+def _limited(limits: JointLimits) -> Iterator[tuple[int, Array]]:
+    """Order and limit (n,) of each rate of which any joint has a limit."""
+    for order, rate in enumerate(RATES, 1):
+        limit: Array = getattr(limits, rate)
+        if np.isfinite(limit).any():
+            yield order, limit
 
 
 @cache
@@ -83,7 +85,17 @@ def require_within(trajectory: Trajectory, limits: JointLimits, advice: str = "p
     `advice` is what the caller tells a user to do against an excursion beyond a position limit: no planned motion has
     one, a motion of another arm or of somebody else's may.
     """
-    _require_positions(trajectory, limits, advice)
+    tau, values = extremes(trajectory.coefficients, np.diff(trajectory.breakpoints))
+    beyond = np.maximum(limits.lower - values, values - limits.upper)
+    c, s, j = np.unravel_index(np.argmax(beyond), beyond.shape)
+    if beyond[c, s, j] > POSITION_TOL:
+        side, unit = "lower" if values[c, s, j] < limits.lower[j] else "upper", trajectory.units[j]
+        time = trajectory.breakpoints[s] + tau[c, s, j]
+        raise LimitError(
+            f"between its waypoints joint {trajectory.joint_names[j]!r} would swing to "
+            f"{quantity(values[c, s, j], unit)} at t = {time:.4g} s, {quantity(beyond[c, s, j], unit)} beyond its "
+            f"{side} limit {quantity(getattr(limits, side)[j], unit)}: {advice}"
+        )
     require_rates(trajectory, limits)
 
 
@@ -92,8 +104,20 @@ def require_rates(trajectory: Trajectory, limits: JointLimits, moved: str = "joi
 
     `moved` says what it moves: a `Trajectory.of_motors` moves motors.
     """
-    for order, rate in enumerate(RATES, 1):
-        _require_rate(trajectory, order, rate, limits, moved)
+    durations = np.diff(trajectory.breakpoints)
+    for order, limit in _limited(limits):
+        tau, values = extremes(derivative(trajectory.coefficients, order), durations)
+        ratio = np.abs(values) / limit
+        c, s, j = np.unravel_index(np.argmax(ratio), ratio.shape)
+        if ratio[c, s, j] <= 1.0 + RATE_TOL:
+            continue
+        unit, time = trajectory.units[j] + RATE_UNITS[order], trajectory.breakpoints[s] + tau[c, s, j]
+        factor = stretch_needed(trajectory.coefficients, durations, limits).max()
+        raise LimitError(
+            f"{moved} {trajectory.joint_names[j]!r} would need {quantity(abs(values[c, s, j]), unit)} at "
+            f"t = {time:.4g} s; its {RATES[order - 1]} limit is {quantity(limit[j], unit)}: multiply times by "
+            f"{factor * (1 + 5e-4):.4g}, or leave times out"
+        )
 
 
 def require_waypoints(
@@ -110,36 +134,4 @@ def require_waypoints(
         f"{what or f'waypoint {i} (counted from 0)'} puts joint {names[j]!r} at {quantity(waypoints[i, j], unit)}, "
         f"{quantity(beyond[i, j], unit)} beyond its {side} limit {quantity(getattr(limits, side)[j], unit)}: "
         f"move the waypoint, or change the limit by {argument('limits')}" + (f" ({hint})" if hint else "")
-    )
-
-
-def _require_positions(trajectory: Trajectory, limits: JointLimits, advice: str) -> None:
-    tau, values = extremes(trajectory.coefficients, np.diff(trajectory.breakpoints))
-    beyond = np.maximum(limits.lower - values, values - limits.upper)
-    c, s, j = np.unravel_index(np.argmax(beyond), beyond.shape)
-    if beyond[c, s, j] <= POSITION_TOL:
-        return
-    side, unit = "lower" if values[c, s, j] < limits.lower[j] else "upper", trajectory.units[j]
-    time = trajectory.breakpoints[s] + tau[c, s, j]
-    raise LimitError(
-        f"between its waypoints joint {trajectory.joint_names[j]!r} would swing to {quantity(values[c, s, j], unit)} "
-        f"at t = {time:.4g} s, {quantity(beyond[c, s, j], unit)} beyond its {side} limit "
-        f"{quantity(getattr(limits, side)[j], unit)}: {advice}"
-    )
-
-
-def _require_rate(trajectory: Trajectory, order: int, rate: str, limits: JointLimits, moved: str) -> None:
-    limit = getattr(limits, rate)
-    durations = np.diff(trajectory.breakpoints)
-    tau, values = extremes(derivative(trajectory.coefficients, order), durations)
-    ratio = np.abs(values) / limit
-    c, s, j = np.unravel_index(np.argmax(ratio), ratio.shape)
-    if ratio[c, s, j] <= 1.0 + RATE_TOL:
-        return
-    unit, time = trajectory.units[j] + RATE_UNITS[order], trajectory.breakpoints[s] + tau[c, s, j]
-    factor = stretch_needed(trajectory.coefficients, durations, limits).max()
-    raise LimitError(
-        f"{moved} {trajectory.joint_names[j]!r} would need {quantity(abs(values[c, s, j]), unit)} at t = {time:.4g} s; "
-        f"its {rate} limit is {quantity(limit[j], unit)}: multiply times by {factor * (1 + 5e-4):.4g}, "
-        "or leave times out"
     )

@@ -21,7 +21,7 @@ def deviation_bend(arm: Arm, moving: MovingTarget, path: JointPath) -> Array:
     """
     motion = ToolDerivatives.along(arm, path)
     curve, w = moving.curve, moving.angle
-    position = motion.acceleration + curve.bend[0]
+    position = motion.acceleration + curve.bend
     if isinstance(moving.like, Task) and moving.like.frame == "target":
         apart = motion.velocity + curve.length
         offset = np.linalg.norm(arm.fk(path(path.breakpoints))[:, :3, 3] - curve(path.breakpoints)[:, :3, 3], axis=1)

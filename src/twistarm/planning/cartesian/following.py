@@ -12,6 +12,7 @@ from ...arm.arm import Arm
 from ...support.checks import Array
 from ..bernstein import bernstein
 from ..joint_path import JointPath
+from ..optional import scipy
 from ..piecewise import extremes
 from ..tolerances import leeway
 from ..within import POSITION_TOL as ROUNDING
@@ -109,13 +110,10 @@ def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
 
 def spline(s: Array, theta: Array) -> JointPath:
     """The C² cubic spline through theta (k, n) at s (k,), with the third derivative continuous next to the ends."""
-    from scipy.interpolate import CubicSpline
-
-    return JointPath(s, np.asarray(CubicSpline(s, theta - theta[0], bc_type="not-a-knot").c) + _constant(theta[0]))
-
-
-def _constant(theta: Array) -> Array:
-    return np.stack([np.zeros_like(theta)] * 3 + [theta])[:, None]
+    # From the first sample on: a joint that does not move then stays free of rounding.
+    coefficients = np.array(scipy("interpolate").CubicSpline(s, theta - theta[0], bc_type="not-a-knot").c)
+    coefficients[-1] += theta[0]
+    return JointPath(s, coefficients)
 
 
 def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) -> Blocked:

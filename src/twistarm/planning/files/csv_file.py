@@ -10,7 +10,7 @@ import numpy as np
 from ...limits.actuators import Actuators
 from ...support.checks import Array, as_flag
 from ...support.csv_lines import csv_text as lines_of
-from .columns import LABEL, TIME, count_columns, joint_columns, motor_columns
+from .columns import COUNTS, JOINTS, LABEL, MOTORS, TIME, columns
 from .motor_values import motor_values, motors_of, require_motors
 
 if TYPE_CHECKING:
@@ -24,13 +24,13 @@ def csv_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = No
     """What `Trajectory.to_csv` writes."""
     t = _instants(trajectory, dt)
     tables = list(_tables(trajectory, t, motors_of(trajectory, actuators), as_flag(counts, "counts")))
-    columns = [TIME, *(name for groups, _ in tables for names in zip(*groups, strict=True) for name in names)]
+    header = [TIME, *(name for groups, _ in tables for names in zip(*groups, strict=True) for name in names)]
     values = [np.stack(rates, axis=-1).reshape(len(t), -1) for _, rates in tables]
     labels = _label_columns(trajectory, t)
     rows = [
         row + [column.get(i, "") for column in labels] for i, row in enumerate(np.column_stack([t, *values]).tolist())
     ]
-    return lines_of(columns + [LABEL] * len(labels), rows)
+    return lines_of(header + [LABEL] * len(labels), rows)
 
 
 def _tables(
@@ -40,11 +40,12 @@ def _tables(
     if counts:
         motors = require_motors(motors)
     else:
-        names = joint_columns(trajectory.joint_names, trajectory.units)
+        names = columns(JOINTS, trajectory.joint_names, trajectory.units)
         yield names, [trajectory(t, order) for order in range(len(names))]
     if motors is not None:
-        first = 2 if counts else 0
-        yield [*motor_columns(motors), *count_columns(motors)][first:], motor_values(trajectory, motors, t)[first:]
+        names, first = columns(COUNTS, motors.names, motors.units), 2 if counts else 0
+        names = names if counts else [*columns(MOTORS, motors.names, motors.motor_units), *names]
+        yield names, motor_values(trajectory, motors, t)[first:]
 
 
 def _instants(trajectory: Trajectory, dt: float) -> Array:

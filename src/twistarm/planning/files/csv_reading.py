@@ -11,7 +11,7 @@ import numpy as np
 from ...arm.arm import Arm
 from ...support.csv_lines import Bounds, csv_lines, csv_rows, name_in
 from ...support.errors import InputError, closest, listed
-from .columns import LABEL, TIME, count_columns, joint_columns
+from .columns import COUNTS, JOINTS, LABEL, TIME, columns
 from .points import Points
 
 BOUNDS = Bounds(bytes=200_000_000, lines=500_000)
@@ -27,16 +27,16 @@ def read_csv(arm: Arm, path: Path) -> Points:
     rows = csv_rows(csv_lines(path, BOUNDS), file)
     header = [name_in(cell.strip()) for row in islice(rows, 1) for cell in row.cells]
     groups, counted = _groups(arm, header, file)
-    columns = [header.index(name) for name in (TIME, *(name for group in groups for name in group))]
+    places = [header.index(name) for name in (TIME, *(name for group in groups for name in group))]
     labelled = [k for k, name in enumerate(header) if name == LABEL]
     lines, values, labels = array("q"), array("d"), list[tuple[float, str]]()
     for row in rows:
-        values.extend(numbers := row.numbers(columns, len(header), file))
+        values.extend(numbers := row.numbers(places, len(header), file))
         lines.append(row.line)
         labels.extend((numbers[0], name_in(row.cells[k])) for k in labelled if row.cells[k])
         if len(values) > MOST_NUMBERS:
             raise InputError(f"{file} has more than {MOST_NUMBERS:,} numbers; split it, or record at a lower rate")
-    table = np.frombuffer(values).reshape(len(lines), len(columns))
+    table = np.frombuffer(values).reshape(len(lines), len(places))
     ends = np.cumsum([1, *map(len, groups)]).tolist()
     states = [table[:, start:end] for start, end in pairwise(ends)]
     if counted and arm.actuators is not None:
@@ -50,10 +50,12 @@ def _groups(arm: Arm, header: list[str], file: str) -> tuple[list[list[str]], bo
 
     InputError where neither the joints' nor the motors' are all there, each once.
     """
-    *needed, accelerations = joint_columns(arm.joint_names, arm.units)
+    *needed, accelerations = columns(JOINTS, arm.joint_names, arm.units)
     motors = arm.actuators
-    if motors is not None and not _is_there(needed, header) and _is_there(counts := count_columns(motors), header):
-        return counts, True
+    if motors is not None and not _is_there(needed, header):
+        counts = columns(COUNTS, motors.names, motors.units)
+        if _is_there(counts, header):
+            return counts, True
     for name in (TIME, *needed[0], *needed[1]):
         if header.count(name) != 1:
             others = [each for each in header if each not in (*needed[0], *needed[1])]

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...support.checks import Array
-from ...support.errors import missing_extra
 from ..joint_path import JointPath
+from ..optional import scipy
 from .bounds import PathBounds
 
 INTERVALS, LOOKS, ENDS = 300, 2000, 0.9
@@ -157,14 +157,11 @@ class _Problem:
 
     def centred(self, x: Array, weight: float) -> Array:
         """The least of `value`, by Newton's method with the convex part of its second derivatives, which are banded."""
-        try:
-            from scipy.linalg import solveh_banded
-        except ImportError as error:
-            raise missing_extra("planning", "SciPy", "plan") from error
+        solve = scipy("linalg").solveh_banded
         value = self.value(x, weight)
         for _ in range(STEPS):
             gradient, bands = self._derivatives(x, weight)
-            step = -solveh_banded(bands, gradient)
+            step = -solve(bands, gradient)
             decrement, part = -float(gradient @ step), 1.0
             for _ in range(HALVINGS):
                 moved = self.value(x + part * step, weight)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...support.checks import Array
-from ...support.errors import InputError
 from ..bernstein import largest
 from ..joint_path import JointPath
 from ..piecewise import derivative
-from ..spans import LONGEST, MARGIN, SHORTEST
+from ..spans import MARGIN, require_span
+from ..within import slowed_by
 from .bounds import PathBounds
 from .law import TimeLaw
 
@@ -19,25 +21,11 @@ def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array)
 
     A law f times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """
-    factor = _pace_needed(path, law, bounds, jerk) * (1.0 + MARGIN)
-    duration = law.duration * factor
-    if not SHORTEST <= duration <= LONGEST:
-        raise InputError(
-            f"this path and these limits make a motion of {duration:.3g} s; {SHORTEST:g} s to {LONGEST:g} s can be "
-            "planned: check the units of both"
-        )
-    slower = (1.0 / factor) ** np.arange(len(law.coefficients) - 1, -1, -1.0)[:, None]
-    return TimeLaw(law.breakpoints * factor, law.coefficients * slower)
-
-
-def _pace_needed(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array) -> float:
-    """By what factor the law must be slowed."""
     breakpoints, coefficients = law.along(path)
     steps = np.diff(breakpoints)
-    rows: Array = coefficients @ bounds.C.T
-    needed: list[float] = []
-    for order, limit in enumerate((bounds.velocity, bounds.acceleration, jerk), start=1):
-        needed.append(largest(derivative(rows, order) / limit, steps) ** (1.0 / order))
     speed = derivative(law.coefficients[:, :, None]) / bounds.ceiling_of(path)[law.pieces(path)][:, None]
-    needed.append(largest(speed, steps))
-    return max(needed)
+    rates = slowed_by(coefficients @ bounds.C.T, steps, replace(bounds.rates, jerk=jerk))
+    factor = max(rates, largest(speed, steps)) * (1.0 + MARGIN)
+    require_span(law.duration * factor)
+    slower = (1.0 / factor) ** np.arange(len(law.coefficients) - 1, -1, -1.0)[:, None]
+    return TimeLaw(law.breakpoints * factor, law.coefficients * slower)

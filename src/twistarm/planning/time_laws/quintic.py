@@ -23,7 +23,6 @@ def quintic(path: JointPath, bounds: PathBounds) -> TimeLaw:
     Velocity and acceleration are zero at both ends. The jerk is limited where a jerk limit was given. A path that
     stays where it is takes no time. Source: Lynch & Park, Modern Robotics, §9.2.2.1.
     """
-    bounds.require(path)
     if not path.moves:
         return TimeLaw.at_once()
     u = _reached(path.breakpoints / path.length)

@@ -11,7 +11,6 @@ from ...support.checks import Array
 from ..bernstein import bernstein
 from ..joint_path import JointPath
 from ..piecewise import derivative
-from ..spans import Progress
 from .bounds import PathBounds
 from .interval_limits import LimitedPath
 from .law import TimeLaw
@@ -46,27 +45,15 @@ GAIN = 5e-3
 """So many laws of ever lower ceilings are tried, as long as each is shorter than the one before by this part."""
 
 
-def s_curve(path: JointPath, bounds: PathBounds, progress: Progress | None = None) -> TimeLaw:
+def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     """A law of limited jerk, at rest and without acceleration at both ends, that keeps every limit everywhere.
 
     The time-optimal law's moving average has a jerk of at most its jumps of acceleration over the window's width.
     Several widths are tried. Where sharp bends then ask for more than the limits, ceilings of ṡ are lowered about them;
     the shortest of all these laws is slowed as a whole by what its exact extremes still ask. A joint or a motor without
     a jerk limit comes to its acceleration limit in 0.1 s. From rest to rest in a straight line `double_s` is shorter. A
-    path that stays where it is takes no time.
-
-    Args:
-        path: Where the motion goes.
-        bounds: The limits; each joint that moves needs one of its acceleration, or its motors do.
-        progress: Called with the fraction done, in (0, 1], or None.
-
-    Returns:
-        The law.
-
-    Raises:
-        InputError: As `time_optimal`.
+    path that stays where it is takes no time. Raises InputError as `time_optimal`.
     """
-    bounds.require(path)
     if not path.moves:
         return TimeLaw.at_once()
     fine, piece = path.in_pieces(path.length / PIECES)
@@ -80,13 +67,9 @@ def s_curve(path: JointPath, bounds: PathBounds, progress: Progress | None = Non
 
     narrow, first = tried(NARROW), tried(FIRST)
     best = _downhill(tried, NARROW, narrow) if narrow.duration() < first.duration() else _downhill(tried, FIRST, first)
-    if progress is not None:
-        progress(0.5)
     if best.factor.max() > CLOSE:
         tightened = [*search.tightened(search.slow_in_bends(narrow)), *search.tightened(best)]
         best = min((best, *tightened), key=_Tried.duration)
-    if progress is not None:
-        progress(1.0)
     return at_full_pace(fine, smoothed(best.fastest, best.window, fine), bounds, bounds.jerk)
 
 

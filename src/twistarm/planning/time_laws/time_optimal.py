@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...support.checks import Array
-from ...support.errors import InputError
 from ..joint_path import JointPath
-from ..spans import LONGEST, SHORTEST, Progress
+from ..spans import Progress, require_span
 from .bounds import PathBounds
 from .interval_limits import LimitedPath
 from .law import TimeLaw
@@ -42,20 +41,8 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
     points either (`interval_limits`). Intervals are halved where that gains time, until what is gained is below 0.1 %,
     or there are 5,000. Where the path turns, p' = 0, acceleration is limited by curvature alone, and where it does not
     move at all nothing is: both are ordinary. Jerk is not limited. A path that stays where it is takes no time.
-
-    Args:
-        path: Where the motion goes.
-        bounds: The limits; each joint that moves needs one of its acceleration, or its motors do.
-        progress: Called with the fraction done, in (0, 1], or None.
-
-    Returns:
-        The law.
-
-    Raises:
-        InputError: The limits do not fit the path, or are so far from it that the motion would take less than 1e-9 s
-            or more than 1e9 s.
+    Raises InputError where the motion would take less than 1e-9 s or more than 1e9 s.
     """
-    bounds.require(path)
     if not path.moves:
         return TimeLaw.at_once()
     limited, grid, shortest = LimitedPath.of(path, bounds), first_grid(path.breakpoints), np.inf
@@ -99,11 +86,7 @@ def _durations(grid: Array, x: Array) -> Array:
 
 
 def _law(grid: Array, profile: Profile, durations: Array) -> TimeLaw:
-    if not SHORTEST <= durations.sum() <= LONGEST:
-        raise InputError(
-            f"this path and these limits make a motion of {durations.sum():.3g} s; {SHORTEST:g} s to {LONGEST:g} s can "
-            "be planned: check the units of both"
-        )
+    require_span(float(durations.sum()))
     breakpoints = np.concatenate([[0.0], np.cumsum(durations)])
     coefficients = np.stack([0.25 * np.diff(profile.x) / np.diff(grid), np.sqrt(profile.x[:-1]), grid[:-1]])
     return TimeLaw(breakpoints, coefficients)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...ik.targets import Position
-from ...planning.cartesian.curves import Arc, Curve, Line, Screw
+from ...planning.cartesian.curves import Curve, arc, line, screw
 from ...planning.segments import ArcMove, JointMove, LineMove, ScrewMove, Segment
 from ...support.checks import Array
 from ...support.errors import InputError
@@ -77,5 +77,5 @@ def ideal_way(arm: Arm, poses: Sequence[RecordedPose]) -> list[list[float]]:
 def _curve(arm: Arm, start: RecordedPose, via: RecordedPose | None, end: RecordedPose) -> Curve:
     g0, g1 = arm.fk(start.theta), arm.fk(end.theta)
     if via is not None:
-        return Arc.through(g0, arm.fk(via.theta)[:3, 3], g1)
-    return Line(g0, g1) if end.by == "line" else Screw(g0, screws.log(g1 @ screws.inverse(g0)))
+        return arc(g0, arm.fk(via.theta)[:3, 3], g1)
+    return line(g0, g1) if end.by == "line" else screw(g0, screws.log(g1 @ screws.inverse(g0)))
