@@ -50,7 +50,10 @@ def test_rounded_axes_are_reported_and_all_their_answers_found(name, noise):
     assert max(missed(arm, g, each) for each in found) < 1e-9
 
 
-@pytest.mark.parametrize("name", ["parallel 3-4-5", "parallel 2-3-4", "spherical wrist", "six skew turns"])
+@pytest.mark.parametrize(
+    "name",
+    ["parallel 3-4-5", *(pytest.param(each, marks=pytest.mark.slow) for each in ("spherical wrist", "six skew turns"))],
+)
 def test_a_double_root_that_stands_on_its_limits_is_inside(name):
     """Where det J = 0 two configurations are one, known to half of the digits: its joints are drawn to their limits."""
     whole, rng = family_arm(name), np.random.default_rng(1)

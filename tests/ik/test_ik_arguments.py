@@ -25,7 +25,6 @@ from twistarm import (
     PathError,
     Pose,
     Position,
-    ScrewMove,
     Segment,
     Task,
     UnitsWarning,
@@ -121,9 +120,7 @@ def test_millimetres_and_degrees_are_told() -> None:
         np.testing.assert_allclose(turning.fk(np.array([0.3 + 6 * np.pi])), turning.fk([0.3]), atol=1e-12)
 
 
-@pytest.mark.parametrize(
-    "move", [LineMove(MILLIMETRES), LineMove.by([0.0, 0.0, 50.0]), ScrewMove(MILLIMETRES), JointMove(MILLIMETRES)]
-)
+@pytest.mark.parametrize("move", [LineMove.by([0.0, 0.0, 50.0]), JointMove(MILLIMETRES)])
 def test_a_move_in_millimetres_is_told(move: Segment) -> None:
     with pytest.raises((PathError, NotConvergedError), match="from the base looks like millimetres"):
         plan(ARM, move)

@@ -67,7 +67,7 @@ def test_every_solution_of_a_rounded_arm_is_one_but_for_rounding(tmp_path):
     """As many as the exact arm has, whose closed form says that these are all."""
     exact, arm = (load_arm(write(tmp_path, five_joints(k), f"arm{k}.urdf")) for k in (16, 4))
     axis, listed = exact.tool_axis, 0
-    for g in map(exact.fk, exact.random_theta(np.random.default_rng(6), 8)):
+    for g in map(exact.fk, exact.random_theta(np.random.default_rng(6), 4)):
         target = Approach(g[:3, 3], g[:3, :3] @ axis, axis)
         found = solve_ik_all(arm, target)
         for theta in found:
@@ -78,7 +78,7 @@ def test_every_solution_of_a_rounded_arm_is_one_but_for_rounding(tmp_path):
         assert len(found)
         assert not (found.rounded and found.complete)
         listed += len(found) == len(solve_ik_all(exact, target))
-    assert listed >= 7
+    assert listed >= 3
 
 
 def test_an_exact_arm_keeps_its_tolerance(tmp_path):
