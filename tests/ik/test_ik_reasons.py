@@ -282,7 +282,7 @@ CORNERS = [("z1", "Approach"), ("panda", "Pose"), ("so101", "Pose"), ("ur5", "Ap
 def test_corners_of_the_limits_are_met(name, kind):
     """Every joint at a bound, and most: the race alone misses one in a thousand of the six joints' approaches."""
     arm, rng = load(name), np.random.default_rng(10)
-    theta = at_some_limits(arm, rng, 2000)
+    theta = at_some_limits(arm, rng, 5000)
     bounds = np.array(arm.sampling_bounds)
     corner = bounds[rng.integers(2, size=theta.shape), np.arange(arm.n)]
     theta[::2] = corner[::2]

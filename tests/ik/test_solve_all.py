@@ -248,6 +248,7 @@ def test_arms_that_no_joint_makes_mobile_or_whose_axes_coincide():
     assert not len(solve_ik_all(twice, Position([0.1, 0.0, 0.0])))
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize(("count", "seconds"), [(6, 1e-9), (8, 0.3)])
 def test_time_is_kept(count, seconds):
     """Eight joints that turn, two of them sampled, take half a minute; what is found by then is exact."""
