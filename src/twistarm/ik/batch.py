@@ -131,13 +131,10 @@ def solve_ik_batch(
 ) -> IKBatch:
     """Inverse kinematics of N targets: poses (N, 4, 4), or a sequence of targets of any kinds.
 
-    `theta0` is one start for all (n,) or one for each (N, n), `posture` likewise; the other arguments are those of
-    `solve_ik`, and so is every verdict. The answer to a target depends on nothing but that target; it may be another
-    root than that of `solve_ik`, which races its searches to be done sooner, where this one takes the first search
-    that converges. `max_time` [s] is that of the whole batch. `threads` share the work, and change no answer;
-    `progress(done, count)` is called some twenty times a second. Ctrl-C ends it.
-
-    Raises InputError for what cannot be a target (which one), a start, a tolerance or a number of threads.
+    Arguments and verdicts are those of `solve_ik`. The answer to a target depends on nothing but that target; it may be
+    another root than that of `solve_ik`, which races its searches to be done sooner, where this one takes the first
+    search that converges. `threads` share the work, and change no answer; `progress(done, count)` is called some twenty
+    times a second. Ctrl-C ends it.
 
     Args:
         arm: The arm.
