@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -59,8 +58,7 @@ class Split(NamedTuple):
     prevented: float
 
 
-@dataclass(frozen=True, eq=False)
-class ApproachPlane:
+class ApproachPlane(NamedTuple):
     """The plane that holds the approach axis while the position is held.
 
     normal: unit vector (3,) in base axes; angle [rad] of the wanted approach out of the plane.
