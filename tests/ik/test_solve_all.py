@@ -208,6 +208,9 @@ def test_samples_that_all_miss_are_helped_by_a_search():
     arm = load("panda")
     for theta in arm.random_theta(5, 6):
         assert len(solve_ik_all(arm, Pose(pose_of(arm, theta)), samples=1))
+    swept = solve_ik_all(arm, Pose(pose_of(arm, arm.ready)), samples=1)
+    assert swept.starts == 2, "theta0's value, and one"
+    assert not swept.complete
 
 
 def test_a_slide_that_changes_places_across_a_given_joint():
