@@ -294,42 +294,6 @@ def outside_the_box(arm, rng):
     return g if moved > position + MARGIN or turned > angle + MARGIN else None
 
 
-def between_the_elbows(arm, rng):
-    """scara: the pose of a configuration outside its limits, of which the other solution is outside too.
-
-    p and the heading are met by (θ₁, θ₂) and by its mirror image (θ₁ + 2 atan2(l₂ sin θ₂, l₁ + l₂ cos θ₂), −θ₂) alone,
-    up to whole turns, of which none comes inside (the limits span less than one); MLS, example 3.1.
-    """
-    a, b = (np.linalg.norm(step[:3, 3]) for step in placements(arm)[1:3])
-    first, elbow = rng.uniform(-np.pi, np.pi), rng.uniform(0.1, 3.0) * rng.choice([-1, 1])
-    theta = np.array([first, elbow, rng.uniform(-2, 2), rng.uniform(arm.limits.lower[3], arm.limits.upper[3])])
-    mirrored = first + 2 * np.arctan2(b * np.sin(elbow), a + b * np.cos(elbow))
-    g = pinocchio_fk(arm, theta)
-    heading = first + elbow + theta[2]
-    other = np.array([mirrored, -elbow, heading - mirrored + elbow, theta[3]])
-    assert np.abs(pinocchio_fk(arm, other) - g).max() < 1e-9, "the other solution"
-    both = wrapped(np.array([[first, elbow], [mirrored, -elbow]]))
-    blocked = (np.abs(both) > arm.limits.upper[:2] + MARGIN).any(1).all()
-    return g if blocked else None
-
-
-def beyond_the_slide(arm, rng):
-    """stanford: the slide drawn out so far that all links in one line, the slide at its bound, are too short.
-
-    The distance from the first joint's origin is bounded by the links and the farther bound of the slide.
-    """
-    theta, slide = arm.random_theta(rng), int(np.flatnonzero(slides(arm))[0])
-    theta[slide] = arm.limits.upper[slide] + rng.uniform(0.3, 1.5)
-    g = pinocchio_fk(arm, theta)
-    bound = longest(arm) + max(abs(arm.limits.lower[slide]), abs(arm.limits.upper[slide]))
-    return g if np.linalg.norm(g[:3, 3] - placements(arm)[0][:3, 3]) > bound + MARGIN else None
-
-
-def wrapped(angle):
-    """The angle in [−π, π)."""
-    return (angle + np.pi) % (2 * np.pi) - np.pi
-
-
 # all of them --------------------------------------------------------------------------------------------------
 
 
@@ -355,8 +319,6 @@ CASES = (
     Case("out of reach", out_of_reach, StopReason.OUT_OF_REACH, tuple(name for name in EVERY if name != "stanford")),
     Case("impossible direction", impossible_direction, StopReason.IMPOSSIBLE_DIRECTION, SHORT),
     Case("outside the box", outside_the_box, StopReason.BLOCKED_BY_LIMITS, EVERY),
-    Case("between the elbows", between_the_elbows, StopReason.BLOCKED_BY_LIMITS, ("scara",)),
-    Case("beyond the slide", beyond_the_slide, StopReason.BLOCKED_BY_LIMITS, ("stanford",)),
 )
 
 

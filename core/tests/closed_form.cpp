@@ -57,7 +57,7 @@ template <class T> void test_second_harmonic(tests::generator& random, bool touc
 
 // -- arms ------------------------------------------------------------------------------------------------------------
 
-enum class kind_of_arm { wrist, shoulder, parallel, scara, decoupled, held };
+enum class kind_of_arm { wrist, parallel, scara, held };
 
 /// An arm of six joints, or of four (scara), or seven of which one is held, that belongs to a family.
 struct family_arm : tests::drawn_arm {
@@ -70,12 +70,11 @@ struct family_arm : tests::drawn_arm {
         for (int i = 0; i < joints; ++i) draw(random, i, false);
         held = kind == kind_of_arm::held ? 2 : -1;
         family.count = joints - (held >= 0);
-        family.first = kind == kind_of_arm::shoulder ? 0 : (kind == kind_of_arm::parallel ? 1 : 3);
+        family.first = kind == kind_of_arm::parallel ? 1 : 3;
         family.last = family.first + 3;
         family.keeps = closed_form::keeps::point;
         if (kind == kind_of_arm::scara) make_scara(random);
         else if (kind == kind_of_arm::parallel) make_parallel(family.first);
-        else if (kind == kind_of_arm::decoupled) make_decoupled(random);
         else make_meeting(family.first + (held >= 0));
         for (int i = 0, at = 0; i < joints; ++i) {
             write(i);
@@ -144,12 +143,6 @@ private:
         family.last = 3;
         make_parallel(0);
         draw(random, 3, true);
-    }
-    void make_decoupled(tests::generator& random) {
-        for (int i = 0; i < 6; i += 2) draw(random, i, true);
-        family.first = 0;
-        family.last = 6;
-        family.keeps = closed_form::keeps::nothing;
     }
     void write(int i) {
         double moment[3];
@@ -242,18 +235,6 @@ template <class T, int N> void test_arm(tests::generator& random, kind_of_arm ki
     }
 }
 
-/// The arm that stands straight up, all of whose axes meet or are parallel: stretched, and its wrist singular.
-void test_special(tests::generator& random) {
-    for (int repeat = 0; repeat < 40; ++repeat) {
-        const family_arm source(random, repeat % 2 == 0 ? kind_of_arm::wrist : kind_of_arm::parallel);
-        const tried<double, 6> solver(source);
-        double theta[most_joints] = {};
-        test_configuration(source, solver, theta);
-        for (int k = 0; k < 6; ++k) theta[k] = random.uniform() < 0.6 ? 0 : 1.5707963267948966 * (random.uniform() < 0.5 ? 1 : -1);
-        test_configuration(source, solver, theta);
-    }
-}
-
 void test_what_cannot_be_met(tests::generator& random) {
     const family_arm source(random, kind_of_arm::wrist);
     const tried<double, 6> solver(source);
@@ -274,9 +255,8 @@ int main() {
         test_second_harmonic<double>(random, repeat % 4 == 0);
         test_second_harmonic<float>(random, repeat % 4 == 0);
     }
-    const kind_of_arm six[4] = {kind_of_arm::wrist, kind_of_arm::shoulder, kind_of_arm::parallel, kind_of_arm::decoupled};
     for (int repeat = 0; repeat < 15; ++repeat) {
-        for (const kind_of_arm kind : six) {
+        for (const kind_of_arm kind : {kind_of_arm::wrist, kind_of_arm::parallel}) {
             test_arm<double, 6>(random, kind, 10);
             test_arm<double, dynamic>(random, kind, 3);
             test_arm<float, 6>(random, kind, 2);
@@ -285,7 +265,6 @@ int main() {
         test_arm<float, 4>(random, kind_of_arm::scara, 3);
         test_arm<double, 7>(random, kind_of_arm::held, 10);
     }
-    test_special(random);
     test_what_cannot_be_met(random);
     return tests::verdict("closed_form");
 }

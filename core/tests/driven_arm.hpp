@@ -1,4 +1,4 @@
-// An arm under the servo, watched at each step; commands at random; what the tool did by plain forward kinematics.
+// An arm under the servo, watched at each step, and commands at random.
 #pragma once
 
 #include "arms.hpp"
@@ -60,26 +60,6 @@ template <class T, int N, int M> struct driven_arm {
         return most;
     }
 
-    /// Whether the rates changed little, by less than they could, and no limit is so near that braking for it begins.
-    bool is_even() const {
-        T change[capacity(N)] = {};
-        for (int k = 0; k < n; ++k) {
-            change[k] = state.theta_dot[k] - before[k];
-            if (std::fabs(static_cast<double>(change[k])) > 0.02 * speed()) return false;
-        }
-        const T stop = twistarm::stopping_time(bounds.motion, state.theta_dot);
-        return twistarm::stopping_time(bounds.motion, change) < T(0.9) * dt && is_inside(dt + T(2) * stop);
-    }
-
-    /// Whether every row is inside its position limits, and stays so for that long.
-    bool is_inside(T time) const {
-        for (int r = 0; r < bounds.motion.rows(); ++r) {
-            const T x = bounds.motion.place(r, state.theta), then = x + time * bounds.motion.rate(r, state.theta_dot);
-            if (then < bounds.motion.lower[r] || then > bounds.motion.upper[r]) return false;
-        }
-        return true;
-    }
-
     /// Motors slow the arm as a whole: one at its limit lets nothing move that would move it on.
     bool stands_at_a_motors_limit() const {
         for (int r = 0; r < bounds.motion.motors; ++r) {
@@ -129,12 +109,6 @@ template <class T, int N> void hold(servo_command<T, N>& command, int first, int
     }
 }
 
-template <class T, int N> bool holds(const servo_command<T, N>& command) {
-    for (const bool held : command.held)
-        if (held) return true;
-    return false;
-}
-
 template <class T, int N, int M>
 servo_command<T, N> drawn_command(generator& random, const driven_arm<T, N, M>& driven) {
     const double kind = random.uniform();
@@ -163,22 +137,4 @@ template <class T, int N> servo_command<T, N> reversed(servo_command<T, N> comma
     return command;
 }
 
-/// What the tool did in dt, as a twist in the command's axes, by plain forward kinematics.
-template <class T, int N>
-void tool_motion(const drawn_arm& source, const T* from, const T* to, const servo_command<T, N>& command, double dt,
-                 real out[6]) {
-    const matrix g = source.fk(from), after = source.fk(to);
-    double half[3];
-    logarithm(after * inverse(g), out + 3);
-    for (int k = 0; k < 3; ++k) {
-        half[k] = static_cast<double>(out[3 + k]) / 2;
-        out[k] = after.a[k][3] - g.a[k][3];
-    }
-    const matrix back = inverse(rotation(half) * g);
-    for (int first = 0; first < 6 && !command.base_axes; first += 3) {
-        const real given[3] = {out[first], out[first + 1], out[first + 2]};
-        turn(back, given, out + first);
-    }
-    for (int k = 0; k < 6; ++k) out[k] /= static_cast<real>(dt);
-}
 }  // namespace tests

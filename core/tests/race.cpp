@@ -1,4 +1,4 @@
-// One target: answers judged by plain forward kinematics, who wins a race, calls at the edge of what is allowed.
+// One target: answers judged by plain forward kinematics, calls at the edge of what is allowed.
 #include "twistarm/ik/race.hpp"
 
 #include <cstring>
@@ -20,37 +20,6 @@ template <int N> bool same_bits(const solution<double, N>& a, const solution<dou
            a.converged == b.converged && a.iterations == b.iterations && a.restarts == b.restarts;
 }
 
-/// The winner by the rule as it is written down: every search run alone, one after the other.
-template <int N, int M>
-solution<double, N> by_the_rule(const chain<double, N, M>& arm, const ranges<double, N>& range,
-                                const search_settings<double>& settings, const target<double>& asked,
-                                const double* theta0) {
-    search_settings<double> once = settings;
-    once.searches = 1;
-    solution<double, N> winner{}, alone;
-    for (int k = 0; k < settings.searches; ++k) {
-        double start[capacity(N)];
-        for (int i = 0; i < arm.coordinates(); ++i) start[i] = theta0[i];
-        if (k > 0) random_start(range, arm.coordinates(), seed, k, start);
-        solve(arm, range, once, asked, start, seed, alone);
-        const bool better = alone.converged && (!winner.converged || alone.iterations < winner.iterations);
-        if (better) winner = alone;
-        if (k == 0 && alone.converged && alone.iterations <= settings.head_start) break;
-        if (winner.converged && k % searches_in_round == searches_in_round - 1) break;
-    }
-    return winner;
-}
-
-/// The same configuration but for whole turns of coordinates that turn freely.
-template <int N>
-bool same_but_turns(const solution<double, N>& a, const solution<double, N>& b, const ranges<double, N>& range, int n) {
-    for (int k = 0; k < n; ++k) {
-        const double apart = a.theta[k] - b.theta[k], turns = range.turns[k] ? std::nearbyint(apart / whole_turn) : 0;
-        if (!(std::fabs(apart - turns * whole_turn) < 1e-9)) return false;
-    }
-    return true;
-}
-
 template <target_kind Kind, int N, int M> void test_problems(const drawn_arm& source, tests::generator& random) {
     chain<double, dynamic, dynamic> general{};
     CHECK(chain_from_screws(source.model(), general), "arm");
@@ -68,10 +37,6 @@ template <target_kind Kind, int N, int M> void test_problems(const drawn_arm& so
         CHECK(same_bits(found, again, given.n), "the same call gives the same bits");
         tests::judge(source, given, t, found, 1e-6, slack);
         solved += found.converged;
-        if (!found.converged || t >= 4) continue;
-        const auto winner = by_the_rule(arm, range, settings, given.asked[t], theta0);
-        CHECK(winner.iterations == found.iterations && same_but_turns(winner, found, range, given.n),
-              "n = %d, kind %d, target %d: another search should have won", given.n, static_cast<int>(Kind), t);
     }
     CHECK(solved >= count - 1, "n = %d, kind %d: %d of %d", given.n, static_cast<int>(Kind), solved, count);
 }

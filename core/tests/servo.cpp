@@ -1,60 +1,22 @@
-// The servo: drives at random through singularities and into limits, what it says of the tool's motion against plain
-// forward kinematics, rest, held orientation, and the way back.
+// The servo: drives at random through singularities and into limits, rest, the way back, and a limit that rounding seems
+// to pass. What it does with a command Python's tests hold to the law as it is written down.
 #include "driven_arm.hpp"
 
 using namespace twistarm;
 using tests::driven_arm;
 using tests::drawn_command;
-using tests::drawn_twist;
 using tests::hold;
-using tests::holds;
-using tests::precise;
-using tests::real;
 using tests::reversed;
-using tests::rounding;
 using tests::wiring;
 
 namespace {
-int judged = 0, moved = 0;
-
-/// At an even speed the tool moves by scale · (asked − lost). Off singularities six joints lose nothing, and three
-/// nothing of the linear part, but for the tip of its norm, which is rounded off.
-template <class T, int N, int M>
-void check_tool(const driven_arm<T, N, M>& driven, const T* from, const servo_command<T, N>& command, T dt) {
-    ++moved;
-    const double sigma = driven.least_singular_value();
-    if (sigma < 0.1 || !driven.is_even()) return;
-    real did[6];
-    tests::tool_motion(driven.source, from, driven.state.theta, command, static_cast<double>(dt), did);
-    double off = 0, asked = 0, lost[6];
-    for (int k = 0; k < 6; ++k) {
-        const double length = k < 3 ? static_cast<double>(driven.bounds.length) : 1;
-        const auto said = static_cast<double>(driven.out.scale * (command.twist[k] - driven.out.lost[k]));
-        off = std::fmax(off, std::fabs(static_cast<double>(did[k]) - said) / length);
-        asked = std::fmax(asked, static_cast<double>(std::fabs(command.twist[k])) / length);
-        lost[k] = static_cast<double>(std::fabs(driven.out.lost[k])) / length;
-    }
-    ++judged;
-    const double slack = (precise<T> ? 1e-9 : 3e-5) / static_cast<double>(dt);
-    CHECK(off <= 1e-3 * asked + slack, "n = %d: the tool is off by %g of %g, σ = %g, cause %d, scale %g", driven.n, off,
-          asked, sigma, static_cast<int>(driven.out.cause), static_cast<double>(driven.out.scale));
-    if (driven.out.cause == servo_cause::lower || driven.out.cause == servo_cause::upper || driven.n < 3) return;
-    if (driven.n < 6 && driven.least_singular_value(0, 3) < 0.3) return;
-    const double most = (precise<T> ? 3e-4 : 3e-3) * asked;
-    for (int k = 0; k < (driven.n < 6 ? 3 : 6); ++k)
-        CHECK(lost[k] <= most, "n = %d, component %d: %g of %g lost", driven.n, k, lost[k], asked);
-}
-
 /// Some time under one command; the largest rate on the way.
 template <class T, int N, int M>
 double drive(driven_arm<T, N, M>& driven, const servo_command<T, N>& command, T dt) {
     double fastest = 0;
     for (int i = 0; i < 100; ++i) {
-        T from[capacity(N)];
-        for (int k = 0; k < driven.n; ++k) from[k] = driven.state.theta[k];
         driven.step(command, dt);
         fastest = std::fmax(fastest, driven.speed());
-        if (i % 7 == 0 && command.kind == servo_kind::twist && !holds(command)) check_tool(driven, from, command, dt);
     }
     return fastest;
 }
@@ -106,65 +68,6 @@ template <class T, int N> void take_limits_off(motion_limits<T, N>& limits, doub
         limits.velocity[r] = static_cast<T>(velocity);
         limits.acceleration[r] = static_cast<T>(acceleration);
     }
-}
-
-/// Straight pushes of up to 0.1 m/s along each axis with held orientation: it stays, as long as no singularity is near,
-/// and comes back where it was turned away.
-void test_held_orientation(tests::generator& random) {
-    int whole = 0;
-    for (int i = 0; i < 24; ++i) {
-        driven_arm<double, dynamic, dynamic> driven(random, 5 + i % 3, wiring::plain, 0);
-        take_limits_off(driven.bounds.motion, 2, 10);
-        servo_command<double, dynamic> push = drawn_twist<double, dynamic>(random);
-        hold(push, 3, 6);
-        for (int k = 0; k < 3; ++k) push.twist[k] /= 3;
-        const tests::matrix back = tests::inverse(driven.source.fk(driven.state.theta));
-        int steps = 0;
-        for (; steps < 100 && driven.least_singular_value() > 0.08 && driven.least_singular_value(3, 3) > 0.3; ++steps) {
-            driven.step(push, 0.01);
-            real phi[3];
-            tests::logarithm(driven.source.fk(driven.state.theta) * back, phi);
-            const auto turned = static_cast<double>(tests::norm(phi));
-            const bool comes_back = steps >= 20 && steps < 60;
-            CHECK(turned < 1e-5 || comes_back, "n = %d: turned by %g rad after %d steps", driven.n, turned, steps);
-            if (steps == 19) driven.state.theta[driven.n - 1] += 1e-3;
-        }
-        whole += steps == 100 ? 1 : 0;
-    }
-    CHECK(whole >= 8, "%d of 24 pushes to the end", whole);
-}
-
-/// A planar arm that is stretched out: it bends at once when pulled back, and stretches without a jerk. Where its tool
-/// must not turn on the way, that goes before the way, and bending takes four times as long.
-template <class T> void test_way_out(bool held) {
-    tests::generator random;
-    driven_arm<T, dynamic, dynamic> driven(random, 3, wiring::plain, 0);
-    const double screws[18] = {0, 0, 0, 0, -0.5, -0.9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1};
-    const double home[16] = {1, 0, 0, 1.1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    chain<double, dynamic, dynamic> planar{};
-    CHECK(chain_from_screws({3, 3, screws, home, nullptr}, planar), "three joints");
-    driven.arm = narrowed<T, dynamic, dynamic>(planar);
-    take_limits_off(driven.bounds.motion, 3, 30);
-    for (int k = 0; k < 3; ++k) {
-        driven.bounds.unit[k] = T(1);
-        driven.bounds.ready[k] = T(k == 1 ? 1 : 0);
-    }
-    servo_command<T, dynamic> pull{};
-    pull.kind = servo_kind::twist;
-    pull.base_axes = true;
-    if (held) hold(pull, 3, 6);
-    const auto push = [&](double speed, int steps) {
-        pull.twist[0] = static_cast<T>(speed);
-        for (int i = 0; i < steps; ++i) driven.step(pull, T(0.01));
-        return static_cast<double>(forward(driven.arm, driven.state.theta).p[0]);
-    };
-    const int second = held ? 400 : 100;
-    const double out = push(-0.1, second);
-    CHECK(out < 1.05, "pulled for %d steps to x = %g", second, out);
-    const double stretched = push(0.1, 1000);
-    CHECK(stretched > 1.09 && driven.speed() < 2e-2, "stretched to x = %g, at %g rad/s", stretched, driven.speed());
-    const double again = push(-0.1, second);
-    CHECK(again < 1.05, "pulled again for %d steps to x = %g", second, again);
 }
 
 /// Rounding that seems to push a joint over the limit at which it stands is no reason to stop it, nor to say so: off
@@ -238,13 +141,7 @@ int main() {
     }
     test_arms<double, dynamic, dynamic>(random, most_joints, wiring::plain, 4, 1);
     test_arms<float, 4, 6>(random, 4, wiring::followers, 1, 4);
-    CHECK(3 * judged > moved, "the tool was judged in %d of %d steps", judged, moved);
-    test_held_orientation(random);
     test_usage(random);
-    for (const bool held : {false, true}) {
-        test_way_out<double>(held);
-        test_way_out<float>(held);
-    }
     test_beside_a_limit<double>(random);
     test_beside_a_limit<float>(random);
     return tests::verdict("servo");

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .ik.all_answers import AllAnswers as Found
+from .ik.answer import Answer as Answer
 from .support.checks import Array
 
 INTERFACE: int
@@ -52,43 +54,13 @@ def shortest_spline(
     None for what is no plain array, and for other degrees than 3 and 5.
     """
 
-class Answer:
-    """One answer and what was asked, read-only: ik/answer.py says what each field is."""
-
-    theta: Array
-    unlimited: Array
-    theta0: Array
-    numbers: Array
-    kind: int
-    position_tol: float
-    orientation_tol: float
-    stop: int
-    position_error: float
-    orientation_error: float
-    iterations: int
-    restarts: int
-    has_unlimited: bool
-    nearest: bool
-    other_branch: bool
-    start_moved: bool
-    by_closed_form: bool
-    certain: bool
-
-class AllAnswers:
-    """Every configuration of one target, read-only: ik/all_answers.py says what each field is.
+class AllAnswers(Found):
+    """`ik/all_answers.py` says what its fields are, but for two.
 
     left: those of continuous families outside the limits, whose members inside are left to look for; families: those
     of any continuous family, some of which may be one.
     """
 
-    theta: Array
-    moves: NDArray[np.bool_]
-    inside: int
-    theta0: Array
-    kind: int
-    numbers: Array
-    tries: int
-    hits: int
     left: int
     families: int
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from test_cpp_header import HEAP, STRICT, compile_one, compiler  # noqa: F401  (a fixture)
+from test_cpp_header import HEAP, build, compiler  # noqa: F401  (a fixture)
 from twistarm import Approach, Pose
-from twistarm.export.cpp_header import core_headers, cpp_header, namespace_of
+from twistarm.export.cpp_header import cpp_header
 from twistarm.ik import solve_ik_all
 from twistarm.ik.targets import target_for
 
@@ -53,15 +53,10 @@ def test_as_in_python(name: str, real: str, kind: str, compiler: str, tmp_path: 
     """Of an arm with more joints than a pose determines the last stands where theta0 has it."""
     arm = load(name)
     tolerance, close = {"double": (1e-9, 1e-6), "float": (1e-4, 2e-2)}[real]
-    (tmp_path / "arm.hpp").write_text(cpp_header(arm))
-    (tmp_path / "all.cpp").write_text(PROGRAM, encoding="utf-8")
     target, count = (POSE, 16) if kind == "pose" else (APPROACH, 9)
-    defines = {"ARM": namespace_of(arm.name), "REAL": real, "TARGET": target, "COUNT": count, "TOLERANCE": tolerance}
-    flags = [*STRICT, "-O1", *(f"-D{key}={value}" for key, value in defines.items())]
-    compile_one([compiler, *flags, f"-I{tmp_path}", f"-I{core_headers()}", str(tmp_path / "all.cpp"),
-                 "-o", str(tmp_path / "all")])  # fmt: skip
-    program = (tmp_path / "all").read_bytes()
-    assert not any(taboo in program for taboo in HEAP)
+    defines = {"REAL": real, "TARGET": target, "COUNT": count, "TOLERANCE": tolerance}
+    program = build(compiler, arm, tmp_path, "all", PROGRAM, "-O1", **defines)
+    assert not any(taboo in program.read_bytes() for taboo in HEAP)
     theta = np.array(arm.random_theta(3, 10))
     given = {arm.joint_names[6]: float(arm.ready[6])} if arm.n > 6 else None
     theta[:, 6:] = arm.ready[6:]
@@ -69,7 +64,7 @@ def test_as_in_python(name: str, real: str, kind: str, compiler: str, tmp_path: 
     along = [Approach(g[:3, 3], g[:3, :3] @ arm.tool_axis) for g in poses]
     targets = [Pose(g) for g in poses] if kind == "pose" else [target_for(arm, each) for each in along]
     asked = "\n".join(" ".join(map(repr, target.numbers.ravel().tolist())) for target in targets)
-    done = subprocess.run([tmp_path / "all"], input=asked, capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run([program], input=asked, capture_output=True, text=True, timeout=60, check=True)
     numbers = iter(map(float, done.stdout.split()))
     for each in targets:
         found = np.array([[next(numbers) for _ in range(arm.n)] for _ in range(int(next(numbers)))])

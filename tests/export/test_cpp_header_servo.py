@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from test_cpp_header import HEAP, STRICT, compile_one, compiler  # noqa: F401  (a fixture)
+from test_cpp_header import HEAP, build, compile_one, compiler  # noqa: F401  (a fixture)
 from twistarm import Actuators, Arm, JointLimits, TwistarmError
 from twistarm.control.servo import (
     AnyCommand,
@@ -21,7 +21,7 @@ from twistarm.control.servo import (
     TwistCommand,
     servo_step,
 )
-from twistarm.export.cpp_header import core_headers, cpp_header
+from twistarm.export.cpp_header import cpp_header
 
 PROGRAM = """
 // Reads theta, then each step's command as kind, flags and 24 numbers; writes theta, theta_dot, scale and whose limit.
@@ -99,11 +99,8 @@ def written(command: AnyCommand | None) -> str:
 
 def test_the_same_drive(compiler: str, tmp_path: Path) -> None:  # noqa: F811
     arm = with_wrist_motors()
-    (tmp_path / "arm.hpp").write_text(cpp_header(arm))
-    (tmp_path / "drive.cpp").write_text(PROGRAM, encoding="utf-8")
-    common = [compiler, *STRICT, "-O1", f"-I{tmp_path}", f"-I{core_headers()}"]
-    compile_one([*common, "-c", str(tmp_path / "drive.cpp"), "-o", str(tmp_path / "drive.o")])
-    compile_one([compiler, str(tmp_path / "drive.o"), "-o", str(tmp_path / "drive")])
+    drive_o = build(compiler, arm, tmp_path, "drive.o", PROGRAM, "-O1", "-c")
+    compile_one([compiler, str(drive_o), "-o", str(tmp_path / "drive")])
     commands = drive(arm)
     given = "\n".join([" ".join(map(repr, arm.ready.tolist())), *map(written, commands)])
     done = subprocess.run(
@@ -124,18 +121,12 @@ def test_the_same_drive(compiler: str, tmp_path: Path) -> None:  # noqa: F811
                 slowed.add(name)
     assert "left" in slowed
     for taboo in HEAP:
-        assert taboo not in (tmp_path / "drive.o").read_bytes()
+        assert taboo not in drive_o.read_bytes()
 
 
 def test_more_motors_than_the_core_holds() -> None:
     arm, k = load("rover_arm"), 33
-    motors = Actuators(
-        tuple(f"m{i}" for i in range(k)),
-        arm.joint_names,
-        np.ones((k, 5)),
-        np.zeros(k),
-        ("rad",) * k,
-        np.full(k, np.nan),
-    )
+    names = tuple(f"m{i}" for i in range(k))
+    motors = Actuators(names, arm.joint_names, np.ones((k, 5)), np.zeros(k), ("rad",) * k, np.full(k, np.nan))
     with pytest.raises(TwistarmError, match="the servo drives at most 32 joints or motors; this arm has 33"):
         cpp_header(replace(arm, actuators=motors))

@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 from catalogue import load
+from family_arms import CASES, family_arm
 from ik_targets import require_core
-from twistarm import Approach, Arm, Pose, Position, arm_from_screws
+from twistarm import Approach, Arm, Pose, Position
 from twistarm.ik import AnyTarget, IKSolutions, solve_ik_all, solve_ik_all_batch
 from twistarm.ik.closed_form import methods
-from twistarm.ik.closed_form.families import DECOUPLED, PLANAR, SPHERICAL
-from twistarm.ik.closed_form.methods import Method
 from twistarm.ik.ranges import joint_ranges
 from twistarm.ik.targets import target_for
 
@@ -28,9 +27,11 @@ SAME = 1e-6
 """[rad, m]: roots that stand alone."""
 
 CATALOGUE = [
-    ("ur5", "pose"), ("elbow", "pose"), ("elbow", "position"), ("stanford", "approach"), ("scara", "pose"),
-    ("rover_arm", "pose"), ("rover_arm", "approach"), ("kinova", "pose"), ("so101", "pose"), ("rr_planar", "position"),
+    ("ur5", "pose"), ("elbow", "position"), ("stanford", "approach"), ("scara", "pose"), ("rover_arm", "approach"),
+    ("kinova", "pose"), ("so101", "pose"), ("rr_planar", "position"),
 ]  # fmt: skip
+
+FAMILIES = [name for name in CASES if CASES[name]["kind"] != "elimination"]
 
 SINGULAR = [0.0, np.pi / 2, -np.pi / 2]
 
@@ -70,10 +71,6 @@ def readable(
         return solve_ik_all(arm, target, near, given=given)
 
 
-def method_of(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Method:
-    return methods.method_for(arm, target, given)
-
-
 def assert_same(arm: Arm, core: IKSolutions, other: IKSolutions) -> None:
     """As many roots, and each with its like; of continuous families there are members, and the same joints move."""
     assert np.all(core.position_error <= 1e-9)
@@ -97,63 +94,18 @@ def test_catalogue(name: str, kind: str, monkeypatch: pytest.MonkeyPatch) -> Non
     arm = load(name)
     for theta in postures(arm, 12):
         target = target_at(arm, kind, theta)
-        assert method_of(arm, target).compiled is not None
+        assert methods.method_for(arm, target).compiled is not None
+        assert_same(arm, solve_ik_all(arm, target), readable(monkeypatch, arm, target))
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_families(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    arm = family_arm(name)
+    for theta in postures(arm, 4):
+        target = Pose(arm.fk(theta))
         core = solve_ik_all(arm, target)
+        assert core.method == "closed form"
         assert_same(arm, core, readable(monkeypatch, arm, target))
-
-
-def screws_of(axes: list[tuple[np.ndarray, np.ndarray, bool]]) -> np.ndarray:
-    return np.array([[*w, 0, 0, 0] if slides else [*np.cross(o, w), *w] for w, o, slides in axes], dtype=float).T
-
-
-def drawn(kind: str, seed: int) -> Arm:
-    """An arm with random axes that belongs to a family."""
-    rng = np.random.default_rng(seed)
-
-    def axis(slides: bool = False) -> tuple[np.ndarray, np.ndarray, bool]:
-        w = rng.normal(size=3)
-        return w / np.linalg.norm(w), rng.uniform(-0.5, 0.5, 3), slides
-
-    axes = [axis() for _ in range(6)]
-    if kind in {"wrist", "shoulder"}:
-        first = 3 if kind == "wrist" else 0
-        for i in range(first, first + 3):
-            axes[i] = (axes[i][0], axes[first][1], False)
-    elif kind == "slides before a wrist":
-        axes[:2] = [axis(True), axis(True)]
-        axes[3:] = [(w, axes[3][1], False) for w, _, _ in axes[3:]]
-    elif kind == "decoupled":
-        axes[1], axes[2], axes[4] = axis(True), axis(True), axis(True)
-    else:
-        first = {"parallel first": 0, "parallel second": 1, "parallel last": 3}[kind]
-        for i in range(first, first + 3):
-            axes[i] = (axes[first][0], axes[i][1], False)
-    home = np.eye(4)
-    home[:3, 3] = rng.uniform(-0.5, 0.5, 3)
-    return arm_from_screws(screws_of(axes), home, name=kind)
-
-
-DRAWN = {
-    "wrist": SPHERICAL, "shoulder": SPHERICAL, "slides before a wrist": SPHERICAL, "decoupled": DECOUPLED,
-    "parallel first": PLANAR, "parallel second": PLANAR, "parallel last": PLANAR,
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("kind", DRAWN)
-def test_random_axes(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a general arm two conditions are a quartic."""
-    for seed in range(3):
-        arm = drawn(kind, seed)
-        for theta in postures(arm, 4):
-            target = Pose(arm.fk(theta))
-            method = method_of(arm, target)
-            assert method.family is not None
-            assert method.family.kind == DRAWN[kind]
-            core = solve_ik_all(arm, target)
-            assert core.method == "closed form"
-            assert_same(arm, core, readable(monkeypatch, arm, target))
-            apart = np.abs(np.where(joint_ranges(arm).periodic, np.sin((core.theta - theta) / 2), core.theta - theta))
-            assert any(core.free) or apart.max(axis=1).min() < SAME
 
 
 def test_held_joints(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -183,18 +135,6 @@ def test_sampled_joints() -> None:
         assert moving <= {*free}  # at a symmetric posture some joints move in second order alone
         np.testing.assert_array_equal(also, [name in free for name in arm.joint_names])
     assert np.abs(found.theta - arm.ready).max(axis=1).min() < SAME
-
-
-def test_sorted_by_distance_and_copied_by_whole_turns() -> None:
-    arm = load("ur5")
-    target = Pose(arm.fk(arm.random_theta(8)))
-    once, copies = solve_ik_all(arm, target), solve_ik_all(arm, target, copies=True)
-    assert len(copies) > len(once)
-    for found in (once, copies):
-        share = np.abs(found.theta - arm.ready) / (arm.limits.upper - arm.limits.lower)
-        assert (np.diff(share.max(axis=1)) >= -1e-12).all()
-    for theta in once.theta:
-        assert np.abs(copies.theta - theta).max(axis=1).min() < 1e-12
 
 
 def test_answers_are_read_only_and_pickled() -> None:
@@ -227,6 +167,7 @@ def test_batch(threads: int) -> None:
         np.testing.assert_array_equal(batch[i].theta, alone.theta)
         np.testing.assert_array_equal(batch[i].outside, alone.outside)
         assert len(batch[i].outside) == batch.outside_count[i]
+    assert len(solve_ik_all_batch(arm, [])) == 0
 
 
 def test_batch_of_any_targets() -> None:
@@ -234,10 +175,9 @@ def test_batch_of_any_targets() -> None:
     postures_tried = arm.random_theta(12, 4)
     targets = [target_at(arm, kind, theta) for theta in postures_tried for kind in ("pose", "approach")]
     batch = solve_ik_all_batch(arm, targets, postures_tried[0])
+    assert (batch.count > 0).all()
     for i, target in enumerate(targets):
         np.testing.assert_allclose(batch[i].theta, solve_ik_all(arm, target, postures_tried[0]).theta, atol=1e-12)
-        assert batch.count[i] > 0
-    assert len(solve_ik_all_batch(arm, [])) == 0
 
 
 def test_batch_with_a_joint_given() -> None:
@@ -250,18 +190,6 @@ def test_batch_with_a_joint_given() -> None:
     for i in range(5):
         assert (batch[i].theta[:, 6] == 0.3).all()
         assert np.abs(batch[i].theta - theta[i]).max(axis=1).min() < SAME
-
-
-def test_without_the_core(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The batch then loops over the readable code."""
-    arm = load("scara")
-    poses = arm.fk(arm.random_theta(14, 3))
-    with_core = solve_ik_all_batch(arm, poses)
-    monkeypatch.setattr(methods, "_KEPT", type(methods._KEPT)())
-    monkeypatch.setattr(methods, "compiled", lambda *_: None)
-    without = solve_ik_all_batch(arm, poses)
-    np.testing.assert_array_equal(with_core.count, without.count)
-    np.testing.assert_allclose(with_core.theta, without.theta, atol=SAME)
 
 
 @pytest.mark.parametrize("name", ["ur5", "rover_arm", "panda"])

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from ik_targets import errors, judged, moved, pinocchio_fk, require_core
+from ik_targets import judged, moved, require_core
 from solvers import SOLVERS
 from twistarm.ik import Pose, Position, StopReason, Task, solve_ik
 from twistarm.ik.ranges import joint_ranges
+from twistarm.support.checks import as_seed
 from twistarm.support.errors import InputError, NotConvergedError
 
 # answers ------------------------------------------------------------------------------------------------
@@ -28,14 +29,6 @@ def test_a_bare_pose_is_met():
     assert solution.method == "damped least squares"
     assert not solution.theta.flags.writeable
     np.testing.assert_array_equal(solution.require(), solution.theta)
-
-
-def test_the_errors_are_those_of_the_answer():
-    arm, rng = load("panda"), np.random.default_rng(0)
-    target = Pose(arm.fk(arm.random_theta(rng)))
-    solution = solve_ik(arm, target, position_tol=1e-3, orientation_tol=1e-2)
-    expected = errors(target, pinocchio_fk(arm, solution.theta))
-    np.testing.assert_allclose((solution.position_error, solution.orientation_error), expected, atol=1e-12)
 
 
 def test_the_start_is_the_ready_pose_unless_given():
@@ -84,39 +77,23 @@ def test_hard_poses_are_met(solve, name, theta, theta0):
     assert judged(arm, Pose(g), solution), solution.explain()
 
 
-@pytest.mark.parametrize("name", ["ur5", "panda", "so101", "kinova"])
-def test_targets_with_joints_at_their_limits_are_met(name):
-    arm, rng = load(name), np.random.default_rng(5)
-    lower, upper = arm.sampling_bounds
-    for _ in range(20):
-        theta = arm.random_theta(rng)
-        at = rng.random(arm.n) < 0.5
-        theta[at] = np.where(rng.random(arm.n) < 0.5, lower, upper)[at]
-        target = Pose(arm.fk(theta))
-        assert judged(arm, target, solve_ik(arm, target, rng=int(rng.integers(1000))))
-
-
 # what is refused ----------------------------------------------------------------------------------------------
 
 NAN = float("nan")
 MISUSED = (
-    (lambda arm: solve_ik("ur5", np.eye(4)), "arm must be an Arm, as load_arm returns it; got 'ur5'"),
-    (lambda arm: solve_ik(arm, np.eye(3)), "target must be a Pose, Position, Approach or Task, or a pose (4, 4)"),
+    (lambda arm: solve_ik("ur5", np.eye(4)), "arm must be an Arm"),
+    (lambda arm: solve_ik(arm, np.eye(3)), "target must be a Pose"),
     (lambda arm: solve_ik(arm, np.full((4, 4), NAN)), "must be finite"),
-    (lambda arm: solve_ik(arm, np.diag([2.0, 2, 2, 1])), "rotation of the pose g is not in SO(3)"),
+    (lambda arm: solve_ik(arm, np.diag([2.0, 2, 2, 1])), "not in SO(3)"),
     (lambda arm: solve_ik(arm, np.eye(4), np.zeros(5)), "theta0 must have shape (..., 6): shoulder_pan_joint"),
-    (lambda arm: solve_ik(arm, np.eye(4), np.zeros((2, 6))), "theta0 must be one configuration of shape (6,)"),
-    (lambda arm: solve_ik(arm, np.eye(4), [NAN] * 6), "theta0 must be finite"),
-    (lambda arm: solve_ik(arm, np.eye(4), position_tol=0), "position_tol [m] must be one number, at least 1e-12"),
-    (lambda arm: solve_ik(arm, np.eye(4), position_tol=-1), "position_tol [m] must be one number"),
-    (lambda arm: solve_ik(arm, np.eye(4), position_tol=[1, 1]), "position_tol [m] must be one number"),
-    (lambda arm: solve_ik(arm, np.eye(4), orientation_tol=NAN), "orientation_tol [rad] must be finite"),
-    (lambda arm: solve_ik(arm, np.eye(4), orientation_tol=0), "orientation_tol [rad] must be one number"),
-    (lambda arm: solve_ik(arm, np.eye(4), restarts=0), "restarts must be a whole number, at least 1"),
+    (lambda arm: solve_ik(arm, np.eye(4), np.zeros((2, 6))), "theta0 must be one configuration"),
+    (lambda arm: solve_ik(arm, np.eye(4), position_tol=0), "position_tol [m]"),
+    (lambda arm: solve_ik(arm, np.eye(4), position_tol=[1, 1]), "position_tol [m]"),
+    (lambda arm: solve_ik(arm, np.eye(4), orientation_tol=-1), "orientation_tol [rad]"),
+    (lambda arm: solve_ik(arm, np.eye(4), restarts=0), "restarts must be a whole number"),
     (lambda arm: solve_ik(arm, np.eye(4), restarts=2.5), "restarts must be a whole number"),
-    (lambda arm: solve_ik(arm, np.eye(4), max_time=0), "max_time must be a positive number of seconds"),
-    (lambda arm: solve_ik(arm, np.eye(4), max_time=NAN), "max_time [s] must be finite"),
-    (lambda arm: solve_ik(arm, np.eye(4), rng=-1), "rng must be a seed, an integer from 0 to 2^64 − 1"),
+    (lambda arm: solve_ik(arm, np.eye(4), max_time=0), "max_time"),
+    (lambda arm: solve_ik(arm, np.eye(4), rng=-1), "rng must be a seed"),
     (lambda arm: solve_ik(arm, np.eye(4), rng="seed"), "rng must be a seed"),
     (lambda arm: solve_ik(arm, np.eye(4), rng=True), "rng must be a seed"),
 )
@@ -133,11 +110,22 @@ def test_require_carries_the_solution():
     arm = load("ur5")
     require_core(arm)
     solution = solve_ik(arm, Position([5.0, 0, 0]), restarts=2)
-    with pytest.raises(NotConvergedError) as caught:
+    with pytest.raises(NotConvergedError, match="position .* out of reach") as caught:
         solution.require()
     assert caught.value.solution is solution
-    assert "ur5 does not meet the position (5, 0, 0) m: position " in str(caught.value)
-    assert "out of reach; solution.explain() says more" in str(caught.value)
+
+
+@pytest.mark.parametrize("restarts", [1, 3])
+def test_the_same_call_gives_the_same_bits_and_no_more_searches_than_allowed(restarts):
+    arm, rng = load("so101"), np.random.default_rng(2)
+    poses = [*arm.fk(arm.random_theta(rng, 5)), moved(np.eye(4), [2.0, 0, 0])]
+    for g in poses:
+        first, second = (solve_ik(arm, g, rng=np.random.default_rng(11), restarts=restarts) for _ in range(2))
+        np.testing.assert_array_equal(first.theta, second.theta)
+        assert (first.iterations, first.restarts) == (second.iterations, second.restarts)
+        assert first.restarts <= restarts
+    assert first.restarts == restarts
+    assert as_seed(np.random.default_rng(11)) != as_seed(np.random.default_rng(12))
 
 
 def test_a_solution_can_be_pickled():

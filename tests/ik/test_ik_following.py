@@ -14,7 +14,7 @@ from ik_targets import KINDS, errors, pinocchio_fk, require_core, target_from
 from twistarm import arm_from_screws, solve_ik
 from twistarm.ik import Position
 
-ARMS = ("ur5", "panda", "so101", "kinova", "rover_arm_6dof", "stanford", "xarm7", "elbow")
+ARMS = ("panda", "so101", "kinova", "stanford")
 
 JUMP = 0.2
 """A coordinate that moves by more [rad, m] for a step of a millimetre has jumped."""

@@ -51,28 +51,12 @@ def test_errors_are_those_of_the_definitions(rng, kind):
 
 
 @given(generators, st.sampled_from(KINDS))
-def test_a_met_target_has_no_error(rng, kind):
-    g = random_pose(rng)
-    target = target_from(kind, g, rng)
-    assert target.position_error(g) == pytest.approx(0, abs=ANGLE_TOL)
-    assert target.orientation_error(g) == pytest.approx(0, abs=ANGLE_TOL)
-
-
-@given(generators, st.sampled_from(KINDS))
 def test_a_target_of_the_same_kind_can_be_put_anywhere(rng, kind):
     target, g = target_from(kind, random_pose(rng), rng), random_pose(rng)
     there = target.at(g)
     assert type(there) is type(target)
     assert max(there.position_error(g), there.orientation_error(g)) == pytest.approx(0, abs=ANGLE_TOL)
     assert there._rotation_rows(g, np.eye(6))[1].shape == target._rotation_rows(g, np.eye(6))[1].shape
-
-
-def test_only_what_is_constrained_counts():
-    g = np.eye(4)
-    g[:3, 3] = [0.3, 0.02, -0.4]
-    task = Task(np.eye(4), [0.1, 0.05, 0.1, 0, 0, 0])
-    assert task.position_error(g) == pytest.approx(np.hypot(0.2, 0.3))
-    assert Task(np.eye(4), [np.inf, 0, np.inf, 0, 0, 0]).position_error(g) == pytest.approx(0.02)
 
 
 def test_the_frame_of_a_task_turns_its_tolerances():
@@ -97,6 +81,7 @@ def test_position_rows_are_the_gradient_of_half_the_squared_distance(rng, kind):
         return 0.5 * target.position_error(body_motion(g, xi, t)) ** 2
 
     error, rows = excess_rows(target._position_rows(g, np.eye(6)), target._position_tolerance)
+    assert len(rows) == 3
     assert 0.5 * error @ error == pytest.approx(half_square(0.0), abs=ROW_TOL)
     assert error @ rows @ xi == pytest.approx(derivative(half_square), abs=ROW_TOL)
 
@@ -123,18 +108,8 @@ def test_task_rows_are_the_derivative_of_the_logarithm(rng):
     def logarithm(t):
         return target._rotation_rows(body_motion(g, xi, t), np.eye(6))[0]
 
-    assert error.shape == (2,)
+    assert error.shape == (2,), "what is free has no row"
     np.testing.assert_allclose(rows @ xi, derivative(logarithm), atol=ROW_TOL)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_what_is_free_has_no_row(kind):
-    rng = np.random.default_rng(0)
-    target = target_from(kind, random_pose(rng), rng)
-    position, rotation = {"Pose": (3, 3), "Position": (3, 0), "Approach": (3, 2), "Task": (3, 2)}[kind]
-    J_b = rng.normal(size=(6, 5))
-    assert target._position_rows(np.eye(4), J_b)[1].shape == (position, 5)
-    assert target._rotation_rows(np.eye(4), J_b)[1].shape == (rotation, 5)
 
 
 def test_inside_its_tolerance_a_component_does_not_pull():
@@ -180,30 +155,30 @@ def test_the_rate_of_the_logarithm_is_its_derivative(size):
 
 REFLECTION = np.diag([1.0, 1.0, -1.0, 1.0])
 REFUSED = (
-    (lambda: Pose(np.eye(3)), "pose g must have shape (..., 4, 4); got (3, 3)"),
-    (lambda: Pose(np.zeros((2, 4, 4)) + np.eye(4)), "pose g must be one pose of shape (4, 4); got (2, 4, 4)"),
-    (lambda: Pose(REFLECTION), "its determinant is −1"),
-    (lambda: Pose(2 * np.eye(4)), "pose g is not in SE(3): its last row must be 0 0 0 1"),
+    (lambda: Pose(np.eye(3)), "pose g must have shape (..., 4, 4)"),
+    (lambda: Pose(np.zeros((2, 4, 4)) + np.eye(4)), "one pose of shape (4, 4)"),
+    (lambda: Pose(REFLECTION), "determinant"),
+    (lambda: Pose(2 * np.eye(4)), "not in SE(3)"),
     (lambda: Position([0.0, np.nan, 0.0]), "p must be finite"),
-    (lambda: Position([1.0, 2.0]), "p must have shape (..., 3); got (2,)"),
-    (lambda: Position(np.zeros((2, 3))), "p must have shape (3,); got (2, 3)"),
-    (lambda: Approach([0, 0, 0], [0, 0, 0]), "direction must not be the zero vector"),
-    (lambda: Approach([0, 0, 0], [0, 0, 1], tool_axis=[0, 0, 0]), "tool_axis must not be the zero vector"),
-    (lambda: Task(np.eye(4), np.zeros(5)), "tolerance must be six numbers"),
-    (lambda: Task(np.eye(4), [0, 0, 0, 0, 0, -0.1]), "must not be negative or NaN"),
-    (lambda: Task(np.eye(4), [0, 0, 0, 0, 0, np.nan]), "must not be negative or NaN"),
-    (lambda: Task(np.eye(4), ["a"] * 6), "tolerance must be an array of real numbers"),
-    (lambda: Task(np.eye(4), [np.inf] * 3 + [4.0] * 3), "leaves all six components free"),
-    (lambda: Task(np.eye(4), np.zeros(6), frame="world"), "frame must be 'target' or 'base'"),
-    (lambda: as_target("forward"), "target must be a Pose, Position, Approach or Task, or a pose (4, 4) in SE(3)"),
-    (lambda: as_target([0.5, 0, 0.3]), "did you mean Position("),
-    (lambda: as_target(np.zeros(6)), "did you mean Pose.from_rpy("),
-    (lambda: as_target(np.zeros(7)), "did you mean Pose.from_quaternion("),
-    (lambda: Pose.from_rpy([0.5, 0, 0.3], [0, 90, 0]), "an angle of 90 rad looks like degrees"),
+    (lambda: Position([1.0, 2.0]), "p must have shape"),
+    (lambda: Position(np.zeros((2, 3))), "p must have shape (3,)"),
+    (lambda: Approach([0, 0, 0], [0, 0, 0]), "direction"),
+    (lambda: Approach([0, 0, 0], [0, 0, 1], tool_axis=[0, 0, 0]), "tool_axis"),
+    (lambda: Task(np.eye(4), np.zeros(5)), "six numbers"),
+    (lambda: Task(np.eye(4), [0, 0, 0, 0, 0, -0.1]), "negative"),
+    (lambda: Task(np.eye(4), [0, 0, 0, 0, 0, np.nan]), "NaN"),
+    (lambda: Task(np.eye(4), ["a"] * 6), "tolerance"),
+    (lambda: Task(np.eye(4), [np.inf] * 3 + [4.0] * 3), "free"),
+    (lambda: Task(np.eye(4), np.zeros(6), frame="world"), "frame"),
+    (lambda: as_target("forward"), "target must be a Pose"),
+    (lambda: as_target([0.5, 0, 0.3]), "Position("),
+    (lambda: as_target(np.zeros(6)), "Pose.from_rpy("),
+    (lambda: as_target(np.zeros(7)), "Pose.from_quaternion("),
+    (lambda: Pose.from_rpy([0.5, 0, 0.3], [0, 90, 0]), "degrees"),
     (lambda: Pose.from_rpy([0.5, 0], [0, 0, 0]), "p must have shape"),
-    (lambda: Pose.from_quaternion([0.5, 0, 0.3], xyzw=[0, 0, 0, 2]), "this one has 2"),
-    (lambda: Pose.from_quaternion([0.5, 0, 0.3]), "give one quaternion"),
-    (lambda: Pose.from_quaternion([0.5, 0, 0.3], wxyz=[1, 0, 0, 0], xyzw=[0, 0, 0, 1]), "give one quaternion"),
+    (lambda: Pose.from_quaternion([0.5, 0, 0.3], xyzw=[0, 0, 0, 2]), "length"),
+    (lambda: Pose.from_quaternion([0.5, 0, 0.3]), "one quaternion"),
+    (lambda: Pose.from_quaternion([0.5, 0, 0.3], wxyz=[1, 0, 0, 0], xyzw=[0, 0, 0, 1]), "one quaternion"),
 )
 
 
@@ -212,12 +187,6 @@ def test_what_is_no_target_is_refused(build, text):
     with pytest.raises(InputError) as caught:
         build()
     assert text in str(caught.value)
-
-
-def test_a_bare_pose_is_a_target():
-    target = as_target(np.eye(4).tolist())
-    assert isinstance(target, Pose)
-    np.testing.assert_array_equal(target.g, np.eye(4))
 
 
 @given(generators)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from textbook import L1, L2, PRINTED_3, THETAS, Y, close, lynch_park, pose, rot_x, rot_y, rot_z, sc
+from textbook import L1, L2, PRINTED_3, THETAS, close, lynch_park, pose, rot_z, sc
 from twistarm import poe, rotations, screws
 
 # L&P, chapter 3 ---------------------------------------------------------------------------------------
@@ -52,56 +52,6 @@ def test_lynch_park_wrench_of_a_hand_holding_an_apple():
 
 
 # L&P, chapters 4 and 5 --------------------------------------------------------------------------------
-
-
-def test_lynch_park_example_4_1_3r_spatial():
-    """L&P §4.1.2, example 4.1: the 3R spatial open chain."""
-    S = lynch_park([0, 0, 1, 0, 0, 0], [0, -1, 0, 0, 0, -L1], [1, 0, 0, 0, -L2, 0])
-    M = np.array([[0, 0, 1, L1], [0, 1, 0, 0], [-1, 0, 0, -L2], [0, 0, 0, 1.0]])
-    for theta in THETAS[:, :3]:
-        s2, c2 = sc(theta[1])
-        R = rot_z(theta[0]) @ rot_y(-theta[1]) @ rot_x(theta[2]) @ M[:3, :3]
-        close(poe.fk(S, M, theta), pose(R, rot_z(theta[0]) @ [L1 + L2 * s2, 0, -L2 * c2]))
-
-
-def test_lynch_park_example_4_2_3r_planar():
-    """L&P §4.1.2, example 4.2: the 3R planar open chain, its pose as sums over the links."""
-    L3 = 0.2
-    S = lynch_park([0, 0, 1, 0, 0, 0], [0, 0, 1, 0, -L1, 0], [0, 0, 1, 0, -(L1 + L2), 0])
-    for theta in THETAS[:, :3]:
-        sums = np.cumsum(theta)
-        p = [np.cos(sums) @ [L1, L2, L3], np.sin(sums) @ [L1, L2, L3], 0]
-        close(poe.fk(S, pose(np.eye(3), [L1 + L2 + L3, 0, 0]), theta), pose(rot_z(sums[-1]), p))
-
-
-def test_lynch_park_examples_4_3_and_4_6_6r_in_both_forms():
-    """L&P §4.1.2 and §4.1.3, examples 4.3 and 4.6: the screws of the 6R chain in {s} and in {b}."""
-    L = 0.8
-    S = lynch_park(
-        [0, 0, 1, 0, 0, 0], [0, 1, 0, 0, 0, 0], [-1, 0, 0, 0, 0, 0],
-        [-1, 0, 0, 0, 0, L], [-1, 0, 0, 0, 0, 2 * L], [0, 1, 0, 0, 0, 0],
-    )  # fmt: skip
-    B = lynch_park(
-        [0, 0, 1, -3 * L, 0, 0], [0, 1, 0, 0, 0, 0], [-1, 0, 0, 0, 0, -3 * L],
-        [-1, 0, 0, 0, 0, -2 * L], [-1, 0, 0, 0, 0, -L], [0, 1, 0, 0, 0, 0],
-    )  # fmt: skip
-    M = pose(np.eye(3), [0, 3 * L, 0])
-    close(poe.body_screws(S, M), B)
-    close(poe.fk(S, M, THETAS[:, :6]), poe.fk_body(B, M, THETAS[:, :6]))
-
-
-def test_lynch_park_example_4_4_rrprrr():
-    """L&P §4.1.2, example 4.4: the RRPRRR chain: shoulder, slide along the arm, wrist, hand."""
-    S = lynch_park(
-        [0, 0, 1, 0, 0, 0], [1, 0, 0, 0, 0, 0], [0, 0, 0, 0, 1, 0],
-        [0, 1, 0, 0, 0, 0], [1, 0, 0, 0, 0, -L1], [0, 1, 0, 0, 0, 0],
-    )  # fmt: skip
-    for theta in THETAS[:, :6]:
-        tip = rot_z(theta[0]) @ rot_x(theta[1]) @ (
-            [0, L1 + theta[2], 0] + L2 * rot_y(theta[3]) @ rot_x(theta[4]) @ Y
-        )  # fmt: skip
-        R = rot_z(theta[0]) @ rot_x(theta[1]) @ rot_y(theta[3]) @ rot_x(theta[4]) @ rot_y(theta[5])
-        close(poe.fk(S, pose(np.eye(3), [0, L1 + L2, 0]), theta), pose(R, tip))
 
 
 def test_lynch_park_example_4_5_ur5():

@@ -9,30 +9,10 @@ import numpy as np
 import pytest
 
 from strategies import derivative
-from textbook import DERIVATIVE, L0, L1, L2, THETAS, X, Y, Z, close, pose, rot_x, rot_y, rot_z, sc, stanford
+from textbook import DERIVATIVE, L0, L1, L2, THETAS, Z, close, pose, rot_z, sc, stanford
 from twistarm import joints, poe, rotations, screws
 
 # MLS, chapter 2 ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("theta", [0.3, -2.0, 3.1])
-def test_mls_elementary_rotations(theta):
-    """MLS §2.2.2: e^{x̂θ}, e^{ŷθ}, e^{ẑθ}."""
-    close(rotations.exp(X, theta), rot_x(theta))
-    close(rotations.exp(Y, theta), rot_y(theta))
-    close(rotations.exp(Z, theta), rot_z(theta))
-
-
-def test_mls_rodrigues_written_out():
-    """MLS §2.2.2, after eq. 2.14: the entries of e^{ŵθ} with v_θ = 1 − cos θ, for ‖w‖ = 1."""
-    w1, w2, w3 = np.array([2.0, -3.0, 6.0]) / 7
-    s, c, v = np.sin(0.8), np.cos(0.8), 1 - np.cos(0.8)
-    expected = [
-        [w1**2 * v + c, w1 * w2 * v - w3 * s, w1 * w3 * v + w2 * s],
-        [w1 * w2 * v + w3 * s, w2**2 * v + c, w2 * w3 * v - w1 * s],
-        [w1 * w3 * v - w2 * s, w2 * w3 * v + w1 * s, w3**2 * v + c],
-    ]
-    close(rotations.exp([w1, w2, w3], 0.8), expected)
 
 
 @pytest.mark.parametrize(("alpha", "beta", "gamma"), [(0.3, 1.1, -2.0), (-3.0, 0.2, 3.0), (1.0, 3.0, 0.5)])
@@ -46,14 +26,6 @@ def test_mls_zyz_angles(alpha, beta, gamma):
     ])  # fmt: skip
     close(rotations.from_euler("ZYZ", [alpha, beta, gamma]), R)
     close(rotations.to_euler("ZYZ", R), [alpha, beta, gamma])
-
-
-def test_mls_quaternion_of_an_axis_and_an_angle():
-    """MLS §2.2.3: Q = (cos θ/2, w sin θ/2)."""
-    w, theta = np.array([2.0, -3.0, 6.0]) / 7, 1.3
-    Q = [np.cos(theta / 2), *(w * np.sin(theta / 2))]
-    close(rotations.to_quaternion_wxyz(rotations.exp(w, theta)), Q)
-    close(rotations.from_quaternion_wxyz(Q), rotations.exp(w, theta))
 
 
 @pytest.mark.parametrize("theta", [0.0, 0.7, -2.5, 3.1])
@@ -134,42 +106,6 @@ def test_mls_example_3_8_scara_jacobian():
         expected[2, 3] = 1
         expected[5, :3] = 1
         close(poe.spatial_jacobian(SCARA, theta), expected)
-
-
-def test_mls_example_3_2_elbow_manipulator():
-    """MLS §3.2.2, example 3.2: the twists and g_st(θ) of the elbow manipulator, a 6R arm with a spherical wrist."""
-    q1, qw = [0, 0, L0], [0, L1 + L2, L0]
-    built = np.hstack([
-        joints.revolute(Z, q1), joints.revolute(-X, q1), joints.revolute(-X, [0, L1, L0]),
-        joints.revolute(Z, qw), joints.revolute(-X, qw), joints.revolute(Y, qw),
-    ])  # fmt: skip
-    printed = [
-        [0, 0, 0, 0, 0, 1], [0, -L0, 0, -1, 0, 0], [0, -L0, L1, -1, 0, 0],
-        [L1 + L2, 0, 0, 0, 0, 1], [0, -L0, L1 + L2, -1, 0, 0], [-L0, 0, 0, 0, 1, 0],
-    ]  # fmt: skip
-    close(built, np.array(printed).T)
-    for theta in THETAS[:, :6]:
-        s1, s2, s23, c1, c2, c23 = sc(theta[0], theta[1], theta[1] + theta[2])
-        s4, s5, s6, c4, c5, c6 = sc(*theta[3:])
-        R = [
-            [
-                c6 * (c1 * c4 - s1 * c23 * s4) + s6 * (s1 * s23 * c5 + s1 * c23 * c4 * s5 + c1 * s4 * s5),
-                -c5 * (s1 * c23 * c4 + c1 * s4) + s1 * s23 * s5,
-                c6 * (-c5 * s1 * s23 - (c23 * c4 * s1 + c1 * s4) * s5) + (c1 * c4 - c23 * s1 * s4) * s6,
-            ],
-            [
-                c6 * (c4 * s1 + c1 * c23 * s4) - (c1 * c5 * s23 + (c1 * c23 * c4 - s1 * s4) * s5) * s6,
-                c5 * (c1 * c23 * c4 - s1 * s4) - c1 * s23 * s5,
-                c6 * (c1 * c5 * s23 + (c1 * c23 * c4 - s1 * s4) * s5) + (c4 * s1 + c1 * c23 * s4) * s6,
-            ],
-            [
-                -c6 * s23 * s4 - (c23 * c5 - c4 * s23 * s5) * s6,
-                -c4 * c5 * s23 - c23 * s5,
-                c6 * (c23 * c5 - c4 * s23 * s5) - s23 * s4 * s6,
-            ],
-        ]
-        p = [-s1 * (L1 * c2 + L2 * c23), c1 * (L1 * c2 + L2 * c23), L0 - L1 * s2 - L2 * s23]
-        close(poe.fk(built, pose(np.eye(3), qw), theta), pose(R, p))
 
 
 def test_mls_example_3_9_stanford_arm():

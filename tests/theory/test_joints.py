@@ -7,7 +7,6 @@ import pinocchio as pin
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
 from strategies import EPS, directions, rotations, vectors
 from twistarm import joints, poe
@@ -85,23 +84,11 @@ def test_spherical(R, point, x):
     close(g @ [*point, 1.0], [*point, 1.0])
 
 
-def test_spherical_is_the_zyx_euler_motion():
-    x = np.array([0.4, -1.0, 2.0])
-    close(motion(joints.spherical([0, 0, 0]), x)[:3, :3], Rotation.from_euler("ZYX", x).as_matrix())
-
-
 @given(rotations(), vectors(), any_x)
 def test_planar(R, point, x):
     q = [x[0], x[1], np.cos(x[2]), np.sin(x[2])]
     expected = pinocchio_motion(pin.JointModelPlanar(), frame(R, point), q)
     close(motion(joints.planar(R[:, 2], point, x_axis=R[:, 0]), x), expected)
-
-
-@given(directions(), any_x)
-def test_planar_motion_stays_in_its_plane(normal, x):
-    g = motion(joints.planar(normal), x)
-    close(g[:3, :3] @ normal, normal)
-    close(normal @ g[:3, 3], 0.0)
 
 
 def test_planar_columns_are_x_y_and_the_turn():
@@ -117,21 +104,11 @@ def test_planar_columns_are_x_y_and_the_turn():
         ([0, 1, 0], [1, 0, 0]),
         ([1, 0, 0], [0, 1, 0]),
         ([-1, 0, 0], [0, 1, 0]),
+        ([0.91, 0, np.sqrt(1 - 0.91**2)], [0, 1, 0]),  # where x lies too nearly along the normal
     ],
 )
 def test_the_default_axes_of_a_plane(normal, x):
-    R = joints.plane_axes(normal)
-    close(R[:, 0], x)
-    close(R[:, 1], np.cross(normal, x))
-    close(R[:, 2], normal)
-
-
-@pytest.mark.parametrize("along", [0.89, 0.91])
-def test_both_sides_of_the_choice_of_a_plane_axis(along):
-    normal = np.array([along, 0.0, np.sqrt(1 - along**2)])
-    R = joints.plane_axes(normal)
-    close(R.T @ R, np.eye(3))
-    assert R[0, 0] > 0.4 if along < 0.9 else R[1, 0] > 0.99
+    close(joints.plane_axes(normal), np.transpose([x, np.cross(normal, x), normal]))
 
 
 @given(directions(), vectors())
@@ -145,48 +122,21 @@ def test_the_axes_of_a_plane_are_a_rotation(normal, x_axis):
         close(R[:, 2], normal)
 
 
-def test_every_joint_is_a_stack_of_columns():
-    shapes = [
-        joints.revolute([0, 0, 1], [0, 0, 0]).shape,
-        joints.prismatic([0, 0, 1]).shape,
-        joints.helical([0, 0, 1], [0, 0, 0], 0.1).shape,
-        joints.cylindrical([0, 0, 1], [0, 0, 0]).shape,
-        joints.spherical([0, 0, 0]).shape,
-        joints.planar([0, 0, 1]).shape,
-    ]
-    assert shapes == [(6, 1), (6, 1), (6, 1), (6, 2), (6, 3), (6, 3)]
-
-
 @pytest.mark.parametrize(
-    ("call", "text"),
+    ("call", "telling"),
     [
-        (
-            lambda: joints.revolute([0, 0, 0], [0, 0, 0]),
-            "axis must not be the zero vector: it has no direction",
-        ),
-        (lambda: joints.revolute([0, 0, 1], [0, 0]), r"point must have shape \(\.\.\., 3\); got \(2,\)"),
-        (
-            lambda: joints.revolute(np.eye(3), [0, 0, 0]),
-            r"axis must be one vector of shape \(3,\); got \(3, 3\)",
-        ),
-        (lambda: joints.prismatic([0, np.inf, 0]), r"axis must be finite; it holds inf at index \[1\]"),
+        (lambda: joints.revolute([0, 0, 0], [0, 0, 0]), "axis must not be the zero vector"),
+        (lambda: joints.revolute([0, 0, 1], [0, 0]), "point must have shape"),
+        (lambda: joints.revolute(np.eye(3), [0, 0, 0]), r"axis must be one vector .* got \(3, 3\)"),
+        (lambda: joints.prismatic([0, np.inf, 0]), r"axis must be finite; .* \[1\]"),
         (lambda: joints.helical([0, 0, 1], [0, 0, 0], np.inf), "pitch must be finite"),
-        (
-            lambda: joints.helical([0, 0, 1], [0, 0, 0], [1.0, 2.0]),
-            r"pitch must be one number \[m/rad\]; got shape \(2,\)",
-        ),
+        (lambda: joints.helical([0, 0, 1], [0, 0, 0], [1.0, 2.0]), "pitch must be one number"),
         (lambda: joints.spherical([0, 0, 0], np.ones((3, 3))), r"axes is not in SO\(3\)"),
-        (
-            lambda: joints.spherical([0, 0, 0], [np.eye(3)] * 2),
-            r"axes must be one rotation \(3, 3\); got \(2, 3, 3\)",
-        ),
-        (
-            lambda: joints.planar([0, 0, 1], x_axis=[0, 0, 2]),
-            "x_axis must not lie along the normal: give an axis in",
-        ),
+        (lambda: joints.spherical([0, 0, 0], [np.eye(3)] * 2), "axes must be one rotation"),
+        (lambda: joints.planar([0, 0, 1], x_axis=[0, 0, 2]), "along the normal"),
         (lambda: joints.planar([0, 0, 0]), "normal must not be the zero vector"),
     ],
 )
-def test_bad_input_is_refused(call, text):
-    with pytest.raises(InputError, match=text):
+def test_bad_input_is_refused(call, telling):
+    with pytest.raises(InputError, match=telling):
         call()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 from strategies import BATCHES, EPS, derivative
@@ -77,7 +76,7 @@ def random_pose(rng):
 
 CHAINS = [
     *(Chain([kind], seed) for seed, kind in enumerate(KINDS)),
-    *(Chain(np.random.default_rng(seed).choice(KINDS, size=n), seed) for n in (2, 3, 5, 6, 7, 9) for seed in range(3)),
+    *(Chain(np.random.default_rng(seed).choice(KINDS, size=n), seed) for seed, n in enumerate((2, 3, 5, 6, 7, 9))),
 ]
 
 
@@ -96,16 +95,6 @@ def test_jacobians_agree_with_pinocchio(chain):
 
 
 @pytest.mark.parametrize("chain", CHAINS)
-def test_jacobians_are_derivatives(chain):
-    g = poe.fk(chain.screws, chain.home, chain.x)
-    g_dot = derivative(lambda t: poe.fk(chain.screws, chain.home, chain.x + t * chain.rate))
-    spatial = poe.spatial_jacobian(chain.screws, chain.x) @ chain.rate
-    body = poe.body_jacobian(chain.screws, chain.home, chain.x) @ chain.rate
-    close(spatial, screws.vee(g_dot @ screws.inverse(g)), DERIVATIVE)
-    close(body, screws.vee(screws.inverse(g) @ g_dot), DERIVATIVE)
-
-
-@pytest.mark.parametrize("chain", CHAINS)
 def test_the_body_form_is_the_same_motion(chain):
     B = poe.body_screws(chain.screws, chain.home)
     close(screws.adjoint(chain.home) @ B, chain.screws, BATCH * 10)
@@ -114,24 +103,9 @@ def test_the_body_form_is_the_same_motion(chain):
     close(at_home, B, BATCH * 10)
 
 
-@pytest.mark.parametrize("chain", CHAINS)
-def test_the_adjoint_joins_the_two_jacobians(chain):
-    g = poe.fk(chain.screws, chain.home, chain.x)
-    spatial = poe.spatial_jacobian(chain.screws, chain.x)
-    close(screws.adjoint(g) @ poe.body_jacobian(chain.screws, chain.home, chain.x), spatial, 10 * PINOCCHIO)
-
-
-def test_the_product_is_that_of_matrix_exponentials():
-    chain = CHAINS[-1]
-    g = np.eye(4)
-    for xi, value in zip(chain.screws.T, chain.x, strict=True):
-        g = g @ expm(screws.hat(xi) * value)
-    close(poe.fk(chain.screws, chain.home, chain.x), g @ chain.home, PINOCCHIO)
-
-
 @pytest.mark.parametrize("batch", BATCHES)
-@pytest.mark.parametrize("chain", [CHAINS[0], CHAINS[8], CHAINS[-1]])
-def test_a_batch_is_its_configurations_one_by_one(chain, batch):
+def test_a_batch_is_its_configurations_one_by_one(batch):
+    chain = CHAINS[-1]
     x = np.random.default_rng(1).uniform(-3, 3, size=(*batch, chain.m))
     B = poe.body_screws(chain.screws, chain.home)
     functions = (
@@ -163,12 +137,6 @@ def test_coupled_joints_turn_by_a_theta():
     close(J @ rate, screws.vee(g_dot @ screws.inverse(g)), 1000 * DERIVATIVE)
 
 
-def test_many_turns_lose_no_more_than_the_angle_itself():
-    chain = Chain(["revolute"] * 3, seed=4)
-    turned = chain.x + 2 * np.pi * 1000
-    close(poe.fk(chain.screws, chain.home, turned), chain.fk(chain.x), 1e-11)
-
-
 def test_a_chain_without_joints_stands_still():
     none, home = np.zeros((6, 0)), CHAINS[0].home
     assert (poe.fk(none, home, []) == home).all()
@@ -178,41 +146,27 @@ def test_a_chain_without_joints_stands_still():
     assert poe.body_jacobian(none, home, np.zeros((5, 0))).shape == (5, 6, 0)
 
 
-def test_arguments_are_left_as_they_were():
-    chain = CHAINS[-1]
-    before = chain.screws.copy(), chain.home.copy(), chain.x.copy()
-    poe.body_jacobian(chain.screws, chain.home, chain.x)
-    for was, now in zip(before, (chain.screws, chain.home, chain.x), strict=True):
-        assert (was == now).all()
-
-
 S, HOME = np.eye(6)[:, :2], np.eye(4)
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    ("call", "telling"),
     [
-        (
-            lambda: poe.fk(S.T, HOME, [0, 0]),
-            r"screws must have shape \(6, m\), one column per moving joint; got \(2, 6\)",
-        ),
-        (lambda: poe.fk(S[:, 0], HOME, [0]), r"screws must have shape \(6, m\)"),
-        (
-            lambda: poe.fk(S, HOME[:3, :3], [0, 0]),
-            r"home pose must have shape \(\.\.\., 4, 4\); got \(3, 3\)",
-        ),
-        (lambda: poe.fk(S, [HOME, HOME], [0, 0]), r"home pose must have shape \(4, 4\); got \(2, 4, 4\)"),
+        (lambda: poe.fk(S.T, HOME, [0, 0]), r"screws must have shape .* got \(2, 6\)"),
+        (lambda: poe.fk(S[:, 0], HOME, [0]), "screws must have shape"),
+        (lambda: poe.fk(S, HOME[:3, :3], [0, 0]), "home pose must have shape"),
+        (lambda: poe.fk(S, [HOME, HOME], [0, 0]), r"home pose .* got \(2, 4, 4\)"),
         (lambda: poe.fk(S, 2 * HOME, [0, 0]), r"home pose is not in SE\(3\)"),
-        (lambda: poe.fk(S, HOME, [0, 0, 0]), r"x must have shape \(\.\.\., 2\); got \(3,\)"),
-        (lambda: poe.fk(S, HOME, 0.0), r"x must have shape \(\.\.\., 2\); got \(\)"),
-        (lambda: poe.fk(S, HOME, [0, np.nan]), r"x must be finite; it holds nan at index \[1\]"),
+        (lambda: poe.fk(S, HOME, [0, 0, 0]), "x must have shape"),
+        (lambda: poe.fk(S, HOME, 0.0), "x must have shape"),
+        (lambda: poe.fk(S, HOME, [0, np.nan]), r"x must be finite; .* \[1\]"),
         (lambda: poe.fk(np.full((6, 2), np.inf), HOME, [0, 0]), "screws must be finite"),
-        (lambda: poe.fk_body(S.T, HOME, [0, 0]), r"body_screws must have shape \(6, m\)"),
-        (lambda: poe.body_screws(S, np.zeros((4, 4))), "last row must be 0 0 0 1"),
-        (lambda: poe.spatial_jacobian(S, [0]), r"x must have shape \(\.\.\., 2\); got \(1,\)"),
-        (lambda: poe.body_jacobian(S, HOME, "theta"), "x must be an array of real numbers"),
+        (lambda: poe.fk_body(S.T, HOME, [0, 0]), "body_screws"),
+        (lambda: poe.body_screws(S, np.zeros((4, 4))), "last row"),
+        (lambda: poe.spatial_jacobian(S, [0]), "x must have shape"),
+        (lambda: poe.body_jacobian(S, HOME, "theta"), "x must be an array"),
     ],
 )
-def test_bad_input_is_refused(call, text):
-    with pytest.raises(InputError, match=text):
+def test_bad_input_is_refused(call, telling):
+    with pytest.raises(InputError, match=telling):
         call()

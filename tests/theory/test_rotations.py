@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -68,32 +70,22 @@ def test_exp_is_the_exponential_series(angle):
         close(rotations.exp(w), exact_exp(rotations.skew(w)), ROUNDING)
 
 
-@pytest.mark.parametrize("angle", [1e-190, 1e-160, 1e-16, 1e-12, 1e-9])
+@pytest.mark.parametrize("angle", [1e-190, 1e-16, 1e-12, 1e-9])
 def test_small_rotations_keep_every_digit(angle):
     w = angle * np.array([0.6, -0.48, 0.64])
     R = rotations.exp(w)
-    # So near 0 the skew-symmetric part of R is ŵ to more than sixteen digits.
     np.testing.assert_allclose([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]], 2 * w, rtol=ROUNDING)
     np.testing.assert_allclose(rotations.log(R), w, rtol=ROUNDING)
+    # 1 − cos φ, computed as it is written, would be 0.
+    second_order = rotations.exp(angle * np.array([0.6, 0.8, 0.0]))[0, 1]
+    np.testing.assert_allclose(second_order, 0.48 * angle**2 / 2, rtol=angle**2 + ROUNDING)
 
 
-@pytest.mark.parametrize("angle", [1e-7, 1e-9, 1e-12])
-def test_small_rotations_keep_their_second_order(angle):
-    # 1 − cos φ, computed as it is written, would be 0 from 1e-8 down.
-    R = rotations.exp(angle * np.array([0.6, 0.8, 0.0]))
-    np.testing.assert_allclose(R[0, 1], 0.48 * angle**2 / 2, rtol=angle**2 + ROUNDING)
-
-
-def test_below_the_shortest_length_there_is_no_rotation():
-    assert (rotations.exp([0.9 * rotations.TINY, 0, 0]) == np.eye(3)).all()
+def test_the_shortest_vectors_and_the_longest():
+    assert (rotations.exp([0.9 * rotations.TINY, 0, 0], 5.0) == np.eye(3)).all()
     assert rotations.exp([1.1 * rotations.TINY, 0, 0])[2, 1] == 1.1 * rotations.TINY
-
-
-@given(st.data())
-def test_exp_agrees_with_scipy(data):
-    batch = data.draw(batches)
-    w = data.draw(vectors(batch, scale=data.draw(st.sampled_from([1e-8, 1e-3, 1.0, 10.0]))))
-    close(rotations.exp(w), from_vector(w), SCIPY)
+    close(rotations.exp([1e200, 0, 0], 1e-200), Rotation.from_rotvec([1, 0, 0]).as_matrix(), SCIPY)
+    close(rotations.exp([0, 1e-190, 0], 1e190), Rotation.from_rotvec([0, 1, 0]).as_matrix(), SCIPY)
 
 
 @given(st.data())
@@ -105,21 +97,7 @@ def test_w_need_not_be_a_unit_vector(data):
 
 def test_theta_broadcasts_against_the_batch():
     axes, turns = AXES[:4], np.linspace(-4, 4, 5)
-    R = rotations.exp(axes[:, None], turns)
-    assert R.shape == (4, 5, 3, 3)
-    for i in range(4):
-        for j in range(5):
-            close(R[i, j], Rotation.from_rotvec(axes[i] * turns[j]).as_matrix(), SCIPY)
-
-
-def test_the_zero_vector_is_the_identity():
-    assert (rotations.exp([0, 0, 0], 5.0) == np.eye(3)).all()
-    assert (rotations.log(np.eye(3)) == 0).all()
-
-
-def test_vectors_of_extreme_length_neither_overflow_nor_vanish():
-    close(rotations.exp([1e200, 0, 0], 1e-200), Rotation.from_rotvec([1, 0, 0]).as_matrix(), SCIPY)
-    close(rotations.exp([0, 1e-190, 0], 1e190), Rotation.from_rotvec([0, 1, 0]).as_matrix(), SCIPY)
+    close(rotations.exp(axes[:, None], turns), from_vector(axes[:, None] * turns[:, None]), SCIPY)
 
 
 # logarithm --------------------------------------------------------------------------------------------
@@ -138,13 +116,6 @@ def test_exp_undoes_log(data):
     close(rotations.exp(w), R, PI_ROUNDING)
 
 
-@given(any_rotation())
-def test_log_agrees_with_pinocchio_away_from_pi(R):
-    w = rotations.log(R)
-    if np.linalg.norm(w) < 3:
-        close(w, pin.log3(R), 1e-13)
-
-
 @pytest.mark.parametrize("axis", AXES)
 def test_at_a_half_turn_the_first_nonzero_component_is_positive(axis):
     first = axis[np.flatnonzero(axis)[0]]
@@ -161,13 +132,6 @@ def test_just_short_of_a_half_turn_the_sign_is_that_of_the_turn(short):
         close(rotations.log(from_vector(w)), w, PI_ROUNDING)
 
 
-def test_both_sides_of_the_half_turn_tolerance():
-    q = np.array([0.0, -0.6, 0.48, 0.64])
-    for scalar, sign in ((0.5, -1.0), (2.0, 1.0), (-0.5, -1.0), (-2.0, -1.0)):
-        Q = np.array([scalar * rotations.HALF_TURN_TOL, *q[1:]])
-        close(rotations._canonical(Q)[1:], sign * q[1:], 0)
-
-
 # axis and angle ---------------------------------------------------------------------------------------
 
 
@@ -182,12 +146,7 @@ def test_axis_and_angle(data):
     assert found_axis.shape == axis.shape
     turned = (angle > 1e-100) & (angle < np.pi - 1e-14)
     close(found_axis[turned], axis[turned], ROUNDING)
-
-
-def test_no_rotation_is_about_z():
-    axis, angle = rotations.to_axis_angle(np.eye(3))
-    assert axis.tolist() == [0, 0, 1]
-    assert angle == 0
+    assert (found_axis[angle == 0] == [0, 0, 1]).all()
 
 
 @pytest.mark.parametrize("angle", HARD_ANGLES)
@@ -195,12 +154,6 @@ def test_angle_between_is_accurate_near_0_and_pi(angle):
     R, turn = Rotation.random(random_state=3).as_matrix(), from_vector(angle * AXES)
     close(rotations.angle_between(R, R @ turn), angle, PI_ROUNDING)
     close(rotations.angle_between(np.eye(3), turn), angle, PI_ROUNDING)
-
-
-def test_angle_between_broadcasts():
-    R = Rotation.random(5, random_state=4)
-    expected = [R[0].inv().__mul__(other).magnitude() for other in R]
-    close(rotations.angle_between(R[0].as_matrix(), R.as_matrix()), expected, SCIPY)
 
 
 # quaternions ------------------------------------------------------------------------------------------
@@ -226,14 +179,6 @@ def test_quaternion_of_a_rotation(data):
     close(rotations.to_xyzw(R), np.roll(Q, -1, axis=-1), 0)
 
 
-@pytest.mark.parametrize(
-    "Q", [[1, 1, 1, 1], [1, 1, 0, 0], [0, 1, 1, 0], [0, 1, 1, 1], [1, -1, 1, -1], [1, 1, 1, 1 + 1e-9]]
-)
-def test_quaternions_where_the_largest_component_changes(Q):
-    Q = np.array(Q) / np.linalg.norm(Q)
-    close(rotations.to_quaternion_wxyz(rotations.from_quaternion_wxyz(Q)), Q, ROUNDING)
-
-
 @given(st.data())
 def test_quaternion_products_are_products_of_rotations(data):
     batch = data.draw(batches)
@@ -255,48 +200,36 @@ def test_quaternion_inverse_of_any_length(data):
 # Euler angles -----------------------------------------------------------------------------------------
 
 
-def test_there_are_24_orders():
-    assert len(set(rotations.EULER_ORDERS)) == 24
-
-
 @pytest.mark.parametrize("order", rotations.EULER_ORDERS)
 def test_every_order_agrees_with_scipy(order):
     rng = np.random.default_rng(5)
     given_angles = rng.uniform(-4, 4, size=(200, 3))
     expected = Rotation.from_euler(order, given_angles)
     close(rotations.from_euler(order, given_angles), expected.as_matrix(), SCIPY)
-    found = rotations.to_euler(order, expected.as_matrix())
-    close(rotations.from_euler(order, found), expected.as_matrix(), SCIPY)
     # Near lock the outer angles are ill-conditioned; 200 random rotations stay 1e-3 away from it.
-    close(found, expected.as_euler(order), 1e-11)
-
-
-@pytest.mark.parametrize("order", rotations.EULER_ORDERS)
-@pytest.mark.parametrize("off", [0.0, 1e-16, 3e-15, 0.9e-14, 1.1e-14, 1e-13, 1e-9, 1e-6])
-def test_euler_angles_at_and_near_gimbal_lock(order, off):
-    low, high = (0.0, np.pi) if order[0] == order[2] else (-np.pi / 2, np.pi / 2)
-    for middle in (low + off, high - off):
-        R = rotations.from_euler(order, [0.4, middle, -1.1])
-        found = rotations.to_euler(order, R)
-        close(rotations.from_euler(order, found), R, 3 * rotations.GIMBAL_LOCK_TOL)
-        close(found[1], middle, ROUNDING * 2)
-        if off <= 1e-16:
-            assert found[2] == 0
-        if off >= 1e-6:
-            # The outer angles move by the rounding of R over the distance from lock.
-            close(found, [0.4, middle, -1.1], 1e-9)
-
-
-@pytest.mark.parametrize("order", rotations.EULER_ORDERS)
-def test_euler_angles_stay_in_their_ranges(order):
-    right_angles = np.pi / 2 * np.array(list(np.ndindex(4, 4, 4)))
-    random = Rotation.random(200, random_state=6).as_matrix()
-    R = np.concatenate([random, rotations.from_euler(order, right_angles)])
-    found = rotations.to_euler(order, R)
+    close(rotations.to_euler(order, expected.as_matrix()), expected.as_euler(order), 1e-11)
+    right_angles = rotations.from_euler(order, np.pi / 2 * np.array(list(np.ndindex(4, 4, 4))))
+    found = rotations.to_euler(order, right_angles)
     low, high = (0.0, np.pi) if order[0] == order[2] else (-np.pi / 2, np.pi / 2)
     assert (np.abs(found) <= np.pi).all()
     assert ((found[:, 1] >= low) & (found[:, 1] <= high)).all()
-    close(rotations.from_euler(order, found), R, SCIPY)
+    close(rotations.from_euler(order, found), right_angles, SCIPY)
+    assert len(set(rotations.EULER_ORDERS)) == 24
+
+
+@pytest.mark.parametrize("order", rotations.EULER_ORDERS)
+def test_euler_angles_at_and_near_gimbal_lock(order):
+    low, high = (0.0, np.pi) if order[0] == order[2] else (-np.pi / 2, np.pi / 2)
+    for off in (0.0, 1e-16, 0.9e-14, 1.1e-14, 1e-9, 1e-6):
+        for middle in (low + off, high - off):
+            R = rotations.from_euler(order, [0.4, middle, -1.1])
+            found = rotations.to_euler(order, R)
+            close(rotations.from_euler(order, found), R, 3 * rotations.GIMBAL_LOCK_TOL)
+            close(found[1], middle, ROUNDING * 2)
+            assert found[2] == 0 or off > 1e-16
+            if off >= 1e-6:
+                # The outer angles move by the rounding of R over the distance from lock.
+                close(found, [0.4, middle, -1.1], 1e-9)
 
 
 @pytest.mark.parametrize("order", rotations.EULER_ORDERS)
@@ -308,23 +241,6 @@ def test_euler_rate_map_is_the_angular_velocity(order):
     close(rotations.euler_rate_map(order, at) @ rate, [W[2, 1], W[0, 2], W[1, 0]], DERIVATIVE)
 
 
-@pytest.mark.parametrize("batch", BATCHES)
-def test_euler_rate_map_takes_batches(batch):
-    at = np.random.default_rng(8).uniform(-2, 2, size=(*batch, 3))
-    B = rotations.euler_rate_map("zyx", at)
-    assert B.shape == (*batch, 3, 3)
-    for index in np.ndindex(batch):
-        close(B[index], rotations.euler_rate_map("zyx", at[index]), ROUNDING)
-
-
-@pytest.mark.parametrize("beta", [1e-1, 1e-3, 1e-6])
-def test_the_rate_map_loses_its_condition_towards_gimbal_lock(beta):
-    B = rotations.euler_rate_map("ZYZ", [0.3, beta, 1.0])
-    # The first and third axis enclose beta and the second is across both: singular values √(1 ± cos β) and 1.
-    expected = np.sqrt((1 + np.cos(beta)) / (2 * np.sin(beta / 2) ** 2))
-    np.testing.assert_allclose(np.linalg.cond(B), expected, rtol=1e-6)
-
-
 @given(st.data())
 def test_rpy_is_that_of_urdf(data):
     rpy = data.draw(vectors(data.draw(batches)))
@@ -334,53 +250,42 @@ def test_rpy_is_that_of_urdf(data):
     close(rotations.from_rpy(rotations.to_rpy(R)), R, SCIPY)
 
 
-def test_rpy_at_gimbal_lock_has_no_yaw():
-    close(rotations.to_rpy(rotations.from_rpy([0.3, np.pi / 2, 0.2])), [0.1, np.pi / 2, 0.0], SCIPY)
-    close(rotations.to_rpy(rotations.from_rpy([0.3, -np.pi / 2, 0.2])), [0.5, -np.pi / 2, 0.0], SCIPY)
-
-
 # batches and refusals -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("batch", BATCHES)
 def test_a_batch_is_its_elements_one_by_one(batch):
     R = Rotation.random(24, random_state=9).as_matrix()[: int(np.prod(batch))].reshape(*batch, 3, 3)
-    for function in (
-        rotations.log,
-        rotations.to_quaternion_wxyz,
-        rotations.to_rpy,
-        lambda R: rotations.to_euler("ZXZ", R),
-    ):
+    euler, rates = partial(rotations.to_euler, "ZXZ"), lambda R: rotations.euler_rate_map("zyx", R[..., 0])
+    functions = (rotations.log, rotations.to_quaternion_wxyz, euler, rates)
+    for function in functions:
         whole = function(R)
-        assert whole.shape[:-1] == batch
+        assert whole.shape[: len(batch)] == batch
         for index in np.ndindex(batch):
             close(whole[index], function(R[index]), ROUNDING)
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    ("call", "telling"),
     [
-        (lambda: rotations.exp([1, 2]), r"w must have shape \(\.\.\., 3\); got \(2,\)"),
-        (lambda: rotations.exp([1, 2, 3], "x"), "theta must be an array of real numbers"),
-        (
-            lambda: rotations.exp(np.ones((2, 3)), np.ones(5)),
-            r"leading axes do not match: w \(2,\) and theta \(5,\); they",
-        ),
-        (lambda: rotations.log(np.ones((3, 3))), r"rotation is not in SO\(3\)"),
-        (lambda: rotations.angle_between(np.eye(3), np.eye(4)), r"R2 must have shape \(\.\.\., 3, 3\)"),
-        (lambda: rotations.from_axis_angle([0, 0, 0], 1.0), "axis must not be the zero vector"),
+        (lambda: rotations.exp([1, 2]), "w must have shape"),
+        (lambda: rotations.exp([1, 2, 3], "x"), "theta"),
+        (lambda: rotations.exp(np.ones((2, 3)), np.ones(5)), r"w \(2,\) and theta \(5,\)"),
+        (lambda: rotations.log(np.ones((3, 3))), r"not in SO\(3\)"),
+        (lambda: rotations.angle_between(np.eye(3), np.eye(4)), "R2"),
+        (lambda: rotations.from_axis_angle([0, 0, 0], 1.0), "axis"),
         (lambda: rotations.from_axis_angle(np.eye(3), np.ones(2)), r"axis \(3,\) and angle \(2,\)"),
-        (lambda: rotations.from_xyzw([0, 0, 0, 0]), "quaternion must not be zero: it is no rotation"),
-        (lambda: rotations.from_quaternion_wxyz([1, 0, 0]), r"quaternion must have shape \(\.\.\., 4\)"),
-        (lambda: rotations.quaternion_inverse_wxyz([0, 0, 0, 0]), "quaternion must not be zero"),
-        (lambda: rotations.from_euler("ZZY", [1, 2, 3]), "no Euler order 'ZZY': give three letters of XYZ"),
-        (lambda: rotations.to_euler("xYz", np.eye(3)), "no Euler order 'xYz'"),
-        (lambda: rotations.from_euler("ZYZ", [1, 2]), r"angles must have shape \(\.\.\., 3\)"),
-        (lambda: rotations.from_rpy([1, np.nan, 2]), r"rpy must be finite; it holds nan at index \[1\]"),
+        (lambda: rotations.from_xyzw([0, 0, 0, 0]), "quaternion"),
+        (lambda: rotations.from_quaternion_wxyz([1, 0, 0]), "quaternion must have shape"),
+        (lambda: rotations.quaternion_inverse_wxyz([0, 0, 0, 0]), "quaternion"),
+        (lambda: rotations.from_euler("ZZY", [1, 2, 3]), "ZZY"),
+        (lambda: rotations.to_euler("xYz", np.eye(3)), "xYz"),
+        (lambda: rotations.from_euler("ZYZ", [1, 2]), "angles must have shape"),
+        (lambda: rotations.from_rpy([1, np.nan, 2]), r"rpy .* nan at index \[1\]"),
     ],
 )
-def test_bad_input_is_refused(call, text):
-    with pytest.raises(InputError, match=text):
+def test_bad_input_is_refused(call, telling):
+    with pytest.raises(InputError, match=telling):
         call()
 
 
@@ -415,10 +320,7 @@ def test_a_rotation_is_its_own_nearest_whatever_it_is_multiplied_by(R, factor):
 
 @pytest.mark.parametrize("A", [np.zeros((3, 3)), np.diag([1.0, 0, 0]), np.diag([1.0, 1, -1]), -np.eye(3)])
 def test_where_many_rotations_are_equally_near_none_is_taken(A):
-    with pytest.raises(InputError, match="A has no one nearest rotation"):
+    with pytest.raises(InputError, match="no one nearest rotation"):
         rotations.nearest(A)
-
-
-def test_a_flat_matrix_has_one_and_a_mirror_that_is_uneven_too():
-    close(rotations.nearest(np.diag([2.0, 1.0, 0.0])), np.eye(3), SCIPY)
-    close(rotations.nearest(np.diag([1.0, 1.0, -0.5])), np.eye(3), SCIPY)
+    for one in (np.diag([2.0, 1.0, 0.0]), np.diag([1.0, 1.0, -0.5])):  # flat, and a mirror that is uneven
+        close(rotations.nearest(one), np.eye(3), SCIPY)

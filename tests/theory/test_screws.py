@@ -17,7 +17,6 @@ from strategies import (
     HARD_ANGLES,
     angles,
     batches,
-    derivative,
     directions,
     exact_exp,
     poses,
@@ -66,6 +65,9 @@ def test_vee_undoes_hat(data):
         matrix = screws.hat(xi)
         assert matrix.shape == ((*batch, 3, 3) if length == 3 else (*batch, 4, 4))
         assert (screws.vee(matrix) == xi).all()
+    xi, h = np.array([0.3, -0.2, 0.5, 1.0, -2.0, 0.7]), 1e-6
+    one_sided = (screws.exp(xi, h) - np.eye(4)) / h  # not quite in se(3)
+    close(screws.vee(one_sided), xi, 1e-5)
 
 
 @given(vectors(size=6))
@@ -75,35 +77,12 @@ def test_hat_gives_the_velocity_of_a_point(xi):
     close(screws.hat(xi[3:]), pin.skew(xi[3:]), 0)
 
 
-def test_vee_reads_a_numerical_derivative():
-    xi = np.array([0.3, -0.2, 0.5, 1.0, -2.0, 0.7])
-    h = 1e-6
-    xi_hat = (screws.exp(xi, h) - np.eye(4)) / h  # one-sided, so not quite in se(3)
-    close(screws.vee(xi_hat), xi, 1e-5)
-
-
 @given(st.data())
 def test_bracket_is_the_commutator(data):
     batch = data.draw(batches)
-    a, b, c = (data.draw(vectors(batch, 6)) for _ in range(3))
+    a, b = (data.draw(vectors(batch, 6)) for _ in range(2))
     A, B = screws.hat(a), screws.hat(b)
-    tol = PRODUCTS * size(a) * size(b) * size(c)
-    close(screws.bracket(a, b), screws.vee(A @ B - B @ A), tol)
-    close(screws.bracket(a, b), -screws.bracket(b, a), 0)
-    jacobi = sum(screws.bracket(x, screws.bracket(y, z)) for x, y, z in ((a, b, c), (b, c, a), (c, a, b)))
-    close(jacobi, 0.0, tol)
-
-
-@given(twists(), twists())
-def test_bracket_is_the_derivative_of_the_adjoint(a, b):
-    rate = derivative(lambda t: screws.adjoint(screws.exp(a, t)) @ b)
-    close(screws.bracket(a, b), rate, DERIVATIVE * size(a) * size(b) * 10)
-
-
-def test_bracket_agrees_with_pinocchio():
-    rng = np.random.default_rng(1)
-    a, b = rng.normal(size=(2, 6))
-    close(screws.bracket(a, b), pin.Motion(a).cross(pin.Motion(b)).vector, ROUNDING)
+    close(screws.bracket(a, b), screws.vee(A @ B - B @ A), PRODUCTS * size(a) * size(b))
 
 
 def test_angular_first():
@@ -128,19 +107,11 @@ def test_exp_is_the_exponential_series(angle):
             assert g[3].tolist() == [0, 0, 0, 1]
 
 
-@pytest.mark.parametrize("angle", [1e-12, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3])
+@pytest.mark.parametrize("angle", [1e-12, 1e-9, 1e-5, 1e-3])
 def test_the_second_order_near_zero_is_there(angle):
     # Taking p = v near 0 would lose ½ w × v, which is five orders above the rounding even at 1e-9.
     xi = np.array([1.0, 0, 0, 0, 0, angle])
     assert screws.exp(xi)[1, 3] == pytest.approx(angle / 2, rel=angle**2 / 6 + ROUNDING)
-
-
-@given(st.data())
-def test_exp_agrees_with_scipy_and_pinocchio(data):
-    scale = data.draw(scales)
-    xi = data.draw(twists(scale=scale))
-    close(screws.exp(xi), expm(screws.hat(xi)), LIBRARY * size(scale * 10))
-    close(screws.exp(xi), pin.exp6(xi).homogeneous, LIBRARY * size(scale * 10))
 
 
 @given(st.data())
@@ -153,19 +124,9 @@ def test_theta_scales_the_twist(data):
 def test_theta_broadcasts_against_the_batch():
     rng = np.random.default_rng(2)
     xi, theta = rng.normal(size=(4, 1, 6)), rng.normal(size=5)
-    g = screws.exp(xi, theta)
-    assert g.shape == (4, 5, 4, 4)
-    for i in range(4):
-        for j in range(5):
-            close(g[i, j], expm(screws.hat(xi[i, 0]) * theta[j]), LIBRARY)
+    close(screws.exp(xi, theta), expm(screws.hat(xi * theta[:, None])), LIBRARY)
     assert screws.exp(xi[:, 0], 2.0).shape == (4, 4, 4)
     assert screws.exp(xi[0, 0], theta).shape == (5, 4, 4)
-
-
-@given(st.data())
-def test_motions_along_one_screw_add(data):
-    xi = data.draw(twists())
-    close(screws.exp(xi, 0.3) @ screws.exp(xi, 1.1), screws.exp(xi, 1.4), PRODUCTS * size(xi))
 
 
 def test_a_pure_translation_is_exact():
@@ -209,29 +170,15 @@ def test_at_a_half_turn_the_first_nonzero_component_is_positive(axis):
     close(screws.exp(found), screws.exp(xi), ROUNDING)
 
 
-@given(poses())
-def test_log_agrees_with_pinocchio_away_from_pi(g):
-    xi = screws.log(g)
-    if np.linalg.norm(xi[3:]) < 3:
-        close(xi, pin.log6(pin.SE3(g)).vector, LIBRARY * size(g))
-
-
 @pytest.mark.parametrize("batch", BATCHES)
 def test_a_batch_is_its_elements_one_by_one(batch):
-    rng = np.random.default_rng(3)
-    xi = rng.normal(size=(*batch, 6))
+    xi = np.random.default_rng(3).normal(size=(*batch, 6))
     g = screws.exp(xi)
-    for function, argument, axes in (
-        (screws.exp, xi, 1),
-        (screws.log, g, 2),
-        (screws.adjoint, g, 2),
-        (screws.inverse, g, 2),
-    ):
+    for function, argument in ((screws.exp, xi), (screws.log, g), (screws.adjoint, g), (screws.inverse, g)):
         whole = function(argument)
         assert whole.shape[: len(batch)] == batch
         for index in np.ndindex(batch):
             close(whole[index], function(argument[index]), ROUNDING)
-        assert argument.shape[: argument.ndim - axes] == batch
 
 
 # the group and its Adjoint ----------------------------------------------------------------------------
@@ -239,21 +186,15 @@ def test_a_batch_is_its_elements_one_by_one(batch):
 
 @given(st.data())
 def test_inverse(data):
-    batch, scale = data.draw(batches), data.draw(scales)
-    g = data.draw(poses(batch, scale))
-    identity = np.broadcast_to(np.eye(4), g.shape)
-    close(g @ screws.inverse(g), identity, PRODUCTS * size(g))
-    close(screws.inverse(g) @ g, identity, PRODUCTS * size(g))
-    close(screws.inverse(screws.inverse(g)), g, PRODUCTS * size(g))
+    g = data.draw(poses(data.draw(batches), data.draw(scales)))
+    close(g @ screws.inverse(g), np.broadcast_to(np.eye(4), g.shape), PRODUCTS * size(g))
 
 
 @given(st.data())
 def test_the_adjoint_is_a_homomorphism(data):
     batch, scale = data.draw(batches), data.draw(scales)
     g, h = data.draw(poses(batch, scale)), data.draw(poses(batch))
-    tol = PRODUCTS * size(g) * size(h)
-    close(screws.adjoint(g @ h), screws.adjoint(g) @ screws.adjoint(h), tol)
-    close(screws.adjoint(screws.inverse(g)), np.linalg.inv(screws.adjoint(g)), PRODUCTS * size(g) ** 2)
+    close(screws.adjoint(g @ h), screws.adjoint(g) @ screws.adjoint(h), PRODUCTS * size(g) * size(h))
 
 
 @given(poses())
@@ -280,17 +221,14 @@ def test_power_does_not_depend_on_the_frame(data):
     close(screws.transform_wrench(g, F), (dual @ F[..., None])[..., 0], PRODUCTS * size(g) * size(F))
 
 
-@given(poses(), vectors(size=6))
-def test_wrenches_agree_with_pinocchio(g, F):
-    close(screws.transform_wrench(g, F), pin.SE3(g).act(pin.Force(F)).vector, PRODUCTS * size(g) * size(F))
-
-
 def test_one_pose_moves_many_twists_and_many_poses_one():
     rng = np.random.default_rng(4)
     g, xi = screws.exp(rng.normal(size=(5, 6))), rng.normal(size=(5, 6))
-    assert screws.transform_twist(g[0], xi).shape == (5, 6)
-    assert screws.transform_twist(g, xi[0]).shape == (5, 6)
-    assert screws.transform_wrench(g[:, None], xi).shape == (5, 5, 6)
+    for transform in (screws.transform_twist, screws.transform_wrench):
+        every = transform(g[:, None], xi)
+        assert every.shape == (5, 5, 6)
+        close(transform(g[0], xi), every[0], ROUNDING * 10)
+        close(transform(g, xi[0]), every[:, 0], ROUNDING * 10)
 
 
 # screws -----------------------------------------------------------------------------------------------
@@ -320,37 +258,20 @@ def test_the_screw_of_a_line_and_a_pitch(data):
     close(np.sum(screw.point * u, axis=-1), 0.0, PRODUCTS * size(q))  # its nearest point to the origin
 
 
-@given(twists())
-def test_points_of_the_axis_stay_on_it(xi):
-    screw = screws.to_screw(xi)
-    if np.isfinite(screw.pitch) and screw.magnitude > 1e-3:
-        moved = screws.exp(xi, 0.8) @ [*screw.point, 1.0]
-        slide = 0.8 * screw.magnitude * screw.pitch
-        close(moved[:3], screw.point + slide * screw.axis, PRODUCTS * size(screw.point, slide))
-
-
-def test_a_pure_translation_has_infinite_pitch():
+def test_screws_without_a_turn():
     screw = screws.to_screw([0, 3, 4, 0, 0, 0])
     assert screw.axis.tolist() == [0, 0.6, 0.8]
     assert screw.point.tolist() == [0, 0, 0]
-    assert screw.pitch == np.inf
-    assert screw.magnitude == 5
+    assert (screw.pitch, screw.magnitude) == (np.inf, 5)
     assert screw.twist.tolist() == [0, 3, 4, 0, 0, 0]
+    nothing = screws.to_screw(np.zeros(6))
+    assert nothing.axis.tolist() == [0, 0, 0]
+    assert nothing.twist.tolist() == [0] * 6
+    by_hand = screws.Screw(axis=[0, 0, 1], point=[1, 2, 3], pitch=np.inf, magnitude=2.0)
+    assert by_hand.twist.tolist() == [0, 0, 2, 0, 0, 0]
 
 
-def test_a_screw_given_by_hand_may_have_infinite_pitch_and_a_point():
-    screw = screws.Screw(axis=[0, 0, 1], point=[1, 2, 3], pitch=np.inf, magnitude=2.0)
-    assert screw.twist.tolist() == [0, 0, 2, 0, 0, 0]
-
-
-def test_the_zero_twist_has_no_axis():
-    screw = screws.to_screw(np.zeros(6))
-    assert screw.axis.tolist() == [0, 0, 0]
-    assert screw.magnitude == 0
-    assert screw.twist.tolist() == [0] * 6
-
-
-@pytest.mark.parametrize(("rate", "pitch"), [(0.9e-15, np.inf), (1.1e-15, 1 / 1.1e-15), (1e-12, 1e12)])
+@pytest.mark.parametrize(("rate", "pitch"), [(0.9e-15, np.inf), (1.1e-15, 1 / 1.1e-15)])
 def test_both_sides_of_the_translation_tolerance(rate, pitch):
     xi = 2 * np.array([0.6, 0.8, 0, 0.6 * rate, 0.8 * rate, 0])
     screw = screws.to_screw(xi)
@@ -371,57 +292,40 @@ def test_a_screw_is_read_only_and_picklable():
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    ("call", "telling"),
     [
-        (
-            lambda: screws.hat(np.ones((6, 7))),
-            r"xi must have shape \(\.\.\., 6\), a twist, or \(\.\.\., 3\), a vector; got",
-        ),
-        (lambda: screws.hat(1.0), r"xi must have shape"),
-        (
-            lambda: screws.vee(np.ones((2, 2))),
-            r"matrix must have shape \(\.\.\., 4, 4\) or \(\.\.\., 3, 3\); got \(2, 2\)",
-        ),
-        (
-            lambda: screws.vee(np.eye(3)),
-            r"matrix is not in so\(3\), skew-symmetric: it is off by 2; build it with hat",
-        ),
-        (lambda: screws.vee(np.eye(4)), r"matrix is not in se\(3\), \[ŵ, v; 0, 0\]: it is off by 2"),
-        (lambda: screws.exp(np.ones((6, 7)).tolist()), r"xi must have shape \(\.\.\., 6\); got \(6, 7\)"),
-        (
-            lambda: screws.exp(np.ones((4, 6)), np.ones(3)),
-            r"leading axes do not match: xi \(4,\) and theta \(3,\)",
-        ),
+        (lambda: screws.hat(np.ones((6, 7))), "xi must have shape"),
+        (lambda: screws.hat(1.0), "xi must have shape"),
+        (lambda: screws.vee(np.ones((2, 2))), r"matrix must have shape .* got \(2, 2\)"),
+        (lambda: screws.vee(np.eye(3)), r"not in so\(3\).* off by 2"),
+        (lambda: screws.vee(np.eye(4)), r"not in se\(3\).* off by 2"),
+        (lambda: screws.exp(np.ones((6, 7)).tolist()), r"xi must have shape .* got \(6, 7\)"),
+        (lambda: screws.exp(np.ones((4, 6)), np.ones(3)), r"xi \(4,\) and theta \(3,\)"),
         (lambda: screws.exp(np.ones(6), np.nan), "theta must be finite"),
-        (lambda: screws.log(np.ones((4, 4))), r"pose g is not in SE\(3\): its last row must be 0 0 0 1"),
-        (lambda: screws.log(np.diag([2.0, 2, 2, 1])), r"rotation of the pose g is not in SO\(3\)"),
-        (lambda: screws.adjoint(np.eye(3)), r"pose g must have shape \(\.\.\., 4, 4\); got \(3, 3\)"),
-        (lambda: screws.inverse(np.zeros((4, 4))), r"pose g is not in SE\(3\)"),
-        (lambda: screws.bracket(np.ones(6), np.ones(3)), r"b must have shape \(\.\.\., 6\)"),
+        (lambda: screws.log(np.ones((4, 4))), r"not in SE\(3\)"),
+        (lambda: screws.log(np.diag([2.0, 2, 2, 1])), r"not in SO\(3\)"),
+        (lambda: screws.adjoint(np.eye(3)), "pose g must have shape"),
+        (lambda: screws.inverse(np.zeros((4, 4))), r"not in SE\(3\)"),
+        (lambda: screws.bracket(np.ones(6), np.ones(3)), "b must have shape"),
         (lambda: screws.bracket(np.ones((2, 6)), np.ones((3, 6))), r"a \(2,\) and b \(3,\)"),
-        (lambda: screws.transform_twist(np.eye(4), np.ones(3)), r"xi_b must have shape \(\.\.\., 6\)"),
-        (lambda: screws.transform_wrench(np.eye(3), np.ones(6)), r"pose g_ab must have shape"),
-        (
-            lambda: screws.from_angular_first(np.ones((6, 3))),
-            r"V of shape \(6, 3\) holds twists in its columns",
-        ),
-        (lambda: screws.to_screw([1, 2, 3]), r"xi must have shape \(\.\.\., 6\)"),
+        (lambda: screws.transform_twist(np.eye(4), np.ones(3)), "xi_b"),
+        (lambda: screws.transform_wrench(np.eye(3), np.ones(6)), "g_ab"),
+        (lambda: screws.from_angular_first(np.ones((6, 3))), "columns"),
+        (lambda: screws.to_screw([1, 2, 3]), "xi must have shape"),
     ],
 )
-def test_bad_input_is_refused(call, text):
-    with pytest.raises(InputError, match=text):
+def test_bad_input_is_refused(call, telling):
+    with pytest.raises(InputError, match=telling):
         call()
 
 
 def test_six_twists_in_a_square_are_not_guessed_to_be_rows_or_columns():
-    V = np.arange(36.0).reshape(6, 6)
+    V, swapped = np.arange(36.0).reshape(6, 6), [3, 4, 5, 0, 1, 2]
     for convert in (screws.from_angular_first, screws.to_angular_first):
-        with pytest.raises(InputError, match=r'may hold twists either way: say twists="rows" or "columns"'):
+        with pytest.raises(InputError, match='twists="rows" or "columns"'):
             convert(V)
-        assert np.array_equal(convert(V, twists="rows"), V[:, [3, 4, 5, 0, 1, 2]])
-        assert np.array_equal(convert(V, twists="columns"), V[[3, 4, 5, 0, 1, 2]])
-        assert np.array_equal(convert(V[:, :5], twists="columns"), V[[3, 4, 5, 0, 1, 2], :5])
-        with pytest.raises(InputError, match="holds twists in its columns"):
-            convert(V[:, :5])
-        with pytest.raises(InputError, match="twists must be 'rows' or 'columns'; got 'colums'; closest: 'columns'"):
+        assert np.array_equal(convert(V, twists="rows"), V[:, swapped])
+        assert np.array_equal(convert(V, twists="columns"), V[swapped])
+        assert np.array_equal(convert(V[:, :5], twists="columns"), V[swapped, :5])
+        with pytest.raises(InputError, match="closest: 'columns'"):
             convert(V, twists="colums")

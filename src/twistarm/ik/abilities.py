@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -59,8 +58,7 @@ class Split(NamedTuple):
     prevented: float
 
 
-@dataclass(frozen=True, eq=False)
-class ApproachPlane:
+class ApproachPlane(NamedTuple):
     """The plane that holds the approach axis while the position is held.
 
     normal: unit vector (3,) in base axes; angle [rad] of the wanted approach out of the plane.
@@ -167,7 +165,7 @@ def _brought_to(arm: Arm, p: Array, theta: Array) -> Array:
     for _ in range(STEPS):
         g, J_b = arm._fk_and_body_jacobian(theta)
         offset = g[:3, :3].T @ (p - g[:3, 3])
-        if _norm(offset) <= HELD:
+        if np.linalg.norm(offset) <= HELD:
             break
         theta = theta + np.linalg.pinv(J_b[:3], rcond=RANK_TOL) @ offset
     return theta
@@ -207,7 +205,3 @@ def _across(columns: Array, tolerance: float = RANK_TOL) -> Array:
     U, size, _ = np.linalg.svd(columns)
     left = U[:, int((size > tolerance).sum()) :]
     return nearest_axes(left @ left.T, left.shape[1]).T
-
-
-def _norm(vector: Array) -> float:
-    return float(np.linalg.norm(vector))

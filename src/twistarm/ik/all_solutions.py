@@ -12,7 +12,7 @@ import numpy as np
 from ..arm.arm import Arm
 from ..support.checks import Array, frozen
 from ..support.errors import printable
-from .all_answers import AllAnswers, AnyAllAnswers
+from .all_answers import AllAnswers
 from .closed_form.methods import Method
 from .explain import reached, why_not
 from .ranges import holding, joint_ranges
@@ -25,18 +25,10 @@ from .task_space import Tolerances
 class IKSolutions:
     """Configurations inside the limits that meet the target, each verified by forward kinematics; it cannot be changed.
 
-    theta (k, n) [rad, m], read-only: nearest to theta0 first, by the largest joint difference in shares of the joint's
-    range (2π or 1 m where it has none). `solutions[i]` is theta[i].
-    free: for each of them, the joints that may go on moving while the target stays met, () where it stands alone. Where
-    a wrist is singular, or an arm redundant, configurations form continuous families. A family counts once: theta is
-    the member that keeps a free joint at theta0's value, or else the nearest found; `given` chooses another.
-    members: for each of them (m, n), those of its family that were found inside the limits, itself first.
-    outside (m, n): configurations that meet the target beyond the position limits.
-    complete: whether these are all there are, but for others of the same families. False where joints were sampled,
-    where the axes miss the family that was solved, for a search, and where the time was up (`timed_out`).
-    method: "closed form", "elimination" or "search from many starts"; `family`: which, in words.
-    starts, hits: searches that were run, and how many of them met the target; values of sampled joints, and how many
-    gave a configuration. 0 where there was nothing to sample.
+    Nearest to theta0 first, by the largest joint difference in shares of the joint's range (2π or 1 m where it has
+    none). `solutions[i]` is theta[i]. Where a wrist is singular, or an arm redundant, configurations form continuous
+    families. A family counts once: theta is the member that keeps a free joint at theta0's value, or else the nearest
+    found; `given` chooses another.
     """
 
     __slots__ = (
@@ -54,7 +46,7 @@ class IKSolutions:
     def __init__(
         self,
         arm: Arm,
-        found: AnyAllAnswers,
+        found: AllAnswers,
         members: tuple[Array, ...],
         method: Method,
         complete: bool,
@@ -102,19 +94,23 @@ class IKSolutions:
 
     @property
     def free(self) -> tuple[tuple[str, ...], ...]:
-        """For each of theta, the joints that may go on moving while the target stays met."""
+        """For each of theta, the joints that may go on moving while the target stays met; () where it stands alone."""
         names = self._arm.joint_names
         moving = self._found.moves[: self._found.inside]
         return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in moving)
 
     @property
     def members(self) -> tuple[Array, ...]:
-        """For each of theta, the configurations (m, n) of its family that were found inside the limits."""
+        """For each of theta, the configurations (m, n) of its family found inside the limits, itself first."""
         return self._members or tuple(self.theta[:, None])
 
     @property
     def complete(self) -> bool:
-        """Whether these are all there are."""
+        """Whether these are all there are, but for others of the same families.
+
+        False where joints were sampled, where the axes miss the family that was solved, for a search, and where the
+        time was up.
+        """
         return self._complete
 
     @property

@@ -206,7 +206,7 @@ def _by_core(
     assert method.compiled is not None
     numbers = targets
     if isinstance(targets, tuple):
-        numbers = np.array([target.numbers for target in targets]).reshape(len(targets), *_shape(targets))
+        numbers = np.array([target.numbers for target in targets]) if targets else np.zeros((0, 4, 4))
     found = method.compiled.solve_batch(numbers, near, *how)
     if found is None:
         return None
@@ -218,11 +218,6 @@ def _by_core(
     left = (found.families > 0) | ((found.inside == 0) & wider)
     beyond = found.count - found.inside
     return IKSolutionsBatch(arm, found.inside, beyond, kept, start, found.theta, found.moves, known, tolerances, left)
-
-
-def _shape(targets: tuple[AnyTarget, ...]) -> tuple[int, ...]:
-    """Of one target's numbers."""
-    return targets[0].numbers.shape if targets else (4, 4)
 
 
 def _gathered(

@@ -7,16 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..support.checks import Array
 from .targets import numbers_of_kind
-
-if TYPE_CHECKING:
-    from .._core import Answer as CoreAnswer
 
 NOT_FINISHED = -1
 """In place of a reason: the time was up before the target was finished."""
@@ -27,7 +24,7 @@ Records = NDArray[np.void]
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """An answer theta (n,), the searches behind it, and what was asked: `_core.Answer` has the same fields.
+    """An answer theta (n,), the searches behind it, and what was asked; the core's own `Answer` has the same fields.
 
     `stop`: number of the reason in STOPS. `unlimited` (n,): where limits block, an answer without them;
     `has_unlimited` says whether it is one. `nearest`: theta is the nearest configuration, looked for because no search
@@ -60,8 +57,6 @@ class Answer:
             array.flags.writeable = False
 
 
-AnyAnswer: TypeAlias = "Answer | CoreAnswer"
-
 FIELDS = tuple(field.name for field in fields(Answer))
 
 
@@ -77,7 +72,7 @@ def answer_in(records: Records, i: int) -> Answer:
     return answer_from(lambda name: numbers if name == "numbers" else record[name])
 
 
-def write_answer(records: Records, i: int, answer: AnyAnswer) -> None:
+def write_answer(records: Records, i: int, answer: Answer) -> None:
     """Put an answer in the place of another one to the same target."""
     for name in FIELDS:
         if name != "numbers":

@@ -5,8 +5,8 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any, NamedTuple
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +21,7 @@ from .ranges import joint_ranges
 from .request import Request, checked, named
 from .solution import IKSolution
 from .stop_reason import STOPS, StopReason
-from .targets import KINDS, AnyTarget, Pose, TargetLike, checked_target, meant_by, target_for, target_of
+from .targets import AnyTarget, Pose, TargetLike, checked_target, meant_by, target_for, target_of
 
 Progress = Callable[[int, int], object]
 """Called with how many targets are done, and how many there are."""
@@ -131,13 +131,10 @@ def solve_ik_batch(
 ) -> IKBatch:
     """Inverse kinematics of N targets: poses (N, 4, 4), or a sequence of targets of any kinds.
 
-    `theta0` is one start for all (n,) or one for each (N, n), `posture` likewise; the other arguments are those of
-    `solve_ik`, and so is every verdict. The answer to a target depends on nothing but that target; it may be another
-    root than that of `solve_ik`, which races its searches to be done sooner, where this one takes the first search
-    that converges. `max_time` [s] is that of the whole batch. `threads` share the work, and change no answer;
-    `progress(done, count)` is called some twenty times a second. Ctrl-C ends it.
-
-    Raises InputError for what cannot be a target (which one), a start, a tolerance or a number of threads.
+    Arguments and verdicts are those of `solve_ik`. The answer to a target depends on nothing but that target; it may be
+    another root than that of `solve_ik`, which races its searches to be done sooner, where this one takes the first
+    search that converges. `threads` share the work, and change no answer; `progress(done, count)` is called some twenty
+    times a second. Ctrl-C ends it.
 
     Args:
         arm: The arm.
@@ -171,7 +168,7 @@ def solve_ik_batch(
     request = checked(arm, theta0, posture, *how, count=len(asked))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(done, count)")
-    records = _by_core(chain, arm, asked, request, BatchOptions(workers, progress))
+    records = _by_core(chain, arm, asked, request, workers, progress)
     return IKBatch(arm, _settled(arm, _begun(arm, records), asked), asked)
 
 
@@ -201,41 +198,38 @@ def _one(i: int, target: Any, arm: Arm, taken: Callable[[Arm, Any], AnyTarget] =
         raise InputError(f"targets[{i}]: {error}") from error
 
 
-class BatchOptions(NamedTuple):
-    """How the core is to go about a batch."""
-
-    threads: int
-    progress: Progress | None
-
-    def after(self, before: int, count: int) -> BatchOptions:
-        """The same for a part of the batch that follows `before` targets of `count`."""
-        progress = self.progress
-        return self if progress is None else BatchOptions(self.threads, lambda done, _: progress(before + done, count))
-
-
 def _by_core(
-    chain: engine.Chain, arm: Arm, targets: tuple[AnyTarget, ...], request: Request, options: BatchOptions
+    chain: engine.Chain,
+    arm: Arm,
+    targets: tuple[AnyTarget, ...],
+    request: Request,
+    threads: int,
+    progress: Progress | None,
 ) -> Records:
     """The answers to every target: those of a kind together."""
     records = np.zeros(len(targets), dtype=chain.widest_record)
     kinds = np.array([target.kind for target in targets], dtype=np.int64)
-    for kind in range(len(KINDS)):
-        of_kind = np.flatnonzero(kinds == kind)
-        if len(of_kind):
-            how = *_part(request, of_kind).for_core, *options.after(int((kinds < kind).sum()), len(targets))
-            found = chain.solve_batch(kind, np.array([targets[i].numbers for i in of_kind]), *how)
-            if found is None:  # somebody has written into the arrays of a target
-                found = chain.solve_batch(
-                    kind, np.array([_one(int(i), targets[i], arm).numbers for i in of_kind]), *how
-                )
-            assert found is not None, "what was refused is plain now"
-            for name in FIELDS:
-                column, into = found[name], records[name]
-                if name == "numbers":
-                    into[of_kind, : column.shape[1]] = column
-                else:
-                    into[of_kind] = column
+    for kind in np.unique(kinds).tolist():
+        of_kind, before = np.flatnonzero(kinds == kind), int((kinds < kind).sum())
+        tell = None if progress is None else partial(_tell, progress, before, len(targets))
+        how = *_part(request, of_kind).for_core, threads, tell
+        found = chain.solve_batch(kind, np.array([targets[i].numbers for i in of_kind]), *how)
+        if found is None:  # somebody has written into the arrays of a target
+            again = [_one(int(i), targets[i], arm).numbers for i in of_kind]
+            found = chain.solve_batch(kind, np.array(again), *how)
+        assert found is not None, "what was refused is plain now"
+        for name in FIELDS:
+            column, into = found[name], records[name]
+            if name == "numbers":
+                into[of_kind, : column.shape[1]] = column
+            else:
+                into[of_kind] = column
     return records
+
+
+def _tell(progress: Progress, before: int, count: int, done: int, _: int) -> None:
+    """How far a batch of `count` targets is, of which `before` were done before this part."""
+    progress(before + done, count)
 
 
 def _begun(arm: Arm, records: Records) -> Records:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from .answer import NOT_FINISHED, Answer, AnyAnswer, answer_from
+from .answer import NOT_FINISHED, Answer, answer_from
 from .closed_form.methods import Method, family_for
 from .ranges import joint_ranges
 from .stop_reason import STOPS, StopReason
@@ -41,7 +41,7 @@ def is_exact(tolerances: Tolerances) -> bool:
     return max(tolerances.position, tolerances.orientation) <= EXACTLY
 
 
-def settled(arm: Arm, target: AnyTarget, answer: AnyAnswer) -> AnyAnswer:
+def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
     """The answer, with what the closed form knows better.
 
     That is a configuration after all, or one outside the limits, which are to blame then. It is marked as certain

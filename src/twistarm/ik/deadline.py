@@ -28,9 +28,9 @@ class Deadline:
         return time.monotonic() >= self.moment
 
     @property
-    def left(self) -> float:
-        """Seconds until then, none if it has come."""
-        return max(0.0, self.moment - time.monotonic())
+    def left(self) -> float | None:
+        """Seconds until then, as a solver's `max_time`: a microsecond if it has come, None for infinity."""
+        return None if math.isinf(self.moment) else max(1e-6, self.moment - time.monotonic())
 
     def until(self, items: Iterable[T]) -> Iterator[T]:
         """The items, of which none follows once the moment has come."""

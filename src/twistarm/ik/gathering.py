@@ -36,6 +36,7 @@ from .deadline import Deadline
 from .ranges import holding, joint_ranges
 from .searches import searched
 from .self_motions import SelfMotions
+from .solution import IKSolution
 from .solve import solve_ik
 from .targets import AnyTarget
 from .task_space import Tolerances
@@ -132,19 +133,18 @@ class Gathering:
 
     def values_met(self, method: Method) -> Array:
         """Values (k, h) of the joints held, k ≤ 1, in a configuration that a search has found: samples may miss all."""
-        arm, met = holding(self.arm, self.given, self.near), self.tolerances
-        left = None if np.isinf(self.deadline.moment) else max(self.deadline.left, 1e-6)
-        found = solve_ik(
-            arm, self.target, self.near, position_tol=met.position, orientation_tol=met.orientation, max_time=left
-        )
+        found = self.one_search()
         return found.theta[None, list(method.held)][: int(found.converged)]
 
     def within(self, method: Method) -> list[Root]:
         """The answer of a search, which uses loose tolerances as a closed form, made for exact targets, does not."""
-        held = holding(self.arm, self.given, self.near)
-        met = self.tolerances
-        found = solve_ik(held, self.target, self.near, position_tol=met.position, orientation_tol=met.orientation)
+        found = self.one_search()
         return [Root(found.theta, method.idle)] if found.converged else []
+
+    def one_search(self) -> IKSolution:
+        """What `solve_ik` finds from theta0 with the given joints where they are to stand."""
+        arm = holding(self.arm, self.given, self.near)
+        return solve_ik(arm, self.target, self.near, **self.tolerances.keywords, max_time=self.deadline.left)
 
     def told_of(self, done: int, count: int) -> None:
         """Whoever asked hears how far it is."""
@@ -191,10 +191,9 @@ class Gathering:
         """The same from these starts (k, n)."""
         if self.deadline.passed:
             return [], 0, 0
-        left = None if np.isinf(self.deadline.moment) else max(self.deadline.left, 1e-6)
         targets = [self.target] * len(starts)
         arm = holding(self.arm, self.given, self.near)
-        done = searched(arm, targets, starts, max_time=left, progress=progress)
+        done = searched(arm, targets, starts, max_time=self.deadline.left, progress=progress)
         counted = done.converged & (done.exact | self.rounded)
         return self.roots(done.met, self.given, known), done.run, int(counted.sum())
 

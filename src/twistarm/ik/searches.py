@@ -57,8 +57,7 @@ def searched(
     theta, run = np.array(starts), 0
     converged, exact = np.zeros((2, len(starts)), dtype=np.bool_)
     for target, start in deadline.until(zip(targets, starts, strict=True)):
-        left = None if max_time is None else max(deadline.left, 1e-6)
-        found = solve_ik(arm, target, start, **met.keywords, restarts=restarts, posture=posture, max_time=left)
+        found = solve_ik(arm, target, start, **met.keywords, restarts=restarts, posture=posture, max_time=deadline.left)
         theta[run], converged[run], exact[run] = found.theta, found.converged, found.converged and not found.rounded
         run += 1
         if progress is not None:

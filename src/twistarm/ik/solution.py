@@ -13,7 +13,7 @@ from ..support.display import told
 from ..support.errors import NotConvergedError
 from ..support.unit_hints import theta_hint
 from ..support.vector_words import value_in_words
-from .answer import FIELDS, Answer, AnyAnswer
+from .answer import FIELDS, Answer
 from .explain import explain, summary
 from .ranges import joint_ranges
 from .stop_reason import CLOSED_FORM, DAMPED, NEAREST, STOPS, StopReason
@@ -49,19 +49,11 @@ WITHOUT_CORE = (
 
 
 class IKSolution:
-    """The answer to one target; it cannot be changed, and what costs time is computed when it is asked for.
-
-    theta (n,) [rad, m]: an answer if `converged`; else the nearest configuration: the least position error inside the
-    limits, then, with the position held, the least rotation error (for TIMED_OUT and EXHAUSTED: the best so far).
-    position_error [m], orientation_error [rad]: from forward kinematics at theta, of what the target constrains.
-    iterations, restarts: steps of the search that found theta (of all of them where none did); searches that were run.
-    unlimited (n,): where limits block, an answer without them, or where there is none, what meets the position alone,
-    or the nearest to the rotation with the position held.
-    """
+    """The answer to one target; it cannot be changed, and what costs time is computed when it is asked for."""
 
     __slots__ = ("_answer", "_arm", "_target")
 
-    def __init__(self, arm: Arm, answer: AnyAnswer, target: AnyTarget | None = None) -> None:
+    def __init__(self, arm: Arm, answer: Answer, target: AnyTarget | None = None) -> None:
         self._arm = arm
         self._answer = answer
         self._target = target
@@ -85,22 +77,26 @@ class IKSolution:
 
     @property
     def theta(self) -> Array:
-        """(n,) [rad, m], read-only."""
+        """(n,) [rad, m], read-only: an answer if `converged`, else the nearest configuration.
+
+        The nearest has the least position error inside the limits, then, with the position held, the least rotation
+        error. For TIMED_OUT and EXHAUSTED it is the best so far.
+        """
         return self._answer.theta
 
     @property
     def unlimited(self) -> Array | None:
-        """Where limits block: an answer without them, or else what comes nearest, the position first, (n,)."""
+        """(n,) where limits block: an answer without them, or else what comes nearest, the position first."""
         return self._answer.unlimited if self._answer.has_unlimited else None
 
     @property
     def position_error(self) -> float:
-        """[m], of what the target constrains."""
+        """[m], from forward kinematics at theta, of what the target constrains."""
         return float(self._answer.position_error)
 
     @property
     def orientation_error(self) -> float:
-        """[rad], of what the target constrains."""
+        """[rad], from forward kinematics at theta, of what the target constrains."""
         return float(self._answer.orientation_error)
 
     @property

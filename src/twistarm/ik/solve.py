@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
 from . import textbook
-from .answer import AnyAnswer
+from .answer import Answer
 from .certainty import settled
 from .request import checked, named
 from .solution import IKSolution
@@ -30,34 +30,32 @@ def solve_ik(
 ) -> IKSolution:
     """Inverse kinematics: joint coordinates inside the limits that bring the tool to `target`.
 
-    `target`: Pose, Position, Approach or Task; a bare (4, 4) means Pose. `theta0` (n,), by default `arm.ready`, is
-    where the search begins; it is brought inside the limits first. Joints that may turn for ever come back as near to
-    it as the limits allow. Tolerances in m and rad. At most `restarts` searches, the first from theta0, the others
-    from starts that depend on the seed `rng` and their number alone: the same call gives the same bits, unless
-    `max_time` [s] cuts it short. Where searches find a configuration within 0.2 rad (0.2 m) of theta0 that
-    meets the target, it is the answer. For a target within 2 cm and 3° of the pose of theta0 it is else the nearest
-    that they find, and `notes` says so.
+    The first search begins at `theta0`, brought inside the limits, the others at starts that depend on the seed `rng`
+    and their number alone: the same call gives the same bits, unless `max_time` cuts it short. Joints that may turn for
+    ever come back as near to theta0 as the limits allow. Where searches find a configuration within 0.2 rad (0.2 m) of
+    theta0 that meets the target, it is the answer. For a target within 2 cm and 3° of the pose of theta0 it is else the
+    nearest that they find, and `notes` says so.
 
     The searches look for a configuration within both tolerances, not for an exact one. An arm whose axes a CAD export
     has rounded also meets what it misses by at most `arm.rounding`; `rounded` and `notes` say so.
 
-    `posture`: where a redundant arm would rather stand while it meets the target: "theta0", "middle" (the middle of
-    the limits) or a configuration (n,). The answer is then moved in the null space to a minimum of ‖θ − posture‖².
+    `posture` is where a redundant arm would rather stand while it meets the target. The answer is then moved in the
+    null space to a minimum of ‖θ − posture‖².
 
     A target that cannot be met is no error: the solution is then the nearest configuration (the least position error
     inside the limits, then the least rotation error with the position held), `stop` says why, `explain()` says it
-    in words. Raises InputError for what cannot be a target, a start or a tolerance.
+    in words.
 
     Args:
         arm: The arm.
         target: `Pose`, `Position`, `Approach`, `Task`, or a pose (4, 4).
-        theta0: Start (n,) [rad, m], {joint: value} or the name of a pose.
+        theta0: Start (n,) [rad, m], {joint: value} or the name of a pose; by default `arm.ready`.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
         restarts: Greatest number of searches.
         max_time: Greatest time [s]; None for no limit.
         rng: Seed, or a NumPy Generator.
-        posture: Preferred configuration (n,), its name, "theta0", "middle", or None.
+        posture: Preferred configuration (n,), its name, "theta0", "middle" (of the limits), or None.
 
     Returns:
         The `IKSolution`: theta (n,), its errors [m, rad], `converged`, `stop` and `explain()`.
@@ -86,7 +84,7 @@ def solve_ik(
     return _settled(arm, answer, asked)
 
 
-def _settled(arm: Arm, answer: AnyAnswer, target: AnyTarget) -> IKSolution:
+def _settled(arm: Arm, answer: Answer, target: AnyTarget) -> IKSolution:
     return IKSolution(arm, settled(arm, target, answer), target)
 
 

@@ -103,24 +103,20 @@ def solve_ik_all(
     near[list(stands)] = list(stands.values())
     deadline = Deadline.after(request.max_time)
     task = Gathering(arm, asked, near, request.tolerances, method.given, method.idle, deadline, progress)
-    if not any(arm.rounding):
-        return _answered(task, method, count, copies)
-    first, second = (None, None) if progress is None else _in_two_passes(progress)
-    answer = _answered(replace(task, progress=first), method, count, copies)
+    return _in_two_passes(task, method, count, copies) if any(arm.rounding) else _answered(task, method, count, copies)
+
+
+def _in_two_passes(task: Gathering, method: Method, count: int, copies: bool) -> IKSolutions:
+    """What is met exactly; where nothing is, what is met but for the rounding of the axes. Each is half of the way."""
+    tell = task.progress or (lambda *_: None)
+    exact = replace(task, progress=lambda done, of: tell(done, 2 * of))
+    answer = _answered(exact, method, count, copies)
     if len(answer) or answer.timed_out:
-        if second is not None:
-            second(1, 1)
+        tell(2, 2)
         return answer
-    met = request.tolerances.or_rounding(arm.rounding)
-    return _answered(replace(task, tolerances=met, rounded=True, progress=second), method, count, copies)
-
-
-def _in_two_passes(progress: Progress) -> tuple[Progress, Progress]:
-    """What hears of the first pass and of the second, each half of the way."""
-    return (
-        lambda done, count: progress(done, 2 * count),
-        lambda done, count: progress(count + done, 2 * count),
-    )
+    met = task.tolerances.or_rounding(task.arm.rounding)
+    rounded = replace(task, tolerances=met, rounded=True, progress=lambda done, of: tell(of + done, 2 * of))
+    return _answered(rounded, method, count, copies)
 
 
 def _answered(task: Gathering, method: Method, count: int, copies: bool) -> IKSolutions:

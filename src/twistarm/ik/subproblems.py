@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from ..support.checks import Array, as_direction, as_number, as_twist, as_vector, frozen, made_by
 from ..support.errors import InputError
-from .closed_form.joint_axis import JointAxis, Point, axis_of, product
+from .closed_form.joint_axis import JointAxis, Point, along, axis_of, product
 from .closed_form.placing import place, settle
 from .closed_form.trigonometric import NEAREST, NOTHING, harmonic, quadratic
 from .ranges import Mask
@@ -130,7 +130,7 @@ def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> 
     def off(value: float) -> float:
         return abs(_apart(start.moved(axis.motion(value)), centre) - radius)
 
-    constant, first, second = _along(axis, lambda g: float(((start.moved(g).p - centre.p) ** 2).sum()))
+    constant, first, second = along(axis, lambda g: ((start.moved(g).p - centre.p) ** 2).sum())
     return _level(axis, (constant - radius**2, first, second), off)
 
 
@@ -162,7 +162,7 @@ def subproblem_4(xi: ArrayLike, p: ArrayLike, normal: ArrayLike, offset: float) 
     def off(value: float) -> float:
         return abs(float(n @ start.moved(axis.motion(value)).p) - d)
 
-    constant, first, second = _along(axis, lambda g: float(n @ start.moved(g).p))
+    constant, first, second = along(axis, lambda g: n @ start.moved(g).p)
     return _level(axis, (constant - d, first, second), off)
 
 
@@ -187,18 +187,9 @@ def _apart(a: Point, b: Point) -> float:
     return float(np.linalg.norm(a.p - b.p))
 
 
-def _along(axis: JointAxis, value: Callable[[Array], float]) -> tuple[float, float, float]:
-    """value(E(x)) as k₀ + k₁ cos x + k₂ sin x, or k₀ + k₁ x + k₂ x² where the joint slides."""
-    if axis.slides:
-        back, here, on = (value(axis.motion(x)) for x in (-1.0, 0.0, 1.0))
-        return here, 0.5 * (on - back), 0.5 * (on + back) - here
-    start, quarter, half = (value(axis.motion(x)) for x in (0.0, math.pi / 2, math.pi))
-    centre = 0.5 * (start + half)
-    return centre, start - centre, quarter - centre
-
-
-def _level(axis: JointAxis, k: tuple[float, float, float], off: Callable[[float], float]) -> Roots:
+def _level(axis: JointAxis, coefficients: tuple[Array, Array, Array], off: Callable[[float], float]) -> Roots:
     """Where k₀ + k₁ u + k₂ v is zero, or nearest to it."""
+    k = [float(each) for each in coefficients]
     scale = max(abs(each) for each in k) or 1.0
     found: list[float] | None
     if not axis.slides:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...arm.almost_exact import angle_in_words
 from ...arm.arm import Arm
 from .families import DECOUPLED, SPHERICAL, FittedFamily
 from .joint_axis import JointAxis
@@ -36,7 +37,7 @@ def family_in_words(arm: Arm, fitted: FittedFamily, joints: Joints) -> str:
 
 def off_in_words(fitted: FittedFamily) -> str:
     """By how much the axes miss the family: `0.4 mm`."""
-    return _length(fitted.off) if fitted.family.kind == SPHERICAL else _angle(fitted.off)
+    return _length(fitted.off) if fitted.family.kind == SPHERICAL else angle_in_words(fitted.off)
 
 
 def missed_in_words(arm: Arm, fitted: FittedFamily, axes: Sequence[JointAxis], joints: Joints) -> str:
@@ -52,7 +53,7 @@ def missed_in_words(arm: Arm, fitted: FittedFamily, axes: Sequence[JointAxis], j
     if spherical:  # each two of them meet, but not all three
         return f"the axes of {_names(arm, [joints[i] for i in group])} pass a common point at {_length(fitted.off)}"
     kind = "square" if axes[i].slides != axes[j].slides else "parallel"
-    return f"the axes of {names} are {_angle(far)} from {kind}"
+    return f"the axes of {names} are {angle_in_words(far)} from {kind}"
 
 
 def _distance(a: JointAxis, b: JointAxis) -> float:
@@ -77,7 +78,3 @@ def _names(arm: Arm, joints: Joints) -> str:
 
 def _length(metres: float) -> str:
     return f"{1e3 * metres:.3g} mm" if metres >= 1e-5 else f"{1e6 * metres:.2g} µm"
-
-
-def _angle(radians: float) -> str:
-    return f"{np.degrees(radians):.2g}°" if radians > 1e-4 else f"{radians:.1e} rad"

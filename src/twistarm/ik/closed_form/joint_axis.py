@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -93,6 +94,16 @@ def product(axes: tuple[JointAxis, ...], x: Array) -> Array:
     for axis, value in zip(axes, x, strict=True):
         g = g @ axis.motion(float(value))
     return g
+
+
+def along(axis: JointAxis, value: Callable[[Array], Array], sense: float = 1.0) -> tuple[Array, Array, Array]:
+    """value(E(sense · x)) as k₀ + k₁ cos x + k₂ sin x, or k₀ + k₁ x + k₂ x² where the joint slides: (k₀, k₁, k₂)."""
+    if axis.slides:
+        back, here, on = (value(axis.motion(sense * x)) for x in (-1.0, 0.0, 1.0))
+        return here, 0.5 * (on - back), 0.5 * (on + back) - here
+    start, quarter, half = (value(axis.motion(sense * x)) for x in (0.0, math.pi / 2, math.pi))
+    centre = 0.5 * (start + half)
+    return centre, start - centre, quarter - centre
 
 
 def turn(w: Array, x: float) -> Array:

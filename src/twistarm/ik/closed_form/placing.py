@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...support.checks import Array
-from .joint_axis import JointAxis, Plane, Point, across
+from .joint_axis import JointAxis, Plane, Point, across, along
 from .trigonometric import NOTHING
 from .two_conditions import Side, one_joint, two_conditions
 
@@ -114,12 +114,7 @@ def _kept(middle: JointAxis, X: Point | Plane) -> Array:
 
 def _kept_along(middle: JointAxis, axis: JointAxis, X: Point | Plane, sense: float = 1.0) -> Array:
     """(2, 3): the kept numbers of E(sense · x) X as k₀ + k₁ cos x + k₂ sin x, or k₀ + k₁ x + k₂ x² where it slides."""
-    if axis.slides:
-        back, here, on = (_kept(middle, X.moved(axis.motion(sense * x))) for x in (-1.0, 0.0, 1.0))
-        return np.stack([here, 0.5 * (on - back), 0.5 * (on + back) - here], axis=1)
-    start, quarter, half = (_kept(middle, X.moved(axis.motion(sense * x))) for x in (0.0, math.pi / 2, math.pi))
-    centre = 0.5 * (start + half)
-    return np.stack([centre, start - centre, quarter - centre], axis=1)
+    return np.stack(along(axis, lambda g: _kept(middle, X.moved(g)), sense), axis=1)
 
 
 def _indices(*free: bool) -> frozenset[int]:
