@@ -171,6 +171,13 @@ def test_trajectories_have_velocities_and_end_at_rest(drive):
     assert len(it.commands[-1].points) == 1
 
 
+def test_arrays_hold_positions_where_the_controller_takes_them(drive):
+    it = drive(publish_joint_positions=True, publish_joint_velocities=False)
+    it.joints = Drive.stand
+    it.run(3)
+    np.testing.assert_allclose(it.commands[-1].data, it.theta)
+
+
 @pytest.mark.parametrize(
     ("parameters", "speed"), [({}, 0.2), ({"command_in_type": "unitless", "scale_joint": 0.4}, 0.5)]
 )
