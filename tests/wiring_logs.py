@@ -83,6 +83,35 @@ def geared(arm: Arm, rng: np.random.Generator) -> Arm:
     return replace(arm, actuators=motors)
 
 
+def fitted(arm: Arm) -> Actuators:
+    """Its motors."""
+    assert arm.actuators is not None
+    return arm.actuators
+
+
+def logged(
+    arm: Arm,
+    true: Actuators,
+    theta: Array | int,
+    seed: int,
+    *,
+    poses: bool = True,
+    turned: float = 0.0,
+) -> WiringLog:
+    """Counts of the true motors at theta or at so many random postures, the tool by Pinocchio, measured to 1 mm."""
+    rng = np.random.default_rng(seed)
+    theta = arm.random_theta(rng, theta) if isinstance(theta, int) else theta
+    g = arm.by_pinocchio(theta)[0].copy()
+    g[:, :3, 3] += rng.normal(scale=0.001, size=(len(theta), 3))
+    g[:, :3, :3] = g[:, :3, :3] @ exp(rng.normal(scale=turned, size=(len(theta), 3)))
+    return WiringLog(true.names, true.to_counts(true.to_motor(theta)), g if poses else g[:, :3, 3])
+
+
+def faults(report: WiringReport) -> dict[str, tuple[str, ...]]:
+    """The faults that are named, by motor."""
+    return {motor.name: motor.faults for motor in report.motors if motor.faults}
+
+
 def _postures(arm: Arm, rng: np.random.Generator) -> Array:
     """All over the joints' ranges, or near a posture: each joint some tens of degrees."""
     rows = int(rng.integers(8, 41))

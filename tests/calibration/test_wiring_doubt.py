@@ -9,10 +9,9 @@ import pytest
 
 from catalogue import load
 from twistarm import Actuators, Arm, check_wiring
-from twistarm.calibration import WiringLog, WiringReport
+from twistarm.calibration import WiringLog
 from twistarm.support.checks import Array
-
-ROWS, POSITION_NOISE = 15, 0.001
+from wiring_logs import faults, logged
 
 MOTORS = Actuators(
     ("rail", "shoulder", "elbow", "left", "right"),
@@ -32,29 +31,17 @@ def rover(beside: float = 0.0) -> Arm:
     return replace(load("rover_arm").with_tool(tool, "probe"), actuators=MOTORS)
 
 
-def logged(arm: Arm, *, seed: int = 0, theta: Array | None = None, poses: bool = False) -> WiringLog:
-    """Positions as by tape measure, or poses, by Pinocchio."""
-    rng = np.random.default_rng(seed)
-    theta = arm.random_theta(rng, ROWS) if theta is None else theta
-    g = arm.by_pinocchio(theta)[0].copy()
-    g[:, :3, 3] += rng.normal(scale=POSITION_NOISE, size=(len(theta), 3))
-    return WiringLog(MOTORS.names, MOTORS.to_counts(MOTORS.to_motor(theta)), g if poses else g[:, :3, 3])
+def log_of(arm: Arm, *, theta: Array | int = 15, poses: bool = False) -> WiringLog:
+    return logged(arm, MOTORS, theta, 0, poses=poses)
 
 
 def swapped_wrist(log: WiringLog) -> WiringLog:
     return WiringLog(log.names, log.counts[:, [0, 1, 2, 4, 3]], log.measured)
 
 
-def faults(report: WiringReport) -> dict[str, tuple[str, ...]]:
-    return {motor.name: motor.faults for motor in report.motors if motor.faults}
-
-
-# -- swapped motors ----------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("swapped", [False, True])
 def test_a_swap_that_positions_on_the_axis_do_not_show(swapped: bool) -> None:
-    log = logged(rover())
+    log = log_of(rover())
     report = check_wiring(rover(), swapped_wrist(log) if swapped else log)
     assert (report.verdict, report.ok, faults(report)) == ("cannot tell", False, {})
     assert "nor whether 'left' and 'right' are swapped; what it does show is sound" in report.what
@@ -65,27 +52,24 @@ def test_a_swap_that_positions_on_the_axis_do_not_show(swapped: bool) -> None:
 
 def test_positions_beside_the_axis_and_poses_show_it() -> None:
     for arm, poses in ((rover(beside=0.05), False), (rover(), True)):
-        log = logged(arm, poses=poses)
+        log = log_of(arm, poses=poses)
         assert check_wiring(arm, log).verdict == "sound"
         assert faults(check_wiring(arm, swapped_wrist(log))) == {"left": ("swapped",), "right": ("swapped",)}
 
 
 def test_a_roll_that_was_never_turned_hides_it_from_poses() -> None:
-    theta = rover().random_theta(np.random.default_rng(1), ROWS)
+    theta = rover().random_theta(np.random.default_rng(1), 15)
     theta[:, 4] = 0.0
-    report = check_wiring(rover(), logged(rover(), theta=theta, poses=True))
+    report = check_wiring(rover(), log_of(rover(), theta=theta, poses=True))
     assert report.verdict == "cannot tell"
     assert report.motors[3].unseen == ("swapped with right",)
     assert report.motors[3].remedy == "log more moments in which each of wrist_pitch and wrist_roll moves by itself"
 
 
-# -- possible faults ---------------------------------------------------------------------------------------------------
-
-
 def test_a_zero_of_either_has_no_entry_until_orientations_tell() -> None:
     """3000 ticks of 60 · 4096 / 2π per rad are 4.39°, half of it pitch."""
     for poses, left, right in ((False, "possible fault", "possible fault"), (True, "fault", "sound")):
-        log = logged(rover(), poses=poses)
+        log = log_of(rover(), poses=poses)
         report = check_wiring(rover(), WiringLog(log.names, log.counts + [0, 0, 0, 3000, 0], log.measured))
         assert report.verdict == "fault"
         assert [motor.verdict for motor in report.motors[3:]] == [left, right]
@@ -95,7 +79,7 @@ def test_a_zero_of_either_has_no_entry_until_orientations_tell() -> None:
 
 
 def test_a_certain_fault_beside_a_possible_one_keeps_its_entry() -> None:
-    log = logged(rover())
+    log = log_of(rover())
     counts = log.counts * [1, 1, -1, 1, 1] + [0, 0, 0, 3000, 0]
     report = check_wiring(rover(), WiringLog(log.names, counts, log.measured))
     assert [motor.verdict for motor in report.motors[2:]] == ["fault", "possible fault", "possible fault"]
@@ -103,13 +87,9 @@ def test_a_certain_fault_beside_a_possible_one_keeps_its_entry() -> None:
     assert report.what.startswith("the log shows what is wrong with 'elbow'; one thing is wrong and the log does not")
 
 
-# -- too little --------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("rows", [1, 10])
-@pytest.mark.parametrize("poses", [False, True])
+@pytest.mark.parametrize(("rows", "poses"), [(1, False), (10, True)])
 def test_a_log_at_one_place_shows_nothing(rows: int, poses: bool) -> None:
-    report = check_wiring(rover(), logged(rover(), theta=np.zeros((rows, 5)), poses=poses))
+    report = check_wiring(rover(), log_of(rover(), theta=np.zeros((rows, 5)), poses=poses))
     assert report.verdict == "cannot tell"
     assert report.what == "no motor was moved, so the log does not show the sign, ratio or zero of any"
     assert all(motor.unseen == ("sign", "ratio", "zero") for motor in report.motors)
@@ -122,14 +102,11 @@ def test_nothing_but_zeros() -> None:
     assert report.what.endswith("of any; and the tool was not measured where the arm.toml puts it")
 
 
-# -- another unit ------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
-    ("unit", "metres"), [("millimetres", 0.001), ("centimetres", 0.01), ("inches", 0.0254), ("kilometres", 1000.0)]
+    ("unit", "metres"), [("millimetres", 0.001), pytest.param("inches", 0.0254, marks=pytest.mark.slow)]
 )
 def test_positions_in_another_unit(unit: str, metres: float) -> None:
-    log = logged(rover())
+    log = log_of(rover())
     counts = log.counts * [1, 1, -1, 1, 1]
     report = check_wiring(rover(), WiringLog(log.names, counts, log.measured / metres))
     assert report.verdict == "unexplained"
@@ -139,7 +116,7 @@ def test_positions_in_another_unit(unit: str, metres: float) -> None:
 
 
 def test_an_unexplained_log_blames_no_motor() -> None:
-    log = logged(rover())
+    log = log_of(rover())
     measured = log.measured + np.random.default_rng(2).normal(scale=0.3, size=log.measured.shape)
     told: list[float] = []
     report = check_wiring(rover(), WiringLog(log.names, log.counts, measured), progress=told.append)

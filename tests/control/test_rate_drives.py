@@ -6,7 +6,7 @@ import pytest
 from catalogue import load
 from rate_plant import driven, off_line
 from stream_stand_ins import jog
-from twistarm.control.servo import JogCommand, ServoState, TwistCommand, servo_step
+from twistarm.control.servo import JogCommand, TwistCommand
 from twistarm.control.stream import Ending
 
 SPEED, WAY = 0.1, 3.0
@@ -15,8 +15,6 @@ SPEED, WAY = 0.1, 3.0
 UP, LEFT, DOWN = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, -1.0])
 FREE = {"rover_arm": UP, "ur5": LEFT, "panda": DOWN}
 """Where an arm can go 0.3 m from its ready pose."""
-
-EXACT = {"gain": 1.0, "delay": 0.0, "every": 0.01, "loss": 0.0, "step": 1e-9}
 
 
 def along(direction, after=None):
@@ -41,7 +39,7 @@ def assert_straight(name, drive, most):
     assert way > 0.28
 
 
-@pytest.mark.parametrize(("name", "delay"), [("rover_arm", 0.1), ("ur5", 0.05), ("panda", 0.02)])
+@pytest.mark.parametrize(("name", "delay"), [("rover_arm", 0.1), ("ur5", 0.05)])
 def test_a_tool_goes_straight_and_then_stands(name, delay):
     arm = load(name)
     drive = driven(arm, arm.ready, along(FREE[name], TwistCommand(np.zeros(6), "base")), 6.0, delay=delay)
@@ -56,11 +54,6 @@ def test_joints_that_are_held_into_their_limits_stop_there(name):
     assert kept(drive)
     assert (drive.beyond < np.where(np.array(arm.units) == "m", 5e-3, np.radians(0.5))).all()
     assert drive.reversals(since=0.0) <= 1
-
-
-def test_drives_that_do_as_they_are_told_go_straight():
-    drive = driven(load("ur5"), load("ur5").ready, along(LEFT), WAY, **EXACT)
-    assert_straight("ur5", drive, 1e-3)
 
 
 def test_a_release_is_no_slower_than_without_corrections(rover):
@@ -100,16 +93,6 @@ def test_an_arm_whose_joint_states_fail_to_come_stands_and_goes_on(rover):
     assert kept(drive)
     assert not drive.rates[160:200].any()
     assert drive.rates[-1].any()
-
-
-def test_by_positions_nothing_is_corrected(rover):
-    drive = driven(rover, rover.ready, along(UP), 1.0, velocity_mode=False)
-    state, rates = ServoState.at(rover, rover.ready), []
-    for _ in drive.rates:
-        state, output = servo_step(rover, state, along(UP)(0.0), 0.01)
-        rates.append(output.theta_dot)
-    start = np.abs(drive.rates - rates).max()
-    assert start < 1e-3  # the encoders' steps at the start alone
 
 
 @pytest.mark.slow

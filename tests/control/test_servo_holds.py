@@ -53,7 +53,11 @@ def astray(arm, theta, start, told):
     return np.linalg.norm(off[:3]), np.linalg.norm(off[3:])
 
 
-def check(name, what, accelerating, rounds):
+@pytest.mark.parametrize("accelerating", [True, pytest.param(False, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("rounds", [1, pytest.param(10, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("what", SPEED)
+@pytest.mark.parametrize("name", ARMS)
+def test_what_is_held_stays(name, what, rounds, accelerating):
     arm, rng = servo_arm(name, accelerating), random(name, f"held {what}", 0)
     for _ in range(rounds):
         for theta in starts(arm, rng):
@@ -67,21 +71,7 @@ def check(name, what, accelerating, rounds):
                     assert turned <= TURNED, (name, what, accelerating, theta, told, k)
 
 
-@pytest.mark.parametrize("what", SPEED)
-@pytest.mark.parametrize("name", ARMS)
-def test_what_is_held_stays(name, what):
-    check(name, what, accelerating=True, rounds=1)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("accelerating", [True, False])
-@pytest.mark.parametrize("what", SPEED)
-@pytest.mark.parametrize("name", ARMS)
-def test_what_is_held_stays_in_many_runs(name, what, accelerating):
-    check(name, what, accelerating, rounds=10)
-
-
-@pytest.mark.parametrize("name", ["ur5", "panda"])
+@pytest.mark.parametrize("name", ["ur5", pytest.param("panda", marks=pytest.mark.slow)])
 def test_a_tool_that_drifts_off_its_command_is_not_called_ok(name):
     """Turning in place from singular and random postures without a hold: what the position pays is said."""
     arm, rng, drifting = servo_arm(name, accelerating=False), random(name, "drift", 0), 0

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from servo_drives import DT, driven, pose
+from servo_drives import driven, pose
 from twistarm import Actuators, JointLimits
-from twistarm.control.servo import JogCommand, ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.control.servo import JogCommand, ServoSettings, ServoState, ServoStatus, TwistCommand
 
 
 def test_a_motor_at_its_position_limit_is_named():
@@ -40,47 +40,25 @@ def test_at_two_limits_at_once_the_rest_goes_where_it_is_told():
     start[0] = arm.limits.upper[0]
     state, output = driven(arm, ServoState.at(arm, start), TwistCommand([1.0, 1.0, -1.0, 0, 0, 0], "base"), 25)
     moved = pose(arm, state)[:3, 3] - arm.by_pinocchio(start)[0][:3, 3]
-    assert output.joint == arm.joint_names[0]
+    assert (output.status, output.joint) == (ServoStatus.SLOWED_LIMIT, arm.joint_names[0])
+    assert "upper position limit" in output.explain()
     assert moved[0] > 0.02
     assert abs(moved[0] + moved[2]) < 0.15 * moved[0]
     assert abs(moved[1]) < 1e-9
 
 
-def test_a_joint_at_its_limit_stops_and_the_rest_of_the_motion_goes_on():
-    arm = load("rover_arm")
-    slide, out = arm.limits.upper[0], TwistCommand([0.05, 0.05, 0.0, 0, 0, 0], "base")
-    start = arm.ready.copy()
-    start[0] = slide - 0.02
-    state, output = driven(arm, ServoState.at(arm, start), out, 150)
-    moved = pose(arm, state)[:3, 3] - arm.by_pinocchio(start)[0][:3, 3]
-    assert state.theta[0] <= slide
-    assert slide - state.theta[0] < 1e-3
-    assert abs(moved[1] - 0.02) < 2e-3 or abs(moved[0]) > 0.03
-    assert output.status is ServoStatus.SLOWED_LIMIT
-    assert output.joint == arm.joint_names[0]
-    assert "upper position limit" in output.explain()
-
-
-def test_a_jog_into_a_limit_halts_there_and_says_which():
-    arm = load("so101")
+@pytest.mark.parametrize("margin", [0.0, 0.1])
+def test_a_jog_into_a_limit_halts_there_or_a_margin_before_and_says_which(margin):
+    arm, settings = load("so101"), ServoSettings(position_margin=margin)
     rates = np.zeros(arm.n)
     rates[1] = 0.5
-    state, output = driven(arm, ServoState.at(arm, arm.ready), JogCommand(rates), 1000)
-    assert state.theta[1] == pytest.approx(arm.limits.upper[1], abs=1e-6)
+    state, output = driven(arm, ServoState.at(arm, arm.ready), JogCommand(rates), 1000, settings=settings)
+    assert state.theta[1] == pytest.approx(arm.limits.upper[1] - margin, abs=1e-6)
     assert output.status is ServoStatus.HALTED_LIMIT
     assert output.joint == arm.joint_names[1]
-    state, output = driven(arm, state, JogCommand(-rates), 20)
+    state, output = driven(arm, state, JogCommand(-rates), 20, settings=settings)
     assert output.status is ServoStatus.OK
-    assert state.theta[1] < arm.limits.upper[1] - 0.05
-
-
-def test_the_margin_is_kept():
-    arm = load("so101")
-    rates = np.zeros(arm.n)
-    rates[1] = 0.5
-    settings = ServoSettings(position_margin=0.1)
-    state, _ = driven(arm, ServoState.at(arm, arm.ready), JogCommand(rates), 1000, settings=settings)
-    assert state.theta[1] == pytest.approx(arm.limits.upper[1] - 0.1, abs=1e-6)
+    assert state.theta[1] < arm.limits.upper[1] - margin - 0.05
 
 
 def test_from_outside_the_limits_there_is_only_the_way_back():
@@ -96,22 +74,15 @@ def test_from_outside_the_limits_there_is_only_the_way_back():
     assert nearer.theta[1] < outside[1] - 0.01
 
 
-def test_a_velocity_limit_slows_the_whole_twist_and_does_not_bend_it():
-    arm, twist = load("rover_arm_6dof"), np.array([0.6, 0.9, -0.5, 0, 0, 0])
-    state, output = driven(arm, ServoState.at(arm, arm.ready), TwistCommand(twist, "base"), 30)
-    assert output.status is ServoStatus.SLOWED_LIMIT
-    assert 0.0 < output.scale < 0.8
+@pytest.mark.parametrize(
+    ("name", "twist", "steps"),
+    [("rover_arm_6dof", [0.6, 0.9, -0.5, 0, 0, 0], 30), ("rover_arm", [0.05, 0.08, -0.04, 0, 0, 0], 5)],
+    ids=["velocity", "acceleration"],
+)
+def test_a_limit_of_rates_slows_the_whole_twist_and_does_not_bend_it(name, twist, steps):
+    arm, along = load(name), np.array(twist[:3]) / np.linalg.norm(twist)
+    state, output = driven(arm, ServoState.at(arm, arm.ready), TwistCommand(twist, "base"), steps)
+    assert 0.0 < output.scale < 0.9
+    assert (output.status is ServoStatus.SLOWED_LIMIT) == (name == "rover_arm_6dof")
     moved = pose(arm, state)[:3, 3] - arm.by_pinocchio(arm.ready)[0][:3, 3]
-    along = moved @ twist[:3] / np.linalg.norm(twist)
-    assert np.linalg.norm(moved - along * twist[:3] / np.linalg.norm(twist)) < 0.01 * along
-
-
-def test_an_acceleration_limit_does_not_bend_it_either():
-    arm, twist = load("rover_arm"), np.array([0.05, 0.08, -0.04, 0, 0, 0])
-    state = ServoState.at(arm, arm.ready)
-    for _ in range(5):
-        state, output = servo_step(arm, state, TwistCommand(twist, "base"), DT)
-    assert output.scale < 0.9
-    moved = pose(arm, state)[:3, 3] - arm.by_pinocchio(arm.ready)[0][:3, 3]
-    across = moved - (moved @ twist[:3]) / (twist @ twist) * twist[:3]
-    assert np.linalg.norm(across) < 1e-3 * np.linalg.norm(moved)
+    assert np.linalg.norm(moved - moved @ along * along) < 1e-2 * (moved @ along)

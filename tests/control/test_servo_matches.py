@@ -16,8 +16,6 @@ from twistarm.control.servo.step import _answer
 SAME = 1e-4
 """[rad/s, rad, …] What the last of some rounds may still change."""
 
-SLIDES = ServoSettings()
-
 ARMS = ("rover_arm", "so101", "scara", "rr_planar", "rover_arm_6dof", "ur5", "panda", "stanford")
 
 
@@ -43,9 +41,9 @@ def same(arm, bounds, state, command, dt=0.01):
     return ours
 
 
-def walk(arm, rng, steps, settings=SLIDES):
+def walk(arm, rng, steps, **settings):
     """Both steps at every state of one drive, at rest and in motion; the drive goes on from the compiled one's."""
-    bounds, command = bounds_of(arm, settings), None
+    bounds, command = bounds_of(arm, ServoSettings(**settings)), None
     state = ServoState.at(arm, arm.random_theta(rng))
     for k in range(steps):
         if k % 10 == 0:
@@ -55,20 +53,22 @@ def walk(arm, rng, steps, settings=SLIDES):
         state = ServoState(ours.theta, ours.theta_dot, ours.held, holding, ours.period)
 
 
-@pytest.mark.parametrize("name", ["rover_arm", "ur5"])
+@pytest.mark.parametrize("name", ["rover_arm", pytest.param("ur5", marks=pytest.mark.slow)])
 def test_the_same_where_it_stops_on_its_course(name):
-    walk(load(name), np.random.default_rng(8), 60, ServoSettings(beyond="stop"))
+    walk(load(name), np.random.default_rng(8), 40, beyond="stop")
 
 
+@pytest.mark.parametrize("steps", [40, pytest.param(300, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", ARMS)
-def test_the_same_on_arms_of_the_catalogue(name):
-    walk(load(name), np.random.default_rng(5), 120)
+def test_the_same_on_arms_of_the_catalogue(name, steps):
+    walk(load(name), np.random.default_rng(5), steps)
 
 
+@pytest.mark.parametrize("steps", [40, pytest.param(300, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("n", range(1, 9))
-def test_the_same_on_random_arms_with_limits(n):
+def test_the_same_on_random_arms_with_limits(n, steps):
     rng = np.random.default_rng([6, n])
-    walk(random_arm(rng, n), rng, 120)
+    walk(random_arm(rng, n), rng, steps)
 
 
 @pytest.mark.parametrize("name", ["ur5", "elbow", "rr_planar", "rover_arm"])

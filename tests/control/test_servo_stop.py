@@ -106,7 +106,7 @@ def test_it_stands_on_its_course_and_says_why(name, accelerating):
     check(name, accelerating)
 
 
-@pytest.mark.parametrize("name", ["four_joints", "rover_arm", "ur5", "panda"])
+@pytest.mark.parametrize("name", [pytest.param("four_joints", marks=pytest.mark.slow), "rover_arm", "ur5"])
 def test_an_arm_that_stopped_stretched_comes_back_on_its_course(name):
     arm, up = servo_arm(name), np.array([0.0, 0.0, 0.1, 0.0, 0.0, 0.0])
     stretched = walk(arm, arm.ready, up, 15.0)[0][-1].theta

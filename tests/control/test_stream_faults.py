@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from math import inf, nan
 
 import numpy as np
@@ -11,8 +12,7 @@ from stream_stand_ins import PERIOD, Robot, Says, jog
 from stream_stand_ins import clock as clock
 from stream_stand_ins import robot as robot
 from stream_stand_ins import stream as stream
-from twistarm.control.servo import servo_step
-from twistarm.control.stream import Inbox, Measured, Metronome, Reading
+from twistarm.control.stream import Measured, Metronome, Reading
 from twistarm.control.stream.watch import FeedbackWatch
 from twistarm.support.errors import InputError
 
@@ -28,41 +28,19 @@ def changes(rover, robot):
 # A cycle that comes late
 
 
-@pytest.mark.parametrize("stall", [LONGEST_DT + PERIOD, 0.3, 5.0])
+@pytest.mark.parametrize("stall", [LONGEST_DT + PERIOD, 5.0])
 def test_after_a_stall_the_rates_change_by_no_more_than_one_period_allows(rover, robot, clock, stream, stall):
-    clock.late = {100: stall}
-    report = stream(duration=2.0 + stall)
+    clock.late, seen = {100: stall}, []
+    report = stream(duration=2.0 + stall, on_cycle=seen.append)
     at = int(np.argmax(np.diff(robot.times)))
     assert robot.times[at + 1] - robot.times[at] == pytest.approx(stall + PERIOD)
     assert np.abs(robot.rates[at]).max() == pytest.approx(0.4)
     assert changes(rover, robot).max() <= 1 + 1e-9
     assert 0.0 < np.abs(robot.rates[at + 1]).max() < 0.4  # it brakes, and not at once
     assert np.abs(robot.setpoints[at + 1].theta - robot.setpoints[at].theta).max() <= 0.4 * PERIOD
+    assert any("since the last cycle (longest step 0.1 s)" in cycle.reason for cycle in seen)
+    assert report.missed == pytest.approx(stall / PERIOD, abs=1)
     assert report.ok
-
-
-def test_a_stall_while_the_arm_comes_to_rest_makes_no_jump_either(rover, robot, clock, stream):
-    clock.late = {205: 0.3}
-    report = stream()
-    assert np.diff(robot.times).max() == pytest.approx(0.3 + PERIOD)
-    assert changes(rover, robot).max() <= 1 + 1e-9
-    assert report.at_rest
-
-
-def test_no_step_is_longer_than_the_servo_allows(rover, clock, stream, monkeypatch):
-    """Each is whole periods: those that have passed, and one where that would be too long or time went back."""
-    steps = []
-
-    def noted(arm, state, command, dt, *, settings):
-        steps.append(dt)
-        return servo_step(arm, state, command, dt, settings=settings)
-
-    for module in ("streaming", "cycles"):
-        monkeypatch.setattr(f"twistarm.control.stream.{module}.servo_step", noted)
-    clock.late = {20: 8 * PERIOD, 40: 11 * PERIOD, 60: 0.3, 80: -3.0}
-    stream(duration=4.0, until=lambda: len(steps) >= 300)
-    assert np.round(np.array(steps) / PERIOD, 6).tolist().count(1.0) == len(steps) - 1
-    assert max(steps) == pytest.approx(9 * PERIOD)
 
 
 # Rates alone: when the measurement counts again
@@ -117,7 +95,7 @@ def test_in_velocity_mode_an_arm_that_is_told_to_stand_is_not_read_back(rover, c
 # Joint states from another time
 
 
-@pytest.mark.parametrize("timeout", [0.05, 0.2, 1.0])
+@pytest.mark.parametrize("timeout", [0.05, 1.0])
 def test_the_watch_takes_no_joint_state_from_the_future(rover, timeout):
     watch = FeedbackWatch(rover, timeout, 0.2)
     for ahead in (1.01 * timeout, 2 * timeout, 30.0, inf):
@@ -148,20 +126,15 @@ def test_an_arm_whose_joint_states_come_from_the_future_is_brought_to_rest(rover
 # The grid of time
 
 
-def test_late_ticks_do_not_shift_the_grid():
+def test_late_and_missed_ticks_do_not_shift_the_grid():
     metronome = Metronome(PERIOD)
     assert metronome.tick(5.0) == 1
     for k in range(1, 1000):
         late = (0.0, 0.3, 0.9, 0.6)[k % 4] * PERIOD
         assert metronome.tick(5.0 + k * PERIOD + late) == 1
         assert metronome.next == pytest.approx(5.0 + (k + 1) * PERIOD, abs=1e-9)
-
-
-def test_missed_ticks_do_not_shift_the_grid():
-    metronome = Metronome(PERIOD)
-    metronome.tick(5.0)
-    assert metronome.tick(5.0 + 7.4 * PERIOD) == 7
-    assert metronome.next == pytest.approx(5.0 + 8 * PERIOD, abs=1e-9)
+    assert metronome.tick(5.0 + 1006.4 * PERIOD) == 7
+    assert metronome.next == pytest.approx(5.0 + 1007 * PERIOD, abs=1e-9)
 
 
 def test_a_first_tick_that_came_late_is_made_good_by_one_in_time():
@@ -182,8 +155,8 @@ def test_a_clock_that_always_oversleeps_loses_no_cycle(robot, clock, stream):
     assert report.late_max == pytest.approx(0.3 * PERIOD)
 
 
-@pytest.mark.parametrize("now", [nan, inf, -inf, 1.7e18])
-@pytest.mark.parametrize("ticks", [0, 1, 5])
+@pytest.mark.parametrize("now", [nan, inf, 1.7e18])
+@pytest.mark.parametrize("ticks", [0, 5])
 def test_a_time_that_is_none_is_refused_and_changes_nothing(now, ticks):
     metronome = Metronome(PERIOD)
     for k in range(ticks):
@@ -193,24 +166,14 @@ def test_a_time_that_is_none_is_refused_and_changes_nothing(now, ticks):
     assert metronome.tick(5.0 + ticks * PERIOD) == 1
 
 
-def breaking(clock, wrong):
+@pytest.mark.parametrize("wrong", [nan, inf])
+def test_a_clock_that_breaks_ends_the_stream_with_rates_of_0(robot, clock, stream, wrong):
     def on_cycle(cycle):
         if cycle.time >= 101.0:
             clock.time = wrong
 
-    return on_cycle
-
-
-def test_a_clock_without_a_number_ends_the_stream_with_rates_of_0(robot, clock, stream):
-    with pytest.raises(InputError, match="now must be seconds of a clock"):
-        stream(duration=None, on_cycle=breaking(clock, nan))
-    assert robot.rates[-2].any()
-    assert not robot.rates[-1].any()
-
-
-def test_a_clock_that_jumps_to_infinity_ends_the_stream_with_rates_of_0(robot, clock, stream):
-    report = stream(duration=None, on_cycle=breaking(clock, inf))
-    assert not report.ok
+    with pytest.raises(InputError, match="seconds of a clock") if wrong is nan else nullcontext():
+        assert not stream(duration=None, on_cycle=on_cycle).ok
     assert robot.rates[-2].any()
     assert not robot.rates[-1].any()
 
@@ -251,16 +214,3 @@ def test_the_last_setpoint_says_that_the_stream_has_ended(rover, robot, stream, 
     assert np.array_equal(last.theta, before.theta)
     assert last.output.explain() == "the stream has ended"
     assert last.number == before.number + 1
-
-
-def test_two_commanders_bring_the_arm_to_rest(rover, robot, stream):
-    inbox = Inbox(0.2)
-
-    def both(cycle):
-        inbox.put("page", jog(rover, elbow=-0.4), cycle.time)
-        if cycle.time >= 101.0:
-            inbox.put("pad", jog(rover, elbow=-0.4), cycle.time)
-
-    report = stream(inbox, on_cycle=both)
-    assert 1.0 < robot.moving(100.0) <= 1.0 + 0.16 + 2 * PERIOD
-    assert "two senders of a command" in report.uncommanded_reason

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from rate_plant import RateDrives
 from stream_stand_ins import PERIOD, FakeClock, Robot
 from stream_stand_ins import clock as clock
 from stream_stand_ins import robot as robot
-from twistarm import Actuators, JointLimits, Trajectory, load_arm, plan_joint
+from twistarm import Actuators, JointLimits, load_arm, plan_joint
 from twistarm.control.stream import Ending, FollowControl, Interlock, Measured, SimulatedJoints, follow
 from twistarm.support.errors import InputError, LimitError
 
@@ -68,11 +69,11 @@ def test_it_is_followed_as_it_was_planned(rover, motion, robot, clock):
     assert not robot.rates[-1].any()
 
 
-@pytest.mark.parametrize("name", ["rover_arm", "ur5"])
+@pytest.mark.parametrize("name", ["rover_arm", pytest.param("ur5", marks=pytest.mark.slow)])
 def test_however_it_is_paused_and_slowed_the_limits_hold_and_it_stays_on_its_path(name):
     arm, rng = load_arm(name, limits={"velocity": 1.0, "acceleration": 2.0}), np.random.default_rng(5)
     way, waited = [arm.ready, *(arm.ready + 0.4 * (arm.random_theta(rng, 2) - arm.ready))], []
-    for kind, speed in (("trapezoid", 1.0), ("cubic", 1.0), ("trapezoid", 0.4)):
+    for kind, speed in (("trapezoid", 1.0), ("cubic", 0.6)):
         motion = plan_joint(arm, way, kind=kind)
         clock, control = FakeClock(late={40: 3 * PERIOD, 90: 7 * PERIOD}), FollowControl()
         robot, asked = Robot(arm.ready, clock), [0.0]
@@ -92,7 +93,7 @@ def test_however_it_is_paused_and_slowed_the_limits_hold_and_it_stays_on_its_pat
         theta = told(robot)[1]
         assert off_path(motion, theta) <= motion.peak(1).max() * motion.duration / 4000
         np.testing.assert_allclose(robot.theta, motion.waypoints[-1], atol=1e-12)
-    assert len(waited) > 15
+    assert len(waited) > 10
     assert max(waited) < 2.0
 
 
@@ -190,18 +191,12 @@ def test_after_a_stall_it_speeds_up_from_rest(rover, motion):
     assert off_path(motion, theta) < 1e-3
 
 
-class Blinded(Robot):
-    """Measures NaN from `begin` to `end` [s]."""
+def test_nan_slows_it_to_rest_on_its_path_and_it_goes_on(rover, motion, robot, clock):
+    class Blinded:
+        def read(self, now):
+            return Measured(np.full(5, np.nan), now) if 100.5 <= now < 101.5 else robot.read(now)
 
-    begin, end = 100.5, 101.5
-
-    def read(self, now):
-        return Measured(np.full_like(self.theta, np.nan), now) if self.begin <= now < self.end else super().read(now)
-
-
-def test_nan_slows_it_to_rest_on_its_path_and_it_goes_on(rover, motion, clock):
-    robot = Blinded(rover.ready, clock)
-    report = follow(rover, motion, robot, robot, clock=clock)
+    report = follow(rover, motion, robot, Blinded(), clock=clock)
     assert report.ok
     assert report.stream.blind == pytest.approx(1.0, abs=2 * PERIOD)
     assert "must be finite" in report.stream.blind_reason
@@ -227,23 +222,17 @@ def test_a_robot_that_is_gone_is_given_up(rover, motion, clock):
     assert report.stream.duration < 3.5
 
 
-def test_ctrl_c_and_a_callbacks_error_end_it_at_rest_on_its_path(rover, motion):
-    for error in (KeyboardInterrupt, ZeroDivisionError):
-        clock = FakeClock()
-        robot = Robot(rover.ready, clock)
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ZeroDivisionError])
+def test_ctrl_c_and_a_callbacks_error_end_it_at_rest_on_its_path(rover, motion, robot, clock, error):
+    def fail():
+        raise error
 
-        def fail(error=error):
-            raise error
-
-        try:
-            report = follow(rover, motion, robot, robot, clock=clock, on_cycle=at(0.7, fail))
-        except ZeroDivisionError:
-            assert error is ZeroDivisionError
-        else:
-            assert (report.stream.ending, report.ok) == (Ending.INTERRUPTED, False)
-        assert not robot.rates[-1].any()
-        assert max(shares(rover, robot)) <= EXACT
-        assert off_path(motion, told(robot)[1]) < 1e-3
+    with nullcontext() if error is KeyboardInterrupt else pytest.raises(error):
+        report = follow(rover, motion, robot, robot, clock=clock, on_cycle=at(0.7, fail))
+        assert (report.stream.ending, report.ok) == (Ending.INTERRUPTED, False)
+    assert not robot.rates[-1].any()
+    assert max(shares(rover, robot)) <= EXACT
+    assert off_path(motion, told(robot)[1]) < 1e-3
 
 
 def test_a_sink_that_fails_ends_it_and_the_callback_is_told(rover, motion, robot, clock):
@@ -302,7 +291,7 @@ def test_the_motors_limits_hold_as_well(rover, motion, clock):
     wired, control, robot = replace(rover, actuators=motors), FollowControl(), Robot(rover.ready, clock)
 
     def operate(cycle):
-        if cycle.rate == 0.0 or control.paused == (cycle.setpoint.number % 40 < 5):
+        if cycle.setpoint.number % 60 == 30 or (control.paused and cycle.rate == 0.0):
             control.toggle()
 
     report = follow(wired, motion, robot, robot, clock=clock, control=control, on_cycle=operate)
@@ -359,35 +348,21 @@ def beyond(motion):
     return replace(motion, waypoints=motion.waypoints + 9.0, coefficients=coefficients)
 
 
-def without_the_last_joint(motion):
-    return Trajectory(
-        motion.joint_names[:4], motion.units[:4], motion.waypoints[:, :4], motion.times, motion.breakpoints,
-        motion.coefficients[..., :4],
-    )  # fmt: skip
-
-
 def misspelt(motion):
     return replace(motion, joint_names=("slide", "shoulder", "elbw", *motion.joint_names[3:]))
 
 
-def itself(motion):
-    return motion
-
-
 BAD = {
     "other joints": (misspelt, {}, InputError, "'elbw' are not its own; closest: 'elbow'"),
-    "fewer joints": (without_the_last_joint, {}, InputError, "it lacks 'wrist_roll'"),
     "other units": (lambda m: replace(m, units=("rad",) * 5), {}, InputError, "are in 'm', 'rad'"),
     "no trajectory": (lambda m: m.waypoints, {}, InputError, "trajectory must be a Trajectory"),
     "a jump": (jumping, {}, InputError, "the position of joint 'slide' jumps by 0.1 m at t = "),
     "moving": (already_moving, {}, InputError, "the velocity of joint 'slide' jumps by 0.1 m/s at t = 0 s"),
     "beyond a limit": (beyond, {}, LimitError, "plan it for rover_arm"),
-    "no speed": (itself, {"speed": 0.0}, InputError, "speed must be a positive number"),
-    "too fast": (itself, {"speed": 1.5}, InputError, "speed is a share of the trajectory's own"),
-    "no start": (itself, {"start_tolerance": -1}, InputError, "start_tolerance must be"),
-    "no tolerance": (itself, {"tolerance": 0}, InputError, "tolerance must be"),
-    "approach": (itself, {"approach": "yes"}, InputError, "approach must be True or False"),
-    "no control": (itself, {"control": "space"}, InputError, "control must be a FollowControl"),
+    "no speed": (lambda m: m, {"speed": 0.0}, InputError, "speed must be a positive number"),
+    "too fast": (lambda m: m, {"speed": 1.5}, InputError, "speed is a share of the trajectory's own"),
+    "no start": (lambda m: m, {"start_tolerance": -1}, InputError, "start_tolerance must be"),
+    "no control": (lambda m: m, {"control": "space"}, InputError, "control must be a FollowControl"),
 }
 
 

@@ -68,9 +68,14 @@ def test_an_arm_that_is_not_enabled_never_moves(robot, stream):
     assert report.barred_reason == "stopped: it waits to be enabled"
 
 
-@pytest.mark.parametrize("release", [None, JogCommand(np.zeros(5)), TwistCommand(np.zeros(6))])
-@pytest.mark.parametrize("began", ["stopped", "enabled"])
-@pytest.mark.parametrize("held", ["jog", "pose"])
+@pytest.mark.parametrize(
+    ("held", "began", "release"),
+    [
+        ("jog", "stopped", None),
+        ("pose", "enabled", JogCommand(np.zeros(5))),
+        ("jog", "enabled", TwistCommand(np.zeros(6))),
+    ],
+)
 def test_a_held_control_moves_nothing_until_it_is_released(rover, robot, stream, began, release, held):
     """Stopped in an emergency, cleared and enabled under a constant command, which then pauses for one cycle."""
     interlock, count = Interlock(enabled=began == "enabled"), 0

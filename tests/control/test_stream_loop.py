@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -37,7 +39,7 @@ def test_a_jog_goes_on_for_the_time_and_ends_at_rest(rover, clock, robot, stream
     assert robot.theta[elbow] - rover.ready[elbow] == pytest.approx(-0.4 * 2.0, abs=0.4 * PERIOD)
 
 
-@pytest.mark.parametrize("late", [0.0, 0.004, 0.03, 0.3, 3.0])
+@pytest.mark.parametrize("late", [0.004, 0.03, 0.3])
 def test_no_step_is_over_more_time_than_passed_however_late_its_cycle(rover, clock, robot, stream, late):
     clock.late = dict.fromkeys(range(180, 400), late)  # the last of the motion, and the way to rest
     report = stream()
@@ -54,31 +56,25 @@ def test_it_starts_where_the_arm_is(rover, clock, stream):
     assert np.array_equal(robot.setpoints[0].theta, away)
 
 
-def test_without_a_joint_state_nothing_is_ever_sent(robot, stream):
-    class Silent:
-        def read(self, now):
-            return None
+UNUSABLE = {
+    "none": (lambda now: None, "no joint state has arrived"),
+    "too few": (lambda now: Measured([0.0] * 4, now), "must have shape"),
+    "too many": (lambda now: Measured([[0.0] * 5], now), "no position"),
+    "NaN": (lambda now: Measured([np.nan] * 5, now), "finite"),
+    "far off": (lambda now: Measured([1e5] * 5, now), "no position of rover_arm"),
+    "words": (lambda now: Measured(["x"] * 5, now), "numbers"),
+    "another clock's": (lambda now: Measured([0.0] * 5, now + 0.25), "0.25 s from the future: its clock is another"),
+}
 
-    report = stream(feedback=Silent())
-    assert robot.setpoints == []
-    assert report.waited == pytest.approx(2.0)
-    assert not report.ok
-    assert "no joint state arrived" in report.explain()
 
-
-@pytest.mark.parametrize(
-    "theta", [[0.0] * 4, [np.nan] * 5, [0.0] * 4 + [np.inf], [1e5] * 5, [[0.0] * 5], ["x"] * 5], ids=str
-)
-def test_a_joint_state_that_cannot_be_is_none(robot, stream, theta):
-    class Wrong:
-        def read(self, now):
-            return Measured(theta, now)
-
-    cycles: list[Cycle] = []
-    report = stream(feedback=Wrong(), duration=0.1, on_cycle=cycles.append)
+@pytest.mark.parametrize("case", UNUSABLE)
+def test_without_a_joint_state_that_can_be_used_nothing_is_ever_sent(robot, stream, case):
+    answer, why = UNUSABLE[case]
+    report = stream(feedback=SimpleNamespace(read=answer), duration=0.1)
     assert robot.setpoints == []
     assert report.waited == pytest.approx(0.1)
-    assert cycles[-1].reason
+    assert not report.ok
+    assert why in report.explain()
 
 
 def test_a_silent_command_source_stops_the_arm_within_its_timeout(rover, clock, robot, stream):
@@ -123,34 +119,22 @@ def test_an_old_joint_state_stops_the_arm_until_a_fresh_one(rover, clock, robot,
     assert report.ok
 
 
-def test_a_robot_that_was_off_is_commanded_from_where_it_is(rover, clock, robot, stream):
-    """Off for 1.5 s, and back within the tolerance: no setpoint asks it to jump back."""
+@pytest.mark.parametrize("moved", [[0.0, 0.18, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 1.5]])
+def test_a_robot_that_was_off_is_commanded_from_where_it_is(rover, clock, robot, stream, moved):
+    """Off for 1.5 s, and back, within the tolerance or not: no setpoint asks it to jump back."""
     robot.mute = robot.deaf = lambda now: 100.5 < now < 102.0
-    moved = [0.0, 0.18, 0.0, 0.0, 0.0]
 
-    def sink_down(cycle):
+    def move(cycle):
         if 101.0 < cycle.time < 101.015:
             robot.theta = robot.theta + moved
 
     seen: list[Cycle] = []
-    report = stream(duration=3.0, on_cycle=lambda cycle: (sink_down(cycle), seen.append(cycle)))
+    report = stream(duration=3.0, on_cycle=lambda cycle: (move(cycle), seen.append(cycle)))
     back = next(cycle for cycle in seen if cycle.time > 101.0 and cycle.theta is not None)
     assert back.time == pytest.approx(102.0, abs=2 * PERIOD)
     np.testing.assert_allclose(back.setpoint.theta, back.theta, atol=2.5 * PERIOD**2)
     assert within_limits(rover, robot)
     assert report.ok
-
-
-def test_a_robot_moved_by_hand_while_nobody_saw_it_has_not_strayed(rover, clock, robot, stream):
-    robot.mute = robot.deaf = lambda now: 100.5 < now < 102.0
-
-    def push(cycle):
-        if 101.0 < cycle.time < 101.015:
-            robot.theta = robot.theta + [0.0, 0.0, 0.0, 0.0, 1.5]
-
-    report = stream(Says(None), duration=3.0, on_cycle=push)
-    assert (report.ending, report.ok) == (Ending.DURATION, True)
-    assert robot.setpoints[-1].theta == pytest.approx(rover.ready + [0.0, 0.0, 0.0, 0.0, 1.5])
 
 
 def test_a_gap_shorter_than_the_timeout_starts_nothing_anew(rover, clock, robot, stream):
@@ -167,29 +151,11 @@ def test_a_gap_shorter_than_the_timeout_starts_nothing_anew(rover, clock, robot,
     assert np.array_equal(thetas, np.tile(thetas[0], (len(thetas), 1)))
 
 
-class Ahead:
-    """A feedback and a source whose threads stamp what they hear after the loop has read its clock."""
-
-    def __init__(self, arm, robot, seconds):
-        self.arm, self.robot, self.seconds = arm, robot, seconds
-
-    def read(self, now, *state):
-        if state:
-            return Reading(jog(self.arm, elbow=-0.4), -self.seconds)
-        return Measured(self.robot.theta, now + self.seconds)
-
-
 def test_what_is_heard_while_the_loop_waits_for_its_turn_counts(rover, robot, stream):
-    report = stream(Ahead(rover, robot, 0.05), feedback=Ahead(rover, robot, 0.05))
+    """A feedback and a source whose threads stamp what they hear after the loop has read its clock."""
+    source = SimpleNamespace(read=lambda now, state: Reading(jog(rover, elbow=-0.4), -0.05))
+    report = stream(source, feedback=SimpleNamespace(read=lambda now: Measured(robot.theta, now + 0.05)))
     assert report.blind == report.uncommanded == report.waited == 0.0
-
-
-def test_a_joint_state_of_another_clock_does_not(rover, robot, stream):
-    seen: list[Cycle] = []
-    report = stream(feedback=Ahead(rover, robot, 0.25), on_cycle=seen.append)
-    assert robot.setpoints == []
-    assert report.waited == pytest.approx(2.0)
-    assert seen[-1].reason == "the joint state is 0.25 s from the future: its clock is another, or went back"
 
 
 def test_an_arm_that_does_not_follow_ends_the_stream(rover, clock, robot, stream):
@@ -205,16 +171,6 @@ def test_an_arm_that_does_not_follow_ends_the_stream(rover, clock, robot, stream
     assert not robot.rates[-1].any()
 
 
-def test_an_arm_that_jumps_ends_the_stream(rover, robot, stream):
-    def push(cycle):
-        if cycle.time > 100.5:
-            robot.theta = robot.theta + [0.0, 0.0, 0.0, 0.0, 0.3]
-
-    report = stream(Says(None), duration=10.0, on_cycle=push)
-    assert report.ending is Ending.STRAYED
-    assert "joint wrist_roll is 0.3 rad" in report.reason
-
-
 def test_an_arm_that_lags_behind_by_less_than_the_timeout_does_not_stray(rover, clock, stream):
     class Late(Robot):
         def read(self, now):
@@ -224,24 +180,6 @@ def test_an_arm_that_lags_behind_by_less_than_the_timeout_does_not_stray(rover, 
     robot = Late(rover.ready, clock)
     report = stream(Says(jog(rover, wrist_roll=3.0)), robot, robot, duration=1.0, tolerance=0.05)
     assert report.ending is Ending.DURATION
-
-
-def test_in_velocity_mode_small_errors_do_not_add_up(rover, clock, stream):
-    class Creeping(Robot):
-        """Moves 10 % more than it is told."""
-
-        def write(self, setpoint):
-            self.setpoints.append(setpoint)
-            self.theta = self.theta + 1.1 * PERIOD * setpoint.theta_dot
-
-    def there_and_pause(now):
-        return jog(rover, wrist_roll=0.5) if (now - 100.0) % 2.0 < 1.0 else None
-
-    robot = Creeping(rover.ready, clock)
-    report = stream(Says(there_and_pause), robot, robot, duration=6.0, tolerance=0.1, velocity_mode=True)
-    assert report.ending is Ending.DURATION
-    robot = Creeping(rover.ready, clock)
-    assert stream(Says(there_and_pause), robot, robot, duration=6.0, tolerance=0.1).ending is Ending.STRAYED
 
 
 def test_a_twist_with_nobody_there_does_not_creep(rover, robot, stream):
@@ -258,16 +196,16 @@ def test_a_twist_with_nobody_there_does_not_creep(rover, robot, stream):
     assert np.abs(thetas - thetas[0]).max() < 1e-12
 
 
-@pytest.mark.parametrize("rate", [0.0, -1.0, np.nan, np.inf, 9.0])
-def test_a_rate_that_cannot_be(stream, rate):
-    with pytest.raises(InputError, match="rate must be"):
-        stream(rate=rate)
-
-
-@pytest.mark.parametrize("name", ["duration", "command_timeout", "feedback_timeout", "tolerance"])
-def test_seconds_and_tolerances_are_positive(stream, name):
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *(("rate", value) for value in (0.0, -1.0, np.nan, np.inf, 9.0)),
+        *((name, 0.0) for name in ("duration", "command_timeout", "feedback_timeout", "tolerance")),
+    ],
+)
+def test_rates_seconds_and_tolerances_that_cannot_be(stream, name, value):
     with pytest.raises(InputError, match=f"{name} must be"):
-        stream(**{name: 0.0})
+        stream(**{name: value})
 
 
 def test_settings_may_change_while_it_runs(rover, clock, robot, stream):

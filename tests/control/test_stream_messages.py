@@ -17,29 +17,24 @@ from twistarm.support.strict_json import LARGEST_MESSAGE, decoded, encode
 TWIST = [0.1, 0.0, -0.05, 0.0, 0.2, 0.0]
 
 
-def test_a_twist(rover):
-    command, number = parse_command(rover, json.dumps({"twist": TWIST, "frame": "tool", "number": 4}))
-    assert isinstance(command, TwistCommand)
-    assert command.twist.tolist() == TWIST
-    assert command.frame == "tool"
-    assert not any(command.held)
-    assert number == 4
-
-
 def test_a_twist_with_held_components(rover):
     message = {"twist": [0.1, 0, 0, 0, 0, 0], "frame": "base", "hold": "orientation"}
-    command = command_of(rover, message)
+    command, number = parse_command(rover, json.dumps(message | {"number": 4}))
+    assert isinstance(command, TwistCommand)
+    assert (command.twist.tolist(), command.frame, number) == ([0.1, 0, 0, 0, 0, 0], "base", 4)
     assert command.held == (False, False, False, True, True, True)
     command = command_of(rover, message | {"hold": [False, True, False, False, False, True]})
     assert command.held == (False, True, False, False, False, True)
+    assert not any(command_of(rover, {"twist": TWIST, "frame": "tool"}).held)
 
 
-def test_a_jog_by_name(rover):
-    command = command_of(rover, {"jog": {"elbow": 0.3, "slide": -0.1}})
+@pytest.mark.parametrize(
+    ("message", "rates"), [({"jog": {"elbow": 0.3, "slide": -0.1}}, [-0.1, 0, 0.3, 0, 0]), ({"stop": True}, [0] * 5)]
+)
+def test_a_jog_by_name_and_a_stop_which_is_one_of_nothing(rover, message, rates):
+    command, number = parse_command(rover, json.dumps(message).encode())
     assert isinstance(command, JogCommand)
-    assert dict(zip(rover.joint_names, command.theta_dot.tolist(), strict=True)) == {
-        "slide": -0.1, "shoulder": 0.0, "elbow": 0.3, "wrist_pitch": 0.0, "wrist_roll": 0.0,
-    }  # fmt: skip
+    assert (command.theta_dot.tolist(), number) == (rates, None)
 
 
 def test_a_pose_both_ways(rover):
@@ -55,52 +50,27 @@ def test_a_pose_both_ways(rover):
         assert command.linear_speed == 0.05
 
 
-def test_stop_is_a_jog_of_nothing(rover):
-    command = command_of(rover, {"stop": True})
-    assert isinstance(command, JogCommand)
-    assert command.theta_dot.tolist() == [0.0] * rover.n
-
-
-def test_no_number_is_no_number(rover):
-    assert parse_command(rover, b'{"stop": true}').number is None
-
-
 BAD = {
     "": "one JSON object",
-    "not json": "one JSON object",
-    '{"twist": [1, 2, 3': "one JSON object",
     '{"stop": true} {"stop": true}': "one JSON object",
     "[" * 50_000: "one JSON object",
     "[1, 2]": "one JSON object; got",
-    "null": "one JSON object; got",
     "{}": "'twist', 'jog', 'pose', 'stop'",
-    '{"go": 1}': "'twist', 'jog', 'pose', 'stop'",
     '{"twist": [0,0,0,0,0,0]}': "twist needs twist, frame",
     '{"twist": [0,0,0,0,0,0], "frame": "tool", "speed": 1}': "may have hold, number",
-    '{"twist": [0,0,0,0,0,0], "frame": "tool", "stop": true}': "may have hold, number",
     '{"twist": [0,0,0,0,0,0], "frame": "tool", "frame": "base"}': "each name once",
     '{"twist": [0,0,0,0,0,0], "frame": "world"}': "'tool' or 'base'",
-    '{"twist": [0,0,0,0,0,0], "frame": []}': "'tool' or 'base'",
     '{"twist": [0,0,0,0,0], "frame": "tool"}': "list of 6 numbers",
-    '{"twist": [0,0,0,0,0,0,0], "frame": "tool"}': "list of 6 numbers",
     '{"twist": [NaN,0,0,0,0,0], "frame": "tool"}': "must be finite; got NaN",
-    '{"twist": [-Infinity,0,0,0,0,0], "frame": "tool"}': "must be finite; got -Infinity",
     '{"twist": [1e999,0,0,0,0,0], "frame": "tool"}': "must be finite",
     '{"twist": [true,0,0,0,0,0], "frame": "tool"}': r"twist\[0\] must be a number; got True",
-    '{"twist": ["1",0,0,0,0,0], "frame": "tool"}': r"twist\[0\] must be a number",
-    '{"twist": [' + "9" * 400 + ',0,0,0,0,0], "frame": "tool"}': "must be finite",
     '{"twist": [' + "9" * 5000 + ',0,0,0,0,0], "frame": "tool"}': "one JSON object|must be finite",
-    '{"twist": {"v": 1}, "frame": "tool"}': "list of 6 numbers",
-    '{"twist": [0,0,0,0,0,0], "frame": "tool", "hold": 5}': "hold must be",
     '{"twist": [0,0,0,0,0,0], "frame": "tool", "hold": "nothing"}': "hold must be",
     '{"twist": [0,0,0,0,0,0], "frame": "tool", "hold": [true]}': "hold must be",
     '{"twist": [0,0,0,1,0,0], "frame": "tool", "hold": "orientation"}': "held component cannot be commanded",
     '{"jog": {}}': "jog must be",
-    '{"jog": [0,0,0,0,0]}': "jog must be",
     '{"jog": {"elbo": 1}}': "no joint 'elbo' in rover_arm; closest: 'elbow'",
     '{"jog": {"elbow": null}}': "jog of 'elbow' must be a number",
-    '{"jog": {"elbow": 1}, "frame": "tool"}': "jog needs jog and may have number",
-    '{"pose": [[1,0,0,0],[0,1,0,0],[0,0,1,0]]}': "four rows",
     '{"pose": [[1,0,0,0],[0,1,0,0],[0,0,1],[0,0,0,1]]}': r"pose\[2\] must be a list of 4",
     '{"pose": [[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}': "not in SO",
     '{"pose": {"position": [0,0,0]}}': "needs position, quaternion_wxyz",
@@ -109,12 +79,9 @@ BAD = {
     '{"pose": 3}': "four rows",
     '{"interlock": "go"}': "a word to the interlock is one of 'enable', 'stop', 'emergency stop', 'clear'",
     '{"interlock": "enable", "stop": true}': "stop needs stop and may have number",
-    '{"interlock": ["enable"]}': "a word to the interlock is one of",
     '{"stop": false}': "stop must be true",
-    '{"stop": 1}': "stop must be true",
     '{"stop": true, "number": -1}': "number must be a whole number",
     '{"stop": true, "number": 1.5}': "number must be a whole number",
-    '{"stop": true, "number": true}': "number must be a whole number",
 }
 
 
@@ -127,15 +94,17 @@ def test_what_is_not_exactly_a_command_is_refused_in_one_line(rover, text, why):
         assert len(str(caught.value)) < 1000
 
 
-@pytest.mark.parametrize("text", [b"\xff\xfe\x00{", b"\x00" * 100, '{"stop": true}'.encode("utf-16")])
-def test_bytes_that_are_no_utf_8(rover, text):
-    with pytest.raises(InputError, match="one JSON object"):
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        (b"\xff\xfe\x00{", "one JSON object"),
+        ('{"stop": true}'.encode("utf-16"), "one JSON object"),
+        (b" " * (LARGEST_MESSAGE + 1), "at most 65536 bytes; got 65537"),
+    ],
+)
+def test_bytes_that_are_no_utf_8_or_too_many(rover, text, why):
+    with pytest.raises(InputError, match=why):
         parse_command(rover, text)
-
-
-def test_a_message_that_is_too_long(rover):
-    with pytest.raises(InputError, match="at most 65536 bytes; got 65537"):
-        parse_command(rover, b" " * (LARGEST_MESSAGE + 1))
 
 
 def test_every_beginning_of_a_message_is_refused_but_the_whole(rover):

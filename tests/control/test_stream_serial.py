@@ -12,7 +12,7 @@ import pytest
 
 from stream_stand_ins import FakeClock, Robot, Says, answer, jog
 from twistarm.control.stream import Ending, SerialRobot, SerialSource, Setpoint, run
-from twistarm.control.stream.links.compact_line import LONGEST_LINE, checksum, parse_state_line, setpoint_line
+from twistarm.control.stream.links.compact_line import checksum, parse_state_line, setpoint_line
 from twistarm.support.errors import InputError, MissingExtraError
 
 
@@ -34,12 +34,9 @@ def heard(end):
     return text
 
 
-def test_the_checksum_is_nmeas():
+def test_a_setpoint_as_a_line_with_the_checksum_of_nmea():
     # The sentence of the NMEA 0183 examples: $GPGLL,5300.97914,N,00259.98174,E,125926,A*28
     assert checksum(b"GPGLL,5300.97914,N,00259.98174,E,125926,A") == 0x28
-
-
-def test_a_setpoint_as_a_line():
     rates = np.array([0.5, -0.25])
     line = setpoint_line(Setpoint(7, 1.0, np.array([1.0, -2.0000004]), rates, answer(rates)))
     body = b"7,1.000000,-2.000000,0.500000,-0.250000,E0"
@@ -52,11 +49,9 @@ def state_line(rover, number=3, values=(1, 2, 3, 4, 5)):
 
 
 def test_a_joint_state_as_a_line(rover):
-    values, number, interlock = parse_state_line(rover, state_line(rover))
-    assert interlock is None
+    values = dict(zip(rover.joint_names, [1.0, 2.0, 3.0, 4.0, 5.0], strict=True))
+    assert parse_state_line(rover, state_line(rover)) == (values, 3, None)
     assert parse_state_line(rover, state_line(rover, values=(1, 2, 3, 4, 5, "X"))).interlock == "emergency stop"
-    assert list(values.items()) == list(zip(rover.joint_names, [1.0, 2.0, 3.0, 4.0, 5.0], strict=True))
-    assert number == 3
 
 
 def test_no_beginning_and_no_single_wrong_byte_of_a_line_passes(rover):
@@ -75,9 +70,7 @@ def test_no_beginning_and_no_single_wrong_byte_of_a_line_passes(rover):
     [
         (1, (1, 2, 3, 4), "must have shape"),
         (1, (1, 2, 3, 4, "nan"), "must be finite"),
-        (1, (1, 2, 3, 4, "x"), "could not convert"),
         (-1, (1, 2, 3, 4, 5), "number must be a whole number"),
-        ("", (1, 2, 3, 4, 5), "invalid literal"),
         (1, (1,) * 4000, r"ends with \* and a checksum"),
     ],
 )
@@ -98,16 +91,14 @@ def test_commands_as_lines_of_json_even_in_pieces(rover, wire):
         assert f"command from {port} refused: jog must be" in source.read(1.15).reason
 
 
-def test_a_line_without_end_does_not_grow(rover, wire):
+def test_a_line_without_end_is_let_go(rover, wire):
     ours, port = wire
     with SerialSource(rover, port) as source:
-        source.read(1.0)
-        for k in range(40):
+        for k in range(5):
             os.write(ours, b"x" * 1000)
             source.read(1.0 + 0.01 * k)
-            assert len(source._rest) <= LONGEST_LINE
-        os.write(ours, b'\n{"stop": true}\n')
-        assert source.read(1.5).command is not None
+        os.write(ours, b'{"stop": true}\n')  # a line of its own, as nothing is left of the other
+        assert source.read(1.1).command is not None
 
 
 def test_a_robot_on_a_wire(rover, wire):
@@ -119,9 +110,7 @@ def test_a_robot_on_a_wire(rover, wire):
         def answer(cycle):
             os.write(ours, state_line(rover, round(1000 * cycle.time), rover.ready))
 
-        report = run(
-            rover, Says(jog(rover, elbow=-0.1)), robot, robot, duration=0.2, clock=clock, on_cycle=answer
-        )  # fmt: skip
+        report = run(rover, Says(jog(rover, elbow=-0.1)), robot, robot, duration=0.2, clock=clock, on_cycle=answer)
         lines = heard(ours).splitlines()
     assert report.ok
     number, *values = lines[-1].rpartition(b"*")[0].split(b",")
@@ -160,12 +149,9 @@ def test_a_wire_that_is_too_slow_fails_and_does_not_hold_the_loop(rover, wire):
     assert "imeout" in report.reason
 
 
-def test_a_port_that_is_none(rover):
+def test_a_port_that_is_none_and_one_without_pyserial(rover, monkeypatch):
     with pytest.raises(InputError, match="cannot open serial port '/dev/none' at 115200 baud"):
         SerialRobot(rover, "/dev/none")
-
-
-def test_without_pyserial_the_error_says_what_to_install(rover, monkeypatch):
     monkeypatch.setitem(sys.modules, "serial", None)
     with pytest.raises(MissingExtraError, match=r"pip install 'twistarm\[serial\]'"):
         SerialSource(rover, "/dev/ttyUSB0")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import socket
-import threading
 import time
 from contextlib import suppress
 
@@ -12,8 +11,7 @@ import numpy as np
 import pytest
 
 from stream_stand_ins import FakeClock, Robot, Says, jog
-from twistarm.control.servo import ServoStatus
-from twistarm.control.stream import Ending, SimulatedJoints, UdpFeedback, UdpSink, UdpSource, run
+from twistarm.control.stream import Ending, UdpFeedback, UdpSink, UdpSource, run
 from twistarm.control.stream.links.sockets import MOST_PER_CYCLE
 from twistarm.support.errors import InputError
 
@@ -33,6 +31,13 @@ def source(rover):
         yield opened
 
 
+def listener(address=("127.0.0.1", 0)):
+    receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    receiver.settimeout(1.0)
+    receiver.bind(address)
+    return receiver
+
+
 def send(client, message, to):
     client.sendto(message if isinstance(message, bytes) else json.dumps(message).encode(), to.address)
 
@@ -44,7 +49,7 @@ def test_a_command_arrives(rover, client, source):
     assert source.read(0.35).command is None
 
 
-@pytest.mark.parametrize("message", [b'{"twist": [0.1, 0', b"", b"\xff" * 9_000, b'{"jog": {"elbow": NaN}}'])
+@pytest.mark.parametrize("message", [b"", b"\xff" * 9_000, b'{"jog": {"elbow": NaN}}'])
 def test_nonsense_is_refused_in_the_senders_name(client, source, message):
     send(client, JOG, source)
     send(client, message, source)
@@ -64,21 +69,18 @@ def test_two_commanders_by_their_ports(client, source):
             assert f"127.0.0.1:{each.getsockname()[1]}" in reading.reason
 
 
-def test_what_waited_while_nobody_looked_is_left_out(client, source):
+def test_what_waited_while_nobody_looked_is_left_out(rover, client, source):
     send(client, JOG, source)
     assert source.read(10.0).command is None
     send(client, JOG, source)
     assert source.read(10.1).command is not None
-
-
-def test_what_waited_before_the_loop_began_is_left_out(rover, client):
-    with UdpSource(rover) as source:
-        send(client, JOG, source)
-        assert source.read(5.0).command is None
+    with UdpSource(rover) as fresh:
+        send(client, JOG, fresh)
+        assert fresh.read(5.0).command is None
 
 
 def test_a_flood_costs_a_bounded_time_per_cycle_and_the_latest_counts(rover, client, source):
-    for k in range(100_000):
+    for k in range(10_000):
         with suppress(OSError):  # a system may say that its buffers are full
             send(client, b'{"jog":{"elbow":-0.3},"number":%d}' % k, source)
     began = time.perf_counter()
@@ -88,33 +90,6 @@ def test_a_flood_costs_a_bounded_time_per_cycle_and_the_latest_counts(rover, cli
     assert time.perf_counter() - began < 0.1
     send(client, JOG, source)
     assert source.read(0.1).command is not None
-
-
-def test_a_flood_while_the_loop_runs_does_not_hold_it(rover, source):
-    """A real second, the sender as fast as it can."""
-    over = threading.Event()
-
-    def flood():
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
-            out.setblocking(False)
-            message = json.dumps(JOG).encode()
-            while not over.is_set():
-                with suppress(OSError):
-                    for _ in range(50):
-                        out.sendto(message, source.address)
-                time.sleep(0.0005)
-
-    thread = threading.Thread(target=flood)
-    thread.start()
-    try:
-        joints = SimulatedJoints(rover, rover.ready)
-        report = run(rover, source, joints, joints, rate=100.0, duration=0.7)
-    finally:
-        over.set()
-        thread.join()
-    assert report.ending is Ending.DURATION
-    assert report.cycles > 35
-    assert joints.theta[2] < rover.ready[2] - 0.02
 
 
 def test_joint_states_arrive_by_name(rover, client):
@@ -136,9 +111,7 @@ def test_joint_states_arrive_by_name(rover, client):
 def test_setpoints_go_out(rover):
     clock = FakeClock()
     robot = Robot(rover.ready, clock)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
-        receiver.bind(("127.0.0.1", 0))
-        receiver.settimeout(1.0)
+    with listener() as receiver:
         with UdpSink(rover, *receiver.getsockname()) as sink:
             run(rover, Says(jog(rover, elbow=-0.3)), sink, robot, duration=0.05, clock=clock)
         first = json.loads(receiver.recv(65536))
@@ -161,13 +134,6 @@ class Following(Says):
         for moment in [moment for moment in self.events if moment < now]:
             self.events.pop(moment)()
         return super().read(now, state)
-
-
-def listener(address=("127.0.0.1", 0)):
-    receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    receiver.settimeout(1.0)
-    receiver.bind(address)
-    return receiver
 
 
 def test_a_robot_that_restarts_is_waited_for(rover):
@@ -214,37 +180,10 @@ def test_what_else_a_system_refuses_ends_the_stream(rover):
     assert not report.delivered
 
 
-def test_a_killed_commander_stops_the_arm_in_real_time(rover, source):
-    seen = []
-
-    def command():
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
-            for _ in range(10):
-                send(out, JOG, source)
-                time.sleep(0.03)
-
-    thread = threading.Thread(target=command)
-    thread.start()
-    joints = SimulatedJoints(rover, rover.ready)
-    run(rover, source, joints, joints, duration=1.0, on_cycle=seen.append)
-    thread.join()
-    assert any(cycle.setpoint.theta_dot.any() for cycle in seen)
-    assert seen[-1].setpoint.output.status is ServoStatus.STALE
-    assert not seen[-1].setpoint.theta_dot.any()
-    assert "s old (timeout 0.2 s)" in seen[-1].reason
-
-
-@pytest.mark.parametrize(
-    ("host", "port", "why"),
-    [
-        ("127.0.0.1", 70_000, "a port is a whole number from"),
-        ("127.0.0.1", "9870", "a port is a whole number from"),
-        ("no..host", 9870, "no host 'no..host'"),
-    ],
-)
-def test_addresses_that_cannot_be(rover, host, port, why):
+@pytest.mark.parametrize(("host", "port"), [("127.0.0.1", 70_000), ("127.0.0.1", "9870"), ("no..host", 9870)])
+def test_addresses_that_cannot_be(rover, host, port):
     for opened in (UdpSource, UdpFeedback, UdpSink):
-        with pytest.raises(InputError, match=why):
+        with pytest.raises(InputError, match=f"{port}|{host}"):
             opened(rover, host, port)
 
 

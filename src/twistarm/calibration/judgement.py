@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from ..limits.actuators import Actuators
 from .advice import ALL, BASE_KNOWN, advice, enumerated, not_shown, not_shown_of_all
 from .faults import named_faults
@@ -50,24 +48,7 @@ def unmoved(found: Found, motors: Actuators) -> Judgement:
 def unjudged(motors: Actuators, what: str = "", remedies: Sequence[str] = ()) -> tuple[MotorVerdict, ...]:
     """Where nothing is known of any motor."""
     told = zip(motors.names, remedies or [""] * len(motors.names), strict=True)
-    return tuple(
-        MotorVerdict(
-            name=name,
-            verdict="cannot tell",
-            faults=(),
-            unseen=ALL,
-            scale=1.0,
-            scale_std=np.inf,
-            offset=0.0,
-            offset_std=np.inf,
-            joint_offset={},
-            ratio=None,
-            zero=None,
-            what=what,
-            remedy=remedy,
-        )
-        for name, remedy in told
-    )
+    return tuple(MotorVerdict(name, what=what, remedy=remedy) for name, remedy in told)
 
 
 def _one_of(group: list[Suspect], evidence: Evidence) -> str:

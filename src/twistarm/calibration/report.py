@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import inf
 from typing import NamedTuple
 
 from ..support.display import told
@@ -20,7 +21,7 @@ class Residual(NamedTuple):
 
 @dataclass(frozen=True)
 class MotorVerdict:
-    """What the log says of one motor.
+    """What the log says of one motor; by default, nothing.
 
     `verdict` is "sound", "fault", "possible fault" or "cannot tell", with `faults` out of "flipped sign", "wrong
     ratio", "zero offset", "swapped"; of a possible fault the log does not tell whether it is this one or another that
@@ -32,18 +33,18 @@ class MotorVerdict:
     """
 
     name: str
-    verdict: str
-    faults: tuple[str, ...]
-    unseen: tuple[str, ...]
-    scale: float
-    scale_std: float
-    offset: float
-    offset_std: float
-    joint_offset: Mapping[str, float]
-    ratio: Mapping[str, float] | None
-    zero: float | None
-    what: str
-    remedy: str
+    verdict: str = "cannot tell"
+    faults: tuple[str, ...] = ()
+    unseen: tuple[str, ...] = ("sign", "ratio", "zero")
+    scale: float = 1.0
+    scale_std: float = inf
+    offset: float = 0.0
+    offset_std: float = inf
+    joint_offset: Mapping[str, float] = field(default_factory=dict)
+    ratio: Mapping[str, float] | None = None
+    zero: float | None = None
+    what: str = ""
+    remedy: str = ""
 
 
 @dataclass(frozen=True, repr=False)

@@ -147,30 +147,30 @@ def singular(place: Place, task: RateTask, lost: Array, below: float, stops: boo
             sigma[d], V[:, d] = -sigma[d], -v
         rise = float(u @ (place.rows(DIFFERENCE * v) - J) @ v) / DIFFERENCE
         leaving[d] = min(much, 1.0) * min(max(rise * share / size / RISE, 0.0), 1.0)
-        if of_position and steady and not stops and leaving[d] == 0.0:
+        if of_position and steady and not stops and leaving[d] < min(much, 1.0):
             turns = 2.0 / PRECEDENCE * np.linalg.norm(J[3:] @ V, axis=0)
-            found = _bent(place, J, u * np.sign(share), V[:, sigma >= np.maximum(below, turns)][:, :2])
-            if found is None:
+            bent, motion = _bent(place, J, u * np.sign(share), V[:, sigma >= np.maximum(below, turns)][:, :2])
+            out = min(much, 1.0) * min(bent * abs(share) / size / RISE, 1.0)
+            if out <= leaving[d]:
                 continue
-            bent, motion = found
+            leaving[d] = out
             side = np.sign(share) * (-1.0 if task.asked[:3] @ J[:3] @ motion < 0.0 else 1.0)
             sigma[d], V[:, d] = 0.0, side * motion
             edges[d] = max(below, 2.0 * float(np.linalg.norm(J[3:] @ motion)) / PRECEDENCE)
-            leaving[d] = min(much, 1.0) * min(bent * abs(share) / size / RISE, 1.0)
     return Singular(J, sigma, U, V, leaving, edges, of_position)
 
 
-def _bent(place: Place, J: Array, u: Array, V: Array) -> tuple[float, Array] | None:
-    """Of the motions V (n, k) the unit one along which the tool's path bends most to u, and how much; None: none does.
+def _bent(place: Place, J: Array, u: Array, V: Array) -> tuple[float, Array]:
+    """Of the motions V (n, k) the unit one along which the tool's path bends most to u, and how much; 0: none does.
 
     At a rest that is held up by the turn that the way out takes, the tool stands where its path is farthest from there:
     any of these motions brings it back, but none to first order.
     """
     if V.shape[1] == 0:
-        return None
+        return 0.0, u
     C = np.array([u @ (place.rows(DIFFERENCE * v) - J) @ V / DIFFERENCE for v in V.T])
     bent, motions = np.linalg.eigh(0.5 * (C + C.T))
-    return (float(bent[-1]), V @ motions[:, -1]) if bent[-1] > 0.0 else None
+    return float(bent[-1]), V @ motions[:, -1]
 
 
 def fixed(place: Place, held: Sequence[int], damping: float) -> tuple[Array, Array, Array]:

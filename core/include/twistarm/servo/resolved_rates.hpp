@@ -293,13 +293,14 @@ template <class T, int N, int M> struct rate_solver {
             }
             if (bounds.stops) along.edge = greatest(on_course<T>, along.sigma);
             along.leaving = much * clamped(rise(along, along.v) * share / size / rise_whole<T>, T(0), T(1));
-            if (position && steady && !bounds.stops && !(along.leaving > T(0))) bend(along, asked, share / size, much);
+            if (position && steady && !bounds.stops && along.leaving < much) bend(along, asked, share / size, much);
         }
         lead();
         return true;
     }
 
-    /// A way out of a position by the other motions: the one along which the tool's path bends most to where it is to go.
+    /// A way out of a position by the other motions: the one along which the tool's path bends most to where it is to go,
+    /// where that leaves the singularity faster.
     ///
     /// At a rest that is held up by the turn that the way out takes, the tool stands where its path is farthest from there:
     /// any of these motions brings it back, but none to first order.
@@ -321,7 +322,8 @@ template <class T, int N, int M> struct rate_solver {
         const T half = T(0.5) * (curved[0][0] - curved[1][1]), mixed = curved[0][1];
         const T mean = T(0.5) * (curved[0][0] + curved[1][1]);
         const T most_bent = count == 1 ? curved[0][0] : mean + sqrt(half * half + mixed * mixed);
-        if (!(most_bent > T(0))) return;
+        const T leaving = much * clamped(most_bent * absolute(share) / rise_whole<T>, T(0), T(1));
+        if (!(leaving > along.leaving)) return;
         T first = T(1), second = T(0);
         if (count == 2) {
             first = half > T(0) ? most_bent - curved[1][1] : mixed;
@@ -338,7 +340,7 @@ template <class T, int N, int M> struct rate_solver {
         if (done < T(0)) side = -side;
         along.sigma = T(0);
         along.edge = greatest(bounds.below, T(2) * turn_of(motion) / precedence<T>);
-        along.leaving = much * clamped(most_bent * absolute(share) / rise_whole<T>, T(0), T(1));
+        along.leaving = leaving;
         for (int k = 0; k < n(); ++k) along.v[k] = side * motion[k];
     }
 

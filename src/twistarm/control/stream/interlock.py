@@ -56,17 +56,16 @@ class Interlock:
 
     def stop(self, reason: str = "") -> None:
         """Bring the arm to rest until `enable`; an emergency stop stays one."""
-        with self._lock:
-            if self._now.word != EMERGENCY_STOP:
-                self._now = Permission(STOPPED, one_line(require(reason, str, "reason", "in words"), LONGEST_REASON))
+        self._bar(STOPPED, reason)
 
     def emergency_stop(self, reason: str = "") -> None:
         """Bring the arm to rest until `clear` and then `enable`; the first reason stands until then."""
+        self._bar(EMERGENCY_STOP, reason)
+
+    def _bar(self, word: str, reason: str) -> None:
         with self._lock:
             if self._now.word != EMERGENCY_STOP:
-                self._now = Permission(
-                    EMERGENCY_STOP, one_line(require(reason, str, "reason", "in words"), LONGEST_REASON)
-                )
+                self._now = Permission(word, one_line(require(reason, str, "reason", "in words"), LONGEST_REASON))
 
     def clear(self) -> None:
         """End an emergency stop: the arm is stopped, and waits for `enable`. Nothing where there is none."""

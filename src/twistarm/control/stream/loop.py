@@ -55,18 +55,10 @@ def run(
     and stands; what it says is in every cycle, every setpoint and the report. Once it is enabled, a command that goes
     on from before counts as none until the controls were released: a cycle had no command, or a twist or jog of zeros.
 
-    velocity_mode: for robots that take rates alone. What they are told is the servo's rates and a correction toward
-    where the servo is, by a filter that learns each drive's gain and delay from the measured state (`RateObserver`);
-    the servo leaves 15 % of the velocity limits and 10 % of the acceleration limits to it. While nobody commands
-    nothing is corrected, and once the arm stands the servo starts anew where it is measured. `on_cycle` is called
-    between a setpoint and the next cycle, and must be quick.
-
-    settings: of the servo, or a function of nothing that is asked for them before every cycle, so that they may change;
-    where it answers anything else the stream ends.
-
-    handle_signals: SIGTERM (`kill`, a service that is ended) and SIGHUP (a closed terminal) end it as Ctrl-C does, with
-    the signal's name as the reason, and have their usual effect again once it has returned. That is for the main thread
-    and for signals that nobody else handles; a handler of the program's own stays, and may end the stream by `until`.
+    What robots that take rates alone are told is the servo's rates and a correction toward where the servo is, by a
+    filter that learns each drive's gain and delay from the measured state (`RateObserver`); the servo leaves 15 % of
+    the velocity limits and 10 % of the acceleration limits to it. While nobody commands nothing is corrected, and once
+    the arm stands the servo starts anew where it is measured.
 
     However it ends (time, Ctrl-C, a device that fails, an exception of `on_cycle`), the arm comes to rest along its
     limits and the last setpoint has rates of 0; Ctrl-C once more stops it at once. What devices cannot do (OSError,
@@ -82,13 +74,15 @@ def run(
         command_timeout: Greatest age of a command [s].
         feedback_timeout: Greatest age of the joint state [s].
         tolerance: Greatest distance of a joint from what was commanded, one number or (n,) [rad, m].
-        settings: Settings of the servo, or a function that returns them before every cycle; None for the usual ones.
+        settings: Settings of the servo, or a function of nothing that returns them before every cycle, and ends the
+            stream where it returns anything else; None for the usual ones.
         velocity_mode: Whether the robot takes rates alone.
         interlock: The switch that allows motion, or None.
-        handle_signals: Whether SIGTERM and SIGHUP end the stream.
+        handle_signals: Whether SIGTERM and SIGHUP end the stream as Ctrl-C does, in the main thread and where the
+            program has no handler of its own; they have their usual effect again once it has returned.
         duration: Greatest duration [s]; None for no limit.
         until: A function whose true result ends the stream, or None.
-        on_cycle: Called with each `Cycle`, or None.
+        on_cycle: Called with each `Cycle` between its setpoint and the next one, or None; it must be quick.
         clock: The clock, by default the system's monotonic one.
 
     Returns:
@@ -119,11 +113,11 @@ def run(
 def _current(settings: ServoSettings | Callable[[], ServoSettings] | None) -> Callable[[], ServoSettings]:
     """What gives them at any time, and raises InputError where they are none."""
     how = "as ServoSettings() is, or a function of nothing that returns one"
-    if callable(settings):
-        try:
-            signature(settings).bind()
-        except (TypeError, ValueError):  # it takes arguments, or nobody can tell
-            raise InputError(f"settings must be a ServoSettings, {how}; got {shown(settings)}") from None
-        return lambda: require(settings(), ServoSettings, "settings", how)
-    given = ServoSettings() if settings is None else settings
-    return lambda: require(given, ServoSettings, "settings", how)
+    if not callable(settings):
+        given = ServoSettings() if settings is None else settings
+        return lambda: require(given, ServoSettings, "settings", how)
+    try:
+        signature(settings).bind()
+    except (TypeError, ValueError):  # it takes arguments, or nobody can tell
+        raise InputError(f"settings must be a ServoSettings, {how}; got {shown(settings)}") from None
+    return lambda: require(settings(), ServoSettings, "settings", how)

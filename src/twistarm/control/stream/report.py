@@ -154,32 +154,17 @@ class Tally:
 
     def report(self, ending: Ending, reason: str, duration: float, at_rest: bool, interlock: str) -> StreamReport:
         """The report of a stream that ended after `duration` [s]."""
+        late, seconds = self.lateness, 1.0 / self.rate
         return StreamReport(
-            self.cycles,
-            self.missed,
-            self.rate,
-            duration,
-            self.lateness.percentile(50.0),
-            self.lateness.percentile(99.0),
-            self.lateness.largest,
-            _counts(self.statuses, ServoStatus),
-            _counts(self.reasons, ServoReason),
-            self.waited / self.rate,
-            self.blind / self.rate,
-            self.uncommanded / self.rate,
-            self.blind_reason,
-            self.uncommanded_reason,
-            self.barred / self.rate,
-            self.barred_reason,
-            interlock,
-            ending,
-            reason,
-            at_rest,
-            counted(self.undelivered),
-            self.delivered,
-            counted(self.failures),
-            self.assumed,
-        )
+            cycles=self.cycles, missed=self.missed, rate=self.rate, duration=duration,
+            late_p50=late.percentile(50.0), late_p99=late.percentile(99.0), late_max=late.largest,
+            statuses=_counts(self.statuses, ServoStatus), reasons=_counts(self.reasons, ServoReason),
+            waited=seconds * self.waited, blind=seconds * self.blind, uncommanded=seconds * self.uncommanded,
+            blind_reason=self.blind_reason, uncommanded_reason=self.uncommanded_reason,
+            barred=seconds * self.barred, barred_reason=self.barred_reason, interlock=interlock,
+            ending=ending, reason=reason, at_rest=at_rest, undelivered=counted(self.undelivered),
+            delivered=self.delivered, failures=counted(self.failures), assumed=self.assumed,
+        )  # fmt: skip
 
 
 E = TypeVar("E", bound=Enum)

@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm, require_arm
 from ...arm.usual_limits import defaults_line, with_defaults
-from ...support.checks import Array, as_floats, as_not_negative, as_number, frozen, require, require_clock
-from ...support.errors import InputError, shown
+from ...support.checks import Array, as_not_negative, as_number, frozen, require, require_clock
+from ...support.errors import InputError
 from .protocols import Measured, Setpoint
+from .watch import one_or_each
 
 SUBSTEP = 0.002
 """Longest step of the simulation [s]."""
@@ -68,10 +69,14 @@ class SimulatedJoints:
         self._theta_dot = np.zeros(arm.n)
         self._latency = latency
         usual = with_defaults(arm)
-        self._velocity = _limit(velocity, VELOCITY_RESERVE * usual.velocity, "velocity")
-        self._acceleration = _limit(acceleration, ACCELERATION_RESERVE * usual.acceleration, "acceleration")
-        given = {"velocity": velocity, "acceleration": acceleration}
-        known = {name: getattr(usual, name) for name, values in given.items() if values is not None}
+        self._velocity = VELOCITY_RESERVE * usual.velocity
+        self._acceleration = ACCELERATION_RESERVE * usual.acceleration
+        known = {}
+        if velocity is not None:
+            self._velocity, known["velocity"] = one_or_each(velocity, arm.n, "velocity"), usual.velocity
+        if acceleration is not None:
+            self._acceleration = one_or_each(acceleration, arm.n, "acceleration")
+            known["acceleration"] = usual.acceleration
         self.assumed = defaults_line(arm, replace(arm.limits, **known))
         self._lower, self._upper = arm.limits.lower, arm.limits.upper
         self._clock = require_clock(clock, "clock")
@@ -148,12 +153,3 @@ class SimulatedJoints:
         inside = np.clip(self._theta, self._lower, self._upper)
         self._theta_dot[inside != self._theta] = 0.0
         self._theta = inside
-
-
-def _limit(given: ArrayLike | None, of_arm: Array, name: str) -> Array:
-    if given is None:
-        return of_arm
-    values = as_floats(given, name)
-    if values.shape not in ((), of_arm.shape) or not (values > 0.0).all():
-        raise InputError(f"{name} must be one positive number or {of_arm.size}; got {shown(given)}")
-    return np.broadcast_to(values, of_arm.shape)

@@ -25,12 +25,7 @@ RELEASE_FIRST = "release the controls first: they were held when the arm was ena
 
 
 class Streaming(Cycles[Cycle]):
-    """A stream, cycle by cycle, for loops that have a timer of their own; `run` is the loop with ours.
-
-    Call `cycle` at `rate` [Hz] until it says an ending, then `brake` at the same rate until it answers True, then
-    `halt`, whatever went wrong before. The arguments are those of `run`; `arm` has the usual limits where the one given
-    has none, and `assumed` says which.
-    """
+    """A stream, cycle by cycle (see `Cycles`), for loops that have a timer of their own; the arguments are `run`'s."""
 
     def __init__(
         self,

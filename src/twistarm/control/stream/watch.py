@@ -14,6 +14,14 @@ from ...support.errors import InputError, shown
 from .protocols import Measured
 
 
+def one_or_each(given: ArrayLike, n: int, name: str) -> Array:
+    """Positive numbers (n,), one for each joint in its unit, from one or n; InputError for anything else."""
+    values = as_floats(given, name)
+    if values.shape not in ((), (n,)) or not (values > 0.0).all():
+        raise InputError(f"{name} must be one positive number or {n}; got {shown(given)}")
+    return np.broadcast_to(values, (n,))
+
+
 class FeedbackWatch:
     """Whether what is measured can be used, and whether the arm follows.
 
@@ -25,10 +33,7 @@ class FeedbackWatch:
     def __init__(self, arm: Arm, timeout: float, tolerance: ArrayLike) -> None:
         self._arm = arm
         self._timeout = timeout
-        given = as_floats(tolerance, "tolerance")
-        if given.shape not in ((), (arm.n,)) or not (given > 0.0).all():
-            raise InputError(f"tolerance must be one positive number or {arm.n}, in rad or m; got {shown(tolerance)}")
-        self._tolerance = np.broadcast_to(given, (arm.n,))
+        self._tolerance = one_or_each(tolerance, arm.n, "tolerance")
         self._heard = inf
         self.returned = False
         self._since = -inf

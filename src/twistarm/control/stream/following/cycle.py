@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ....arm.arm import Arm
 from ....planning import Trajectory
-from ....support.checks import Array, as_flag, as_floats, as_positive, frozen, require
+from ....support.checks import Array, as_flag, as_positive, frozen, require
 from ....support.errors import InputError, shown
 from ...servo import ServoOutput, ServoSettings, ServoState, ServoStatus
 from ..cycles import Cycle, Cycles
@@ -20,6 +20,7 @@ from ..interlock import EMERGENCY_STOP, Interlock
 from ..links.inbox import FEEDBACK_TIMEOUT
 from ..protocols import Feedback, Setpoint, Sink
 from ..report import Ending
+from ..watch import one_or_each
 from .beginning import motion_of, way_there, why_elsewhere
 from .control import FollowControl
 from .motion_clock import SLOPE, Leg, MotionClock
@@ -95,7 +96,7 @@ class Following(Cycles[FollowCycle]):
             raise InputError(f"speed is a share of the trajectory's own, above 0 and at most 1; got {shown(speed)}")
         self.approach = as_flag(approach, "approach")
         self.largest_error, self.largest_lag = np.zeros(self.arm.n), np.zeros(self.arm.n)
-        self._near = _tolerance_of(start_tolerance, self.arm.n)
+        self._near = one_or_each(start_tolerance, self.arm.n, "start_tolerance")
         self._clock = MotionClock(0.0, 0.0)
         self._astray = False
         self._seen = self._arrived = inf
@@ -245,10 +246,3 @@ class Following(Cycles[FollowCycle]):
             at=self.at, duration=self.motion.duration, rate=self._clock.rate, error=error, lag=lag,
             labels=self._passed(),
         )  # fmt: skip
-
-
-def _tolerance_of(given: ArrayLike, n: int) -> Array:
-    values = as_floats(given, "start_tolerance")
-    if values.shape not in ((), (n,)) or not (values > 0.0).all():
-        raise InputError(f"start_tolerance must be one positive number or {n}, in rad or m; got {shown(given)}")
-    return np.broadcast_to(values, (n,))

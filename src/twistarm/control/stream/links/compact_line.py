@@ -36,7 +36,8 @@ LONGEST_LINE = 4096
 def setpoint_line(setpoint: Setpoint, motors: MotorSide | None = None) -> bytes:
     """The setpoint as a line, its end included; of `motors` in place of joints where they are given."""
     values = np.concatenate(motors.of(setpoint) if motors else (setpoint.theta, setpoint.theta_dot)).tolist()
-    body = ",".join([str(setpoint.number), *(f"{value:.6f}" for value in values), _state(setpoint)]).encode()
+    state = f"{LETTERS[setpoint.interlock]}{STATUSES.index(setpoint.output.status)}"
+    body = ",".join([str(setpoint.number), *(f"{value:.6f}" for value in values), state]).encode()
     return body + b"*%02X\n" % checksum(body)
 
 
@@ -57,10 +58,6 @@ def parse_state_line(arm: Arm, line: bytes, motors: MotorSide | None = None) -> 
         return StateMessage(dict(zip(names, said, strict=True)), counter(int(number), "number"), interlock)
     except ValueError as error:  # InputError is one
         raise InputError(f"a joint state line is number,theta_1,…,theta_{arm.n}[,E|S|X]*hh: {error}") from error
-
-
-def _state(setpoint: Setpoint) -> str:
-    return f"{LETTERS[setpoint.interlock]}{STATUSES.index(setpoint.output.status)}"
 
 
 def checksum(body: bytes) -> int:

@@ -63,13 +63,8 @@ class Latest(Generic[T]):
     def put(self, sender: str, value: T, now: float | None = None, number: int | None = None) -> None:
         """`value` arrived from `sender` at `now` [s], with the sender's own count where it has one.
 
-        Its age counts from `now`, however late it is put here; from the first look on, where that is earlier.
-
-        Args:
-            sender: The sender's name.
-            value: What it said.
-            now: The time of arrival [s]; by default that of `MonotonicClock`, the loop's own.
-            number: The sender's own counter, where it counts.
+        Its age counts from `now`, by default `MonotonicClock`'s, the loop's own, however late it is put here; from the
+        first look on, where that is earlier.
         """
         if number is not None and not isinstance(number, (int, float)):
             raise InputError(f"number must be a counter, a whole number; got {shown(number)}")

@@ -190,15 +190,6 @@ def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = No
     return message
 
 
-def followed(
-    device: Interlocked, parse: Callable[[bytes], StateMessage], text: bytes
-) -> tuple[dict[str, float], int | None]:
-    """Values and number of a robot's joint state; where the robot says that it may not move, nor may the stream."""
-    state = parse(text)
-    device.interlock.follow(state.interlock, "the robot")
-    return state.values, state.number
-
-
 def _any(value: Any, name: str) -> Any:
     return value
 

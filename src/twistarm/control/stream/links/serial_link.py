@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 from ....arm.arm import Arm
 from ....support.checks import as_whole
 from ....support.closeable import Closeable
 from ....support.errors import InputError, missing_extra, shown
-from ...servo import ServoState
-from ..interlock import Interlock
-from ..motors import motor_side
-from ..protocols import Measured, Reading, Setpoint
+from ..protocols import Setpoint
 from .compact_line import LONGEST_LINE, parse_state_line, setpoint_line
-from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox
-from .intake import Intake
-from .messages import followed, heard_word, parse_command
-from .state_inbox import StateInbox
+from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from .intake import CommandLink, StateLink
 
 LARGEST_BAUDRATE = 10**9
 
@@ -43,11 +37,11 @@ class SerialLines(Closeable):
         self._serial = _opened(port, baudrate)
         self._rest = b""
 
-    def lines(self) -> list[tuple[str, bytes]]:
+    def arrivals(self) -> list[tuple[str, bytes]]:
         """(port, line) for each line that is complete by now. Raises OSError where the port is gone."""
         text = self._rest + self._serial.read(MOST_PER_CYCLE)
         *lines, rest = text.split(b"\n")
-        # A line without end: what comes later is judged as a line of its own, and refused.
+        # Of a line without end nothing is kept: what comes later is judged as a line of its own.
         self._rest = rest if len(rest) <= LONGEST_LINE else b""
         return [(self.port, line) for line in lines if line.strip()]
 
@@ -60,30 +54,15 @@ class SerialLines(Closeable):
         self._serial.close()
 
 
-class SerialSource(SerialLines):
+class SerialSource(SerialLines, CommandLink):
     """Commands as lines of JSON, as in datagrams (`command_of`), from a box of controls at a serial port."""
 
     def __init__(self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = COMMAND_TIMEOUT) -> None:
-        self.interlock = Interlock()
-        self._inbox = Inbox(timeout)
-        self._intake = Intake(self._inbox, partial(parse_command, arm), partial(heard_word, self))
-        super().__init__(port, baudrate)
-
-    def read(self, now: float, state: ServoState | None = None) -> Reading:
-        """The command at `now` [s] of all lines that have arrived.
-
-        Args:
-            now: The clock's time [s].
-            state: The commanded arm's state, or None before it is known.
-
-        Returns:
-            The `Reading`: a command, or None and the reason.
-        """
-        self._intake.take(self.lines(), now, str)
-        return self._inbox.read(now)
+        CommandLink.__init__(self, arm, timeout)
+        SerialLines.__init__(self, port, baudrate)
 
 
-class SerialRobot(SerialLines):
+class SerialRobot(SerialLines, StateLink):
     """A robot at a serial port: a sink of setpoint lines and a feedback of joint state lines (`compact_line`).
 
     units: "joint", or "motor" or "counts" for a robot that knows its motors alone (see `MotorSide`).
@@ -98,22 +77,12 @@ class SerialRobot(SerialLines):
         timeout: float = FEEDBACK_TIMEOUT,
         units: str = "joint",
     ) -> None:
-        self._motors = motor_side(arm, units)
-        self.interlock = Interlock()
-        self._states = StateInbox(arm, timeout, units=units)
-        self._intake = Intake(
-            self._states, partial(followed, self, partial(parse_state_line, arm, motors=self._motors))
-        )
-        super().__init__(port, baudrate)
+        StateLink.__init__(self, arm, timeout, units, parse_state_line)
+        SerialLines.__init__(self, port, baudrate)
 
     def write(self, setpoint: Setpoint) -> None:
         """Send the setpoint. Raises OSError where the port is gone or too slow."""
-        self.send(setpoint_line(setpoint, self._motors))
-
-    def read(self, now: float) -> Measured:
-        """The joint state at `now` [s] of all lines that have arrived."""
-        self._intake.take(self.lines(), now, str)
-        return self._states.read(now)
+        self.send(setpoint_line(setpoint, self.motors))
 
 
 def _opened(port: str, baudrate: int) -> Any:

@@ -60,7 +60,11 @@ class Receiver(Socket):
             self.close()
             raise InputError(f"cannot listen on {host}:{port}: {error.strerror or error}") from error
 
-    def admitted(self) -> Iterator[tuple[Hashable, bytes]]:
+    def sender_name(self, sender: Any) -> str:
+        """The sender's address in words."""
+        return named(sender)
+
+    def arrivals(self) -> Iterator[tuple[Hashable, bytes]]:
         """(sender's address, text) of the datagrams that count. Others move nothing and stop nothing."""
         for sender, datagram in self.waiting():
             text = self._text(sender, datagram)

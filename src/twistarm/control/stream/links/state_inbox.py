@@ -116,18 +116,13 @@ class StateInbox:
             if look.value is None:
                 stale = self.timeout < look.age < inf
                 groups.setdefault("stale" if stale else look.reason, []).append(name)
-        missing = [name for name, look in looks.items() if look.age == inf]
-        return "; ".join(self._said(names, looks, now) for names in groups.values()) + self._about_others(missing)
-
-    def _said(self, names: list[str], looks: Mapping[str, Look[float]], now: float) -> str:
-        oldest = max(names, key=lambda name: looks[name].age)
-        if len(names) == len(looks):
-            return looks[oldest].reason
-        return self._parts[oldest].look(now, f" of {', '.join(names)}").reason
-
-    def _about_others(self, missing: list[str]) -> str:
-        """Where joints were never heard of: what was told of instead, which may be their names with a slip."""
-        if not missing:
-            return ""
-        told = f"; {self._strangers} messages told of others alone, the last of {listed(self._others, 5)}"
-        return (told if self._strangers else "") + closest(missing[0], self._others)
+        said = []
+        for names in groups.values():
+            oldest = max(names, key=lambda name: looks[name].age)
+            of = "" if len(names) == len(looks) else f" of {', '.join(names)}"
+            said.append(self._parts[oldest].look(now, of).reason)
+        never_heard = [name for name, look in looks.items() if look.age == inf]
+        if self._strangers and never_heard:
+            said.append(f"{self._strangers} messages told of others alone, the last of {listed(self._others, 5)}")
+        # What was told of instead may be their names with a slip.
+        return "; ".join(said) + (closest(never_heard[0], self._others) if never_heard else "")

@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
-from functools import partial
 
 from ....arm.arm import Arm, require_arm
 from ....support.strict_json import encode
-from ...servo import ServoState
-from ..interlock import Interlock
 from ..motors import motor_side
-from ..protocols import Measured, Reading, Setpoint, UndeliveredError
-from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT, Inbox
-from .intake import STATE_SENDERS, STATES_EACH, Intake
-from .messages import followed, heard_word, parse_command, parse_state, setpoint_message
+from ..protocols import Setpoint, UndeliveredError
+from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from .intake import CommandLink, StateLink
+from .messages import parse_state, setpoint_message
 from .signing import Signer
-from .sockets import Receiver, Sender, named
-from .state_inbox import StateInbox
+from .sockets import Receiver, Sender
 
 LOOPBACK = "127.0.0.1"
 """The default host: nobody but programs on this machine may move the arm."""
 
 
-class UdpSource(Receiver):
+class UdpSource(Receiver, CommandLink):
     """Commands from datagrams to host and port (0: a free one, see `address`). A sender is an address with its port.
 
     senders: hosts that may send, none: all. key: what must sign the datagrams (see `Signer`, `read_key`). Raises
@@ -40,28 +35,11 @@ class UdpSource(Receiver):
         senders: Collection[str] = (),
         key: bytes | None = None,
     ) -> None:
-        require_arm(arm)
-        self.interlock = Interlock()
-        self._inbox = Inbox(timeout)
-        self._intake = Intake(self._inbox, partial(parse_command, arm), partial(heard_word, self))
-        super().__init__(host, port, senders, key)
-
-    def read(self, now: float, state: ServoState | None = None) -> Reading:
-        """The command at `now` [s] of all datagrams that have arrived.
-
-        Args:
-            now: The clock's time [s].
-            state: The commanded arm's state, or None before it is known.
-
-        Returns:
-            The `Reading`: a command, or None and the reason.
-        """
-        self._intake.take(self.admitted(), now, named)
-        reading = self._inbox.read(now)
-        return reading if reading.command is not None else replace(reading, reason=reading.reason + self.note)
+        CommandLink.__init__(self, arm, timeout)
+        Receiver.__init__(self, host, port, senders, key)
 
 
-class UdpFeedback(Receiver):
+class UdpFeedback(Receiver, StateLink):
     """Joint states from datagrams to host and port (0: a free one, see `address`); senders and key as in `UdpSource`.
 
     units: "joint", or "motor" or "counts" where the robot tells of its motors (see `MotorSide`).
@@ -80,19 +58,8 @@ class UdpFeedback(Receiver):
         key: bytes | None = None,
         units: str = "joint",
     ) -> None:
-        self.interlock = Interlock()
-        self._states = StateInbox(arm, timeout, units=units)
-        self._intake = Intake(
-            self._states, partial(followed, self, partial(parse_state, arm, motors=motor_side(arm, units))),
-            senders=STATE_SENDERS, each=STATES_EACH,
-        )  # fmt: skip
-        super().__init__(host, port, senders, key)
-
-    def read(self, now: float) -> Measured:
-        """The joint state at `now` [s] of all datagrams that have arrived."""
-        self._intake.take(self.admitted(), now, named)
-        measured = self._states.read(now)
-        return measured if measured.theta is not None else replace(measured, reason=measured.reason + self.note)
+        StateLink.__init__(self, arm, timeout, units, parse_state)
+        Receiver.__init__(self, host, port, senders, key)
 
 
 class UdpSink(Sender):
