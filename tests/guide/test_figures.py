@@ -84,20 +84,20 @@ def test_the_style_sheet_has_every_colour_and_each_stands_out_by_day_and_by_nigh
     "name", ["two_link", *(pytest.param(k, marks=pytest.mark.slow) for k in SLIDERS if k != "two_link")]
 )
 def test_each_slider_has_a_drawing_for_paper(name: str) -> None:
-    fig, words = stills.slider(name, SLIDERS[name])
+    fig, words = stills.SLIDERS[name](SLIDERS[name])
     assert len(words) > 20
     assert svg.of(fig).startswith("<svg ")
 
 
 @pytest.mark.parametrize("kind", ["revolute", "prismatic", "helical", "cylindrical", "planar", "spherical"])
 def test_each_joint_is_drawn(kind: str) -> None:
-    assert kind in stills.slider("joint", {"type": kind})[1]
+    assert kind in stills.SLIDERS["joint"]({"type": kind})[1]
 
 
 def test_the_cubic_meets_its_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = {"start": 10.0, "end": 40.0, "duration": 2.0, "velocity_start": 5.0, "velocity_end": -3.0}
     for kind in ("cubic", "quintic"):
-        fig, _ = stills.slider("spline", {"kind": kind, **wanted})
+        fig, _ = stills.SLIDERS["spline"]({"kind": kind, **wanted})
         angle, velocity = (fig.axes[k].lines[0].get_ydata() for k in (0, 1))
         assert np.allclose([angle[0], angle[-1], velocity[0], velocity[-1]], [10, 40, 5, -3])
 

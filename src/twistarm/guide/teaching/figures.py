@@ -11,10 +11,7 @@ from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory import poe
 from ...theory.screws import to_screw
-from .style import AMBER, AXES, BLUE, COLOURS, DASHES, FAINT, GREEN, GREY, INK, ORANGE, PINK, SKY, use
-
-__all__ = ["AMBER", "BLUE", "COLOURS", "GREEN", "GREY", "INK", "ORANGE", "PINK", "SKY", "arm_points", "axes2", "axes3",
-           "fit", "plot_arm", "plot_frame", "plot_point", "plot_screw", "plot_vector"]  # fmt: skip
+from .style import AXES, DASHES, FAINT, GREY, INK, PINK, SKY, use
 
 
 def axes2(
