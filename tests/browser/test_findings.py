@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from arms import ARMS
 from twistarm import Arm, diagnose, load_arm
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.parts.findings import examined
@@ -127,6 +126,7 @@ def test_an_open_list_scrolls_inside_and_leaves_the_joints_in_view(live: Any) ->
     assert live.locator(".joint").first.bounding_box()["y"] < 500
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize(
     ("code", "node"),
     [
@@ -227,15 +227,3 @@ def test_the_stand_alone_page_has_the_findings_too(page: Any, arm: Arm, tmp_path
     assert pointed_at(page, page.evaluate("(name) => twistarm.data.links[name]", HEAVY))
     page.keyboard.press("Escape")
     assert points_at_nothing(page)
-
-
-@pytest.mark.parametrize("name", ARMS)
-def test_every_arm_s_page_lists_what_the_doctor_finds(page: Any, name: str) -> None:
-    arm = load_arm(name)
-    with Viewer(arm, open_browser=False) as viewer:
-        settled(page, viewer.url)
-        until(page, "document.getElementById('findings-note').textContent === ''")
-        page.locator("#findings summary").click()
-        shown = page.locator("#findings-list .finding .what").all_inner_texts()
-        page.goto("about:blank")  # else it asks for the view again while that waits for the doctor
-    assert shown == [one.what for one in diagnose(arm)]

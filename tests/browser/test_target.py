@@ -11,9 +11,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from arms import ARMS
-from test_page import DRAWN, assert_drawn, load
-from twistarm import available_arms, solve_ik
+from arms import ARMS, DRAWN, assert_drawn, load
+from twistarm import solve_ik
 from twistarm.ik import Approach
 from twistarm.viewer import Viewer
 from waiting import after_frames, settled, until
@@ -115,8 +114,6 @@ def rover(desks: Callable[[str], Desk]) -> Desk:
 
 @pytest.fixture(params=ARMS)
 def desk(request: pytest.FixtureRequest, desks: Callable[[str], Desk]) -> Desk:
-    if request.param == "panda" and "panda" not in available_arms():
-        pytest.skip("example-robot-data is not installed")
     return desks(request.param)
 
 
@@ -127,6 +124,7 @@ def wanted(given: dict[str, Any]) -> Any:
     return g
 
 
+@pytest.mark.smoke
 def test_an_arrow_moves_the_tool_along_x_and_keeps_the_rest(desk: Desk) -> None:
     desk.reset()
     before, camera = desk.drawn(), desk.page.evaluate("twistarm.view.viewer.camera.position.toArray()")

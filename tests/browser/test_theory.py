@@ -169,6 +169,7 @@ def motion_of(arm: Arm) -> Trajectory:
 # the rover arm -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.smoke
 def test_columns_ellipsoids_and_labels(page: Any, viewer: Viewer) -> None:
     theta = viewer.theta
     switch(page, "Labels", "Columns of Jˢ", "Linear ellipsoid")
