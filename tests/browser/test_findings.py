@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from twistarm import Arm, diagnose, load_arm
-from twistarm.viewer import Viewer, save_html
+from twistarm.viewer import Viewer
 from twistarm.viewer.parts.findings import examined
 from waiting import draw, settled, until
 
@@ -214,16 +213,3 @@ def test_findings_sent_again_keep_what_is_chosen_if_it_is_still_there(live: Any,
     assert live.locator("#findings").is_hidden()
     live.evaluate("(message) => twistarm.findings.show(message)", message)
     assert live.locator("#findings").is_visible()
-
-
-def test_the_stand_alone_page_has_the_findings_too(page: Any, arm: Arm, tmp_path: Path) -> None:
-    page.context.set_offline(True)
-    page.goto(save_html(arm, tmp_path / "view.html").as_uri())
-    until(page, "globalThis.twistarm?.state.frame")
-    assert page.locator("#findings").get_attribute("open") is None
-    page.locator("#findings summary").click()
-    assert page.locator(".finding").count() == len(diagnose(arm))
-    about(page, "mass-implausible").click()
-    assert pointed_at(page, page.evaluate("(name) => twistarm.data.links[name]", HEAVY))
-    page.keyboard.press("Escape")
-    assert points_at_nothing(page)

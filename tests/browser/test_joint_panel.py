@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 
 from arms import assert_drawn
 from twistarm import load_arm
-from twistarm.viewer import Viewer, save_html
+from twistarm.viewer import Viewer
 from waiting import settled, until
 
 pytestmark = pytest.mark.browser
@@ -381,12 +381,3 @@ def seven() -> str:
     ]
     rows.append(joint.format("finger", "prismatic", 7, 8, limit.format(0, 0.04)))
     return f'<robot name="seven">{links}{"".join(rows)}</robot>'
-
-
-def test_the_stand_alone_page_shows_numbers_in_either_unit(opened: Any, tmp_path: Path) -> None:
-    opened.goto(save_html(ARM, tmp_path / "view.html", theta=START).as_uri())
-    until(opened, "globalThis.twistarm?.state.frame")
-    row = opened.get_by_role("group", name="shoulder")
-    assert (row.locator(".number").input_value(), row.locator(".unit").inner_text()) == ("11.5", "°")
-    opened.get_by_label("Radians", exact=True).check()
-    assert (row.locator(".number").input_value(), row.locator(".unit").inner_text()) == ("0.200", "rad")

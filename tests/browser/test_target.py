@@ -182,21 +182,6 @@ def test_the_ball_moves_the_tool_in_the_plane_of_the_screen(rover: Desk) -> None
     assert set(shown) <= {"x", "y", "z", "free"}  # a position has no turns
 
 
-def test_a_finger_drags_as_a_mouse_does(rover: Desk) -> None:
-    rover.reset("position")
-    before = rover.drawn()[:3, 3]
-    tip = rover.handle([0, 0, ALONG])
-    camera = rover.page.evaluate("twistarm.view.viewer.camera.position.toArray()")
-    finger = rover.page.context.new_cdp_session(rover.page)
-    for kind, up in (("touchStart", 0.0), ("touchMove", 0.03), ("touchMove", 0.05)):
-        x, y, pixel = rover.screen(tip + [0, 0, up])
-        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y}]})
-    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-    assert rover.answered()["met"]
-    assert_allclose(rover.drawn()[:3, 3], before + [0, 0, 0.05], atol=2 * pixel)
-    assert rover.page.evaluate("twistarm.view.viewer.camera.position.toArray()") == pytest.approx(camera, abs=1e-9)
-
-
 def test_snap_moves_by_whole_centimetres_and_shift_does_the_opposite(rover: Desk) -> None:
     rover.reset("position", snap=True)
     before = rover.drawn()[:3, 3]

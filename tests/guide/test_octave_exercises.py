@@ -68,25 +68,6 @@ def test_slips_are_named(tmp_path: Path, rover: Arm) -> None:
 
 @pytest.mark.slow
 @needs_octave
-def test_more_slips_are_named(tmp_path: Path, rover: Arm) -> None:
-    results = written(
-        tmp_path,
-        "manipulator",
-        rover,
-        product_of_exponentials=("    g = g * home;\n", ""),
-        adjoint=("P * R; zeros(3)", "zeros(3); zeros(3)"),
-        damped_step=("damping^2", "damping"),
-        solve_pose=("1:100", "1:1"),  # which would not converge
-    )
-    named = {each.exercise: each.slip for each in check_file(results, rover).verdicts}
-    assert named["product_of_exponentials"] == "home forgotten"
-    assert named["adjoint"] == "no p̂R"
-    assert named["spatial_jacobian"] == "no p̂R"  # which is where it comes from
-    assert named["damped_step"] == "damping not squared"
-
-
-@pytest.mark.slow
-@needs_octave
 def test_a_template_is_not_written_yet(tmp_path: Path, rover: Arm) -> None:
     for name, text in octave_files(rover):
         (tmp_path / name).write_text(text)

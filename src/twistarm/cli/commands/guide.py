@@ -144,4 +144,4 @@ def _serve(built: Built, port: int, browser: bool) -> None:
         if browser and not webbrowser.open(server.url):
             warn("no browser found here; open the address yourself, or use -o DIR for a site that needs no server")
         with suppress(KeyboardInterrupt):
-            server.serve()
+            server.serve_forever()
