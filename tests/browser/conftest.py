@@ -16,6 +16,7 @@ from twistarm import Arm
 from twistarm.support.errors import TwistarmError
 from twistarm.viewer import Viewer
 from twistarm.viewer.files.browsers import find_browser
+from waiting import settled
 
 FLAGS = (
     "--headless",
@@ -117,3 +118,10 @@ def arm(request: pytest.FixtureRequest) -> Arm:
 def viewer(arm: Arm) -> Iterator[Viewer]:
     with Viewer(arm, open_browser=False) as served:
         yield served
+
+
+@pytest.fixture(scope="module")
+def opened(open_page: Callable[[], AbstractContextManager[Any]], viewer: Viewer) -> Iterator[Any]:
+    """One page for all tests of a module whose viewer is one: opening one takes a second."""
+    with open_page() as page:
+        yield settled(page, viewer.url)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from numpy.testing import assert_allclose
 from twistarm import Arm, diagnose, load_arm
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.findings import examined
-from waiting import draw, settled, until
+from waiting import draw, until
 
 pytestmark = pytest.mark.browser
 
@@ -69,12 +68,10 @@ def viewer(arm: Arm) -> Iterator[Viewer]:
         yield served
 
 
-@pytest.fixture(scope="module")
-def shared(open_page: Callable[[], AbstractContextManager[Any]], viewer: Viewer) -> Iterator[Any]:
-    with open_page() as opened:
-        settled(opened, viewer.url)
-        until(opened, "document.getElementById('findings-note').textContent === ''")
-        yield opened
+@pytest.fixture
+def shared(opened: Any) -> Any:
+    until(opened, "document.getElementById('findings-note').textContent === ''")
+    return opened
 
 
 @pytest.fixture

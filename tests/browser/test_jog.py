@@ -65,11 +65,9 @@ def viewer() -> Iterator[Viewer]:
         yield served
 
 
-@pytest.fixture(scope="module")
-def page(open_page: Callable[[], AbstractContextManager[Any]], viewer: Viewer) -> Iterator[Any]:
-    """One page for most tests: opening one takes a second."""
-    with open_page() as opened:
-        yield settled(opened, viewer.url)
+@pytest.fixture
+def page(opened: Any) -> Any:
+    return opened
 
 
 @pytest.fixture

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from test_target import PROJECT
 from twistarm import Arm, solve_ik
 from twistarm.ik import Pose
 from twistarm.viewer import Viewer
-from waiting import after_frames, settled, until
+from waiting import after_frames, until
 
 pytestmark = pytest.mark.browser
 
@@ -42,19 +41,13 @@ def viewer(arm: Arm) -> Iterator[Viewer]:
         yield served
 
 
-@pytest.fixture(scope="module")
-def seen(open_page: Callable[[], AbstractContextManager[Any]], viewer: Viewer) -> Iterator[Any]:
-    with open_page() as page:
-        yield settled(page, viewer.url)
-
-
 @pytest.fixture
-def page(seen: Any, viewer: Viewer, arm: Arm) -> Any:
+def page(opened: Any, viewer: Viewer, arm: Arm) -> Any:
     """The one page, as it was at first."""
     viewer.show(arm.ready)
-    until(seen, f"twistarm.state.frame.theta.every((value, i) => value === {arm.ready.tolist()}[i])")
-    seen.evaluate("twistarm.parts.links.recall({ hidden: [], opacity: 1 }), twistarm.view.fit()")
-    return seen
+    until(opened, f"twistarm.state.frame.theta.every((value, i) => value === {arm.ready.tolist()}[i])")
+    opened.evaluate("twistarm.parts.links.recall({ hidden: [], opacity: 1 }), twistarm.view.fit()")
+    return opened
 
 
 OUTERMOST = """() => {

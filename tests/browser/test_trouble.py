@@ -62,12 +62,6 @@ def viewer(arm: Arm, browser: Any) -> Iterator[Viewer]:
         yield served
 
 
-@pytest.fixture(scope="module")
-def opened(open_page: Any, viewer: Viewer) -> Iterator[Any]:
-    with open_page() as page:
-        yield settled(page, viewer.url)
-
-
 @pytest.fixture
 def page(opened: Any) -> Any:
     opened.set_viewport_size({"width": 1280, "height": 720})
