@@ -69,6 +69,11 @@ def test_each_slider_has_a_drawing_for_paper(name: str) -> None:
     assert svg.of(fig).startswith("<svg ")
 
 
+@pytest.mark.parametrize("kind", ["revolute", "prismatic", "helical", "cylindrical", "planar", "spherical"])
+def test_each_joint_is_drawn(kind: str) -> None:
+    assert kind in stills.SLIDERS["joint"]({"type": kind})[1]
+
+
 def test_the_cubic_meets_its_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = {"start": 10.0, "end": 40.0, "duration": 2.0, "velocity_start": 5.0, "velocity_end": -3.0}
     for kind in ("cubic", "quintic"):

@@ -58,7 +58,7 @@ def hold(exercise: Exercise, arm: Arm, seed: int) -> None:
 
 
 LONG = ("solve_pose",)
-"""Seconds each: a sample of its slips is written otherwise below."""
+"""Seconds each: its solution, and a slip of it, are among those below."""
 
 
 @pytest.mark.parametrize("name", [pytest.param(k, marks=pytest.mark.slow if k in LONG else ()) for k in EXERCISES])
@@ -238,6 +238,7 @@ RIGHT: list[tuple[str, Callable[..., Any]]] = [
     ("wrap", lambda a: atan2(sin(a), cos(a))),
     ("newton_step", lambda *a: np.angle(np.exp(1j * EXERCISES["newton_step"].reference(*a)))),
     ("screw_between", lambda a, b, s: screws.exp(screws.log(b @ np.linalg.inv(a)), s) @ a),
+    ("solve_pose", EXERCISES["solve_pose"].model),
     ("carried_wrench", lambda J: -scipy.linalg.null_space(J.T)[:, 0]),
     (
         "setpoints",

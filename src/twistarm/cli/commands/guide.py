@@ -115,7 +115,7 @@ def _built(
     place = folder or _kept_in(arm, names)
     try:
         with progress_bar(f"the guide on {source or 'rover_arm'}") as progress:
-            built = build(place, arm, names, progress=lambda done, _: progress(done))
+            built = build(place, arm, names, progress=progress)
     except DescriptionError as error:
         words = f"{error}; no page was written: twistarm doctor says all that is wrong with it"
         raise DescriptionError(words, error.findings) from error

@@ -22,7 +22,7 @@ from ..course import lesson_file, lessons
 from .cells import cells_of, title_of
 from .errata import slips
 from .pages import SCRIPTS, STYLE, before_page, errata_page, index_page, lesson_page, site_text
-from .running import TIMEOUT, run_lessons
+from .running import run_lessons
 
 RECORD = "twistarm-guide.json"
 """The file that says that a folder is the guide's, and of what its pages were made."""
@@ -47,8 +47,7 @@ def build(
     folder: Path,
     arm: Mapping[str, Any],
     names: Sequence[str] | None = None,
-    progress: Callable[[float, str], object] = lambda done, lesson: None,
-    timeout: float = TIMEOUT,
+    progress: Callable[[float], object] = lambda done: None,
 ) -> Built:
     """Build the course, or the lessons `names` of it, on the arm that `load_arm(**arm)` loads, into `folder`.
 
@@ -59,8 +58,7 @@ def build(
         folder: A new or empty folder, or one that was built before.
         arm: The keywords of `load_arm`, as JSON can hold them.
         names: Lessons; all where not given.
-        progress: Called with the share that is done and the lesson that was.
-        timeout: Seconds that a lesson may take.
+        progress: Called with the share that is done.
 
     Returns:
         What was built.
@@ -80,11 +78,11 @@ def build(
         old.unlink(missing_ok=True)
     titles = {name: title_of(cells_of(lesson_file(name))) for name in wanted}
     failed = []
-    for done, (name, outcome) in enumerate(run_lessons(wanted, arm, site / "scenes", timeout), start=1):
+    for done, (name, outcome) in enumerate(run_lessons(wanted, arm, site / "scenes"), start=1):
         write_whole(site / f"{name}.html", lesson_page(name, outcome, titles, the_arm))
         write_whole(site / f"{name}.py", lesson_file(name).read_text("utf-8"))
         failed += [outcome["failed"]] if outcome["failed"] else []
-        progress(done / len(wanted), name)
+        progress(done / len(wanted))
     for name in (STYLE, *SCRIPTS):
         write_whole(site / "assets" / name, site_text(name))
     write_whole(site / "index.html", index_page(titles, the_arm, failed))

@@ -81,26 +81,16 @@ def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer] 
     pairs = list(zip(cases, answers, strict=False))
     wrong = next((k for k, (case, answer) in enumerate(pairs) if not _right(exercise, case, answer)), None)
     if wrong is None:
-        return _unless_changed(
-            exercise, verdict("right", f"right, in {len(cases)} case{'s' * (len(cases) != 1)}"), answers
-        )
+        if changed := sorted({exercise.parameters[i] for each in answers for i in each.changed}):
+            words = f"{' and '.join(changed)} is another after the call: whoever called finds it changed"
+            copied = "Work on a copy, as in `p = p.copy()`."
+            return verdict("wrong", f"The answers are right, but {words}. {copied}", "argument changed")
+        return verdict("right", f"right, in {len(cases)} case{'s' * (len(cases) != 1)}")
     for slip in exercise.slips:
         function = exercise.wrong(slip)
         if all(_alike(exercise, case, answer, of_function(function, case.arguments)) for case, answer in pairs):
             return verdict("wrong", slip.words, slip.name)
     return verdict(*_of_the_case(exercise, *pairs[wrong]))
-
-
-def _unless_changed(exercise: Exercise, right: Verdict, answers: Sequence[Answer]) -> Verdict:
-    changed = sorted({i for each in answers for i in each.changed})
-    if not changed:
-        return right
-    names = " and ".join(exercise.parameters[i] for i in changed if i < len(exercise.parameters))
-    words = (
-        f"The answers are right, but {names} is another after the call: whoever called finds it changed. Work on a "
-        "copy, as in `p = p.copy()`."
-    )
-    return Verdict(right.exercise, right.lesson, "wrong", words, "argument changed")
 
 
 def _seen(exercise: Exercise, case: Case, answer: Answer) -> Any:
