@@ -6,12 +6,17 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
+from pathlib import Path
 from typing import Any, NoReturn
 
 import pytest
 
+from arms import load
+from twistarm import Arm
 from twistarm.support.errors import TwistarmError
+from twistarm.viewer import Viewer
 from twistarm.viewer.files.browsers import find_browser
+from waiting import settled
 
 FLAGS = (
     "--headless",
@@ -43,6 +48,14 @@ def absent(reason: str) -> NoReturn:
     if os.environ.get("TWISTARM_REQUIRE_ALL") == "1":
         pytest.fail(f"{reason}, and TWISTARM_REQUIRE_ALL=1")
     pytest.skip(reason)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """One test of each panel is among the quick ones, marked smoke; the others are long ones."""
+    for item in items:
+        if item.path.parent == Path(__file__).parent and not item.get_closest_marker("smoke"):
+            item.add_marker("slow")
 
 
 @pytest.fixture(scope="package")
@@ -94,3 +107,21 @@ def other(open_page: Callable[[], AbstractContextManager[Any]]) -> Iterator[Any]
     """A second page beside it, as somebody else's."""
     with open_page() as opened:
         yield opened
+
+
+@pytest.fixture(params=["rover_arm"])
+def arm(request: pytest.FixtureRequest) -> Arm:
+    return load(request.param)
+
+
+@pytest.fixture
+def viewer(arm: Arm) -> Iterator[Viewer]:
+    with Viewer(arm, open_browser=False) as served:
+        yield served
+
+
+@pytest.fixture(scope="module")
+def opened(open_page: Callable[[], AbstractContextManager[Any]], viewer: Viewer) -> Iterator[Any]:
+    """One page for all tests of a module whose viewer is one: opening one takes a second."""
+    with open_page() as page:
+        yield settled(page, viewer.url)

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from arms import ARMS
 from twistarm import Arm, diagnose, load_arm
-from twistarm.viewer import Viewer, save_html
+from twistarm.viewer import Viewer
 from twistarm.viewer.parts.findings import examined
-from waiting import draw, settled, until
+from waiting import draw, until
 
 pytestmark = pytest.mark.browser
 
@@ -71,12 +68,10 @@ def viewer(arm: Arm) -> Iterator[Viewer]:
         yield served
 
 
-@pytest.fixture(scope="module")
-def shared(open_page: Callable[[], AbstractContextManager[Any]], viewer: Viewer) -> Iterator[Any]:
-    with open_page() as opened:
-        settled(opened, viewer.url)
-        until(opened, "document.getElementById('findings-note').textContent === ''")
-        yield opened
+@pytest.fixture
+def shared(opened: Any) -> Any:
+    until(opened, "document.getElementById('findings-note').textContent === ''")
+    return opened
 
 
 @pytest.fixture
@@ -127,6 +122,7 @@ def test_an_open_list_scrolls_inside_and_leaves_the_joints_in_view(live: Any) ->
     assert live.locator(".joint").first.bounding_box()["y"] < 500
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize(
     ("code", "node"),
     [
@@ -214,28 +210,3 @@ def test_findings_sent_again_keep_what_is_chosen_if_it_is_still_there(live: Any,
     assert live.locator("#findings").is_hidden()
     live.evaluate("(message) => twistarm.findings.show(message)", message)
     assert live.locator("#findings").is_visible()
-
-
-def test_the_stand_alone_page_has_the_findings_too(page: Any, arm: Arm, tmp_path: Path) -> None:
-    page.context.set_offline(True)
-    page.goto(save_html(arm, tmp_path / "view.html").as_uri())
-    until(page, "globalThis.twistarm?.state.frame")
-    assert page.locator("#findings").get_attribute("open") is None
-    page.locator("#findings summary").click()
-    assert page.locator(".finding").count() == len(diagnose(arm))
-    about(page, "mass-implausible").click()
-    assert pointed_at(page, page.evaluate("(name) => twistarm.data.links[name]", HEAVY))
-    page.keyboard.press("Escape")
-    assert points_at_nothing(page)
-
-
-@pytest.mark.parametrize("name", ARMS)
-def test_every_arm_s_page_lists_what_the_doctor_finds(page: Any, name: str) -> None:
-    arm = load_arm(name)
-    with Viewer(arm, open_browser=False) as viewer:
-        settled(page, viewer.url)
-        until(page, "document.getElementById('findings-note').textContent === ''")
-        page.locator("#findings summary").click()
-        shown = page.locator("#findings-list .finding .what").all_inner_texts()
-        page.goto("about:blank")  # else it asks for the view again while that waits for the doctor
-    assert shown == [one.what for one in diagnose(arm)]

@@ -124,6 +124,7 @@ def along(actual: Any, expected: Any) -> None:
     assert_allclose(actual / np.linalg.norm(actual), expected, atol=0.02)
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize("name", ARMS)
 def test_a_button_held_by_mouse_moves_the_tool_along_its_axis(benches: Benches, name: str) -> None:
     bench = benches[name]
@@ -228,22 +229,6 @@ def test_what_happens_where_the_arm_cannot_follow_is_chosen_there(benches: Bench
     until(page, "document.querySelector('#jog-beyond [value=slide]:enabled')?.checked")
     bench.viewer.show_servo(None)
     until(page, "!document.getElementById('drive').disabled")
-
-
-def test_switched_off_the_sliders_are_free_where_the_arm_was_left(benches: Benches) -> None:
-    bench = benches["rover_arm"]
-    page = bench.drive(bench.arm.ready)
-    assert page.locator(".joint input[type=range]").first.is_disabled()
-    bench.held("Move −z", "base")
-    page.get_by_role("switch", name="Drive").click()
-    until(page, "!twistarm.jog.taken && !document.getElementById('drive').checked")
-    assert button(page, "Move +z", "base").is_disabled()
-    left = bench.viewer.theta
-    page.get_by_role("tab", name="Move").click()
-    page.locator(".joint input[type=range]").first.press("ArrowRight")
-    until(page, f"twistarm.state.frame.theta[0] !== {left[0]}")
-    assert bench.viewer.theta[1:].tolist() == left[1:].tolist()
-    page.get_by_role("tab", name="Jog").click()
 
 
 def test_the_gauges_near_a_singularity_and_near_a_limit(benches: Benches) -> None:

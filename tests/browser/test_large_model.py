@@ -75,6 +75,7 @@ def viewer(gate: Gate, tmp_path: Path) -> Iterator[Viewer]:
         gate.open(MESHES)
 
 
+@pytest.mark.smoke
 def test_a_slow_model_shows_its_progress_and_ends_complete(
     page: Any, open_page: Any, viewer: Viewer, gate: Gate
 ) -> None:

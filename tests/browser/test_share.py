@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import io
 import threading
 from collections.abc import Callable, Iterator
@@ -17,9 +16,9 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from PIL import Image
 
-from test_page import assert_drawn
+from arms import assert_drawn, load
 from test_viewer_kinematics import BRANCHED
-from twistarm import Arm, Trajectory, available_arms, load_arm, plan_joint
+from twistarm import Arm, Trajectory, load_arm, plan_joint
 from twistarm.theory.rotations import to_rpy
 from twistarm.viewer import Viewer
 from viewer_page import matrix
@@ -27,8 +26,6 @@ from waiting import draw, settled, until
 
 pytestmark = pytest.mark.browser
 
-SAMPLED = 2e-4
-"""Between samples 1/30 s apart a motion of some rad/s is followed by a chord [m, and in the rotation matrix]."""
 
 ROUNDED = 5e-6
 """Six decimals of positions and quaternions."""
@@ -51,13 +48,6 @@ for (const { prototype } of [WebGLRenderingContext, WebGL2RenderingContext]) {
   };
 }"""
 """A page that takes software for a graphics card shows all it can; 0x9246 is UNMASKED_RENDERER_WEBGL."""
-
-
-@functools.cache
-def load(name: str) -> Arm:
-    if name == "panda" and name not in available_arms():
-        pytest.skip("example-robot-data is not installed")
-    return load_arm(name)
 
 
 def motion_of(arm: Arm) -> Trajectory:
@@ -90,43 +80,6 @@ def pink(pixels: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Where screws of revolute joints are drawn, and nothing else."""
     red, green, blue = np.moveaxis(pixels, -1, 0)
     return (red > 180) & (green < 90) & (blue > 100)
-
-
-@pytest.mark.slow
-def test_the_stand_alone_page_by_mouse(page: Any, tmp_path: Path) -> None:
-    arm = load("rover_arm")
-    motion = motion_of(arm)
-    with Viewer(arm, open_browser=False) as viewer:
-        settled(page, viewer.url)
-        viewer.play(motion, speed=0.5, loop=True)
-        viewer.show_path(motion)
-        viewer.show_frames(False)
-        until(page, "!document.querySelector('#player').hidden")
-        page.get_by_label("Time", exact=True).press("ArrowLeft")
-        page.get_by_text("Share", exact=True).click()
-        path = saved(page, tmp_path, page.get_by_role("button", name="Stand-alone page").click)
-        assert path.name == f"{arm.name}.html"
-        until(page, f"document.querySelector('#share-said').textContent === 'saved: {path.name}'")
-        page.locator("#pane").click(position={"x": 30, "y": 300})
-        assert page.locator("#share").get_attribute("open") is None
-        at = page.evaluate("twistarm.state.frame.time")
-    with watched_requests(page):
-        page.goto(path.as_uri())
-        until(page, "document.body.dataset.drawn === ''")
-        assert page.evaluate("[twistarm.state.frame.time, twistarm.state.frame.running]") == [at, False]
-        assert_drawn(page, arm, motion(at), tol=SAMPLED)
-        assert not page.get_by_label("Frames", exact=True).is_checked()
-        assert page.get_by_label("Path", exact=True).is_checked()
-        assert page.evaluate("['screws', 'frames'].map((layer) => twistarm.view.node('/' + layer).visible)") == [
-            True,
-            False,
-        ]
-        page.keyboard.press("Space")
-        until(page, f"twistarm.state.frame.running && Math.abs(twistarm.state.frame.time - {at}) > 0.05")
-        page.keyboard.press("Space")
-        assert page.evaluate("twistarm.state.frame.running") is False
-        stopped = page.evaluate("twistarm.state.frame.time")
-        assert_drawn(page, arm, motion(stopped), tol=SAMPLED)
 
 
 def test_the_saved_page_shows_the_same_and_its_joints_move(page: Any, tmp_path: Path) -> None:
@@ -212,6 +165,7 @@ def test_the_saved_page_shows_the_same_and_its_joints_move(page: Any, tmp_path: 
         assert_allclose(page.evaluate("twistarm.state.frame.theta"), 0.8 * arm.ready, atol=1e-8)
 
 
+@pytest.mark.smoke
 def test_the_stand_alone_page_by_keyboard_of_an_arm_moved_aside(page: Any, tmp_path: Path) -> None:
     arm = load("rover_arm")
     motion = motion_of(arm)
@@ -345,15 +299,3 @@ def test_a_local_notebook_frames_the_live_page_and_the_static_one(page: Any) -> 
             until(live, "twistarm.state.frame.theta.every((x) => x === 0)")
             assert_allclose(viewer.theta, 0.0)
             assert static.evaluate("origin") == "null", "it reaches nothing of the notebook"
-
-
-def test_a_page_of_another_name_cannot_frame_the_view(browser: Any) -> None:
-    """Browsers find every name under localhost on this machine, and take it for another site."""
-    with Viewer(load("rover_arm"), open_browser=False) as viewer, served(notebook(viewer._repr_html_())) as address:
-        context = browser.new_context()
-        page = context.new_page()
-        with page.expect_console_message(lambda message: "frame-ancestors" in message.text):
-            page.goto(address.replace("localhost", "elsewhere.localhost"))
-        inside = page.locator("iframe").element_handle().content_frame()
-        assert inside.evaluate("typeof twistarm") == "undefined"
-        context.close()

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,12 +10,12 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from test_page import load
+from arms import load
 from test_target import PROJECT
 from twistarm import Arm, solve_ik
 from twistarm.ik import Pose
 from twistarm.viewer import Viewer
-from waiting import after_frames, settled, until
+from waiting import after_frames, until
 
 pytestmark = pytest.mark.browser
 
@@ -30,9 +29,6 @@ TOWARDS = """() => {
 
 SIDES = {"front": [1, 0, 0], "right": [0, -1, 0], "top": [0, 0, 1], "back": [-1, 0, 0], "left": [0, 1, 0]}
 
-CONTRAST = 2.0
-"""What a black part has at least beside the view's ground, by WCAG; on the ground of before it was 1.1."""
-
 
 @pytest.fixture(scope="module")
 def arm() -> Arm:
@@ -45,19 +41,13 @@ def viewer(arm: Arm) -> Iterator[Viewer]:
         yield served
 
 
-@pytest.fixture(scope="module")
-def seen(open_page: Callable[[], AbstractContextManager[Any]], viewer: Viewer) -> Iterator[Any]:
-    with open_page() as page:
-        yield settled(page, viewer.url)
-
-
 @pytest.fixture
-def page(seen: Any, viewer: Viewer, arm: Arm) -> Any:
+def page(opened: Any, viewer: Viewer, arm: Arm) -> Any:
     """The one page, as it was at first."""
     viewer.show(arm.ready)
-    until(seen, f"twistarm.state.frame.theta.every((value, i) => value === {arm.ready.tolist()}[i])")
-    seen.evaluate("twistarm.parts.links.recall({ hidden: [], opacity: 1 }), twistarm.view.fit()")
-    return seen
+    until(opened, f"twistarm.state.frame.theta.every((value, i) => value === {arm.ready.tolist()}[i])")
+    opened.evaluate("twistarm.parts.links.recall({ hidden: [], opacity: 1 }), twistarm.view.fit()")
+    return opened
 
 
 OUTERMOST = """() => {
@@ -90,6 +80,7 @@ def in_view(page: Any) -> bool:
     return min(margins) > 0 and (sum(across) < 0.3 * height or sum(along) < 0.3 * height)
 
 
+@pytest.mark.smoke
 def test_presets_and_the_faces_of_the_cube_show_the_arm_from_that_side(page: Any) -> None:
     page.get_by_text("View", exact=True).click()
     first = page.evaluate(TOWARDS)
@@ -271,38 +262,3 @@ def test_the_arm_is_whole_in_a_window_of_any_shape(page: Any) -> None:
     after_frames(page)
     assert page.evaluate(camera) == turned
     page.set_viewport_size({"width": 1280, "height": 720})
-
-
-def test_dark_parts_stand_off_the_ground_of_the_dark_theme(page: Any) -> None:
-    page.emulate_media(color_scheme="dark")
-    grounds = page.evaluate(
-        """() => ["--sky", "--ground"].map((name) => {
-          const { r, g, b } = new MeshCat.THREE.Color(
-            getComputedStyle(document.documentElement).getPropertyValue(name).trim());
-          return [r, g, b];
-        })"""
-    )
-    black = luminance([0.1, 0.1, 0.1])  # the Panda's and the UR's dark parts as they are lit
-    for ground in grounds:
-        assert (luminance(ground) + 0.05) / (black + 0.05) > CONTRAST
-    until(page, "twistarm.view.rim.light.value > 0")
-    given = page.evaluate(
-        """() => {
-          const found = [];
-          twistarm.view.node("/arm").traverse(({ material }) => {
-            if (material?.depthTest) found.push(material.onBeforeCompile === twistarm.view.rim.compile);
-          });
-          return found;
-        }"""
-    )
-    assert given
-    assert all(given)
-    page.emulate_media(color_scheme="light")
-    until(page, "twistarm.view.rim.light.value < 0")  # shade, for what is white
-
-
-def luminance(colour: Any) -> float:
-    """The relative luminance of an sRGB colour, by WCAG 2."""
-    parts = np.asarray(colour)
-    linear = np.where(parts <= 0.03928, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
-    return float(linear @ [0.2126, 0.7152, 0.0722])

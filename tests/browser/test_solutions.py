@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from test_page import load
+from arms import load
 from twistarm import Approach, solve_ik_all
 from twistarm.viewer import Viewer
 from waiting import settled, until
@@ -24,6 +24,7 @@ GHOSTS = """twistarm.parts.solutions.arms.map(({ group, parts }) => ({
 }))"""
 
 
+@pytest.mark.smoke
 def test_all_configurations_are_stepped_through_and_drawn(page: Any) -> None:
     arm = load("rover_arm")
     flips = solve_ik_all(arm, Approach([0.8, 0.1, 0.7], direction=[1, 0, 0]))

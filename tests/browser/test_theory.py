@@ -166,9 +166,7 @@ def motion_of(arm: Arm) -> Trajectory:
     return plan_joint(arm, [arm.ready, arm.random_theta(rng)], limits={"velocity": 0.6, "acceleration": 1.0})
 
 
-# the rover arm -------------------------------------------------------------------------------------------------------
-
-
+@pytest.mark.smoke
 def test_columns_ellipsoids_and_labels(page: Any, viewer: Viewer) -> None:
     theta = viewer.theta
     switch(page, "Labels", "Columns of Jˢ", "Linear ellipsoid")
@@ -329,31 +327,6 @@ def test_numbers_are_asked_for_while_the_panel_is_open(page: Any, viewer: Viewer
     until(page, f"!{numbers}")
     page.get_by_role("tab", name="Theory").click()
     until(page, numbers)
-
-
-# other arms ----------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["rover_arm_6dof", "panda"])
-def test_other_arms(open_page: Opened, name: str) -> None:
-    arm = load_arm(name)
-    theta = arm.random_theta(np.random.default_rng(7))
-    with Viewer(arm, theta, open_browser=False) as viewer, open_page() as opened:
-        opened.set_viewport_size(SMALL)
-        settled(opened, viewer.url)
-        show_theory(opened)
-        switch(opened, "Labels", "Columns of Jˢ", "Columns of Jᵇ", "Linear ellipsoid", "Angular ellipsoid")
-        switch(opened, "Instantaneous screw")
-        opened.get_by_label("Joint whose screw").select_option(arm.joint_names[3])
-        until(opened, "twistarm.parts.theory.visible.screw")
-        drawn = shown(opened, theta)
-        assert_columns(drawn, arm, theta)
-        assert_ellipsoids(drawn, arm, theta)
-        assert_labels(drawn, arm, theta)
-        assert_screw(drawn, arm.spatial_jacobian(theta)[:, 3], arm.hybrid_jacobian(theta)[:3, 3])
-        around = opened.locator(".figures .around").nth(1)  # J^s fits into the panel
-        assert around.evaluate("(around) => around.scrollWidth <= around.clientWidth")
 
 
 def test_the_stand_alone_page(open_page: Opened, tmp_path: Path) -> None:

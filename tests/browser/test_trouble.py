@@ -14,8 +14,6 @@ from numpy.testing import assert_allclose
 from twistarm import Arm, ArmBuilder, load_arm
 from twistarm.planning.joint_space import plan_joint
 from twistarm.viewer import Viewer
-from twistarm.viewer.page_files import page_text
-from twistarm.viewer.parts.pose_list import LARGEST_LIST
 from twistarm.viewer.server.watching import loaded
 from waiting import settled, until
 
@@ -64,12 +62,6 @@ def viewer(arm: Arm, browser: Any) -> Iterator[Viewer]:
         yield served
 
 
-@pytest.fixture(scope="module")
-def opened(open_page: Any, viewer: Viewer) -> Iterator[Any]:
-    with open_page() as page:
-        yield settled(page, viewer.url)
-
-
 @pytest.fixture
 def page(opened: Any) -> Any:
     opened.set_viewport_size({"width": 1280, "height": 720})
@@ -87,6 +79,7 @@ def write(page: Any, label: str, text: str) -> None:
     box.press("Enter")
 
 
+@pytest.mark.smoke
 def test_after_a_refusal_the_page_goes_on(page: Any) -> None:
     write(page, "a, degrees", "1e9")
     until(page, "!document.getElementById('error').hidden")
@@ -94,12 +87,6 @@ def test_after_a_refusal_the_page_goes_on(page: Any) -> None:
     page.get_by_role("button", name="random").click()
     until(page, f"String(twistarm.state.frame.theta) !== '{','.join(map(str, before))}'")
     assert page.locator("#error").is_hidden()
-
-
-def test_a_comma_is_told_to_be_a_point(page: Any) -> None:
-    write(page, "a, degrees", "12,5")
-    assert said(page) == "a: “12,5” has a comma: write a point, as in 12.5"
-    page.keyboard.press("Escape")
 
 
 def test_requests_that_add_up_do_not_replace_one_another(page: Any, viewer: Viewer) -> None:
@@ -127,29 +114,9 @@ def test_a_jogging_page_keeps_its_error_to_be_read(page: Any) -> None:
     assert "nobody" in kept
 
 
-def test_a_bad_list_is_told_in_words_and_its_size_is_one_figure(page: Any) -> None:
-    page.evaluate("twistarm.parts.program.page.ask({ type: 'poses', joints: ['a'], poses: [{ name: 1, theta: [] }] })")
-    assert said(page).startswith("poses: poses must be a list of poses, each with a name of at most 1000 characters")
-    assert LARGEST_LIST == 56 * 1024
-    assert "56 * 1024" in page_text("pose_file.js")
-
-
 def test_what_is_no_longer_drawn_is_given_back(page: Any) -> None:
     page.evaluate(LOADED)  # what comes into view for the first time is taken to the card then
     assert page.evaluate(LOADED) == page.evaluate(LOADED)
-
-
-def test_a_scene_is_complete_once_all_of_it_is_told_and_drawn(page: Any) -> None:
-    complete = page.evaluate(
-        """() => {
-          const { constructor } = twistarm.parts.progress;
-          const progress = new constructor(() => {}, () => {});
-          const mesh = (objects, left) => progress.learn({ objects, left, notes: [] }) ?? progress.complete;
-          const drawn = () => progress.add(1) ?? progress.complete;
-          return [mesh(2, 2), drawn(), drawn(), mesh(4, 1), drawn(), drawn(), drawn(), mesh(6, 0), drawn()];
-        }"""
-    )
-    assert complete == [False] * 8 + [True]
 
 
 def test_a_missed_target_is_told_beside_every_panel(page: Any) -> None:

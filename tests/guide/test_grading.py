@@ -25,108 +25,42 @@ def rotation_z(alpha):
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
 """
 
+
+def returning(value: str) -> str:
+    return f"import numpy as np\ndef rotation_z(a):\n    return {value}\n"
+
+
 HARM = [
-    (
-        "os._exit",
-        "def rotation_z(a):\n    import os\n    os._exit(0)\n" + RIGHT.replace("rotation_z", "f"),
-        1,
-        "It ended the whole process, as os._exit does",
-    ),
+    ("os._exit", "import os\ndef rotation_z(a):\n    os._exit(0)\n", 1, "It ended the whole process, as os._exit does"),
     ("sys.exit", "import sys\ndef rotation_z(a):\n    sys.exit(0)\n", 1, "It ends the program (sys.exit) in line 3"),
     ("sys.exit at once", "import sys\nsys.exit(0)\n# rotation_z", 2, "line 2: it ends the program (sys.exit)"),
     ("os._exit at once", "import os\nos._exit(0)\n# rotation_z", 2, "while it was read it ended the whole process"),
     ("endless at once", "# rotation_z\nwhile True: pass\n", 2, "while it was read it was not done after 1.5 s"),
     (
-        "killed",
-        "import os, signal\ndef rotation_z(a):\n    os.kill(os.getpid(), signal.SIGKILL)\n",
+        "endless print",
+        "def rotation_z(a):\n    while True:\n        print('x' * 100)\n",
         1,
-        "was ended by SIGKILL",
+        "It was not done after 1.5 s",
     ),
-    ("recursion", "def rotation_z(a):\n    return rotation_z(a)\n", 1, "It calls itself without end in line 2"),
-    (
-        "memory",
-        "import numpy as np\ndef rotation_z(a):\n    return np.ones(3 * 10**9)\n",
-        1,
-        "more than 1 GB of memory",
-    ),
-    (
-        "no module",
-        "import nowhere_at_all\ndef rotation_z(a): return 1\n",
-        2,
-        "it imports nowhere_at_all, which is not installed",
-    ),
-    (
-        "keyboard",
-        "def rotation_z(a):\n    return float(input('? '))\n",
-        1,
-        "It reads from the keyboard (input) in line 2",
-    ),
+    ("killed", "import os\ndef rotation_z(a):\n    os.kill(os.getpid(), 9)\n", 1, "was ended by SIGKILL"),
+    ("recursion", returning("rotation_z(a)"), 1, "It calls itself without end in line 3"),
+    ("memory", returning("np.ones(3 * 10**9)"), 1, "more than 1 GB of memory"),
+    ("no module", "import nowhere_at_all\ndef rotation_z(a): return 1\n", 2, "it imports nowhere_at_all, which is not"),
+    ("keyboard", returning("float(input('? '))"), 1, "It reads from the keyboard (input) in line 3"),
     ("error at once", "# rotation_z\nx = 1 / 0\n", 2, "line 2: it stops with ZeroDivisionError: division by zero"),
-    (
-        "no such name",
-        "def rotation_z(a):\n    return np.eye(3)\n",
-        1,
-        "It stops in line 2 with NameError: name 'np' is not defined",
-    ),
+    ("no such name", returning("nowhere"), 1, "It stops in line 3 with NameError: name 'nowhere' is not defined"),
     ("arguments", "def rotation_z():\n    return 1\n", 1, "It takes () and is called with (alpha)"),
-    (
-        "no return",
-        "def rotation_z(a):\n    3\n",
-        1,
-        "It returns nothing (None) where an array of shape (3, 3) is expected: is a `return`",
-    ),
-    (
-        "shape",
-        "import numpy as np\ndef rotation_z(a):\n    return np.eye(4)\n",
-        1,
-        "It returns an array of shape (4, 4) where an array of shape (3, 3)",
-    ),
-    ("text", "def rotation_z(a):\n    return 'R'\n", 1, "It returns a value of type str where"),
-    (
-        "complex",
-        "import numpy as np\ndef rotation_z(a):\n    return np.eye(3) * 1j\n",
-        1,
-        "It returns a value of type array of complex128",
-    ),
-    (
-        "large",
-        "import numpy as np\ndef rotation_z(a):\n    return np.zeros((300, 300))\n",
-        1,
-        "a very large array of shape (300, 300)",
-    ),
-    (
-        "NaN",
-        "import numpy as np\ndef rotation_z(a):\n    return np.full((3, 3), np.nan)\n",
-        1,
-        "It returns NaN (not a number) for rotation_z(alpha=",
-    ),
-    (
-        "infinity",
-        "import numpy as np\ndef rotation_z(a):\n    return np.full((3, 3), np.inf)\n",
-        1,
-        "It returns infinity for",
-    ),
-    (
-        "ragged",
-        "def rotation_z(a):\n    return [[1], [1, 2]]\n",
-        1,
-        "It returns 2 values (an array of shape (1,), an array of shape (2,))",
-    ),
-    (
-        "another name",
-        "def rotation_zz(a):\n    return 1\n",
-        2,
-        "it has none of the exercises: its functions are 'rotation_zz'; closest: 'rotation_z'",
-    ),
+    ("no return", "def rotation_z(a):\n    3\n", 1, "nothing (None) where an array of shape (3, 3) is expected"),
+    ("shape", returning("np.eye(4)"), 1, "It returns an array of shape (4, 4) where an array of shape (3, 3)"),
+    ("text", returning("'R'"), 1, "It returns a value of type str where"),
+    ("complex", returning("np.eye(3) * 1j"), 1, "It returns a value of type array of complex128"),
+    ("large", returning("np.zeros((300, 300))"), 1, "a very large array of shape (300, 300)"),
+    ("NaN", returning("np.full((3, 3), np.nan)"), 1, "It returns NaN (not a number) for rotation_z(alpha="),
+    ("ragged", returning("[[1], [1, 2]]"), 1, "2 values (an array of shape (1,), an array of shape (2,))"),
+    ("another name", "def rotation_zz(a):\n    return 1\n", 2, "functions are 'rotation_zz'; closest: 'rotation_z'"),
     ("empty", "", 2, "it has none of the exercises: it defines no functions"),
     ("null bytes", "def rotation_z(a): return 1\0", 2, "null bytes"),
     ("deep", "rotation_z = " + "(" * 5000 + ")" * 5000, 2, ""),
-    (
-        "a thread that goes on",
-        "import threading, time\nthreading.Thread(target=time.sleep, args=(60,)).start()\n" + RIGHT,
-        0,
-        "right",
-    ),
     ("a child that goes on", "import subprocess\nsubprocess.Popen(['sleep', '60'])\n" + RIGHT, 0, "right"),
     ("at exit", "import atexit, time\natexit.register(time.sleep, 60)\n" + RIGHT, 0, "right"),
     (
@@ -135,24 +69,14 @@ HARM = [
         1,
         "rotation_z: It",
     ),
-    (
-        "endless print",
-        "def rotation_z(a):\n    while True:\n        print('x' * 100)\n",
-        1,
-        "It was not done after 1.5 s",
-    ),
-    ("two processes", "import os\nos.fork()\n" + RIGHT, 0, "right"),
     ("given the main guard", RIGHT + "\nif __name__ == '__main__':\n    1 / 0\n", 0, "right"),
-    ("checks itself", RIGHT + "\nfrom twistarm import guide\nguide.check(rotation_z)\n", 0, "right"),
-    ("a class", "class rotation_z:\n    def __init__(self, alpha): pass\n", 1, "It returns a value of type rotation_z"),
     (
-        "signals",
-        "import signal\nfor n in range(1, 30):\n    try: signal.signal(n, signal.SIG_IGN)\n    "
-        "except (OSError, ValueError): pass\ndef rotation_z(a):\n    while True:\n        try:\n     "
-        "       while True: pass\n        except BaseException: pass\n",
-        1,
-        "It was not done after",
+        "checks itself",
+        RIGHT + "\nfrom twistarm import guide\nassert not guide.check(rotation_z).verdicts\n",
+        0,
+        "right",
     ),
+    ("a class", "class rotation_z:\n    def __init__(self, alpha): pass\n", 1, "a value of type rotation_z"),
 ]
 
 
@@ -161,12 +85,9 @@ def graded(folder: Path, text: str, arm: Arm, name: str = "mine.py") -> Report:
     return check_file(folder / name, arm, seconds=1.5)
 
 
-ENDLESS = ("endless at once", "endless print", "signals")
-
-
 @pytest.mark.parametrize(
     ("text", "code", "words"),
-    [pytest.param(*rest, id=what, marks=pytest.mark.slow if what in ENDLESS else ()) for what, *rest in HARM],
+    [pytest.param(*rest, id=what, marks=pytest.mark.slow if "endless" in what else ()) for what, *rest in HARM],
 )
 def test_a_file_that_does_harm(text: str, code: int, words: str, tmp_path: Path, rover: Arm) -> None:
     began = time.monotonic()

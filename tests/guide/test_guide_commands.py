@@ -39,11 +39,6 @@ def test_the_files_to_fill_in_are_written_and_never_overwritten(
     assert "1 files written, 33 that were there left as they are" in capsys.readouterr().out
 
 
-def test_a_folder_that_cannot_be(written: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["guide", "exercises", "-o", str(written / f"{LESSONS[0]}.py")]) == 2
-    assert "error: cannot make the folder" in capsys.readouterr().err
-
-
 def test_check_keeps_the_progress(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "mine.py"
     file.write_text(RIGHT.replace("-sin(a)", "sin(a)").replace("[sin(a), cos", "[-sin(a), cos"))

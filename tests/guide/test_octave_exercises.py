@@ -68,25 +68,6 @@ def test_slips_are_named(tmp_path: Path, rover: Arm) -> None:
 
 @pytest.mark.slow
 @needs_octave
-def test_more_slips_are_named(tmp_path: Path, rover: Arm) -> None:
-    results = written(
-        tmp_path,
-        "manipulator",
-        rover,
-        product_of_exponentials=("    g = g * home;\n", ""),
-        adjoint=("P * R; zeros(3)", "zeros(3); zeros(3)"),
-        damped_step=("damping^2", "damping"),
-        solve_pose=("1:100", "1:1"),  # which would not converge
-    )
-    named = {each.exercise: each.slip for each in check_file(results, rover).verdicts}
-    assert named["product_of_exponentials"] == "home forgotten"
-    assert named["adjoint"] == "no p̂R"
-    assert named["spatial_jacobian"] == "no p̂R"  # which is where it comes from
-    assert named["damped_step"] == "damping not squared"
-
-
-@pytest.mark.slow
-@needs_octave
 def test_a_template_is_not_written_yet(tmp_path: Path, rover: Arm) -> None:
     for name, text in octave_files(rover):
         (tmp_path / name).write_text(text)
@@ -109,12 +90,10 @@ ANSWER = "rotation_z,1,argument,1,1,1,0.5\nrotation_z,1,answer,0,3,3"
 BROKEN = [
     ("", "holds no results: run the script again"),
     ("rotation_z,1,argument\n", "line 2: it is not as the script writes it"),
-    ("rotation_z,1,argument,1,1,1,half\n", "line 2: it is not as the script writes it"),
     (f"{ANSWER},1,2\n", "line 3: it is not as the script writes it"),
     ("rotation_z,1,question,1,1,1,2\n", "question"),
     ("rotation_z,1,answer,0,1,1,2\n", "rotation_z takes 1 arguments; the file has 0"),
     ("rotation_log,1,argument,1,3,1,1,2,3\n", "the arguments of rotation_log are not those of the script"),
-    ("rotation_z,1,argument,1,-5,-5,1\n", "it is not as the script writes it"),
 ]
 
 

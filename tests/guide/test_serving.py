@@ -21,10 +21,10 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SiteServer]:
     (folder / "index.html").write_text("the guide")
     (tmp_path / "secret.txt").write_text("secret")
     with SiteServer(folder) as served:
-        thread = threading.Thread(target=served.serve, daemon=True)
+        thread = threading.Thread(target=served.serve_forever, daemon=True)
         thread.start()
         yield served
-        served.close()
+        served.shutdown()
         thread.join(5)
 
 

@@ -115,7 +115,7 @@ def _built(
     place = folder or _kept_in(arm, names)
     try:
         with progress_bar(f"the guide on {source or 'rover_arm'}") as progress:
-            built = build(place, arm, names, progress=lambda done, _: progress(done))
+            built = build(place, arm, names, progress=progress)
     except DescriptionError as error:
         words = f"{error}; no page was written: twistarm doctor says all that is wrong with it"
         raise DescriptionError(words, error.findings) from error
@@ -144,4 +144,4 @@ def _serve(built: Built, port: int, browser: bool) -> None:
         if browser and not webbrowser.open(server.url):
             warn("no browser found here; open the address yourself, or use -o DIR for a site that needs no server")
         with suppress(KeyboardInterrupt):
-            server.serve()
+            server.serve_forever()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -23,13 +22,10 @@ from ..course import lesson_file, lessons
 from .cells import cells_of, title_of
 from .errata import slips
 from .pages import SCRIPTS, STYLE, before_page, errata_page, index_page, lesson_page, site_text
-from .running import TIMEOUT, run_lessons
+from .running import run_lessons
 
 RECORD = "twistarm-guide.json"
-"""The file that says that a folder is the guide's, of what its pages were made, and which files they need."""
-
-SCENE = r"(?:scene|meshes)_[0-9a-f]{12}\.(?:html|js)"
-"""Names of scenes and of the meshes in them."""
+"""The file that says that a folder is the guide's, and of what its pages were made."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +47,7 @@ def build(
     folder: Path,
     arm: Mapping[str, Any],
     names: Sequence[str] | None = None,
-    progress: Callable[[float, str], object] = lambda done, lesson: None,
-    timeout: float = TIMEOUT,
+    progress: Callable[[float], object] = lambda done: None,
 ) -> Built:
     """Build the course, or the lessons `names` of it, on the arm that `load_arm(**arm)` loads, into `folder`.
 
@@ -63,8 +58,7 @@ def build(
         folder: A new or empty folder, or one that was built before.
         arm: The keywords of `load_arm`, as JSON can hold them.
         names: Lessons; all where not given.
-        progress: Called with the share that is done and the lesson that was.
-        timeout: Seconds that a lesson may take.
+        progress: Called with the share that is done.
 
     Returns:
         What was built.
@@ -77,25 +71,25 @@ def build(
     the_arm, read = loaded(partial(load_arm, **arm))
     site = _made(as_path(folder).absolute())
     made_of = _stamps(arm, wanted, read)
-    if _is_whole(site, made_of):
+    if all((site / f"{name}.html").is_file() for name in ("index", *wanted)) and _recorded(site) == made_of:
         return Built(site, the_arm, (), ())
     write_whole(site / RECORD, "{}\n")
+    for old in (path for pattern in ("scene_*.html", "meshes_*.js") for path in (site / "scenes").glob(pattern)):
+        old.unlink(missing_ok=True)
     titles = {name: title_of(cells_of(lesson_file(name))) for name in wanted}
     failed = []
-    for done, (name, outcome) in enumerate(run_lessons(wanted, arm, site / "scenes", timeout), start=1):
+    for done, (name, outcome) in enumerate(run_lessons(wanted, arm, site / "scenes"), start=1):
         write_whole(site / f"{name}.html", lesson_page(name, outcome, titles, the_arm))
         write_whole(site / f"{name}.py", lesson_file(name).read_text("utf-8"))
         failed += [outcome["failed"]] if outcome["failed"] else []
-        progress(done / len(wanted), name)
+        progress(done / len(wanted))
     for name in (STYLE, *SCRIPTS):
         write_whole(site / "assets" / name, site_text(name))
     write_whole(site / "index.html", index_page(titles, the_arm, failed))
     write_whole(site / "before.html", before_page(the_arm))
     write_whole(site / "errata.html", errata_page(slips(), the_arm))
-    pages = [site / f"{name}.html" for name in ("index", "before", "errata", *wanted)]
-    files = [*(page.name for page in pages), *_scenes(site / "scenes", pages)]
     if not failed:
-        write_whole(site / RECORD, json.dumps({"made of": made_of, "files": files}))
+        write_whole(site / RECORD, json.dumps({"made of": made_of}))
     return Built(site, the_arm, wanted, tuple(sorted(failed)))
 
 
@@ -123,23 +117,11 @@ def _stamps(arm: Mapping[str, Any], wanted: Sequence[str], read: set[Path]) -> s
     return hashlib.sha256(repr((twistarm.__version__, arm, wanted, files)).encode()).hexdigest()
 
 
-def _is_whole(site: Path, made_of: str) -> bool:
-    """Whether all that was made of just that is there."""
-    with suppress(OSError, ValueError, TypeError, AttributeError, KeyError):
-        record = json.loads((site / RECORD).read_text("utf-8"))
-        return record.get("made of") == made_of and all((site / name).is_file() for name in record["files"])
-    return False
-
-
-def _scenes(folder: Path, pages: Sequence[Path]) -> list[str]:
-    """The scenes of these pages, and their meshes; those of earlier pages are removed."""
-    needed = set(re.findall(SCENE, "".join(page.read_text("utf-8") for page in pages)))
-    needed |= {name for scene in needed for name in re.findall(SCENE, (folder / scene).read_text("utf-8"))}
-    for each in folder.iterdir():
-        if re.fullmatch(SCENE, each.name) and each.name not in needed:
-            with suppress(OSError):
-                each.unlink()
-    return [f"{folder.name}/{name}" for name in sorted(needed)]
+def _recorded(site: Path) -> str:
+    """Of what the pages there were made; nothing where that is not known, or where a lesson failed."""
+    with suppress(OSError, ValueError, TypeError, KeyError):
+        return str(json.loads((site / RECORD).read_text("utf-8"))["made of"])
+    return ""
 
 
 def as_keywords(source: str, keywords: Mapping[str, Any]) -> dict[str, Any]:

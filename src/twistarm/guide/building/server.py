@@ -17,15 +17,12 @@ NAMES = (HOST, "localhost", "[::1]")
 """Hosts that a browser of this machine may ask for; another name has been made to lead here."""
 
 
-class SiteServer:
-    """Serves the files of `folder` on 127.0.0.1 until it is closed; a context manager.
-
-    Raises InputError where the port cannot be had.
-    """
+class SiteServer(ThreadingHTTPServer):
+    """Serves the files of `folder` on 127.0.0.1; a context manager. Raises InputError where the port cannot be had."""
 
     def __init__(self, folder: Path, port: int = 0) -> None:
         try:
-            self._server = ThreadingHTTPServer((HOST, port), partial(_Handler, directory=str(folder)))
+            super().__init__((HOST, port), partial(_Handler, directory=str(folder)))
         except (OSError, OverflowError) as error:
             in_use = getattr(error, "errno", None) == errno.EADDRINUSE
             why = "is in use" if in_use else f"cannot be had ({error})"
@@ -34,22 +31,7 @@ class SiteServer:
     @property
     def url(self) -> str:
         """Where the contents are."""
-        return f"http://{HOST}:{self._server.server_address[1]}/"
-
-    def serve(self) -> None:
-        """Serve until Ctrl-C or `close`."""
-        self._server.serve_forever()
-
-    def close(self) -> None:
-        """Stop, and let go of the port."""
-        self._server.shutdown()
-        self._server.server_close()
-
-    def __enter__(self) -> SiteServer:
-        return self
-
-    def __exit__(self, *raised: object) -> None:
-        self._server.server_close()
+        return f"http://{HOST}:{self.server_address[1]}/"
 
 
 class _Handler(SimpleHTTPRequestHandler):

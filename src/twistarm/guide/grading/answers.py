@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from traceback import walk_tb
 from typing import Any
@@ -40,7 +39,7 @@ class Failure:
     def of(cls, error: BaseException, file: str, function: Any = None, given: int = 0) -> Failure:
         """What is to be told of an error; `file` is the name under which the reader's code was compiled."""
         lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == file]
-        module = error.name or "" if isinstance(error, ImportError) else ""
+        module = error.name or "" if isinstance(error, ModuleNotFoundError) else ""
         signature = ""
         if function is not None and isinstance(error, TypeError):
             try:
@@ -123,9 +122,6 @@ def plain(value: Any, depth: int = 0) -> Any:
         parts = [plain(each, depth + 1) for each in _bounded(value, (len(value),))]
         alike = parts and not any(each is None or isinstance(each, list) for each in parts)
         return np.array(parts, float) if alike and len(set(map(np.shape, parts))) == 1 else parts
-    if depth == 0 and hasattr(type(value), "__array__"):
-        with suppress(Exception):
-            return plain(np.asarray(value), 1)
     raise TypeError(f"a value of type {type(value).__name__}")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +11,11 @@ from ...arm.arm import Arm
 from ...support.errors import InputError, UnknownNameError, closest, listed, one_line, shown
 from ...support.files import read_bounded, why_no_file
 from ..exercises import LESSONS, Exercise, every_exercise, exercises_of
-from .answers import Answer
 from .progress import kept
 from .report import Report
 from .results import HEADER, verdicts_on
 from .running import SECONDS, Run, run, run_function
-from .verdict import Case, Verdict, cases_of, judged, why_stopped
+from .verdict import Verdict, cases_of, judged, why_stopped
 
 LARGEST_FILE = 2**24
 """Bytes of a reader's file or of a results file."""
@@ -48,7 +47,7 @@ def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
     cases = cases_of(exercises[name], arm, seed)
     done = run_function(function, {name: [case.arguments for case in cases]})
     answers = done.answers.get(name, done.ended)
-    report = Report(name, (_verdict(exercises[name], cases, answers),), printed=done.printed)
+    report = Report(name, (judged(exercises[name], cases, answers),), printed=done.printed)
     kept(Path(), report, only_there=True)
     return report
 
@@ -82,7 +81,7 @@ def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) ->
     done = run(text, path.name, path.absolute().parent, instances, seconds)
     problem, excerpt = _problem(done)
     verdicts = [
-        _verdict(each, cases[name], done.answers[name]) if name in done.answers else _missing(each, done)
+        judged(each, cases[name], done.answers[name]) if name in done.answers else _missing(each, done)
         for name, each in exercises.items()
         if name in done.answers or name in expected
     ]
@@ -131,9 +130,3 @@ def _missing(exercise: Exercise, done: Run) -> Verdict:
         meant = f"; did you mean it by {near[len('; closest: ') :]}?" if near else ""
         words = f"there is no function {exercise.name}{meant}"
     return Verdict(exercise.name, exercise.lesson, "unwritten", words)
-
-
-def _verdict(exercise: Exercise, cases: Sequence[Case], answers: list[Answer] | str) -> Verdict:
-    if isinstance(answers, str):
-        return Verdict(exercise.name, exercise.lesson, "unusable", f"It {answers}")
-    return judged(exercise, cases, answers)

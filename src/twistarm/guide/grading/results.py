@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arm.arm import Arm
+from ...arm.loading.load import load_arm
 from ...support.errors import InputError, UnknownNameError, closest, one_line
 from ..exercises import Exercise, every_exercise
 from .answers import Answer, Failure, form_of, of_function
@@ -117,7 +117,7 @@ def _read(line: str, rows: Rows, where: str) -> None:
 def _case(exercise: Exercise, entry: dict[str, Any], path: Path) -> Case:
     """The case of a line's arguments; their forms are those that the exercise's own instances have."""
     given = entry["arguments"]
-    forms = _forms(exercise)
+    forms = _forms(exercise.name)
     if sorted(given) != list(range(1, len(forms) + 1)):
         raise InputError(f"{path}: {exercise.name} takes {len(forms)} arguments; the file has {len(given)}")
     arguments = tuple(_as(given[i + 1], form) for i, form in enumerate(forms))
@@ -127,16 +127,11 @@ def _case(exercise: Exercise, entry: dict[str, Any], path: Path) -> Case:
     return Case(arguments, expected)
 
 
-def _forms(exercise: Exercise) -> list[int]:
-    """How many axes each argument of an exercise has."""
-    return [np.ndim(each) for each in next(iter(exercise.instances(np.random.default_rng(0), _any_arm())))]
-
-
 @cache
-def _any_arm() -> Arm:
-    from ...arm.loading.load import load_arm
-
-    return load_arm("rr_planar")
+def _forms(exercise: str) -> tuple[int, ...]:
+    """How many axes each argument of an exercise has, on whatever arm."""
+    instances = every_exercise()[exercise].instances(np.random.default_rng(0), load_arm("rr_planar"))
+    return tuple(np.ndim(each) for each in next(iter(instances)))
 
 
 def _as(numbers: Any, axes: int) -> Any:

@@ -17,6 +17,8 @@ from .answers import Answer, Failure, flat, form_of, in_words, of_function
 
 SEEN_DIGITS = 4
 
+THEORY_OF = "twistarm.theory"
+
 THEORY = ("screws", "poe", "rotations", "joints")
 """Modules of twistarm.theory that the lessons use."""
 
@@ -24,16 +26,12 @@ LARGEST_SHOWN = 16
 """Numbers of an array that a sentence can show."""
 
 STOPS = {
-    "SystemExit": ("ends the program (sys.exit)", ": leave that out", ": return the answer instead."),
-    "EOFError": (
-        "reads from the keyboard (input)",
-        ": leave that out",
-        ": everything that it needs stands in its arguments.",
-    ),
-    "MemoryError": ("takes more than 1 GB of memory", "", ": how large do its arrays get?"),
-    "RecursionError": ("calls itself without end", "", "."),
+    "SystemExit": ("ends the program (sys.exit)", ": leave that out"),
+    "EOFError": ("reads from the keyboard (input)", ": leave that out; all that a function needs is in its arguments"),
+    "MemoryError": ("takes more than 1 GB of memory", ": how large do its arrays get?"),
+    "RecursionError": ("calls itself without end", ""),
 }
-"""Errors in words, and what to do about them in a file and in a function."""
+"""Errors in words, and what to do about them."""
 
 
 @dataclass(frozen=True)
@@ -68,12 +66,14 @@ def cases_of(exercise: Exercise, arm: Arm, seed: int) -> list[Case]:
     return [Case(row, of_function(exercise.reference, row)) for row in rows]
 
 
-def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer]) -> Verdict:
-    """The verdict on a function's answers to those cases."""
+def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer] | str) -> Verdict:
+    """The verdict on a function's answers to those cases, or on how its process ended."""
 
     def verdict(state: str, words: str, slip: str = "") -> Verdict:
         return Verdict(exercise.name, exercise.lesson, state, words, slip)
 
+    if isinstance(answers, str):
+        return verdict("unusable", f"It {answers}")
     if any(each.error is not None and each.error.kind == "NotImplementedError" for each in answers):
         return verdict("unwritten", "not written yet")
     if len(answers) < len(cases):
@@ -81,26 +81,16 @@ def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer])
     pairs = list(zip(cases, answers, strict=False))
     wrong = next((k for k, (case, answer) in enumerate(pairs) if not _right(exercise, case, answer)), None)
     if wrong is None:
-        return _unless_changed(
-            exercise, verdict("right", f"right, in {len(cases)} case{'s' * (len(cases) != 1)}"), answers
-        )
+        if changed := sorted({exercise.parameters[i] for each in answers for i in each.changed}):
+            words = f"{' and '.join(changed)} is another after the call: whoever called finds it changed"
+            copied = "Work on a copy, as in `p = p.copy()`."
+            return verdict("wrong", f"The answers are right, but {words}. {copied}", "argument changed")
+        return verdict("right", f"right, in {len(cases)} case{'s' * (len(cases) != 1)}")
     for slip in exercise.slips:
         function = exercise.wrong(slip)
         if all(_alike(exercise, case, answer, of_function(function, case.arguments)) for case, answer in pairs):
             return verdict("wrong", slip.words, slip.name)
     return verdict(*_of_the_case(exercise, *pairs[wrong]))
-
-
-def _unless_changed(exercise: Exercise, right: Verdict, answers: Sequence[Answer]) -> Verdict:
-    changed = sorted({i for each in answers for i in each.changed})
-    if not changed:
-        return right
-    names = " and ".join(exercise.parameters[i] for i in changed if i < len(exercise.parameters))
-    words = (
-        f"The answers are right, but {names} is another after the call: whoever called finds it changed. Work on a "
-        "copy, as in `p = p.copy()`."
-    )
-    return Verdict(right.exercise, right.lesson, "wrong", words, "argument changed")
 
 
 def _seen(exercise: Exercise, case: Case, answer: Answer) -> Any:
@@ -157,13 +147,10 @@ def _part_that_differs(exercise: Exercise, right: Any, yours: Any) -> tuple[str,
         return "", right, yours
     scale = max(1.0, float(np.abs(right).max()))
     apart = np.argwhere(~np.isclose(right, yours, rtol=0.0, atol=exercise.tolerance * scale))
-    first = tuple(apart[0]) if len(apart) else (0,) * np.ndim(right)
-    if np.ndim(right) == 2 and len(right) <= LARGEST_SHOWN:
-        k = int(apart[:, 1].min()) if len(apart) else 0
-        return f"Column {k + 1} of ", right[:, k], yours[:, k]
-    if np.ndim(right) == 2 and np.shape(right)[1] <= LARGEST_SHOWN:
-        return f"Row {first[0] + 1} of ", right[first[0]], yours[first[0]]
-    return f"Number {', '.join(str(k + 1) for k in first)} of ", right[first], yours[first]
+    axis = int(np.ndim(right) == 2 and len(right) <= LARGEST_SHOWN)
+    k = int(apart[:, axis].min()) if len(apart) else 0
+    name = "Column" if axis else "Row" if np.ndim(right) == 2 else "Number"
+    return f"{name} {k + 1} of ", np.take(right, k, axis), np.take(yours, k, axis)
 
 
 def _of_error(exercise: Exercise, error: Failure, call: str) -> str:
@@ -171,34 +158,27 @@ def _of_error(exercise: Exercise, error: Failure, call: str) -> str:
         wanted = ", ".join(exercise.parameters)
         return f"It takes {error.signature} and is called with ({wanted}): give it these arguments, in this order."
     where = f" in line {error.line}" if error.line else ""
-    if error.kind in STOPS:
-        what, _, advice = STOPS[error.kind]
-        return f"It {what}{where}{advice}"
-    if error.module:
-        return f"It imports {error.module}{where}, {why_no_module(error.module)}."
     if error.kind in ("AttributeError", "TypeError") and (words := _of_a_name_taken(exercise, error.text)):
         return f"It stops{where}: {words}."
-    return f"It stops{where} with {_as_raised(error)}; it was asked for {call}."
+    asked = "" if error.kind in STOPS or error.module else f"; it was asked for {call}"
+    return f"It {why_stopped(error, where)}{asked}."
 
 
-def why_stopped(error: Failure) -> str:
-    """What a file does that stops with an error while it is read, after "it"."""
-    if error.kind in STOPS and error.kind != "RecursionError":
-        what, advice, _ = STOPS[error.kind]
-        return what + advice
-    if error.module and error.kind == "ModuleNotFoundError":
-        return f"imports {error.module}, {why_no_module(error.module)}"
-    return f"stops with {_as_raised(error)}"
-
-
-def _as_raised(error: Failure) -> str:
-    return one_line(f"{error.kind}: {error.text}".rstrip(": "), 200)
+def why_stopped(error: Failure, where: str = "") -> str:
+    """What code does that stops with an error, after "it"."""
+    if error.kind in STOPS:
+        what, advice = STOPS[error.kind]
+        return f"{what}{where}{advice}"
+    if error.module:
+        return f"imports {error.module}{where}, {_why_no_module(error.module)}"
+    raised = one_line(f"{error.kind}: {error.text}".rstrip(": "), 200)
+    return f"stops{where} with {raised}"
 
 
 def _of_a_name_taken(exercise: Exercise, text: str) -> str:
     """What is wrong where an argument is used as the module or the function of the same name; else nothing."""
     missing = re.fullmatch(r"'numpy.ndarray' object has no attribute '(\w+)'", text)
-    meant = next((part for part in THEORY if missing and missing[1] in exported(part)), "")
+    meant = next((each for each in THEORY if missing and hasattr(import_module(f"{THEORY_OF}.{each}"), missing[1])), "")
     if missing and meant:
         return (
             f"an array has no function {missing[1]}: where an argument has the name {meant}, it hides the module; "
@@ -209,16 +189,11 @@ def _of_a_name_taken(exercise: Exercise, text: str) -> str:
     return ""
 
 
-def exported(part: str) -> set[str]:
-    """The names of a module of twistarm.theory."""
-    return {name for name in vars(import_module(f"twistarm.theory.{part}")) if not name.startswith("_")}
-
-
-def why_no_module(name: str) -> str:
+def _why_no_module(name: str) -> str:
     """Why a module cannot be imported, and what to write instead."""
     _, _, part = name.partition("twistarm.")
     if part in THEORY:
-        return f"where no module is: write `from twistarm import {part}`, or `from twistarm.theory.{part} import …`"
+        return f"where no module is: write `from twistarm import {part}`, or `from {THEORY_OF}.{part} import …`"
     return "which is not installed: leave it out, or install it"
 
 

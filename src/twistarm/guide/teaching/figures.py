@@ -11,10 +11,7 @@ from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory import poe
 from ...theory.screws import to_screw
-from .style import AMBER, AXES, BLUE, COLOURS, DASHES, FAINT, GREEN, GREY, INK, ORANGE, PINK, SKY, use
-
-__all__ = ["AMBER", "BLUE", "COLOURS", "GREEN", "GREY", "INK", "ORANGE", "PINK", "SKY", "arm_points", "axes2", "axes3",
-           "fit", "plot_arm", "plot_frame", "plot_point", "plot_screw", "plot_vector"]  # fmt: skip
+from .style import AXES, DASHES, FAINT, GREY, INK, PINK, SKY, use
 
 
 def axes2(
@@ -141,9 +138,7 @@ def plot_frame(ax: Any, g: ArrayLike, name: str | None = "", length: float = 1.0
     ax.plot(*origin[:, None], "o", color=INK, markersize=3, alpha=alpha)
 
 
-def plot_vector(
-    ax: Any, start: ArrayLike, vector: ArrayLike, name: str = "", colour: str = INK, style: Any = "-"
-) -> None:
+def plot_vector(ax: Any, start: ArrayLike, vector: ArrayLike, name: str = "", colour: str = INK) -> None:
     """Draw an arrow in the plane or in space.
 
     Args:
@@ -152,14 +147,13 @@ def plot_vector(
         vector: From there to its tip.
         name: Set beside its tip; formulae between dollars.
         colour: One of the guide's colours.
-        style: A line style of matplotlib.
     """
     a, d = np.asarray(start, float), np.asarray(vector, float)
     if len(a) == 3:
-        ax.quiver(*a, *d, color=colour, arrow_length_ratio=0.12, linewidth=2.0, linestyle=style)
+        ax.quiver(*a, *d, color=colour, arrow_length_ratio=0.12, linewidth=2.0)
     else:
         arrow = {"arrowstyle": "-|>", "shrinkA": 0, "shrinkB": 0, "mutation_scale": 11}
-        ax.annotate("", a + d, a, arrowprops={**arrow, "color": colour, "linewidth": 2.0, "linestyle": style})
+        ax.annotate("", a + d, a, arrowprops={**arrow, "color": colour, "linewidth": 2.0})
         ax.update_datalim(np.array([a, a + d]))
         ax.autoscale_view()
     if name:

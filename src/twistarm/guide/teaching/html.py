@@ -100,7 +100,7 @@ def slider(name: str, question: str, answer: str, numbers: Mapping[str, Any]) ->
         f'<div class="slider" role="group" aria-label="To try: {escape(name.replace("_", " "))}">'
         f'<div class="question">{block(question)}</div>'
         f'<div class="stage" data-slider="{name}" data-numbers="{escape(json.dumps(numbers))}">'
-        f"{_picture(*stills.slider(name, numbers))}</div>{fold('Show the answer', block(answer))}</div>"
+        f"{_picture(*stills.SLIDERS[name](numbers))}</div>{fold('Show the answer', block(answer))}</div>"
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from .. import grading
 from ..exercises import exercises_of
 from ..grading.report import Report
-from ..grading.worker import IN_SANDBOX
+from ..grading.running import IN_SANDBOX
 from .arm import arm
 from .outlet import show
 

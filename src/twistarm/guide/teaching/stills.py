@@ -10,21 +10,8 @@ import numpy as np
 from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory import joints, poe, rotations, screws
-from .figures import (
-    BLUE,
-    GREY,
-    INK,
-    ORANGE,
-    arm_points,
-    axes2,
-    axes3,
-    fit,
-    plot_arm,
-    plot_frame,
-    plot_point,
-    plot_screw,
-    plot_vector,
-)
+from .figures import arm_points, axes2, axes3, fit, plot_arm, plot_frame, plot_point, plot_screw, plot_vector
+from .style import BLUE, GREY, INK, ORANGE
 
 Numbers = Mapping[str, Any]
 
@@ -38,11 +25,6 @@ def arm(arm: Arm, theta: Array) -> Any:
         plot_screw(ax, xi, length=0.35 * arm.reach, near=point)
     fit(ax)
     return fig
-
-
-def slider(name: str, numbers: Numbers) -> tuple[Any, str]:
-    """What a slider shows as it begins, and its words for a reader who does not see it."""
-    return STILLS[name](numbers)
 
 
 def _frame(n: Numbers) -> tuple[Any, str]:
@@ -144,7 +126,7 @@ def _links(ax: Any, n: Numbers) -> tuple[Array, Array]:
     return elbow, tool
 
 
-STILLS: dict[str, Callable[[Numbers], tuple[Any, str]]] = {
+SLIDERS: dict[str, Callable[[Numbers], tuple[Any, str]]] = {
     "frame": _frame,
     "axis_angle": _axis_angle,
     "twist": _twist,
@@ -153,3 +135,4 @@ STILLS: dict[str, Callable[[Numbers], tuple[Any, str]]] = {
     "spline": _spline,
     "ellipsoid": _ellipsoid,
 }
+"""What a slider shows as it begins, and its words for a reader who does not see it."""
