@@ -199,7 +199,7 @@ REFUSED = (
     (lambda: as_target([0.5, 0, 0.3]), "did you mean Position("),
     (lambda: as_target(np.zeros(6)), "did you mean Pose.from_rpy("),
     (lambda: as_target(np.zeros(7)), "did you mean Pose.from_quaternion("),
-    (lambda: Pose.from_rpy([0.5, 0, 0.3], [0, 90, 0]), "an angle of 90 rad looks like degrees"),
+    (lambda: Pose.from_rpy([0.5, 0, 0.3], [0, 90, 0]), "an angle of 90 in radians looks like degrees"),
     (lambda: Pose.from_rpy([0.5, 0], [0, 0, 0]), "p must have shape"),
     (lambda: Pose.from_quaternion([0.5, 0, 0.3], xyzw=[0, 0, 0, 2]), "this one has 2"),
     (lambda: Pose.from_quaternion([0.5, 0, 0.3]), "give one quaternion"),
