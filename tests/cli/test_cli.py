@@ -496,10 +496,10 @@ def test_a_reader_that_leaves_early_is_no_error() -> None:
 @pytest.mark.parametrize(
     ("arguments", "degrees", "radians"),
     [
-        (["plan", "rover_arm", "--to", "elbow=400"], "at 400°, 264.782° beyond its upper limit 135.218°", "at 400 rad"),
+        (["plan", "rover_arm", "--to", "elbow=400"], "at 400°, 264.78° beyond its upper limit 135.22°", "at 400 rad"),
         (
             ["info", "rover_arm", "--locked", "elbow=500"],
-            "locked at 500°, outside its limits -135.218° … 135.218°",
+            "locked at 500°, outside its limits -135.22° … 135.22°",
             "locked at 500 rad",
         ),
         (["ik", "rover_arm", "--xyz", "0.8 0 0.5", "--start", "0 400 0 0 0"], "shoulder 400.0° was brought", None),

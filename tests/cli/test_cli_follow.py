@@ -48,7 +48,7 @@ def test_an_arm_elsewhere_is_told_in_degrees_and_moved_on_request(capsys: Captur
     typed = follow(file, "--theta", "20 40")
     assert run(typed) == 1
     out = " ".join(capsys.readouterr().out.split())
-    assert "the arm is not where the motion begins: joint_1 2.81127°, joint_2 5.83662° away; --approach moves it" in out
+    assert "the arm is not where the motion begins: joint_1 2.8113°, joint_2 5.8366° away; --approach moves it" in out
     assert run([*typed, "--approach"]) == 0
     assert "the motion is done" in capsys.readouterr().out
 

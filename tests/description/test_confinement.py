@@ -95,7 +95,7 @@ def test_nothing_outside_is_opened(case: str, place: Sandbox, monkeypatch: pytes
     assert message in found
     if message == OUTSIDE:
         assert str(arm) in found
-        assert found.endswith("pass package_dirs=[folder that holds its package]")
+        assert found.endswith("pass package_dirs=[...] (the folder that holds its package)")
 
 
 def test_the_canary_sings(place: Sandbox) -> None:

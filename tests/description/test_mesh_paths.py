@@ -118,7 +118,7 @@ def corrected(path: Path, remedy: str) -> Path | None:
 
 def passed(path: Path, remedy: str) -> Path | None:
     """The mesh when the folder that holds the package is given."""
-    assert "pass package_dirs=[folder that holds gone]" in remedy
+    assert "pass package_dirs=[...] (the folder that holds gone)" in remedy
     return drawn(path, package_dirs=[path.parents[2] / "far"])
 
 

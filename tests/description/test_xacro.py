@@ -37,7 +37,7 @@ FAILS = {
             '<xacro:arg name="size" default="2"/><xacro:property name="m" value="$(arg ar_model)"/><link name="${m}"/>'
         ),
         "missing xacro argument ar_model: arm.urdf.xacro uses ar_model, which has no default; the others have values: "
-        "size ('2'); pass xacro_args={'ar_model': …}",
+        "size ('2'); pass xacro_args={'ar_model': ...}",
     ),
     "an argument used before its default": (
         as_xacro('<xacro:arg name="name" default="ur"/>').replace('name="tiny"', 'name="$(arg name)"'),
@@ -46,7 +46,7 @@ FAILS = {
     ),
     "an argument never declared": (
         as_xacro('<xacro:property name="m" value="$(arg dof)"/><link name="${m}"/>'),
-        "missing xacro argument dof: arm.urdf.xacro uses dof, which has no default; pass xacro_args={'dof': …}",
+        "missing xacro argument dof: arm.urdf.xacro uses dof, which has no default; pass xacro_args={'dof': ...}",
     ),
     "no namespace": (
         ARM.replace("</robot>", '<xacro:property name="a" value="1"/></robot>'),
@@ -94,7 +94,7 @@ FAILS = {
     ),
     "an argument asked for in Python": (
         as_xacro("<link name=\"${xacro.arg('side')}\"/>"),
-        "missing xacro argument side: arm.urdf.xacro uses side, which has no default; pass xacro_args={'side': …}",
+        "missing xacro argument side: arm.urdf.xacro uses side, which has no default; pass xacro_args={'side': ...}",
     ),
     "a message of its own": (as_xacro("${xacro.fatal('wrong', 'arm')}"), "xacro cannot expand it: wrong arm when"),
     "an unfinished expression": (as_xacro('<link name="${a"/>'), "xacro cannot expand it: invalid expression: ${a"),
@@ -173,7 +173,7 @@ def test_a_path_that_ends_nowhere_names_the_argument_to_pass(case: str, tmp_path
     assert f"there is no {there.format(tmp_path / 'arms')}; it may come from the xacro argument {argument}" in str(
         caught.value
     )
-    assert str(caught.value).endswith(f"pass xacro_args={{'{wanted}': …}}")
+    assert str(caught.value).endswith(f"pass xacro_args={{'{wanted}': ...}}")
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "utf-8", "utf-8-sig", "utf-16"])

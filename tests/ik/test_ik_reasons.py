@@ -16,10 +16,9 @@ from catalogue import load
 from ik_targets import at_some_limits, errors, judged, judged_batch, pinocchio_fk, require_core, target_from
 from reason_targets import CASES, arms_of, draw
 from twistarm import ArmBuilder, NotConvergedError
-from twistarm.cli.wording import CommandLineWords
+from twistarm.cli.wording import in_options
 from twistarm.ik import Approach, Pose, Position, StopReason, Task, solve_ik, solve_ik_batch
 from twistarm.ik.abilities import short_of, split_rotation
-from twistarm.support.caller_words import speaking
 
 WRONG = 0.01
 """The share of targets of a case and an arm that may be given another reason."""
@@ -332,8 +331,7 @@ def test_what_is_hardly_missed_names_the_tolerance_and_what_widens_it():
     aside = Approach([0.5, 0.0, 0.3], [1.0, 0.05, 0.0], [0, 0, 1])
     turned = solve_ik(planar, aside).orientation_error
     assert "orientation_tol=" in solve_ik(planar, aside, orientation_tol=turned / 5).explain()
-    with speaking(CommandLineWords(True)):
-        assert "--orientation-tol" in solve_ik(planar, aside, orientation_tol=turned / 5).explain()
+    assert "--orientation-tol" in in_options(solve_ik(planar, aside, orientation_tol=turned / 5).explain())
 
 
 def test_arms_of_many_joints_are_said_to_come_nearer_perhaps():

@@ -19,7 +19,7 @@ from ..description.tree import Description
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits, usual_half
 from ..limits.joint_units import slides, unit_of
-from ..support.caller_words import expression
+from ..support.caller_words import FRAME_NAMES
 from ..support.checks import (
     Array,
     as_floats,
@@ -292,7 +292,7 @@ class Arm:
             UnknownNameError: The arm has no such frame; the message gives the closest names.
         """
         if not isinstance(frame, str) or frame not in self.frame_names:
-            listing = f"{len(self.frame_names)} frames: {expression('arm.frame_names')}"
+            listing = f"{len(self.frame_names)} frames: {FRAME_NAMES}"
             within = self.name if self.description is not None else f"{self.name}, {self._whence}"
             raise unknown_name("frame", frame, self.frame_names, within=within, listing=listing)
         if frame == self.tip:

@@ -10,6 +10,7 @@ from .csv_rows import ROWS_SHOWN
 from .grid import Grid
 from .output import console, print_json, say, shown, table, theta_typed, units
 from .outputs import Outputs
+from .wording import in_options
 
 
 def tell_all(solutions: IKSolutions, outputs: Outputs, *, radians: bool, json: bool) -> int:
@@ -21,7 +22,7 @@ def tell_all(solutions: IKSolutions, outputs: Outputs, *, radians: bool, json: b
         if len(solutions):
             console(outputs.words).print(_table(solutions, radians))
             say(theta_typed(solutions.arm, solutions[0], radians), file=outputs.words)
-        say(*solutions.explain().splitlines(), file=outputs.words)
+        say(*in_options(solutions.explain()).splitlines(), file=outputs.words)
         outputs.say(written)
     return 0 if len(solutions) else 1
 
@@ -49,7 +50,7 @@ def _as_json(solutions: IKSolutions) -> dict[str, Any]:
         **{field: getattr(solutions, field) for field in fields},
         "position_error": solutions.position_error,
         "orientation_error": solutions.orientation_error,
-        "explanation": solutions.explain(),
+        "explanation": in_options(solutions.explain()),
     }
 
 

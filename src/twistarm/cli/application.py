@@ -12,7 +12,6 @@ from typing import Annotated
 import typer
 
 from ..planning import PathError
-from ..support.caller_words import speaking
 from ..support.errors import NotConvergedError, TwistarmError
 from ..support.interrupts import end_by, ended_like_ctrl_c
 from .commands import (
@@ -34,7 +33,7 @@ from .commands import (
 from .output import say
 from .typed import Command, Group
 from .versions import version
-from .wording import CommandLineWords, told
+from .wording import DEGREES, told
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 """Exit codes: an answer that is not good; input that cannot be used; a fault of ours; Ctrl-C."""
@@ -107,10 +106,9 @@ def run(arguments: Sequence[str], sent: Sequence[int] = ()) -> int:
     debug = "--debug" in arguments
     # --debug may stand anywhere, not only before the command.
     rest = [argument for argument in arguments if argument != "--debug"]
-    words = CommandLineWords(degrees=not {"--rad", "--json"} & set(rest))
+    DEGREES.set(not {"--rad", "--json"} & set(rest))
     try:
-        with speaking(words):
-            code = app(args=rest, prog_name="twistarm", standalone_mode=False)
+        code = app(args=rest, prog_name="twistarm", standalone_mode=False)
         if sys.stdout is not None:
             sys.stdout.flush()
         return code if isinstance(code, int) else 0

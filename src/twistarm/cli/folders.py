@@ -14,7 +14,7 @@ from ..checking.doctor.folder import descriptions_in
 from ..description.findings import Finding
 from ..support.path_redaction import without_places
 from .output import console, literal, print_json, progress_bar, say
-from .wording import told
+from .wording import in_options, told
 
 VERDICT = 24
 """Characters of a verdict on a line."""
@@ -38,7 +38,7 @@ def refused(said: str, found: Iterable[Finding] = (), /, **more: Any) -> Line:
     """The line of a file that cannot be loaded: its first error and the remedy, else what was `said`."""
     error = next((one for one in found if one.severity == "error"), None)
     why = said if error is None else "; ".join(filter(None, (error.what, error.remedy)))
-    return Line("refused", False, detail=why, more=more)
+    return Line("refused", False, detail=in_options(why), more=more)
 
 
 def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) -> int:

@@ -23,6 +23,7 @@ from ..support.errors import printable
 from ..support.path_redaction import without_places
 from ..theory.rotations import to_quaternion_wxyz, to_rpy
 from .grid import Column, Grid
+from .wording import in_options
 
 PIPED_WIDTH = 160
 """Columns where nobody looks at a terminal: tables stay in one piece."""
@@ -52,12 +53,12 @@ def say(*lines: object, file: TextIO | None = None) -> None:
 
 def warn(message: str) -> None:
     """A warning on stderr, in one line."""
-    say(f"warning: {message}", file=sys.stderr)
+    say(f"warning: {in_options(message)}", file=sys.stderr)
 
 
 def note(message: str) -> None:
     """What was understood although it was not typed, on stderr, in one line."""
-    say(f"note: {message}", file=sys.stderr)
+    say(f"note: {in_options(message)}", file=sys.stderr)
 
 
 def print_json(content: Any) -> None:
@@ -85,8 +86,8 @@ def finding_json(finding: Finding) -> dict[str, Any]:
         "line": place.line,
         "element": place.element,
         "name": place.name,
-        "what": without_places(finding.what, here),
-        "remedy": without_places(finding.remedy, here),
+        "what": without_places(in_options(finding.what), here),
+        "remedy": without_places(in_options(finding.remedy), here),
         "repaired": finding.repaired,
     }
 

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import ast
 import math
+import re
 import shlex
 from collections.abc import Mapping, Sequence
+from contextvars import ContextVar
+from types import EllipsisType
 from typing import Any
 
-from ..support.caller_words import CallerWords, Placeholder
+from ..support.caller_words import ARGUMENT, FRAME_NAMES, POSTURE, QUANTITY
 from ..support.errors import TwistarmError
+from ..support.unit_hints import LOOK_LIKE_DEGREES
 
 _OPTIONS = {
     "base": ("--base", "LINK"),
@@ -28,57 +33,65 @@ _OPTIONS = {
 }
 """The option of each argument that messages name, and how its value is called in `--help`."""
 
-_COMMANDS = {"arm.frame_names": "twistarm info ARM --json"}
+DEGREES = ContextVar("degrees", default=True)
+"""Whether the command that runs takes angles in degrees."""
 
 
-class CommandLineWords(CallerWords):
-    """The words of the command line; `degrees`: of angles too."""
+def in_options(message: str) -> str:
+    """The message with `--tip wrist` for `tip='wrist'`, and 28.648° for 0.5 rad where angles are typed in degrees."""
+    message = ARGUMENT.sub(_option, message)
+    message = message.replace(FRAME_NAMES, "twistarm info ARM --json")
+    message = POSTURE.sub(_posture, message)
+    if DEGREES.get():
+        message = re.sub(rf"[:;]? \(?angles of up to \S+ {LOOK_LIKE_DEGREES}\)?", "", message)
+        message = QUANTITY.sub(_in_degrees, message)
+    return message
 
-    def __init__(self, degrees: bool) -> None:
-        self._degrees = degrees
-        self.takes_radians = not degrees
 
-    def name(self, argument: str) -> str:
-        """`--tip`."""
-        return _OPTIONS[argument][0]
+def _option(found: re.Match[str]) -> str:
+    name, literal = found["name"], found["value"]
+    if name not in _OPTIONS:
+        return found[0]
+    option, metavar = _OPTIONS[name]
+    if literal is None:
+        return option
+    try:
+        value = ast.literal_eval(literal)
+    except (ValueError, SyntaxError):  # not written as an argument is
+        return found[0]
+    if name == "orientation_tol" and DEGREES.get():
+        value = float(f"{math.degrees(value):.2g}")
+    return _typed(option, metavar, value)
 
-    def argument(self, argument: str, value: Any) -> str:
-        """`--tip wrist`, `--env NAME`, `--xacro dof:=7`."""
-        option, metavar = _OPTIONS[argument]
-        if isinstance(value, Mapping):
-            pairs = [f"{key}:={'VALUE' if isinstance(each, Placeholder) else each}" for key, each in value.items()]
-            return " ".join(shlex.join([option, pair]) for pair in pairs)
-        if isinstance(value, Sequence) and not isinstance(value, str):
-            return " ".join(self.argument(argument, each) for each in value)
-        if isinstance(value, Placeholder):
-            kind = f" (the one {value.removeprefix('folder ')})" if value.startswith("folder ") else ""
-            return f"{option} {metavar}{kind}"
-        if argument == "orientation_tol" and self._degrees:
-            value = float(f"{math.degrees(value):.2g}")
-        return option if value is True else f"{option} {shlex.quote(str(value))}"
 
-    def expression(self, python: str) -> str:
-        """The command that answers the same."""
-        return _COMMANDS[python]
+def _typed(option: str, metavar: str, value: Any) -> str:
+    """`--tip wrist`, `--env NAME`, `--xacro dof:=7`."""
+    if isinstance(value, Mapping):
+        pairs = [f"{key}:={'VALUE' if isinstance(each, EllipsisType) else each}" for key, each in value.items()]
+        return " ".join(shlex.join([option, pair]) for pair in pairs)
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return " ".join(_typed(option, metavar, each) for each in value)
+    if isinstance(value, EllipsisType):
+        return f"{option} {metavar}"
+    return option if value is True else f"{option} {shlex.quote(str(value))}"
 
-    def quantity(self, value: float, unit: str) -> str:
-        """`28.6479°`, `28.6479°/s`, `0.1 m`."""
-        if self._degrees and unit.startswith("rad"):
-            return f"{math.degrees(value):.6g}°{unit.removeprefix('rad')}"
-        return super().quantity(value, unit)
 
-    def posture(self, theta: Sequence[float], units: Sequence[str]) -> str:
-        """`"0.1 -28.65 57.3" (° and m)`."""
-        values = [
-            math.degrees(x) if self._degrees and unit == "rad" else x for x, unit in zip(theta, units, strict=True)
-        ]
-        return f'"{" ".join(f"{x:.4g}" for x in values)}" ({"°" if self._degrees else "rad"} and m)'
+def _posture(found: re.Match[str]) -> str:
+    """`"28.65 0.2" (° and m)`, as it is typed."""
+    values = [each.split(" ") for each in found[0][1:-1].split(", ")]
+    angle = math.degrees if DEGREES.get() else float
+    typed = " ".join(f"{angle(float(value)) if unit == 'rad' else float(value):.4g}" for value, unit in values)
+    return f'"{typed}" ({"°" if DEGREES.get() else "rad"} and m)'
+
+
+def _in_degrees(found: re.Match[str]) -> str:
+    return f"{math.degrees(float(found['value'])):.5g}°{found['unit'].removeprefix('rad')}"
 
 
 def told(error: Exception) -> str:
-    """What an error is told as: ours in its own words, the system's as they are, any other as our fault."""
+    """What an error is told as: ours in the words of the command line, the system's as they are, any other as ours."""
     if isinstance(error, TwistarmError):
-        return str(error)
+        return in_options(str(error))
     if isinstance(error, OSError):
         return f"the operating system refuses: {error}"
     return f"{type(error).__name__}: {error}; a fault of twistarm's: please report it with the output of --debug"

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..support.caller_words import name_of
 from ..support.checks import Array, as_number
 from ..support.errors import UnknownNameError, closest, listed, unknown_name
 from .findings import refusal
@@ -33,9 +32,7 @@ def resolve_couplings(description: Description, locked: Mapping[str, float]) -> 
         if name not in moving:
             _require_whole(description, name)
             listing = f"{len(moving)} moving joints"
-            raise unknown_name(
-                "moving joint", name, moving, within=f"{description.name}, for {name_of('locked')}", listing=listing
-            )
+            raise unknown_name("moving joint", name, moving, within=f"{description.name}, for locked=", listing=listing)
         as_number(locked[name], f"locked[{name!r}]")
     return {name: _follow(description, name, locked) for name in moving}
 

@@ -10,7 +10,6 @@ from typing import Literal
 import numpy as np
 
 from ..limits.joint_units import slides
-from ..support.caller_words import name_of
 from ..support.checks import Array
 from ..support.errors import listed, unknown_name
 from ..theory.screws import exp
@@ -141,7 +140,7 @@ class Description:
         """`link` itself, or an UnknownNameError with the closest names."""
         if link not in self.links:
             listing = f"{len(self.links)} links: {listed(self.links)}"
-            raise unknown_name(f"link for {name_of(role)}", link, self.links, within=self.name, listing=listing)
+            raise unknown_name(f"link for {role}=", link, self.links, within=self.name, listing=listing)
         return link
 
     def chain(self, base: str, tip: str) -> tuple[Joint, ...]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arm.inability import cannot_move, cannot_turn, position_limit
-from ..support.caller_words import argument, name_of, quantity
+from ..support.caller_words import argument, quantity
 from ..support.checks import Array
 from ..support.errors import printable
 from ..support.unit_hints import length_hint
@@ -95,7 +95,7 @@ def _hardly(error: float, tolerance: float, argument: str, unit: str) -> str:
     """The tolerance and what widens it, where an error is little more than that."""
     if error >= HARDLY * tolerance:
         return ""
-    return f" (the tolerance is {quantity(tolerance, unit)}; {name_of(argument)} widens it)"
+    return f" (the tolerance is {quantity(tolerance, unit)}; {argument}= widens it)"
 
 
 def _traded(solution: IKSolution) -> str:

@@ -24,7 +24,6 @@ from ...description.tips.choice import choose_ends, note_choice
 from ...description.tree import Description
 from ...description.urdf import read_description
 from ...limits.joint_limits import JointLimits
-from ...support.caller_words import name_of
 from ...support.checks import frozen, require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, listed, shown
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
@@ -342,7 +341,7 @@ def _with_what_is_said(
         "srdf-found",
         Place(semantics.path.name),
         f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}",
-        f"{name_of('tip')}, an arm.toml or another {name_of('srdf')} win over it",
+        "tip=, an arm.toml or another srdf= win over it",
     )
     arm = replace(
         arm, named_states={**states, **poses}, disabled_pairs=pairs, findings=(*arm.findings, found, *stating)

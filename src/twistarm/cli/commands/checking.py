@@ -19,6 +19,7 @@ from ..folders import PART, Line, refused, walk
 from ..options import Json, takes_arm, takes_source
 from ..output import console, note, print_json, progress_bar, say, table
 from ..outputs import STDOUT, Force, Output, outputs_of
+from ..wording import told
 
 Against = Annotated[
     str | None,
@@ -83,7 +84,7 @@ def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
     except DescriptionError as error:
         if is_part(path, error.findings):
             return Line(PART, None)
-        return refused(str(error), error.findings, error=without_places(str(error), path))
+        return refused(str(error), error.findings, error=without_places(told(error), path))
     result = crosscheck(arm, samples)
     worst = max((row.worst for row in result.comparisons if not row.not_compared), default=0.0)
     return Line("ok" if result.ok else "WRONG", result.ok, arm, f"worst difference {worst:.1e}", {"worst": worst})

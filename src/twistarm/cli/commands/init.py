@@ -17,6 +17,7 @@ from ...support.errors import InputError
 from ..options import Base, Env, PackageDir, Srdf, Tip, Without, Xacro, xacro_arguments
 from ..output import say
 from ..outputs import NAMED, STDOUT, Force, Outputs, outputs_of
+from ..wording import in_options
 
 Motion = Annotated[
     bool,
@@ -60,7 +61,7 @@ def init(
     draft = draft_arm_file(file, Path(os.path.realpath(output)).parent, **keywords)
     outputs.write({"toml": lambda: draft.text})
     if draft.unclear:
-        unclear = f"take the # away from one tip = in it before it loads: {draft.unclear}"
+        unclear = f"take the # away from one tip = in it before it loads: {in_options(draft.unclear)}"
         say(f"{output}: written, but {unclear}", file=outputs.words)
         return 1
     if output != STDOUT:
@@ -74,7 +75,7 @@ def _motion(source: str, keywords: dict[str, Any], output: str, outputs: Outputs
     arm = load_arm(source, **keywords)
     outputs.write({"toml": lambda: draft_motion_file(arm)})
     if output != STDOUT:
-        options = [argument(name, value) for name, value in keywords.items() if value]
+        options = [in_options(argument(name, value)) for name, value in keywords.items() if value]
         plan = " ".join(["twistarm plan", shlex.quote(source), shlex.quote(output), *options])
         say(f"{output}: a motion with every kind of segment; next: {plan}")
     return 0

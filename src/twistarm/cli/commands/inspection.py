@@ -20,6 +20,7 @@ from ...support.path_redaction import without_places
 from ..options import Json, Radians, takes_arm_or_none
 from ..output import console, finding_json, literal, number, print_json, say, shown, table, units
 from ..versions import versions_json, versions_text
+from ..wording import in_options
 
 
 def arms(json: Json = False) -> None:
@@ -101,7 +102,7 @@ def info_view(arm: Arm, radians: bool) -> Group:
         for motors in (_actuators(arm.actuators), *_motor_limits(arm, arm.actuators, radians)):
             parts += ["", motors]
         parts.append("")
-    parts += [literal(str(finding)) for finding in arm.findings]
+    parts += [literal(in_options(str(finding))) for finding in arm.findings]
     return Group(*parts)
 
 

@@ -30,6 +30,7 @@ from ..targets import (
     typed_tolerances,
 )
 from ..typed import VALUES, XYZ, parse_joints, parse_numbers, parse_theta
+from ..wording import in_options
 
 Xyz = Annotated[str | None, typer.Option(metavar=XYZ, help="Position of the tool in the base frame, in metres.")]
 Targets = Annotated[
@@ -130,7 +131,7 @@ def ik(
         print_json(_as_json(arm, solution) | {"written": written})
     else:
         console(outputs.words).print(solution_table(arm, solution, rad))
-        say(theta_typed(arm, solution.theta, rad), *solution.explain().splitlines(), file=outputs.words)
+        say(theta_typed(arm, solution.theta, rad), *in_options(solution.explain()).splitlines(), file=outputs.words)
         outputs.say(written)
     return 0 if solution.converged else 1
 
@@ -162,6 +163,6 @@ def _as_json(arm: Arm, solution: IKSolution) -> dict[str, Any]:
         "joint_names": arm.joint_names,
         "theta": solution.theta,
         **{field: getattr(solution, field) for field in fields},
-        "explanation": solution.explain(),
+        "explanation": in_options(solution.explain()),
         "reached": pose_json(arm.fk(solution.theta)),
     }

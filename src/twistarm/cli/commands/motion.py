@@ -26,6 +26,7 @@ from ..output import console, note, number, print_json, progress_bar, say, shown
 from ..outputs import STDOUT, Force, Format, outputs_of
 from ..targets import Axis, OrientationTol, PositionTol, typed_tolerances
 from ..typed import POSE, RPY, XYZ
+from ..wording import in_options
 
 MOST_STRETCHES = 8
 """So many rows of binding limits are shown; --json has them all."""
@@ -266,6 +267,6 @@ def _as_json(arm: Arm, planned: Trajectory, written: list[str]) -> dict[str, Any
         "waypoints": planned.waypoints,
         "peak_velocity": planned.peak(1),
         "peak_acceleration": planned.peak(2),
-        "notes": planned.notes,
+        "notes": [in_options(each) for each in planned.notes],
         "written": written,
     }

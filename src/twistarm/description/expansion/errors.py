@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from pathlib import Path
+from types import EllipsisType
 
-from ...support.caller_words import Placeholder, argument, package_folder
+from ...support.caller_words import argument, package_folder
 from ...support.errors import DescriptionError, InputError, closest, listed
 from ..findings import Finding, Place, finding, refusal
 from .causes import causes
@@ -20,10 +21,6 @@ MOST_NEIGHBOURS = 8
 
 NEAR = 3
 """So many folders above a description may be the package that it is of."""
-
-
-UNKNOWN = Placeholder("…")
-"""The value of an xacro argument that only the user knows."""
 
 
 def explain(error: Exception, expansion: Expansion, place: Place) -> DescriptionError:
@@ -49,7 +46,7 @@ def explain(error: Exception, expansion: Expansion, place: Place) -> Description
         if isinstance(cause, OSError):
             return refusal("xacro-failed", place, *_missing_file(cause, expansion))
         if isinstance(cause, NotSetError):
-            remedy = f"pass {argument('env', [Placeholder('NAME')])} if it may know it, and set it"
+            remedy = f"pass {argument('env', [...])} if it may know it, and set it"
             return refusal("xacro-failed", place, f"xacro cannot expand it: {cause}", remedy)
     return refusal("xacro-failed", place, *_reworded(text, expansion))
 
@@ -99,7 +96,7 @@ def _missing_file(error: OSError, expansion: Expansion) -> tuple[str, str]:
     if not told:
         return _shortened(what), "correct the path, or put the file there"
     named = ", ".join(f"{name} ({value!r})" for name, value in told.items())
-    return _shortened(f"{what}; it may come from the xacro argument {named}"), _pass(dict.fromkeys(told, UNKNOWN))
+    return _shortened(f"{what}; it may come from the xacro argument {named}"), _pass(dict.fromkeys(told, ...))
 
 
 def _behind(part: str, expansion: Expansion) -> dict[str, str]:
@@ -114,9 +111,9 @@ def missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
     """An argument without a value, with all others that have none either; or one whose default comes too late."""
     declared, given = expansion.found.all(), expansion.given
     used_in = expansion.found.used.get(undefined, expansion.path).name
-    absent = {name: UNKNOWN for name, default in declared.items() if default is None and name not in given}
+    absent = {name: ... for name, default in declared.items() if default is None and name not in given}
     late = declared.get(undefined)
-    missing = {undefined: late if late and "$" not in late else UNKNOWN} | absent
+    missing = {undefined: late if late and "$" not in late else ...} | absent
     plural = "s" * (len(missing) > 1)
     what = f"missing xacro argument{plural} {', '.join(missing)}: {used_in} uses {undefined}"
     if late is not None:
@@ -129,7 +126,7 @@ def missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
     return refusal("xacro-argument-missing", Place(str(expansion.path)), _shortened(what), _shortened(_pass(missing)))
 
 
-def _pass(arguments: Mapping[str, str]) -> str:
+def _pass(arguments: Mapping[str, str | EllipsisType]) -> str:
     """What to give: `pass xacro_args={'dof': '7'}`; where only the user knows the value, an ellipsis."""
     return f"pass {argument('xacro_args', arguments)}"
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from ...support.caller_words import name_of, package_folder
+from ...support.caller_words import package_folder
 from ...support.errors import DescriptionError, closest, listed
 from ..findings import Finding, Place, finding
 
@@ -82,7 +82,7 @@ class LeftOut:
 
     def _note(self, place: Place, what: str) -> None:
         holder = package_folder(listed(self.packages))
-        remedy = f"if it matters, pass {holder} instead of {name_of('without')}"
+        remedy = f"if it matters, pass {holder} instead of without="
         short = replace(place, file=os.path.basename(place.file))
         self._parts.setdefault(what, finding(LEFT_OUT, short, what, remedy))
 
@@ -93,7 +93,7 @@ def not_used(package: str, file: Path, named: Iterable[str]) -> Finding:
     what = (
         f"nothing is left out without {package!r}: no file of it is opened; packages named: {listed(names) or 'none'}"
     )
-    remedy = f"correct the name{closest(package, names)}, or take it out of {name_of('without')}"
+    remedy = f"correct the name{closest(package, names)}, or take it out of without="
     return finding("package-not-used", Place(file.name), what, remedy)
 
 
