@@ -160,6 +160,8 @@ def test_what_the_motors_allow_each_joint_alone() -> None:
     # A negative ratio turns the ends around.
     turned = differential(G=[[-400.0, 0, 0], [0, 60, 60], [0, 60, -60]], limits=limited().limits).joint_limits
     assert (turned.lower[0], turned.upper[0]) == (-0.5, 0.25)
+    shifted = differential(offset=[20.0, 0.5, -0.5], limits=limited().limits).joint_limits
+    assert (shifted.lower[0], shifted.upper[0]) == (-0.3, 0.45)
 
 
 def test_wrong_sizes_are_told_with_the_names() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..arm.pinocchio_model import model_of
+from ..arm.pinocchio_model import import_pinocchio, model_of
 from ..description.tree import Description
 from ..support.checks import Array
 from ..support.errors import DescriptionError, InputError
@@ -33,7 +33,8 @@ class AsWritten:
             text = re.sub(r"^\s*<\?xml[^>]*\?>", "", text_as_written(description))
         except DescriptionError as error:
             raise InputError(f"xacro cannot expand it by itself: {error}") from error
-        self._pin, self._model, complaint = model_of(text)
+        self._pin = import_pinocchio()
+        self._model, complaint = model_of(text)
         if complaint:
             raise InputError(f"Pinocchio does not read it as it is written: {complaint}")
         self._data = self._pin.Data(self._model)
