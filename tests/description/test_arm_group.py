@@ -58,6 +58,12 @@ CHOICE = {
         {"y": (None, "upper")},
     ),
     "nothing that moves": ('<group name="g"><joint name="flange_joint"/></group>', {}),
+    "unless it does not hang on what it should": (
+        ARM + '<group name="hand"><joint name="left"/></group>' + EFFECTOR.format("left_finger", "hand"),
+        {"hand": (None, "left_finger")},
+    ),
+    "a chain the wrong way": ('<group name="g"><chain base_link="flange" tip_link="upper"/></group>', {}),
+    "a chain to nowhere": ('<group name="g"><chain base_link="base_link" tip_link="tool9"/></group>', {}),
 }
 
 

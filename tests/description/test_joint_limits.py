@@ -110,6 +110,9 @@ REFUSED = {
     ),
     "swapped": ("joint_limits: {a: {min_position: 1, max_position: -1}}", "min_position 1 lies above max_position"),
     "disjoint": ("joint_limits: {a: {min_position: 2}}", "limits of a are swapped or disjoint"),
+    "a joint that is a number": ("joint_limits: {a: 1.0}", "joint 'a' must be a mapping such as {max_velocity: 1.0}"),
+    "a word": ("joint_limits: {a: {max_velocity: fast}}", "joint 'a': max_velocity must be a number"),
+    "no number": ("joint_limits: {a: {max_velocity: .nan}}", "joint 'a': max_velocity must be a number"),
 }
 
 

@@ -75,6 +75,13 @@ LEFT_OUT = {
     "a path instead of $(find …)": Sensor(
         '<xacro:include filename="../../realsense2_description/urdf/d435.xacro"/>', ("include of 'd435.xacro'",)
     ),
+    "several files by a wildcard": Sensor(
+        INCLUDE.replace("_d435", "*") + CAMERA, ("include of '*.urdf.xacro'", "call of the macro 'sensor_d435'")
+    ),
+    "a property computed at once": Sensor(
+        INCLUDE + '<xacro:property name="half" value="${d435_height / 2}" lazy_eval="false"/><gazebo half="${half}"/>',
+        ("<xacro:property name='half'> is left out", "<gazebo> is left out: name 'half' is not defined"),
+    ),
 }
 
 

@@ -62,6 +62,9 @@ TIPS = {
         "base R> boom [R> stick [R> bucket | R> bucket_cylinder P> bucket_rod] | R> boom_cylinder P> boom_rod]",
         "bucket",
     ),
+    "a flange behind a sensor": (f"{SIX} [-> flange | -> ft_frame]", "flange"),
+    "a palm behind a flange": (f"{SIX} -> flange -> hand [{FINGERS}]", "hand"),
+    "parts with a shape": (f"{SIX} [-> bracket* | -> plate*]", "l6"),
 }  # fmt: skip
 
 ROVERS = {

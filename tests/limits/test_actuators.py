@@ -129,6 +129,8 @@ REFUSED: dict[str, tuple[dict[str, object], str]] = {
         },
         "position limits leave joint 'slide' no",
     ),
+    "negative ticks": ({"ticks_per_turn": [np.nan, -4.0, np.nan]}, "'left': ticks_per_turn must be positive; got -4"),
+    "too few units": ({"units": ("rad",)}, "3 actuators need 3 units"),
 }
 
 
