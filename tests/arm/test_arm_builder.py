@@ -146,6 +146,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
         lambda: ArmBuilder("arm").revolute("hand_mount", Z, O).tool(HOME, "hand"),
         "the tool's name 'hand' clashes with a",
     ),
+    "several homes": (lambda: started().tool(np.tile(np.eye(4), (2, 1, 1))), "home must be one pose (4, 4)"),
 }
 
 

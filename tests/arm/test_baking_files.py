@@ -88,6 +88,7 @@ REFUSED: dict[str, tuple[str, Any, str]] = {
     "motors with limits of another size": ("actuators", LIMITED, "limits of 1 actuators must be those of 1"),
     "a pair of three": ("disabled_pairs", [["a", "b", "c"]], "too many values to unpack"),
     "a proof of nothing": ("proof", {}, "'pose_error' is missing"),
+    "hardly any reach": ("reach", 5e-324, "reach must be from 1e-09 to 1e+12 m; got 4.94066e-324"),
 }
 
 

@@ -261,6 +261,7 @@ MOTOR_CHANGES = {
     "what the drive counts": ({"unit": "turn"}, ("motor lift counted in tick, counts in turn",)),
     "a limit": ({"velocity": 200}, ("velocity limit of motor lift lowered: 300 to 200",)),
     "a name": ({"name": "twist"}, ("motor roll is gone", "motor twist is new")),
+    "nothing": ({}, ()),
 }
 
 
