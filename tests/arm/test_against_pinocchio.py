@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pinocchio as pin
-import pytest
 
 import twistarm
-from test_loading import REAL
-from twistarm import load_arm, poe, screws
+from twistarm import poe, screws
 
 POSE_TOL = 1e-12
 """Double precision over some ten joints."""
@@ -75,14 +71,3 @@ def chain(arm: twistarm.Arm) -> list[twistarm.description.tree.Joint]:
 def test_catalogue_arms_equal_pinocchio_on_the_raw_urdf(catalogue_arm: twistarm.Arm) -> None:
     assert catalogue_arm.description is not None
     compare(catalogue_arm, catalogue_arm.description.text)
-
-
-NEED_REPAIR = {"walli v2": "a limit without lower/upper becomes 0, 0 there", "ar4": "effort −1 is refused there"}
-
-
-@pytest.mark.parametrize("name", REAL)
-def test_real_arms_equal_pinocchio(name: str, models: Path) -> None:
-    file, arguments, tip, _ = REAL[name]
-    arm = load_arm(models / file, xacro_args=arguments, tip=tip)
-    assert arm.description is not None
-    compare(arm, arm.description.repaired if name in NEED_REPAIR else arm.description.text)

@@ -54,8 +54,7 @@ print(json.dumps({
 """
 
 
-@pytest.mark.parametrize("core", [True, False], ids=["with the core", "without"])
-@pytest.mark.parametrize("name", ["rover_arm", "panda"])
+@pytest.mark.parametrize(("name", "core"), [("rover_arm", False), ("panda", True)], ids=["without the core", "with it"])
 def test_without_pinocchio(name: str, core: bool, tmp_path: Path) -> None:
     """In a process that cannot import it, nor what reads descriptions; the full arm's Pinocchio judges."""
     arm = load(name)
@@ -104,21 +103,13 @@ def test_planning_and_inverse_kinematics(rover: Arm, tmp_path: Path) -> None:
     assert plan_joint(baked, path).duration == pytest.approx(plan_joint(rover, path).duration)
 
 
-@pytest.mark.parametrize(
-    ("ask", "error"),
-    [
-        (lambda arm: arm.pinocchio, "rover_arm was baked without its description (load 'rover_arm' for that): "
-         "it has no Pinocchio model"),
-        (lambda arm: arm.gravity_torques(arm.ready), "rover_arm was baked without its description (load 'rover_arm' "
-         "for that): it has no Pinocchio model"),
-        (lambda arm: arm.pose(arm.ready, "forearm"), "no frame 'forearm' in rover_arm, baked without its description "
-         "(load 'rover_arm' for that) (2 frames: arm.frame_names)"),
-    ],
-    ids=["pinocchio", "gravity", "another link"],
-)  # fmt: skip
-def test_what_needs_the_description_says_so(
-    ask: Callable[[Arm], object], error: str, rover: Arm, tmp_path: Path
-) -> None:
-    with pytest.raises(TwistarmError) as caught:
-        ask(load_arm(bake(rover, tmp_path)))
-    assert str(caught.value) == error
+def test_what_needs_the_description_says_so(rover: Arm, tmp_path: Path) -> None:
+    baked = load_arm(bake(rover, tmp_path))
+    asked: tuple[Callable[[], object], ...] = (
+        lambda: baked.pinocchio,
+        lambda: baked.gravity_torques(baked.ready),
+        lambda: baked.pose(baked.ready, "forearm"),
+    )
+    for ask in asked:
+        with pytest.raises(TwistarmError, match=r"baked without its description \(load 'rover_arm' for that\)"):
+            ask()

@@ -88,17 +88,6 @@ def test_every_arm_on_every_instruction_set(core: ModuleType, catalogue_arm: twi
         assert np.abs(chain.spatial_jacobian(theta) - spatial).max() < TOL
 
 
-def test_one_configuration(core: ModuleType, catalogue_arm: twistarm.Arm) -> None:
-    arm = catalogue_arm
-    theta = arm.random_theta(np.random.default_rng(2))
-    g, spatial, J = arm.by_pinocchio(theta)
-    for chain in chains(core, arm):
-        assert chain.fk(theta).shape == (4, 4)
-        assert np.abs(chain.fk(theta) - g).max() < TOL
-        assert np.abs(chain.body_jacobian(theta) - J).max() < TOL
-        assert np.abs(chain.spatial_jacobian(theta) - spatial).max() < TOL
-
-
 def test_helical_and_slow_joints(core: ModuleType) -> None:
     """Pitch and a twist of length 2, against the matrix exponential of the hatted twist."""
     from scipy.linalg import expm
@@ -259,12 +248,6 @@ def test_one_of_other_sources_is_not_used(monkeypatch: pytest.MonkeyPatch) -> No
     assert engine.core() is None
     words = f"was built from other sources (interface None, needed {engine.INTERFACE}); pip install"
     assert words in engine.why_not()
-
-
-def test_info_names_the_instruction_set(core: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
-    assert engine.why_not() == ""
-    assert run(["info", "rover_arm"]) == 0
-    assert f"engine: compiled core ({core.instruction_sets()[0]})" in capsys.readouterr().out
 
 
 @pytest.mark.slow

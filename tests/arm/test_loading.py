@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from twistarm import JointLimits, available_arms, load_arm
+from twistarm import JointLimits, load_arm
 from twistarm.arm.loading.load import prove
 from twistarm.support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from urdf_text import joint, robot, two_joints, write
@@ -28,33 +28,6 @@ acceleration = 4.0
 a = 0.1
 b = -0.2
 """
-
-
-def test_names_that_mean_the_tool_come_first(tmp_path: Path) -> None:
-    links = ("base_link", "upper", "camera", "left_tcp", "tool0")
-    parts = [joint("a", "base_link", "upper")]
-    parts += [joint(f"f{i}", "upper", link, kind="fixed") for i, link in enumerate(links[2:])]
-    assert load_arm(write(tmp_path, robot(*parts, links=links))).tip == "tool0"
-    assert load_arm(write(tmp_path, robot(*parts[:-1], links=links[:-1]))).tip == "left_tcp"
-
-
-def test_several_tips_are_listed(tmp_path: Path) -> None:
-    parts = joint("a", "base_link", "upper"), joint("b", "upper", "left"), joint("c", "upper", "right")
-    path = write(tmp_path, robot(*parts, links=("base_link", "upper", "left", "right")))
-    with pytest.raises(
-        DescriptionError, match=r"could be the tip: 'left' \(2 joints\), 'right' \(2 joints\); pass tip='left'$"
-    ):
-        load_arm(path)
-    assert load_arm(path, tip="left").joint_names == ("a", "b")
-
-
-def test_a_jaw_is_not_taken_for_the_tool_and_the_choice_is_told(tmp_path: Path) -> None:
-    parts = joint("a", "base_link", "hand"), joint("jaw_joint", "hand", "mover")
-    arm = load_arm(write(tmp_path, robot(*parts, links=("base_link", "hand", "mover"))))
-    assert (arm.tip, arm.joint_names) == ("hand", ("a",))
-    (told,) = (one for one in arm.findings if one.code == "several-tips")
-    assert told.severity == "info"
-    assert "nobody said which: the finger moves on it, 1 joint from 'base_link'; other candidates: 'mover'" in told.what
 
 
 def test_a_tip_that_does_not_exist_offers_the_closest(tmp_path: Path) -> None:
@@ -87,13 +60,9 @@ def test_an_unknown_name_offers_the_catalogue() -> None:
         UnknownNameError, match="no arm 'rover_amr' in the catalogue, nor a file .*closest: 'rover_arm'"
     ):
         load_arm("rover_amr")
-    with pytest.raises(DescriptionError, match=r"nowhere/arm.urdf: no such file; give a URDF or xacro file"):
-        load_arm("nowhere/arm.urdf")
-
-
-def test_a_folder_is_no_arm(tmp_path: Path) -> None:
-    with pytest.raises(DescriptionError, match="a folder; give a URDF or xacro file"):
-        load_arm(tmp_path)
+    for path, why in (("nowhere/arm.urdf", "no such file"), ("/", "a folder")):
+        with pytest.raises(DescriptionError, match=why):
+            load_arm(path)
 
 
 def test_a_local_file_is_never_shadowed_by_the_catalogue(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -117,11 +86,10 @@ def test_arm_toml(tmp_path: Path) -> None:
 BAD_TOML = {
     "not TOML": ("name = ", "not valid TOML"),
     "no source": ('name = "x"', "it names no source: write source ="),
-    "a source that is not there": ('source = "other.urdf"', "source 'other.urdf' does not exist beside it"),
-    "an unknown entry": ('source = "arm.urdf"\nbsae = "x"', "unknown entry 'bsae' at the top level; closest: 'base'"),
+    "a source that is not there": ('source = "other.urdf"', "source 'other.urdf' does not exist beside"),
+    "an unknown entry": ('source = "arm.urdf"\nbsae = "x"', "unknown entry 'bsae' at the top level"),
     "an unknown limit": ('source = "arm.urdf"\n[limits.a]\nspeed = 1', "unknown entry 'speed' in limits.a"),
     "a limit of an unknown joint": ('source = "arm.urdf"\n[limits.c]\nvelocity = 1', "no joint 'c' in limits"),
-    "a limit in words": ('source = "arm.urdf"\n[limits.a]\nvelocity = "fast"', "limits.a.velocity must be a number"),
     "a pose without a joint": ('source = "arm.urdf"\n[poses.p]\na = 0.0', "poses.p: no value for joint 'b'"),
     "a pose outside the limits": (
         'source = "arm.urdf"\n[poses.p]\na = 3.0\nb = 0.0',
@@ -130,61 +98,28 @@ BAD_TOML = {
     "a tool without a name": ('source = "arm.urdf"\n[tool]\nxyz = [0.0, 0.0, 0.0]', "tool.name must be a text"),
     "a tool named as a link": (
         'source = "arm.urdf"\n[tool]\nname = "upper"',
-        "arm.toml: tool.name 'upper' is a link already; name it otherwise",
+        "tool.name 'upper' is a link already; name",
     ),
-    "a tool named as the tip": ('source = "arm.urdf"\n[tool]\nname = "tool0"', "is a link already"),
-    "package dirs that are no list": ('source = "arm.urdf"\npackage_dirs = "meshes"', "must be a list of texts"),
-    "a number beyond all numbers": ('source = "arm.urdf"\n[limits.a]\nvelocity = 1' + "0" * 400, "must be a number"),
-    "swapped limits": (
-        'source = "arm.urdf"\n[limits.a]\nlower = 2.0\nupper = -2.0',
-        "arm.toml: limits of a are swapped or disjoint: lower 2 > upper -2",
-    ),
-    "a tool that is no place": (
-        'source = "arm.urdf"\n[tool]\nname = "t"\nxyz = [0.0, 0.0]',
-        "tool.xyz must have shape",
-    ),
-    "a table that is none": ('source = "arm.urdf"\nlimits = 3', "limits must be a table of name = value"),
-    "a base that is a number": ('source = "arm.urdf"\nbase = 3', "base must be a text; got 3"),
-    "a base without a name": ('source = "arm.urdf"\nbase = ""', "arm.toml: base must not be empty; got ''"),
-    "a tip without a name": ('source = "arm.urdf"\ntip = " "', "arm.toml: tip must not be empty; got ' '"),
-    "an arm without a name": ('source = "arm.urdf"\nname = ""', "arm.toml: name must not be empty; got ''"),
-    "a tool with an empty name": ('source = "arm.urdf"\n[tool]\nname = ""', "arm.toml: tool.name must not be empty"),
+    "a base without a name": ('source = "arm.urdf"\nbase = ""', "base must not be empty; got ''"),
     "a motor without a name": (
         'source = "arm.urdf"\n[actuators.""]\nratio = { a = 1.0 }',
-        "arm.toml: an actuator's name must not be empty",
-    ),
-    "a joint locked nowhere": (
-        'source = "arm.urdf"\nlocked = { a = inf }',
-        "arm.toml: locked.a must be finite; got inf; correct it there",
+        "an actuator's name must not be empty",
     ),
     "a joint locked out of this world": (
         'source = "arm.urdf"\nlocked = { a = -1e300 }',
-        "arm.toml: locked.a must be at most 1e+09 in size; got -1e+300",
-    ),
-    "a tool out of this world": (
-        'source = "arm.urdf"\n[tool]\nname = "t"\nxyz = [1e300, 0, 0]',
-        "arm.toml: tool.xyz must be at most 1e+09 in size; got 1e+300",
-    ),
-    "a tool turned out of this world": (
-        'source = "arm.urdf"\n[tool]\nname = "t"\nrpy = [0, 1e300, 0]',
-        "arm.toml: tool.rpy must be at most 1e+09 in size; got 1e+300",
+        "locked.a must be at most 1e+09 in size",
     ),
     "several places of one tool": (
         'source = "arm.urdf"\n[tool]\nname = "t"\nxyz = [[0, 0, 0], [0, 0, 1]]',
-        "arm.toml: tool.xyz must have shape (3,); got (2, 3)",
-    ),
-    "a motor out of this world": (
-        'source = "arm.urdf"\n[actuators.m]\nratio = { a = 1e300 }',
-        "arm.toml: actuators.m.ratio.a must be at most 1e+09 in size; got 1e+300",
+        "tool.xyz must have shape (3,); got (2, 3)",
     ),
     "package dirs that are not there": (
         'source = "arm.urdf"\npackage_dirs = ["no_such"]',
-        "arm.toml: package_dirs names 'no_such'; there is no such folder beside it; correct the path",
+        "package_dirs names 'no_such'; there is no",
     ),
-    "brackets without end": ("x = " + "[" * 1500, "arm.toml: not valid TOML: it nests too deep"),
-    "an integer without end": ("name = " + "9" * 10_000, "arm.toml: a line of more than 2,000 characters"),
-    "a key without end": (".".join("a" * 20_000) + " = 1", "arm.toml: a line of more than 2,000 characters; break it"),
-    "a file that is no arm.toml": ("# \n" * 40_000, "arm.toml: it has 120,000 bytes; at most 64,000 are read"),
+    "brackets without end": ("x = " + "[" * 1500, "not valid TOML: it nests too deep"),
+    "a key without end": (".".join("a" * 20000) + " = 1", "a line of more than 2,000 characters"),
+    "a file that is no arm.toml": ("# \n" * 40000, "it has 120,000 bytes; at most 64,000 are"),
 }
 
 
@@ -268,15 +203,10 @@ def test_a_follower_keeps_its_master_inside_its_own_limits(tmp_path: Path) -> No
 WRONG_TYPES = {
     "a source that is none": ({"source": None}, "source must be a path or a name; got None"),
     "a tip that is a number": ({"tip": 3}, "tip must be the name of a link; got 3"),
-    "an empty tip": ({"tip": ""}, "tip must be the name of a link; got ''"),
     "an empty base": ({"base": " "}, "base must be the name of a link; got ' '"),
     "limits that are a number": ({"limits": 5}, "limits must be a JointLimits or a mapping"),
-    "limits of another arm": (
-        {"limits": JointLimits.unbounded(3)},
-        "limits must be those of 2 joints",
-    ),
+    "limits of another arm": ({"limits": JointLimits.unbounded(3)}, "limits must be those of 2 joints"),
     "a limit in words": ({"limits": {"velocity": "fast"}}, "must be numbers; got 'fast'"),
-    "a ragged list": ({"limits": {"velocity": [[1, 2], [3]]}}, "must be numbers"),
 }
 
 
@@ -288,12 +218,6 @@ def test_wrong_types_are_input_errors(case: str, tmp_path: Path) -> None:
         load_arm(**{"source": path, **arguments})
 
 
-def test_limits_as_an_object(tmp_path: Path) -> None:
-    path = write(tmp_path, two_joints())
-    limits = JointLimits.unbounded(2)
-    assert load_arm(path, limits=limits).limits == limits
-
-
 def test_the_proof_catches_screws_that_are_not_the_description(tmp_path: Path) -> None:
     arm = load_arm(write(tmp_path, two_joints()))
     assert arm.proof is not None
@@ -301,12 +225,6 @@ def test_the_proof_catches_screws_that_are_not_the_description(tmp_path: Path) -
     wrong = dataclasses.replace(arm, home=arm.home + np.outer([1e-6, 0, 0, 0], [0, 0, 0, 1]))
     with pytest.raises(ComparisonError, match="product of exponentials and Pinocchio disagree by 9.9e-07"):
         prove(wrong)
-
-
-def test_the_catalogue_has_our_own_arms_and_those_of_the_wheel() -> None:
-    names = available_arms()
-    assert {"rover_arm", "rover_arm_6dof", "rr_planar", "scara", "elbow", "stanford"} <= set(names)
-    assert {"panda", "ur3", "ur5", "ur10", "kinova", "xarm7", "z1", "so100", "so101"} <= set(names)
 
 
 REAL = {
@@ -321,21 +239,6 @@ REAL = {
 }
 """Real arms under TWISTARM_MODELS: file, xacro arguments, tip, degrees of freedom."""
 
-SAID = {
-    "walli v2": ("limit-incomplete", "joint 'ee_roll_jont': a <limit> without lower and upper"),
-    "walli v3": ("velocity-not-given", "velocity limit absent or 0 on shoulderjoint"),
-    "ar4": ("effort-not-given", "effort limit -1 on joint_1"),
-    "so101": ("mesh-missing", "13 mesh files not found"),
-}
-
-UNUSABLE = {
-    "annin_ar4_description/urdf/ar.urdf.xacro": "missing xacro argument ar_model",
-    "kortex_description/robots/gen3.xacro": "arms/gen3/dof/urdf/gen3_macro.xacro",
-    "kortex_description/robots/gen3_lite_gen3_lite_2f.xacro": 'Invalid parameter "gripper"',
-    "kortex_description/multiple_robots/kortex_dual_robots.xacro": "Invalid parameter",
-    "ur_description/urdf/ur.urdf.xacro": "missing xacro argument name",
-}
-
 
 @pytest.mark.parametrize("name", REAL)
 def test_real_arms_load_from_any_working_directory(
@@ -345,14 +248,3 @@ def test_real_arms_load_from_any_working_directory(
     monkeypatch.chdir(tmp_path)
     arm = load_arm(models / file, xacro_args=arguments, tip=tip)
     assert (arm.n, arm.tip) == (n, tip)
-    if name in SAID:
-        code, words = SAID[name]
-        assert any(finding.code == code and words in finding.what + str(finding) for finding in arm.findings)
-
-
-@pytest.mark.parametrize("file", UNUSABLE)
-def test_real_descriptions_that_cannot_be_used_say_why(file: str, models: Path) -> None:
-    with pytest.raises(DescriptionError) as caught:
-        load_arm(models / file)
-    assert UNUSABLE[file] in str(caught.value)
-    assert "\n" not in str(caught.value)

@@ -49,9 +49,6 @@ def with_state(folder: Path, *names: str) -> Path:
         (("folded", "Home"), "Home"),
         (("home", "READY"), "READY"),
         (("stowed", "rest", "Default"), "Default"),
-        (("stowed", "Rest"), "Rest"),
-        (("up", "Stowed"), "Stowed"),
-        (("Ready", "ready"), "ready"),
         (("at home", "homed", "not ready"), None),
     ],
 )
@@ -114,7 +111,7 @@ def test_the_usual_six_joints_stand_as_one_parks_them(tmp_path: Path) -> None:
     assert bend[1] > shoulder[1] + way * (tool[1] - shoulder[1]) + 0.05
 
 
-@pytest.mark.parametrize("name", ["panda", "ur5", "xarm7", "so101", "rover_arm"])
+@pytest.mark.parametrize("name", ["panda", "ur5", "rover_arm"])
 def test_last_bits_and_engines_do_not_choose(name: str) -> None:
     """The same pose from screws that differ by rounding, as another machine or engine might have them."""
     arm = catalogue.load(name)
@@ -153,10 +150,8 @@ BOUNDS = {
     "no limits": (-np.inf, np.inf),
     "without zero": (0.4, 2.9),
     "far from zero": (100.0, 101.0),
-    "hardly any room": (0.3, 0.3001),
     "none at all": (0.7, 0.7),
     "one side": (-0.2, np.inf),
-    "zero at the end": (0.0, 1.7),
 }
 
 

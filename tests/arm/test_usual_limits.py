@@ -29,12 +29,6 @@ def test_what_is_given_stays_and_what_is_not_is_usual(arm: Arm) -> None:
         assert_array_equal(getattr(limits, name), getattr(arm.limits, name))
 
 
-def test_other_limits_than_the_arm_s(arm: Arm) -> None:
-    limits = with_defaults(arm, arm.limits.with_({"acceleration": {"reach": 7.0}}, arm.joint_names))
-    assert limits.velocity.tolist() == [0.5, 0.25]
-    assert limits.acceleration.tolist() == [3.0, 7.0]
-
-
 def test_what_stands_in_is_said(arm: Arm) -> None:
     assert defaults_line(arm) == (
         "no limits given, used instead: velocity 0.25 m/s for reach; "

@@ -126,14 +126,7 @@ def test_progress_and_samples(rover: twistarm.Arm) -> None:
         crosscheck(rover, 0)
 
 
-def test_a_prismatic_axis_that_is_not_quite_a_unit_vector(tmp_path: Path) -> None:
-    """yourdfpy slides along the axis as written, 1e-5 too short here; that is its account, not an error of ours."""
-    text = two_joints(kind="prismatic", inside='<axis xyz="0.7071 0.7071 0"/>')
-    result = crosscheck(load_arm(write(tmp_path, text)), 20).require()
-    assert result.left_out == {"yourdfpy": "yourdfpy does not normalise the axis of the prismatic joint 'a'"}
-
-
-@pytest.mark.parametrize("bound", ["1e10", "1e16", "1e308"])
+@pytest.mark.parametrize("bound", ["1e10", "1e308"])
 @pytest.mark.parametrize("kind", ["revolute", "prismatic"])
 def test_limits_that_mean_no_limit(kind: str, bound: str, tmp_path: Path) -> None:
     text = two_joints(kind=kind, inside=f'<limit lower="-{bound}" upper="{bound}" velocity="1" effort="1"/>')

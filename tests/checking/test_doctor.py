@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import twistarm
 from diagnosing import codes
 from finding_cases import CASES
 from test_finding_codes import lay
-from twistarm import Arm, InputError, UnknownNameError, arm_from_screws, diagnose
+from twistarm import Arm, InputError, UnknownNameError, diagnose
 from twistarm.checking.doctor import examine
 from urdf_text import joint, robot, two_joints, write
 
@@ -21,27 +20,12 @@ WARNED = {"kinova", "so100"}
 # -- the whole -----------------------------------------------------------------------------------------------------
 
 
-def test_the_gravest_come_first(tmp_path: Path) -> None:
-    bad = '<limit lower="-170" upper="170" velocity="0" effort="0"/>'
-    findings = diagnose(write(tmp_path, two_joints(inside=bad)))
-    severities = [one.severity for one in findings]
-    assert severities == sorted(severities, key=("error", "warning", "info").index)
-    assert len(set(severities)) == 2
-
-
 @pytest.mark.parametrize("name", twistarm.available_arms())
 def test_no_false_alarm_about_the_catalogue(name: str) -> None:
     findings = diagnose(name)
     assert all(one.severity != "error" for one in findings)
     assert (name in WARNED) == any(one.severity == "warning" for one in findings)
     assert len(findings) <= 6
-
-
-def test_a_refused_description_is_looked_at_all_the_same(tmp_path: Path) -> None:
-    bad = '<limit lower="-170" upper="170" velocity="1" effort="1"/>'
-    parts = joint("a", "base_link", "upper", inside=bad), joint("b", "upper", "left"), joint("c", "upper", "right")
-    findings = diagnose(write(tmp_path, robot(*parts, links=("base_link", "upper", "left", "right"))))
-    assert [one.code for one in findings] == ["no-tip", "limits-look-like-degrees"]
 
 
 def test_every_error_is_told_at_once(tmp_path: Path) -> None:
@@ -54,14 +38,6 @@ def test_an_arm_is_taken_too(rover: Arm, tmp_path: Path) -> None:
     assert codes(rover) == codes("rover_arm")
     with pytest.raises(InputError, match="an Arm is loaded already and takes no tip"):
         diagnose(rover, tip="tool0")
-
-
-def test_an_arm_from_screws_has_no_file_to_look_at() -> None:
-    screws = twistarm.joints.revolute([0, 0, 1], [0, 0, 0])
-    arm = arm_from_screws(np.hstack([screws, screws]), np.eye(4), name="twice")
-    findings = diagnose(arm)
-    assert {"cannot-move", "cannot-turn"} <= {one.code for one in findings}
-    assert {str(one.place) for one in findings} == {"twice"}
 
 
 def test_arguments_raise_where_arm_toml_is_diagnosed(tmp_path: Path) -> None:
@@ -116,18 +92,9 @@ REAL = {
     "robojackets_walli_v2_block/urdf/walli_arm_v2_block/robot.urdf": (
         {}, {"limit-incomplete", "mass-tiny", "axes-almost-exact", "home-singular", "cannot-turn-in-place"}
     ),
-    "ur_description/urdf/ur.urdf.xacro": (
-        {"xacro_args": {"name": "ur", "ur_type": "ur5e"}}, {"mesh-missing", "home-singular", "several-tips"}
-    ),
     "so101/so101_new_calib.urdf": ({}, {"mesh-missing", "cannot-turn-in-place", "joint-off-the-chain", "several-tips"}),
-    "annin_ar4_description/urdf/ar.urdf.xacro": (
-        {"xacro_args": {"ar_model": "mk3"}}, {"effort-not-given", "axes-almost-exact", "joint-off-the-chain"}
-    ),
     "kortex_description/robots/gen3.xacro": ({"xacro_args": {"dof": 7}}, {"mesh-missing", "axes-almost-exact"}),
     "robojackets_walliiarmv3/urc_arm_moveit_config/config/WalliiArmV3.urdf.xacro": ({}, {"package-without-manifest"}),
-    "annin_ar4_description/urdf/ar_gazebo.urdf.xacro": (
-        {"xacro_args": {"ar_model": "mk3"}, "without": ["annin_ar4_driver"], "tip": "ee_link"}, {"package-left-out"}
-    ),
     "kortex_description/robots/kinova.urdf.xacro": (
         {
             "xacro_args": {"name": "gen3", "arm": "gen3", "gripper": "robotiq_2f_85"},
@@ -135,13 +102,9 @@ REAL = {
         },
         {"package-left-out"},
     ),
-    "kortex_description/robots/gen3_lite.urdf": ({}, {"mesh-missing", "axes-almost-exact", "joint-off-the-chain"}),
 }  # fmt: skip
 REFUSED = {
     "kortex_description/robots/gen3_lite_gen3_lite_2f.xacro": ({}, "xacro-failed", 'Invalid parameter "gripper"'),
-    "kortex_description/robots/gen3_robotiq_2f_85.xacro": ({}, "xacro-failed", 'Invalid parameter "sim"'),
-    "kortex_description/robots/gen3_robotiq_2f_140.xacro": ({}, "xacro-failed", 'Invalid parameter "sim"'),
-    "kortex_description/multiple_robots/kortex_dual_robots.xacro": ({}, "xacro-failed", "Invalid parameter"),
     "kortex_description/robots/gen3.xacro": ({}, "xacro-failed", "arms/gen3/dof/"),
     "annin_ar4_description/urdf/ar.urdf.xacro": ({}, "xacro-argument-missing", "uses ar_model, which has no default"),
     "annin_ar4_description/urdf/ar_gazebo.urdf.xacro": (

@@ -10,7 +10,6 @@ import pytest
 from finding_cases import chain
 from twistarm import Approach, Arm, ArmBuilder, diagnose, load_arm, solve_ik
 from twistarm.checking.doctor.abilities import Abilities, abilities_of, sample_motions
-from twistarm.checking.doctor.statements import summary
 from urdf_text import joint, robot, write
 
 STEP = 1e-5
@@ -59,20 +58,6 @@ def test_statements_about_the_catalogue_are_true(catalogue_arm: Arm) -> None:
     require_true(catalogue_arm)
 
 
-@pytest.mark.parametrize(
-    ("file", "load"),
-    [
-        ("robojackets_slider_arm/cartesian_controller_simulation/urdf/arm_gazebo.urdf.xacro", {}),
-        ("robojackets_walli_v2_block/urdf/walli_arm_v2_block/robot.urdf", {"tip": "ee"}),
-        ("robojackets_walliiarmv3/urc_gazebo/urdf/WalliiArmV3.urdf", {"tip": "claw"}),
-        ("kortex_description/robots/gen3_lite.urdf", {}),
-        ("ur_description/urdf/ur.urdf.xacro", {"xacro_args": {"name": "ur", "ur_type": "ur5e"}}),
-    ],
-)
-def test_statements_about_real_arms_are_true(models: Path, file: str, load: dict[str, object]) -> None:
-    require_true(load_arm(models / file, **load))  # type: ignore[arg-type]
-
-
 def gantry(*axes: str, kind: str = "prismatic") -> str:
     return chain(*axes, kind=kind)
 
@@ -105,14 +90,12 @@ SURFACE = "moves its tool on a surface, in two directions at any posture"
 SPARE = "its 4 joints move the tool in 3 directions only: 1 to spare everywhere"
 
 WORDS = {
-    "slide": (gantry("1 0 0"), {"cannot-move": LINE, "cannot-turn": NO_TURN}),
     "gantry": (gantry("1 0 0", "0 1 0", "0 0 1"), {"cannot-turn": NO_TURN}),
     "roll on the spot": (
         chain("0 0 1"),
         {"cannot-move": "cannot move its tool at all: its origin never leaves its place", "cannot-turn": ONLY_Z},
     ),
     "lever": (chain("0 1 0"), {"cannot-turn": ONLY_Z.replace("z axis", "y axis"), "cannot-move": CURVE}),
-    "two hinges": (chain("0 1 0", "0 1 0"), {"cannot-move": IN_PLANE, "cannot-turn-in-place": FEW}),
     "pan and tilt": (chain("0 0 1", "0 1 0"), {"cannot-move": SURFACE}),
     "yaw, pitches, roll": (chain("0 0 1", "0 1 0", "0 1 0", "0 1 0", "0 0 1"), {"cannot-turn-in-place": NO_YAW}),
     "palletiser": (PALLETISER, {"cannot-turn": ONLY_Z}),
@@ -135,22 +118,6 @@ def test_the_words_and_that_they_are_true(name: str, tmp_path: Path) -> None:
         assert said.keys() == expected.keys()
 
 
-def test_the_rover_arm_cannot_yaw(rover: Arm) -> None:
-    (said,) = [one for one in diagnose("rover_arm") if one.code.startswith("cannot")]
-    assert said.what == (
-        "cannot yaw the tool: with its position held it rolls about its z axis and pitches about the base's y axis, "
-        "and nothing turns it about the third"
-    )
-    assert summary(rover, able(rover)) == (
-        "moves its tool in 5 of 6 directions: 3 of 3 for the position, 2 of 3 rotations there"
-    )
-
-
-def test_an_arm_of_seven_has_one_to_spare() -> None:
-    panda = load_arm("panda")
-    assert summary(panda, able(panda)).endswith("3 of 3 rotations there; 1 joint to spare")
-
-
 def test_where_an_approach_can_be_asked_for_it_can_be_met() -> None:
     """A forearm that rolls and a wrist that pitches point the tool's z axis, drawn outward, any way near by."""
     home = np.array([[0, 0, 1.0, 0.8], [0, 1, 0, 0], [-1, 0, 0, 0.3], [0, 0, 0, 1]])
@@ -163,9 +130,3 @@ def test_where_an_approach_can_be_asked_for_it_can_be_met() -> None:
     for turn in ((0.03, 0.0), (0.0, 0.03), (-0.03, 0.03)):
         direction = g[:3, 2] + turn[0] * g[:3, 0] + turn[1] * g[:3, 1]
         assert solve_ik(arm, Approach(g[:3, 3], direction), [0.2, 0.3, 0.8, 0.5, 0.6]).converged
-
-
-def test_an_arm_that_rolls_about_another_axis_is_told_of_that_axis() -> None:
-    (said,) = [one for one in diagnose("so100") if one.code == "cannot-turn-in-place"]
-    assert "it rolls about its y axis" in said.what
-    assert "ask for a Position, or for poses whose y axis is square to the pitch axis" in said.remedy

@@ -13,13 +13,11 @@ from test_cli import error_of
 from test_finding_codes import lay
 from twistarm import load_arm
 from twistarm.checking.doctor.codes import codes_page
-from twistarm.checking.doctor.folder import descriptions_in
 from twistarm.cli.application import run
 from twistarm.description.findings import CODES
 from urdf_text import joint, robot, two_joints, write
 
 Capture = pytest.CaptureFixture[str]
-ROBOTS = Path(__file__).parents[2] / "robots"
 
 
 def page(capsys: Capture, *arguments: str, code: int = 0) -> str:
@@ -47,13 +45,6 @@ def test_the_page_of_the_rover_arm(capsys: Capture) -> None:
         assert part in shown
 
 
-def test_lines_of_an_arm_file_are_shown_as_lines(capsys: Capture) -> None:
-    run(["doctor", "ur5"])
-    lines = [line.strip("│ ") for line in capsys.readouterr().out.splitlines()]
-    entries = lines[lines.index("[poses.ready]") + 1 :][:6]
-    assert [entry.partition(" = ")[0] for entry in entries] == list(load_arm("ur5").joint_names)
-
-
 def test_exit_codes_by_severity(capsys: Capture, tmp_path: Path) -> None:
     warned = str(lay(CASES["limits-look-like-degrees"], tmp_path))
     assert '→ write lower="-2.96706" upper="2.96706"' in page(capsys, warned)
@@ -67,18 +58,6 @@ def test_exit_codes_by_severity(capsys: Capture, tmp_path: Path) -> None:
     )
     assert "nonsense.urdf: no such file" in error_of(capsys, "doctor", "nonsense.urdf")
     assert "no arm 'nonsense'" in error_of(capsys, "doctor", "nonsense")
-
-
-def test_remedies_are_worded_for_the_command_line(capsys: Capture, tmp_path: Path) -> None:
-    shown = page(capsys, str(lay(CASES["no-tip"], tmp_path)), code=1)
-    assert "pass --tip gripper" in shown
-    assert "tip=" not in shown
-
-
-def test_load_options_hold_here_too(capsys: Capture, tmp_path: Path) -> None:
-    path = str(lay(CASES["no-tip"], tmp_path))
-    assert "2 joints from base_link to gripper" in page(capsys, path, "--tip", "gripper")
-    assert "no link for --tip 'griper'" in error_of(capsys, "doctor", path, "--tip", "griper")
 
 
 def test_json_has_the_place_in_parts(capsys: Capture, tmp_path: Path) -> None:
@@ -169,26 +148,12 @@ def test_a_chosen_tip_is_told_by_the_folder_and_by_init(capsys: Capture, tmp_pat
     assert f'tip = "{chosen.place.name}"\n# {chosen.what}\n' in capsys.readouterr().out
 
 
-def test_folders_behind_links_are_not_looked_into(tmp_path: Path) -> None:
-    (tmp_path / "team").mkdir()
-    write(tmp_path / "team", two_joints())
-    (tmp_path / "again").symlink_to(tmp_path / "team")
-    (tmp_path / "team/round").symlink_to(tmp_path)
-    assert descriptions_in(tmp_path) == (tmp_path / "team/arm.urdf",)
-
-
 def test_a_folder_is_checked_with_a_line_each(capsys: Capture, tmp_path: Path) -> None:
     content = answer(capsys, "check", str(folder(tmp_path)), "--samples", "10", code=1)
     assert [file["verdict"] for file in content["files"]] == ["refused", "ok", "ok", "no robot: macros only", "ok"]
     assert all(file["worst"] < 1e-11 for file in content["files"] if file["verdict"] == "ok")
     assert not content["ok"]
     assert "name that arm instead of a folder" in error_of(capsys, "check", str(tmp_path), "--against", "x.json")
-
-
-def test_our_own_arms_are_good(capsys: Capture) -> None:
-    content = answer(capsys, "check", str(ROBOTS), "--samples", "10")
-    assert {file["verdict"] for file in content["files"]} == {"ok", "no robot: macros only"}
-    assert answer(capsys, "doctor", str(ROBOTS), "--strict")["ok"]
 
 
 def test_a_folder_without_descriptions(capsys: Capture, tmp_path: Path) -> None:

@@ -10,7 +10,6 @@ import pytest
 
 from twistarm import Arm, compare, freeze, load_arm
 from twistarm.cli.application import run
-from twistarm.limits.joint_limits import FIELDS
 from twistarm.support.errors import ComparisonError, DescriptionError, InputError
 from twistarm.testing import assert_arm
 from urdf_text import joint, robot, write
@@ -41,11 +40,6 @@ def golden(tmp_path: Path) -> Path:
 
 CHANGES = {
     "the elbow moved": ({"elbow": {"xyz": "0.412 0 0"}}, ("joint elbow moved 12 mm along x",)),
-    "the elbow moved down": ({"elbow": {"xyz": "0.4 0 -0.003"}}, ("joint elbow moved 3 mm along −z",)),
-    "the elbow moved aslant": (
-        {"elbow": {"xyz": "0.403 0 0.004"}},
-        ("joint elbow moved 5 mm along (0.60, 0.00, 0.80)",),
-    ),
     "the elbow turned": (
         {"elbow": {"rpy": "0 0 0.01745329251994329577"}},
         ("joint elbow turned by 1° about z",),
@@ -54,11 +48,6 @@ CHANGES = {
         {"elbow": {"inside": '<axis xyz="0 -1 0"/>'}},
         ("joint elbow is reversed: it turns or slides the other way",),
     ),
-    "two joints moved": (
-        {"shoulder": {"xyz": "0 0 0.51"}, "wrist_roll": {"xyz": "0.3 0.002 0"}},
-        ("joint shoulder moved 10 mm along z", "joint wrist_roll moved 2 mm along y"),
-    ),
-    "the tool moved": ({"mount": {"xyz": "0.1 0 0.02"}}, ("tool tool0 moved 20 mm along z",)),
     "the tool turned": ({"mount": {"rpy": "1.5707963267948966 0 0"}}, ("tool tool0 turned by 90° about x",)),
     "a limit narrowed": (
         {"wrist_roll": {"inside": '<axis xyz="1 0 0"/><limit lower="-0.5" upper="1" velocity="2" effort="3"/>'}},
@@ -111,7 +100,6 @@ def weighing(folder: Path, name: str, **changes: str) -> Arm:
 
 BODIES = {
     "a mass": ({"mass": "99"}, ("mass of link fore raised: 0.099 to 99 kg",)),
-    "a smaller mass": ({"mass": "0.098"}, ("mass of link fore lowered: 0.099 to 0.098 kg",)),
     "a centre": ({"com": "0.103 0.004 0"}, ("centre of mass of link fore moved 5 mm",)),
     "an inertia": ({"ixx": "0.0013"}, ("inertia of link fore changed by 10 % of its largest moment",)),
     "turned axes of it": (
@@ -120,7 +108,6 @@ BODIES = {
     ),
     "no mass": ({"mass": ""}, ("the mass of link fore is gone",)),
     "the same, turned": ({"rpy": "0 0 1.5707963267948966", "ixx": "0.002", "iyy": "0.001"}, ()),
-    "the same, rounded": ({"mass": "0.0990000004", "com": "0.1000004 0 0"}, ()),
 }
 
 
@@ -141,35 +128,11 @@ def test_a_golden_file_says_what_it_does_not_cover(tmp_path: Path, capsys: pytes
     content = json.loads(path.read_text())
     assert f"not covered: {', '.join(content['not_covered'])}\n" in capsys.readouterr().out
     assert content["bodies"]["fore"]["mass"] == 0.099
-    for missing in ("gone", None):
-        content["bodies"] = missing
-        if missing == "gone":
-            del content["bodies"]
-        path.write_text(json.dumps(content))
-        difference = compare(arm, path)
-        assert difference.same
-        assert [note.partition(":")[0] for note in difference.notes] == ["masses were not compared"]
-    assert compare(load_arm(build(tmp_path)), path).notes == (), "an arm without masses"
-
-
-@pytest.mark.parametrize("body", [{}, {"mass": "1"}, {"mass": 1, "centre": [0, 0], "inertia": [[0] * 3] * 3}, 3])
-def test_a_damaged_body_is_refused(body: object, tmp_path: Path) -> None:
-    arm, path = weighing(tmp_path, "arm.urdf"), tmp_path / "g.json"
-    freeze(arm, path)
-    path.write_text(json.dumps(json.loads(path.read_text()) | {"bodies": {"fore": body}}))
-    with pytest.raises(DescriptionError, match="damaged golden file"):
-        compare(arm, path)
-
-
-def test_an_unchanged_arm_is_the_same(golden: Path, tmp_path: Path) -> None:
-    difference = compare(load_arm(build(tmp_path)), golden).require()
+    path.write_text(json.dumps(content | {"bodies": None}))
+    difference = compare(arm, path)
     assert difference.same
-    assert difference.pose_error == 0
-
-
-def test_catalogue_arms_are_the_same_as_themselves(catalogue_arm: Arm, tmp_path: Path) -> None:
-    freeze(catalogue_arm, tmp_path / "golden.json")
-    assert compare(catalogue_arm, tmp_path / "golden.json").changes == ()
+    assert [note.partition(":")[0] for note in difference.notes] == ["masses were not compared"]
+    assert compare(load_arm(build(tmp_path)), path).notes == (), "an arm without masses"
 
 
 def test_a_golden_file_holds_what_pinocchio_says(golden: Path, tmp_path: Path) -> None:
@@ -182,59 +145,43 @@ def test_a_golden_file_holds_what_pinocchio_says(golden: Path, tmp_path: Path) -
     assert np.abs(np.array(content["body_jacobian"]) - arm.body_jacobian(theta)).max() < 1e-14
 
 
-def damage(change: str) -> str:
-    """A whole golden file of the arm, with one thing in it changed."""
-    content = {"format": "twistarm golden 1", "base": "base_link", "tip": "tool0", "theta": [[0.0]],
-               "joints": [{"name": "a", "type": "revolute"} | dict.fromkeys(FIELDS)],
-               "screws": [[0.0]] * 5 + [[1.0]], "home": np.eye(4).tolist(), "fk": [np.eye(4).tolist()],
-               "coupling": {"A": [[1.0]], "b": [0.0]},
-               "spatial_jacobian": [[[0.0]] * 6], "body_jacobian": [[[0.0]] * 6]}  # fmt: skip
-    changed = {
-        "nothing": {},
-        "NaN": {"fk": [[[float("nan")] * 4] * 4]},
-        "a zero screw": {"screws": [[0.0]] * 6},
-        "a short screw": {"screws": [[0.0]] * 5},
-        "a word": {"screws": "abc"},
-        "a pose that is none": {"home": np.ones((4, 4)).tolist()},
-        "joints that are none": {"joints": [3]},
-    }[change]
-    return json.dumps(content | changed)
-
-
-@pytest.mark.parametrize(
-    "change", ["NaN", "a zero screw", "a short screw", "a word", "a pose that is none", "joints that are none"]
-)
-def test_a_damaged_golden_file_is_never_unchanged(change: str, tmp_path: Path) -> None:
-    path = tmp_path / "g.json"
-    path.write_text(damage("nothing"))
-    assert compare(load_arm(build(tmp_path)), path).changes, "whole, it is another arm"
-    path.write_text(damage(change))
-    with pytest.raises(DescriptionError, match="damaged golden file|not a golden file"):
-        compare(load_arm(build(tmp_path)), path)
-
-
-DAMAGED = {
-    "nested without end": ("[" * 100_000, "not a golden file"),
-    "nothing": (None, "cannot be read: No such file or directory; is the path right?"),
-    "no JSON": ("frozen", "not a golden file"),
-    "another file": ('{"format": "something"}', "not a golden file of this version"),
-    "half of it": ('{"format": "twistarm golden 1", "base": "base_link"}', "a damaged golden file"),
+DAMAGES = {
+    "NaN": {"fk": [[[float("nan")] * 4] * 4]},
+    "a zero screw": {"screws": [[0.0] * 3] * 6},
+    "a short screw": {"screws": [[0.0] * 3] * 5},
+    "a word": {"screws": "abc"},
+    "a pose that is none": {"home": np.ones((4, 4)).tolist()},
+    "joints that are none": {"joints": [3]},
+    "a body of nothing": {"bodies": {"fore": {}}},
+    "a body in words": {"bodies": {"fore": {"mass": "1"}}},
+    "a body of wrong sizes": {"bodies": {"fore": {"mass": 1, "centre": [0, 0], "inertia": [[0] * 3] * 3}}},
+    "another format": {"format": "something"},
 }
 
 
-@pytest.mark.parametrize("case", DAMAGED)
-def test_damaged_golden_files(case: str, tmp_path: Path) -> None:
-    text, message = DAMAGED[case]
-    if text is not None:
-        (tmp_path / "g.json").write_text(text)
-    with pytest.raises(DescriptionError, match=message):
-        compare(load_arm(build(tmp_path)), tmp_path / "g.json")
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_golden_file_is_never_unchanged(damage: str, tmp_path: Path) -> None:
+    arm, path = weighing(tmp_path, "arm.urdf"), tmp_path / "g.json"
+    freeze(arm, path)
+    assert compare(arm, path).same
+    path.write_text(json.dumps(json.loads(path.read_text()) | DAMAGES[damage]))
+    with pytest.raises(DescriptionError, match="golden file"):
+        compare(arm, path)
 
 
-def test_freezing_into_nowhere_writes_nothing(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="does not exist; create it first"):
-        freeze(load_arm(build(tmp_path)), tmp_path / "nowhere" / "g.json")
-    assert not (tmp_path / "nowhere").exists()
+@pytest.mark.parametrize("text", ["[" * 100_000, "frozen", '{"format": "twistarm golden 1", "base": "base_link"}'])
+def test_what_is_no_golden_file(text: str, golden: Path, tmp_path: Path) -> None:
+    arm = load_arm(build(tmp_path))
+    golden.write_text(text)
+    with pytest.raises(DescriptionError, match="golden file"):
+        compare(arm, golden)
+    golden.unlink()
+    with pytest.raises(DescriptionError, match="No such file"):
+        compare(arm, golden)
+    with pytest.raises(InputError, match="does not exist"):
+        freeze(arm, tmp_path / "nowhere" / "g.json")
+    with pytest.raises(InputError, match="against"):
+        compare(arm, 3)  # type: ignore[arg-type]
 
 
 def test_the_helper_for_a_teams_own_tests(golden: Path, tmp_path: Path) -> None:
@@ -294,22 +241,6 @@ def test_a_tool_that_does_not_just_ride_is_told_by_its_own_motion(base: str, tmp
     )
 
 
-def test_a_joint_turned_and_moved_at_once_is_told_both(golden: Path, tmp_path: Path) -> None:
-    changed = build(tmp_path, elbow={"xyz": "0.412 0 0", "rpy": "0 0 0.01745329251994329577"})
-    assert compare(load_arm(changed), golden).changes == (
-        "joint elbow turned by 1° about z",
-        "joint elbow moved 12 mm along x where it is nearest the tool",
-    )
-
-
-def test_a_tool_that_stays_while_a_joint_moves_is_said_to(golden: Path, tmp_path: Path) -> None:
-    changed = build(tmp_path, wrist_roll={"xyz": "0.3 0 0.002"}, mount={"xyz": "0.1 0 -0.002"})
-    assert compare(load_arm(changed), golden).changes == (
-        "joint wrist_roll moved 2 mm along z",
-        "tool tool0 is where it was all the same",
-    )
-
-
 MOTORS = """source = "arm.urdf"
 [actuators.lift]
 ratio = {{ shoulder = {shoulder}, elbow = {elbow} }}
@@ -323,19 +254,14 @@ ratio = {{ wrist_roll = 20.0 }}
 USUAL = {"shoulder": 40, "elbow": -2, "offset": 0.1, "unit": "tick", "ticks": 4096, "velocity": 300, "name": "roll"}
 
 MOTOR_CHANGES = {
-    "nothing": ({}, ()),
     "a ratio": ({"shoulder": 42}, ("ratio of motor lift to joint shoulder: 40 to 42",)),
-    "a ratio in its eighth digit": (
-        {"shoulder": 40.000001},
-        ("ratio of motor lift to joint shoulder: 40 to 40.000001",),
-    ),
     "a sign": ({"elbow": 2}, ("ratio of motor lift to joint elbow reversed: -2 to 2",)),
     "an offset": ({"offset": -0.1}, ("offset of motor lift: 0.1 to -0.1 rad",)),
-    "an offset below rounding": ({"offset": 0.1000001}, ()),
     "ticks": ({"ticks": 8192}, ("ticks per turn of motor lift: 4096 to 8192",)),
     "what the drive counts": ({"unit": "turn"}, ("motor lift counted in tick, counts in turn",)),
     "a limit": ({"velocity": 200}, ("velocity limit of motor lift lowered: 300 to 200",)),
     "a name": ({"name": "twist"}, ("motor roll is gone", "motor twist is new")),
+    "nothing": ({}, ()),
 }
 
 
@@ -353,31 +279,6 @@ def test_changed_motors_are_told_in_words(case: str, tmp_path: Path) -> None:
     assert (difference.changes, difference.notes) == (expected, ())
 
 
-def test_motors_that_come_and_go_are_told(tmp_path: Path) -> None:
-    driven_arm, bare = driven(tmp_path), load_arm(tmp_path / "arm.urdf")
-    freeze(bare, tmp_path / "g.json")
-    assert compare(driven_arm, tmp_path / "g.json").changes == ("motor lift is new", "motor roll is new")
-    freeze(driven_arm, tmp_path / "g.json")
-    assert compare(bare, tmp_path / "g.json").changes == ("motor lift is gone", "motor roll is gone")
-
-
-def test_a_golden_file_from_before_motors_says_that_it_knows_none(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    arm, path = driven(tmp_path), tmp_path / "g.json"
-    freeze(arm, path)
-    content = json.loads(path.read_text())
-    del content["actuators"]
-    path.write_text(json.dumps(content))
-    difference = compare(arm, path)
-    assert difference.same
-    assert run(["check", str(tmp_path / "arm.toml"), "--samples", "5", "--against", str(path)]) == 0
-    said = "the golden file knows nothing of the motors, which were not compared: freeze the arm again"
-    assert difference.notes == (said,)
-    assert capsys.readouterr().err == f"note: {said}\n"
-    assert compare(load_arm(tmp_path / "arm.urdf"), path).notes == (), "an arm without motors"
-
-
 def test_two_designs_side_by_side(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Another description and another arm are compared as a golden file is: "was" is the other, "is" the arm."""
     for folder in ("old", "new"):
@@ -389,16 +290,3 @@ def test_two_designs_side_by_side(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert compare(load_arm(old), old).same
     assert run(["check", str(new), "--against", str(old)]) == 1
     assert "different: joint elbow moved 50 mm along x" in capsys.readouterr().out
-
-
-def test_against_a_baked_arm(tmp_path: Path) -> None:
-    file = build(tmp_path)
-    baked = load_arm(file).bake(tmp_path / "ours.json")
-    assert compare(load_arm(file), baked).same
-    moved = compare(load_arm(build(tmp_path, elbow={"xyz": "0.4 0 0.01"})), baked)
-    assert moved.changes == ("joint elbow moved 10 mm along z",)
-
-
-def test_against_nothing_that_is_an_arm(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="against must be an Arm, a file or a name that load_arm takes; got int"):
-        compare(load_arm(build(tmp_path)), 3)  # type: ignore[arg-type]

@@ -41,46 +41,29 @@ CHOICE = {
     "a chain has a base": (CHAIN, {"chain": ("upper", "flange")}),
     "a chain wins over a list": (ARM + CHAIN, {"chain": ("upper", "flange")}),
     "fingers that branch are no arm": (ARM + HAND, {"arm": (None, "wrist")}),
-    "arm and hand together neither": (
-        ARM + HAND + '<group name="all"><group name="arm"/><group name="hand"/></group>',
-        {"arm": (None, "wrist")},
-    ),
     "an end effector's group is no arm": (
         ARM + '<group name="hand"><joint name="left"/></group>' + EFFECTOR.format("wrist", "hand"),
         {"arm": (None, "wrist")},
-    ),
-    "nor is one that holds it": (
-        ARM
-        + '<group name="hand"><joint name="left"/></group>'
-        + '<group name="all"><group name="arm"/><group name="hand"/></group>'
-        + EFFECTOR.format("flange", "hand"),
-        {"arm": (None, "wrist")},
-    ),
-    "unless it does not hang on what it should": (
-        ARM + '<group name="hand"><joint name="left"/></group>' + EFFECTOR.format("left_finger", "hand"),
-        {"hand": (None, "left_finger")},
     ),
     "what an end effector hangs on wins": (
         '<group name="low"><joint name="a"/></group>' + ARM + HAND + EFFECTOR.format("wrist", "hand"),
         {"arm": (None, "wrist")},
     ),
-    "by the name of its parent group too": (
-        '<group name="low"><joint name="a"/></group>' + ARM + '<group name="hand"><joint name="left"/></group>'
-        '<end_effector name="grip" parent_link="wrist" group="hand" parent_group="low"/>',
-        {"low": (None, "upper")},
-    ),
     "several that could be": (
         '<group name="low"><joint name="a"/></group>' + ARM,
         {"low": (None, "upper"), "arm": (None, "wrist")},
     ),
-    "two names of one": (ARM + ARM.replace('"arm"', '"same"'), {"same": (None, "wrist")}),
     "groups that hold each other": (
         '<group name="x"><group name="y"/></group><group name="y"><group name="x"/><joint name="a"/></group>',
         {"y": (None, "upper")},
     ),
+    "nothing that moves": ('<group name="g"><joint name="flange_joint"/></group>', {}),
+    "unless it does not hang on what it should": (
+        ARM + '<group name="hand"><joint name="left"/></group>' + EFFECTOR.format("left_finger", "hand"),
+        {"hand": (None, "left_finger")},
+    ),
     "a chain the wrong way": ('<group name="g"><chain base_link="flange" tip_link="upper"/></group>', {}),
     "a chain to nowhere": ('<group name="g"><chain base_link="base_link" tip_link="tool9"/></group>', {}),
-    "nothing that moves": ('<group name="g"><joint name="flange_joint"/></group>', {}),
 }
 
 
@@ -106,13 +89,6 @@ def test_base_and_tip_come_from_the_group_where_nobody_says_otherwise(tmp_path: 
     assert (load_arm(toml).base, load_arm(toml).tip) == ("base_link", "wrist")
 
 
-def test_the_group_wins_over_usual_names(tmp_path: Path) -> None:
-    text = ROBOT.replace('"camera"', '"tool0"')
-    path = write(tmp_path, text)
-    assert load_arm(path).tip == "tool0"
-    assert load_arm(path, srdf=write(tmp_path, f'<robot name="tiny">{ARM}</robot>', "other.xml")).tip == "wrist"
-
-
 def test_several_groups_are_offered_in_the_error(tmp_path: Path) -> None:
     two = "".join(f'<group name="{name}"><joint name="{name}"/></group>' for name in "bc")
     write(tmp_path, f'<robot name="tiny">{two}</robot>', "arm.srdf")
@@ -121,19 +97,3 @@ def test_several_groups_are_offered_in_the_error(tmp_path: Path) -> None:
         load_arm(write(tmp_path, robot(*parts, links=("base_link", "torso", "left", "right"))))
     assert str(caught.value).endswith("so could the groups of its SRDF: 'b' (left), 'c' (right); pass tip='left'")
     assert [finding.code for finding in caught.value.findings] == ["no-tip"]
-
-
-def test_the_real_arm_with_a_gripper(models: Path) -> None:
-    arm = load_arm(models / "robojackets_walliiarmv3/urc_gazebo/urdf/WalliiArmV3.urdf")
-    assert (arm.base, arm.tip) == ("arm_base_link", "claw")
-    assert arm.joint_names == (
-        "shoulderjoint", "bicepjoint", "elbowjoint", "forearmjoint", "wristjoint", "clawjoint",
-    )  # fmt: skip
-    assert len(arm.disabled_pairs) == 12
-    assert ("claw", "elbow") in arm.disabled_pairs
-    (found,) = [finding for finding in arm.findings if finding.code == "srdf-found"]
-    assert found.place.file == "WalliiArmV3.srdf"
-    assert found.what == (
-        "../../urc_arm_moveit_config/config/WalliiArmV3.srdf gives the tip 'claw' (group 'arm'), "
-        "12 pairs of links that need no collision check"
-    )

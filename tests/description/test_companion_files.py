@@ -31,8 +31,6 @@ def urdf(tmp_path: Path) -> Path:
 PLACES = {
     "in the folder": ".",
     "in config below": "config",
-    "in srdf below": "srdf",
-    "in config one above": "../config",
     "in srdf one above": "../srdf",
     "in a MoveIt package beside the description's": "../../arm_moveit_config/config",
     "in a MoveIt package beside the folder": "../arm_moveit_config/config",

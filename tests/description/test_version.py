@@ -91,11 +91,6 @@ def test_acceleration_and_jerk_count_from_1_2_on(deceleration: str, smaller: flo
     ]
 
 
-def test_an_acceleration_that_is_no_number_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(DescriptionError, match="its limit acceleration='fast' is not a number"):
-        load_arm(write(tmp_path, text_of("1.2", 'xyz="0 0 0.5"', 'acceleration="fast"')))
-
-
 @pytest.mark.parametrize("version", ["1", "1.3", "2.0", "x", "1.1.0", ""])
 def test_a_version_that_nobody_knows_is_told_and_read(version: str, tmp_path: Path) -> None:
     text = robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0"))

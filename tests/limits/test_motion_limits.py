@@ -128,11 +128,6 @@ def test_it_brakes_no_earlier_than_it_must() -> None:
     assert theta[0] == pytest.approx(0.25, abs=1e-3)
 
 
-def test_without_limits_everything_is_allowed() -> None:
-    free = MotionLimits(("a",), np.ones((1, 1)), np.zeros(1), JointLimits.unbounded(1))
-    assert free.within(np.zeros(1), np.array([1e3]), np.array([-1e3]), 1e-3).theta_dot.tolist() == [1e3]
-
-
 def test_rows_that_do_not_fit_are_refused() -> None:
     with pytest.raises(InputError, match="must have the same rows, not 0"):
         MotionLimits(("a",), np.ones((2, 1)), np.zeros(1), JointLimits.unbounded(1))

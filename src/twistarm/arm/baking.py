@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -101,7 +101,7 @@ def _content(baked: Baked) -> dict[str, Any]:
         "base": baked.base,
         "tip": baked.tip,
         "tip_link": baked.tip_link,
-        "joints": _joints(baked),
+        "joints": joints_entry(baked.joint_names, baked.joint_types, baked.limits),
         "moving": list(baked.moving_names),
         "screws": baked.screws.tolist(),
         "home": baked.home.tolist(),
@@ -119,11 +119,12 @@ def _content(baked: Baked) -> dict[str, Any]:
 _PROOF = ("pose_error", "jacobian_error", "samples")
 
 
-def _joints(baked: Baked) -> list[dict[str, Any]]:
-    bounds = {field: _or_null(getattr(baked.limits, field)) for field in FIELDS}
+def joints_entry(names: Sequence[str], types: Sequence[str], limits: JointLimits) -> list[dict[str, Any]]:
+    """The joints as they stand in an arm.json and in a golden file."""
+    bounds = _bounds(limits)
     return [
-        {"name": name, "type": kind, "unit": _unit(kind)} | {field: bounds[field][i] for field in FIELDS}
-        for i, (name, kind) in enumerate(zip(baked.joint_names, baked.joint_types, strict=True))
+        {"name": name, "type": kind, "unit": unit_of(kind)} | {field: bounds[field][i] for field in FIELDS}
+        for i, (name, kind) in enumerate(zip(names, types, strict=True))
     ]
 
 
@@ -135,12 +136,12 @@ def actuators_entry(motors: Actuators) -> dict[str, Any]:
         "offset": motors.offset.tolist(),
         "units": list(motors.units),
         "ticks_per_turn": _or_null(motors.ticks_per_turn),
-        "limits": {field: _or_null(getattr(motors.limits, field)) for field in FIELDS},
+        "limits": _bounds(motors.limits),
     }
 
 
-def _unit(kind: str) -> str:
-    return unit_of(kind)
+def _bounds(limits: JointLimits) -> dict[str, list[float | None]]:
+    return {field: _or_null(getattr(limits, field)) for field in FIELDS}
 
 
 def _or_null(values: Array) -> list[float | None]:
@@ -242,7 +243,7 @@ def _names(values: list[Any], what: str) -> tuple[str, ...]:
 
 def _type(joint: Mapping[str, Any]) -> str:
     kind, unit = joint["type"], joint["unit"]
-    if kind not in JOINT_TYPES or unit != _unit(kind):
+    if kind not in JOINT_TYPES or unit != unit_of(kind):
         raise ValueError(f"a joint is {', '.join(JOINT_TYPES)}, in rad or m; got {kind!r} in {unit!r}")
     return str(kind)
 
@@ -270,12 +271,6 @@ def _pose(value: ArrayLike, name: str) -> Array:
     return g
 
 
-def _bounds(values: list[float | None], field: str) -> Array:
-    """Limits as they were before `_or_null`."""
-    absent = -np.inf if field == "lower" else np.inf
-    return _given(values, field, absent)
-
-
 def _given(values: list[float | None], name: str, absent: float) -> Array:
     """Finite numbers, `absent` for null."""
     finite = as_floats([0.0 if value is None else value for value in values], name)
@@ -286,22 +281,21 @@ def read_actuators(content: Mapping[str, Any] | None, joint_names: tuple[str, ..
     """The motors of such an entry; KeyError, TypeError or ValueError for what is none."""
     if content is None:
         return None
-    names = _names(content["names"], "actuators")
     return Actuators(
-        names=names,
+        names=_names(content["names"], "actuators"),
         joint_names=joint_names,
         G=as_floats(content["G"], "G"),
         offset=as_floats(content["offset"], "offset"),
         units=tuple(content["units"]),
         ticks_per_turn=_given(content["ticks_per_turn"], "ticks_per_turn", np.nan),
-        # A file baked before motors had limits has none.
-        limits=read_limits(content["limits"]) if "limits" in content else JointLimits.unbounded(len(names)),
+        limits=read_limits(content["limits"]),
     )
 
 
 def read_limits(content: Mapping[str, Any]) -> JointLimits:
     """Limits by field, null where not given."""
-    return JointLimits(**{field: _bounds(content[field], field) for field in FIELDS})
+    absent = {field: -np.inf if field == "lower" else np.inf for field in FIELDS}
+    return JointLimits(**{field: _given(content[field], field, absent[field]) for field in FIELDS})
 
 
 def _pair(value: Any) -> tuple[str, str]:

@@ -44,7 +44,7 @@ class PinocchioModel:
         chain: Sequence[str],
     ) -> None:
         self._pin = import_pinocchio()
-        self.model = _build(self._pin, description)
+        self.model = _build(description)
         self._local = threading.local()
         self._couplings = couplings
         self._coordinates = tuple(coordinates)
@@ -137,19 +137,9 @@ def import_pinocchio() -> Any:
     return wheels.load(_WHEEL)
 
 
-def complaint_about(text: str) -> str:
-    """What Pinocchio's own parser says to a URDF text as it is; empty if it reads it."""
-    return model_of(text)[2]
-
-
-def model_of(text: str) -> tuple[Any, Any, str]:
-    """The module, its model of a URDF text as it is, and nothing; or None and its parser's complaint."""
+def model_of(text: str) -> tuple[Any, str]:
+    """The model of a URDF text as it is and nothing, or None and what Pinocchio's own parser says to it."""
     pin = import_pinocchio()
-    return pin, *_parsed(pin, text)
-
-
-def _parsed(pin: Any, text: str) -> tuple[Any, str]:
-    """The model in a URDF text and nothing, or None and the parser's complaint."""
     with _captured_stderr() as complaint:
         try:
             return pin.buildModelFromXML(text), ""
@@ -157,12 +147,12 @@ def _parsed(pin: Any, text: str) -> tuple[Any, str]:
             return None, " ".join(complaint().split()) or str(error)
 
 
-def _build(pin: Any, description: Description) -> Any:
+def _build(description: Description) -> Any:
     count = sum(joint.moving for joint in description.joints.values())
     if count > MAX_MOVING_JOINTS:
         what = f"{count} moving joints; at most {MAX_MOVING_JOINTS}"
         raise refusal("too-many-joints", description.place(), what, "is it a whole scene?")
-    model, complaint = _parsed(pin, description.repaired)
+    model, complaint = model_of(description.repaired)
     if complaint:
         raise refusal(
             "engine-refuses", description.place(), f"Pinocchio refuses it: {complaint}", "correct what it names"

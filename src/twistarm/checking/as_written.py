@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..arm.pinocchio_model import model_of
+from ..arm.pinocchio_model import import_pinocchio, model_of
 from ..description.tree import Description
 from ..support.checks import Array
 from ..support.errors import InputError
@@ -22,7 +22,8 @@ class AsWritten:
             raise InputError(f"Pinocchio's parser does not read the axis of the planar joint {planar!r}")
         # The text is UTF-8 from here on, whatever encoding the file declared.
         text = re.sub(r"^\s*<\?xml[^>]*\?>", "", description.text)
-        self._pin, self._model, complaint = model_of(text)
+        self._pin = import_pinocchio()
+        self._model, complaint = model_of(text)
         if complaint:
             raise InputError(f"Pinocchio does not read it as it is written: {complaint}")
         self._data = self._pin.Data(self._model)

@@ -221,10 +221,11 @@ def _kinematics(
     theirs: tuple[Array, Array, Array],
     theta: Array,
     tolerance: float,
+    quantities: tuple[str, ...] = ("pose", "spatial Jacobian", "body Jacobian"),
 ) -> list[EngineComparison]:
     return [
         _compared(quantity, engines, one - other, theta, tolerance)
-        for quantity, one, other in zip(("pose", "spatial Jacobian", "body Jacobian"), ours, theirs, strict=True)
+        for quantity, one, other in zip(quantities, ours, theirs, strict=True)
     ]
 
 
@@ -252,11 +253,8 @@ def _native_chain(arm: Arm, theta: Array, pairs: tuple[LowerPair, ...], ball: Ba
     theta = _fewer(theta, A.size, USUAL_PRODUCT)
     g, spatial, body = chain.kinematics(theta @ A.T)
     ours = by_exponentials(arm, theta)
-    tolerance = POSE_TOL * _size(arm)
-    return [
-        _compared(f"{quantity}{suffix}", ("poe", "pinocchio"), one - other, theta, tolerance)
-        for quantity, one, other in zip(("pose", "J^s", "J^b"), ours, (g, spatial @ A, body @ A), strict=True)
-    ]
+    theirs, quantities = (g, spatial @ A, body @ A), tuple(f"{name}{suffix}" for name in ("pose", "J^s", "J^b"))
+    return _kinematics(("poe", "pinocchio"), ours, theirs, theta, POSE_TOL * _size(arm), quantities)
 
 
 def _differences(arm: Arm, theta: Array) -> list[EngineComparison]:

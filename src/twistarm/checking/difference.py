@@ -19,8 +19,7 @@ from .geometry_changes import geometry_changes
 from .golden_file import golden_content, read_golden
 
 NO_MASSES = "masses were not compared: what it is compared with holds none; a golden file that is written now does"
-NO_MOTORS = "the golden file knows nothing of the motors, which were not compared: freeze the arm again"
-"""Of a file that was written before these were frozen, or of an arm without a description."""
+"""Of an arm without a description."""
 
 
 @dataclass(frozen=True)
@@ -85,14 +84,11 @@ def _compare(arm: Arm, golden: dict[str, Any]) -> Difference:
         if golden[role] != getattr(arm, role)
     ]
     changes += _joint_changes(arm, golden)
+    changes += motor_changes(golden["actuators"], arm.actuators)
     notes: tuple[str, ...] = ()
-    if "actuators" in golden:
-        changes += motor_changes(golden["actuators"], arm.actuators)
-    elif arm.actuators is not None:
-        notes = (NO_MOTORS,)
     now = {} if arm.description is None else bodies(arm.description)
     if golden["bodies"] is None and now:
-        notes = (*notes, NO_MASSES)
+        notes = (NO_MASSES,)
     elif golden["bodies"] is not None and arm.description is not None:
         changes += mass_changes(golden["bodies"], now)
     then = [joint["name"] for joint in golden["joints"]]

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..arm.baking import FORMAT as BAKED
-from ..arm.baking import actuators_entry, read_actuators, read_limits, reason
+from ..arm.baking import actuators_entry, joints_entry, read_actuators, read_limits, reason
 from ..description.document import read_text
 from ..description.inertial import Body, bodies
 from ..limits.joint_limits import FIELDS
@@ -68,11 +68,7 @@ def golden_text(arm: Arm) -> str:
         "name": arm.name,
         "base": arm.base,
         "tip": arm.tip,
-        "joints": [
-            {"name": name, "type": kind, "unit": unit}
-            | {field: _finite(getattr(arm.limits, field)[i]) for field in FIELDS}
-            for i, (name, kind, unit) in enumerate(zip(arm.joint_names, arm.joint_types, arm.units, strict=True))
-        ],
+        "joints": joints_entry(arm.joint_names, arm.joint_types, arm.limits),
         "screws": arm.screws.tolist(),
         "home": arm.home.tolist(),
         "coupling": {"A": arm.coupling.A.tolist(), "b": arm.coupling.b.tolist()},
@@ -143,10 +139,9 @@ def _checked(content: dict[str, Any]) -> dict[str, Any]:
     if not all(isinstance(content[key], str) for key in ("base", "tip")):
         raise ValueError("no base or no tip")
     read: dict[str, Any] = {"limits": read_limits({field: [joint[field] for joint in joints] for field in FIELDS})}
-    written = content.get("bodies")
+    written = content["bodies"]
     read["bodies"] = None if written is None else {link: _body(body, link) for link, body in written.items()}
-    if "actuators" in content:
-        read["actuators"] = read_actuators(content["actuators"], tuple(joint["name"] for joint in joints))
+    read["actuators"] = read_actuators(content["actuators"], tuple(joint["name"] for joint in joints))
     return arrays | read
 
 
@@ -155,8 +150,3 @@ def _body(written: dict[str, Any], link: str) -> Body:
     if centre.shape != (3,) or inertia.shape != (3, 3):
         raise ValueError(f"the body of {link} has no centre (3,) or no inertia (3, 3)")
     return Body(float(as_floats(written["mass"], "mass")), centre, inertia)
-
-
-def _finite(value: float) -> float | None:
-    """JSON knows no infinity: null stands for "not given"."""
-    return float(value) if np.isfinite(value) else None

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 
-from ..limits.joint_limits import JointLimits
+from ..limits.joint_limits import FIELDS, JointLimits
 from ..limits.joint_units import slides, unit_of
 from ..support.caller_words import argument, quantity
 from ..support.checks import Array
@@ -18,8 +17,6 @@ from ..theory.screws import adjoint, exp
 from .coupling import Affine, coupling_matrix, resolve_couplings
 from .findings import Finding, finding, refusal
 from .tree import Description, Joint
-
-CoordinateType = Literal["revolute", "continuous", "prismatic", "helical"]
 
 
 @dataclass(frozen=True)
@@ -32,7 +29,7 @@ class Chain:
     """
 
     coordinates: tuple[str, ...]
-    types: tuple[CoordinateType, ...]
+    types: tuple[str, ...]
     moving: tuple[str, ...]
     screws: Array
     home: Array
@@ -72,7 +69,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
         findings += narrowing
     return Chain(
         coordinates=coordinates,
-        types=tuple("helical" if joint.name in threads else _coordinate_type(joint) for joint in masters),
+        types=tuple("helical" if joint.name in threads else joint.type for joint in masters),
         moving=moving,
         screws=screws,
         home=home @ tool,
@@ -104,21 +101,8 @@ def _path_length(points: list[Array]) -> float:
     return float(sum(np.linalg.norm(b - a) for a, b in pairwise(points)))
 
 
-def _coordinate_type(joint: Joint) -> CoordinateType:
-    if slides(joint.type):
-        return "prismatic"
-    return "continuous" if joint.type == "continuous" else "revolute"
-
-
 def _limits(masters: list[Joint]) -> JointLimits:
-    return JointLimits(
-        lower=np.array([joint.lower for joint in masters]),
-        upper=np.array([joint.upper for joint in masters]),
-        velocity=np.array([joint.velocity for joint in masters]),
-        acceleration=np.array([joint.acceleration for joint in masters]),
-        jerk=np.array([joint.jerk for joint in masters]),
-        effort=np.array([joint.effort for joint in masters]),
-    )
+    return JointLimits(**{name: np.array([getattr(joint, name) for joint in masters]) for name in FIELDS})
 
 
 def _narrowed(

@@ -30,18 +30,13 @@ def resolve_couplings(description: Description, locked: Mapping[str, float]) -> 
     moving = {joint.name: joint for joint in description.joints.values() if joint.scalar}
     for name in locked:
         if name not in moving:
-            _require_whole(description, name)
-            listing = f"{len(moving)} moving joints"
-            raise unknown_name("moving joint", name, moving, within=f"{description.name}, for locked=", listing=listing)
+            if parts := [joint.name for joint in moving.values() if joint.part_of == name]:
+                what = f"joint {name!r} of {description.name} is planar"
+                raise UnknownNameError(f"{what}; lock its coordinates: {listed(parts)}")
+            within, listing = f"{description.name}, for locked=", f"{len(moving)} moving joints"
+            raise unknown_name("moving joint", name, moving, within=within, listing=listing)
         as_number(locked[name], f"locked[{name!r}]")
     return {name: _follow(description, name, locked) for name in moving}
-
-
-def _require_whole(description: Description, name: str) -> None:
-    """Raise UnknownNameError that lists the coordinates of a planar joint called by its own name."""
-    parts = [joint.name for joint in description.joints.values() if joint.part_of == name]
-    if parts:
-        raise UnknownNameError(f"joint {name!r} of {description.name} is planar; lock its coordinates: {listed(parts)}")
 
 
 def coupling_matrix(

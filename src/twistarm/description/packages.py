@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import functools
+import io
 import os
 import re
+import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import BinaryIO
-from xml.parsers import expat
 
 from ..support.checks import require_names
 from ..support.errors import InputError, shown
@@ -22,8 +22,8 @@ MAX_DEPTH = 4
 MAX_PARENTS = 8
 """How many parents of the description are looked through, with their children."""
 
-MANIFEST_BYTES, PIECE = 16_384, 2_048
-"""A package.xml's name stands at its head, behind a licence at most: so far it is read, in such pieces."""
+MANIFEST_BYTES = 16_384
+"""A package.xml's name stands at its head, behind a licence at most: so far it is read."""
 
 MAX_FOLDERS = 20_000
 """Folders that one search looks at among those of the user, near the description or of ROS's variables, each. Ubuntu's
@@ -265,41 +265,21 @@ def package_name(folder: Path) -> str | None:
         return None
     try:
         with open_regular(manifest) as file:
-            return _name_in(file)
-    except (expat.ExpatError, OSError, ValueError, LookupError):
+            return _name_in(file.read(MANIFEST_BYTES))
+    except (ET.ParseError, OSError, ValueError, LookupError):
         return None
 
 
-def _name_in(file: BinaryIO) -> str | None:
-    """The text of the first `<name>` in the root element; a document type, hence entities, is an ExpatError."""
-    parser = expat.ParserCreate()
-    parser.buffer_text = True
-    tags: list[str] = []
-    texts: list[str] = []
-    found: list[str] = []
-
-    def end(tag: str) -> None:
-        if len(tags) == 2 and tag == "name":
-            found.append("".join(texts).strip())
-        tags.pop()
-
-    def text(data: str) -> None:
-        if len(tags) == 2 and tags[-1] == "name":
-            texts.append(data)
-
-    def refuse(*_: object) -> None:
-        raise expat.ExpatError("a document type is not allowed")
-
-    parser.StartElementHandler = lambda tag, _: tags.append(tag)
-    parser.EndElementHandler = end
-    parser.CharacterDataHandler = text
-    parser.StartDoctypeDeclHandler = refuse
-    for _ in range(0, MANIFEST_BYTES, PIECE):
-        piece = file.read(PIECE)
-        parser.Parse(piece, not piece)
-        if found or not piece:
-            break
-    return found[0] or None if found else None
+def _name_in(head: bytes) -> str | None:
+    """The text of the first `<name>` in the root element; a file with a document type, hence entities, has none."""
+    if b"<!DOCTYPE" in head.replace(b"\0", b""):
+        return None
+    depth = 0
+    for event, element in ET.iterparse(io.BytesIO(head), ("start", "end")):
+        depth += 1 if event == "start" else -1
+        if (event, depth, element.tag.rpartition("}")[2]) == ("end", 1, "name"):
+            return (element.text or "").strip() or None
+    return None
 
 
 def _environment_paths(variable: str) -> list[Path]:

@@ -74,12 +74,7 @@ def check_inertias(description: Description) -> Iterator[Finding]:
         ("mass-implausible", heavy, "a mass of {mass:g} kg: grams?", _REMEDY),
         ("inertia-impossible", impossible, "no body has the principal moments {moments} kg m²", _REMEDY),
         ("inertia-implausible", wide, "mass and inertia mean a radius of gyration of {gyration:.3g} m: mm²?", _REMEDY),
-        (
-            "centre-of-mass-far",
-            far,
-            "a centre of mass {centre:.4g} m off the link's frame: millimetres?",
-            _REMEDY,
-        ),
+        ("centre-of-mass-far", far, "a centre of mass {centre:.4g} m off the link's frame: millimetres?", _REMEDY),
     )
     for code, found, what, remedy in troubles:
         if found:
@@ -110,9 +105,8 @@ def _same(body: Body, other: Body) -> bool:
 
 
 def _bodies(description: Description) -> list[Body]:
-    read = ((description.links[name], body) for name, body in bodies(description).items())
-    return [Body(link, body.mass, float(np.linalg.norm(body.centre)), _moments(body.inertia)) for link, body in read]
-
-
-def _moments(inertia: Array) -> Array:
-    return np.asarray(np.linalg.eigvalsh(inertia), dtype=np.float64)
+    found = []
+    for name, body in bodies(description).items():
+        moments: Array = np.linalg.eigvalsh(body.inertia).astype(np.float64)
+        found.append(Body(description.links[name], body.mass, float(np.linalg.norm(body.centre)), moments))
+    return found

@@ -106,7 +106,7 @@ def _given_in(description: Description, arm: Arm | None, joint: Joint, fields: t
 
 def _range(description: Description, joint: Joint, given: Place | None, lengths: str) -> Iterator[Finding]:
     """`lengths`: the unit of those that cannot be metres."""
-    unit = _unit(joint)
+    unit = unit_of(joint.type)
     place = given or description.place(joint)
     bounds = [bound for bound in (joint.lower, joint.upper) if abs(bound) < AS_GOOD_AS_UNBOUNDED]
     largest = max(map(abs, bounds), default=0.0)
@@ -154,15 +154,11 @@ def _remedy(joint: Joint, given: Place | None, values: Mapping[str, float]) -> s
     return f"give {entries} where the arm is loaded"
 
 
-def _unit(joint: Joint) -> str:
-    return unit_of(joint.type)
-
-
 def _velocities(description: Description, joints: list[Joint], lengths: str) -> Iterator[Finding]:
     """One finding for all joints with the same impossible velocity."""
     fast: dict[tuple[str, float], list[Joint]] = {}
     for joint in filter(_too_fast, joints):
-        fast.setdefault((_unit(joint), joint.velocity), []).append(joint)
+        fast.setdefault((unit_of(joint.type), joint.velocity), []).append(joint)
     for those in fast.values():
         yield grouped("velocity-implausible", description, those, *_fast_words(those[0], None, lengths))
 
@@ -173,12 +169,12 @@ def _given_velocity(joint: Joint, given: Place, lengths: str) -> Iterator[Findin
 
 
 def _too_fast(joint: Joint) -> bool:
-    return FASTEST[_unit(joint)] < joint.velocity < AS_GOOD_AS_UNBOUNDED
+    return FASTEST[unit_of(joint.type)] < joint.velocity < AS_GOOD_AS_UNBOUNDED
 
 
 def _fast_words(joint: Joint, given: Place | None, lengths: str) -> tuple[str, str]:
     """What is wrong with an impossible velocity, and the remedy."""
-    unit, velocity = _unit(joint), joint.velocity
+    unit, velocity = unit_of(joint.type), joint.velocity
     converted, small = (velocity * UNITS[lengths], lengths) if unit == "m" else (math.radians(velocity), "degrees")
     remedy = _remedy(joint, given, {"velocity": float(f"{converted:.4g}")})
     return (

@@ -123,7 +123,8 @@ def _rescaled(uses: Sequence[Use], factor: float) -> str:
     scales = {use.scale for use in uses}
     if len(scales) > 1:
         return f"multiply their scales in <mesh> by {factor:g}"
-    return f'write scale="{_numbers(np.array(scales.pop()) * factor)}" in <mesh>'
+    numbers = " ".join(f"{scale * factor:.6g}" for scale in scales.pop())
+    return f'write scale="{numbers}" in <mesh>'
 
 
 def _length(path: Path, reader: MeshReader) -> float | UnreadableMeshError:
@@ -157,7 +158,3 @@ def _size(description: Description) -> float:
 def _mesh_finding(code: str, description: Description, paths: Sequence[Path], what: str, remedy: str) -> Finding:
     names = listed(dict.fromkeys(path.name for path in paths), SHOWN)
     return finding(code, description.place(), f"{names}: {what}", remedy)
-
-
-def _numbers(values: Array) -> str:
-    return " ".join(f"{value:.6g}" for value in values)

@@ -24,16 +24,16 @@ def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
 
     A singular home that is the ready pose too is one remark, not also a warning: so most arms are delivered.
     """
-    at_ready = float(condition(arm, arm.ready, rank))
+    at_ready = _condition(arm, arm.ready, rank)
     place = place_of(arm.description, arm.name)
     homes = _homes(arm)
-    conditions = {pose: float(condition(arm, theta, rank)) for pose, theta in homes.items()}
+    conditions = {pose: _condition(arm, theta, rank) for pose, theta in homes.items()}
     singular = {pose: number for pose, number in conditions.items() if number > SINGULAR}
     poor = at_ready > POOR
     if not (poor or singular):
         return
     best = arm.computed_ready
-    at_best = float(condition(arm, best, rank))
+    at_best = _condition(arm, best, rank)
     said = f"say in arm.toml (condition number {at_best:.1f}; look at it first, twistarm view):\n"
     snippet = said + toml_table("poses.ready", arm.theta_to_dict(best))
     if poor and at_best < at_ready / 10 and not any(np.array_equal(arm.ready, homes[pose]) for pose in singular):
@@ -56,9 +56,9 @@ def _homes(arm: Arm) -> dict[str, Array]:
     return {pose: theta for pose, theta in homes.items() if arm.limits.contains(theta)}
 
 
-def condition(arm: Arm, theta: Array, rank: int) -> Array:
-    """σ_1/σ_rank (...) at theta (..., n): the condition number with what the arm lacks everywhere left out."""
-    return arm.manipulability(theta).condition_in(rank)
+def _condition(arm: Arm, theta: Array, rank: int) -> float:
+    """σ_1/σ_rank at theta (n,): the condition number with what the arm lacks everywhere left out."""
+    return float(arm.manipulability(theta).condition_in(rank))
 
 
 def _number(value: float) -> str:

@@ -16,7 +16,7 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from ...arm.pinocchio_model import complaint_about
+from ...arm.pinocchio_model import model_of
 from ...description.document import Reading
 from ...description.inertial import inertial_problem
 from ...description.mesh_paths import plain
@@ -68,7 +68,7 @@ def repair(description: Description, output: str | os.PathLike[str]) -> Repair:
     problem = difference(description, copy)
     if problem:
         raise InputError(f"the repaired copy would be another robot: {problem}; please report it with the description")
-    return Repair(text, tuple(dict.fromkeys(changes)), complaint_about(text))
+    return Repair(text, tuple(dict.fromkeys(changes)), model_of(text)[1])
 
 
 def _joint(source: SourceText, joint: ET.Element, description: Description) -> Iterator[str]:

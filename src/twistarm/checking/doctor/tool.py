@@ -23,17 +23,13 @@ def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:
     last = description.chain(arm.base, arm.tip_link)[-1]
     named = tool_rank(arm.tip_link) is not None
     if last.moving and not slides(last.type) and not named and np.array_equal(arm.tool, np.eye(4)):
+        xyz = ", ".join(f"{value + 0.0:.6g}" for value in OUT * arm.tool_axis)
         yield finding(
             "tool-frame-missing",
             description.place(description.links[arm.tip_link]),
             f"the tool is the frame of {last.name} itself: its origin lies on that joint's axis, "
             "and nothing says where the arm grips",
             f"say in arm.toml where the tool is, seen from {one_line(arm.tip_link)} [m, rad], "
-            f"for one {OUT:g} m along {direction_in_words(arm.tool_axis, 'tool')}:\n{_snippet(arm)}",
+            f"for one {OUT:g} m along {direction_in_words(arm.tool_axis, 'tool')}:\n"
+            f'[tool]\nname = "tool"\nxyz = [{xyz}]\nrpy = [0.0, 0.0, 0.0]',
         )
-
-
-def _snippet(arm: Arm) -> str:
-    """A tool out on the axis about which the last joint rolls it, as an arm.toml says it."""
-    xyz = ", ".join(f"{value + 0.0:.6g}" for value in OUT * arm.tool_axis)
-    return f'[tool]\nname = "tool"\nxyz = [{xyz}]\nrpy = [0.0, 0.0, 0.0]'

@@ -75,6 +75,7 @@ def read_arm_file(path: Path) -> ArmSpecification:
         raise unusable(path, 'it names no source: write source = "my_arm.urdf"')
     folders = _folders(content, path)
     far = tuple(folder for folder in folders if _is_elsewhere(folder, path))
+    poses = table_of(content, "poses", path)
     return ArmSpecification(
         description=_file(content["source"], "source", path),
         source=str(path),
@@ -87,11 +88,10 @@ def read_arm_file(path: Path) -> ArmSpecification:
         mesh_dirs=far,
         without=_without(content, path),
         limits=_limits(content, path),
-        locked=_locked(content, path),
-        poses={
-            name: numbers_of(table_of(table_of(content, "poses", path), name, path), path, f"poses.{name}")
-            for name in table_of(content, "poses", path)
+        locked={
+            joint: bounded(value, path, f"locked.{joint}") for joint, value in table_of(content, "locked", path).items()
         },
+        poses={name: numbers_of(table_of(poses, name, path), path, f"poses.{name}") for name in poses},
         srdf=_file(content["srdf"], "srdf", path) if "srdf" in content else None,
         joint_limits=_file(content["joint_limits"], "joint_limits", path) if "joint_limits" in content else None,
         motors=read_motors(content, path),
@@ -130,11 +130,6 @@ def _is_elsewhere(folder: Path, path: Path) -> bool:
     """Whether the way from the arm.toml to `folder` leads through the home folder, or one that holds it."""
     ends = os.path.realpath(folder), os.path.realpath(path.parent)
     return is_too_wide(Path(os.path.commonpath(ends)))
-
-
-def _locked(content: Mapping[str, Any], path: Path) -> dict[str, float]:
-    locked = table_of(content, "locked", path)
-    return {joint: bounded(value, path, f"locked.{joint}") for joint, value in locked.items()}
 
 
 def _limits(content: Mapping[str, Any], path: Path) -> dict[str, dict[str, float]]:

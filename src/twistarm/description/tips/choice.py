@@ -10,7 +10,7 @@ from ...support.errors import DescriptionError, listed
 from ..findings import Finding, finding, refusal
 from ..tree import Description
 from .limbs import Body, bodies
-from .link_names import finger_named
+from .link_names import tells_of
 from .tip_link import speaks, tip_link
 
 SHOWN = 6
@@ -107,7 +107,7 @@ def _is_arm(end: Body, found: Sequence[Body]) -> bool:
     if not any(body.part == "locomotion" for body in found):
         return True
     chassis = max((body.depth for body in end.path() if body.on("locomotion")), default=0)
-    said = speaks(end) or finger_named(end.links)
+    said = speaks(end) or tells_of("finger", end.links)
     return end.depth - chassis >= ARM - said
 
 

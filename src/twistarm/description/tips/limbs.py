@@ -10,17 +10,7 @@ import numpy as np
 
 from ...limits.joint_units import slides
 from ..tree import Description, Joint
-from .link_names import (
-    camera_named,
-    finger_named,
-    hand_named,
-    is_jaw,
-    is_tool,
-    linkage_named,
-    locomotion_named,
-    sensor_named,
-    wrist_named,
-)
+from .link_names import is_jaw, is_tool, tells_of
 
 Part = Literal["limb", "locomotion", "finger", "head", "rod"]
 """What a body is for: `limb` where nothing speaks against an arm."""
@@ -154,7 +144,7 @@ def _tell_wheels(body: Body) -> None:
     """What rolls or walks: ends named so, several that spin side by side, and what carries nothing else."""
     for child in body.children:
         only = bool(child.children) and len(child.on("locomotion")) == len(child.children)
-        if only or (not child.children and locomotion_named((*child.names, *child.links))):
+        if only or (not child.children and tells_of("locomotion", (*child.names, *child.links))):
             child.part = "locomotion"
     rolling = body.on("locomotion")
     spinning = [child for child in body.on("limb") if _spins(child)]
@@ -166,7 +156,7 @@ def _tell_wheels(body: Body) -> None:
 def _spins(body: Body) -> bool:
     """Whether it is an end that turns without limits, and nothing says that it is more than a wheel."""
     endless = body.joint is not None and body.joint.type == "continuous" and not body.children
-    return endless and not body.holds_tool and not finger_named(body.names)
+    return endless and not body.holds_tool and not tells_of("finger", body.names)
 
 
 # -- fingers -----------------------------------------------------------------------------------------------------------
@@ -176,7 +166,7 @@ def _tell_fingers(body: Body) -> None:
     """What closes on this body: branches named so, short ones that oppose each other, or a jaw against a fixed one."""
     reach = max(LONGEST_FINGER, body.depth)
     short = [child for child in body.on("limb") if child.height < reach and not child.holds_tool]
-    named = [child for child in short if finger_named(child.names)]
+    named = [child for child in short if tells_of("finger", child.names)]
     hand: Sequence[Body] = ()
     if len(named) > 1 and body.depth:
         hand = named
@@ -224,8 +214,8 @@ def _opposed(fingers: Sequence[Body]) -> bool:
 def _closes(finger: Body, body: Body) -> bool:
     """Whether a single finger moves against this body: it bears a tool frame or a fixed finger, or is a jaw's hand."""
     fixed = body.holds_tool or any(is_jaw(link) for link in list(body.links)[1:])
-    jaw = is_jaw(finger.first) and hand_named(body.links)
-    return not finger.children and not wrist_named(finger.names) and (fixed or jaw)
+    jaw = is_jaw(finger.first) and tells_of("hand", body.links)
+    return not finger.children and not tells_of("wrist", finger.names) and (fixed or jaw)
 
 
 # -- rods and heads ----------------------------------------------------------------------------------------------------
@@ -233,7 +223,7 @@ def _closes(finger: Body, body: Body) -> bool:
 
 def _tell_rods(body: Body) -> None:
     """Rods and cylinders beside a limb: named so, or shorter and without a joint that moves by itself."""
-    named = [child for child in body.on("limb") if linkage_named(child.names) and not child.holds_tool]
+    named = [child for child in body.on("limb") if tells_of("linkage", child.names) and not child.holds_tool]
     limbs = [child for child in body.on("limb") if child not in named]
     if limbs:
         longest = max(child.height for child in limbs)
@@ -244,9 +234,9 @@ def _tell_rods(body: Body) -> None:
 def _tell_heads(body: Body) -> None:
     """Heads, masts and cameras that turn: branches named so throughout, beside limbs or wheels or at a camera."""
     limbs = body.on("limb")
-    named = [child for child in limbs if all(sensor_named(one.names) for one in child.beyond())]
+    named = [child for child in limbs if all(tells_of("sensor", one.names) for one in child.beyond())]
     heads = [child for child in named if not child.holds_tool]
     beside = len(heads) < len(limbs) or bool(body.on("locomotion"))
     for child in heads:
-        if beside or any(camera_named(one.names) for one in child.beyond()):
+        if beside or any(tells_of("camera", one.names) for one in child.beyond()):
             _label(child.beyond(), "head")

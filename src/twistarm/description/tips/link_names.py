@@ -43,6 +43,19 @@ _LINKAGE = re.compile(
 )
 
 
+PARTS = {
+    "finger": _FINGER,
+    "hand": _HAND,
+    "locomotion": _ROLLING,
+    "camera": _CAMERA,
+    "sensor": _SENSOR,
+    "wrist": _WRIST,
+    "linkage": _LINKAGE,
+}
+"""What names tell of: a hand or a part of one, what jaws move on, a wheel, what carries it or a leg, what looks or
+listens, a head, a mast or a camera, a joint that turns a hand, and a cylinder, a rod or what else only follows."""
+
+
 def plain(name: str) -> str:
     """The name in lower case, its words joined by one underscore: `px100/ee_gripperLink` is px100_ee_gripper_link."""
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
@@ -83,40 +96,6 @@ def is_jaw(name: str) -> bool:
     return _JAW.search(plain(name)) is not None
 
 
-def finger_named(names: Iterable[str]) -> bool:
-    """Whether one of the names is that of a hand or a part of one."""
-    return _any(_FINGER, names)
-
-
-def hand_named(names: Iterable[str]) -> bool:
-    """Whether one of the names is that of what jaws move on."""
-    return _any(_HAND, names)
-
-
-def locomotion_named(names: Iterable[str]) -> bool:
-    """Whether one of the names is that of a wheel, what carries it, or a leg."""
-    return _any(_ROLLING, names)
-
-
-def camera_named(names: Iterable[str]) -> bool:
-    """Whether one of the names is that of something that looks or listens."""
-    return _any(_CAMERA, names)
-
-
-def wrist_named(names: Iterable[str]) -> bool:
-    """Whether one of the names is that of a joint which turns a hand."""
-    return _any(_WRIST, names)
-
-
-def sensor_named(names: Iterable[str]) -> bool:
-    """Whether one of the names is that of a head, a mast or a camera."""
-    return _any(_SENSOR, names)
-
-
-def linkage_named(names: Iterable[str]) -> bool:
-    """Whether one of the names is that of a cylinder, a rod or another part that only follows."""
-    return _any(_LINKAGE, names)
-
-
-def _any(pattern: re.Pattern[str], names: Iterable[str]) -> bool:
-    return any(pattern.search(plain(name)) for name in names)
+def tells_of(part: str, names: Iterable[str]) -> bool:
+    """Whether one of the names is that of a `part`, a key of `PARTS`."""
+    return any(PARTS[part].search(plain(name)) for name in names)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..tree import Description
 from .limbs import Body
-from .link_names import carries_tool, finger_named, is_flange, is_ornament, is_tool, tool_rank
+from .link_names import carries_tool, is_flange, is_ornament, is_tool, tells_of, tool_rank
 
 
 class TipLink(NamedTuple):
@@ -63,7 +63,7 @@ def _ends(end: Body) -> list[str]:
     carries = Counter(end.links.values())
     left = dict.fromkeys(end.links)
     outer = [link for link in left if not carries[link]]
-    fingers = [link for link in outer if finger_named([link]) and not carries_tool(link)]
+    fingers = [link for link in outer if tells_of("finger", [link]) and not carries_tool(link)]
     loose = [link for link in outer if is_ornament(link) or (len(fingers) > 1 and link in fingers)]
     while loose:
         link = loose.pop()
@@ -81,7 +81,7 @@ def _in_hand(description: Description, end: Body, ends: list[str]) -> TipLink:
     """The only frame that hangs on the palm, else the palm: the link that carries all the fingers."""
     palm = end.fork(finger.joint.parent for finger in end.on("finger") if finger.joint is not None)
     frames = [link for link in ends if link != palm and palm in end.inward(link) and not _shaped(description, link)]
-    frames = [link for link in frames if carries_tool(link) or not finger_named([link])]
+    frames = [link for link in frames if carries_tool(link) or not tells_of("finger", [link])]
     if len(frames) == 1:
         return TipLink(frames[0], "it is the frame between the fingers", (frames[0], palm))
     several = len(end.on("finger")) > 1
