@@ -45,32 +45,11 @@ def printed() -> list[object]:
     targets = [Pose(g), Position([1, 0, 0]), Approach([1, 0, 0], [0, 0, 1]), Task(g, [0] * 6)]
     commands = [TwistCommand([0.1, 0, 0, 0, 0, 0]), JogCommand(theta), PoseCommand(g)]
     answers = [solve_ik(arm, targets[1]), solve_ik(arm, Position([9, 0, 0])), solve_ik_batch(arm, targets)]
-    parts = [
-        arm.limits,
-        arm.coupling,
-        arm.proof,
-        arm.description,
-        arm.manipulability(theta),
-        motion.sample(0.1),
-        motors,
-    ]
+    parts = [arm.limits, arm.coupling, arm.proof, arm.description, arm.manipulability(theta), motion.sample(0.1)]
     log = WiringLog(("a", "b"), np.zeros((9, 2)), np.zeros((9, 3)))
     screw = screws.to_screw([0.1, 0, 0, 0, 0, 1])
-    return [
-        arm,
-        motion,
-        state,
-        output,
-        check,
-        check.comparisons[0],
-        *targets,
-        *commands,
-        *answers,
-        *parts,
-        motors,
-        log,
-        screw,
-    ]
+    shown = [arm, motion, state, output, check, check.comparisons[0], motors, log, screw]
+    return [*shown, *targets, *commands, *answers, *parts]
 
 
 def plan(arm: Arm) -> Trajectory:

@@ -6,17 +6,9 @@ import pickle
 
 import pytest
 
-from twistarm.support.errors import (
-    LONGEST,
-    DescriptionError,
-    InputError,
-    MissingExtraError,
-    TwistarmError,
-    listed,
-    one_line,
-)
+from twistarm.support.errors import LONGEST, DescriptionError, MissingExtraError, TwistarmError, listed, one_line
 
-CLASSES = [TwistarmError, InputError, DescriptionError, MissingExtraError]
+CLASSES = [TwistarmError, DescriptionError, MissingExtraError]
 
 
 @pytest.mark.parametrize("kind", CLASSES)
