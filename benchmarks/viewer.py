@@ -32,7 +32,7 @@ from twistarm import Arm, load_arm
 from twistarm.support.errors import TwistarmError
 from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer
-from twistarm.viewer.protocol.message_cache import Board
+from twistarm.viewer.protocol.change_publisher import ChangePublisher
 from twistarm.viewer.stage import Stage
 
 from .machine import machine
@@ -74,11 +74,11 @@ def swing(arm: Arm, k: int) -> Any:
 
 def frame(arm: Arm, count: int) -> str:
     """Forward kinematics, the messages of every part and their text, for a posture that is new each time."""
-    stage, board = Stage(arm), Board()
+    stage, news = Stage(arm), ChangePublisher()
 
     def one(k: int) -> None:
         stage.show(swing(arm, k))
-        board.refresh(stage.messages())
+        news.gather(stage.sources())
 
     size = len(encode(stage.frame()))
     links = 0 if arm.description is None else len(arm.description.links)

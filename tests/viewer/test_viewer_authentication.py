@@ -36,15 +36,18 @@ def test_a_host_with_a_user_is_refused(host: str) -> None:
     assert not Authentication("0.0.0.0").admits_host(host)
 
 
-@pytest.mark.parametrize("host", ["127.0.0.1/x", "127.0.0.1?x", "127.0.0.1#x", "127.0.0.1:99999", ""])
-def test_what_is_no_host_is_refused(host: str) -> None:
+@pytest.mark.parametrize(
+    "host",
+    ["127.0.0.1/x", "127.0.0.1?x", "127.0.0.1#x", "127.0.0.1:99999", "127.0.0.1:x", "", "127.0.0.1.evil.example"],
+)
+def test_what_is_no_host_of_ours_is_refused(host: str) -> None:
     assert not GUARD.admits_host(host)
 
 
 @pytest.mark.parametrize(
     "origin",
     ["vscode-webview://localhost", "ftp://127.0.0.1", "ws://127.0.0.1", "file://localhost", "//localhost", "localhost",
-     "chrome-extension://127.0.0.1", "https:localhost", ""],
+     "chrome-extension://127.0.0.1", "https:localhost", "", "null", "http://127.0.0.1.evil.example"],
 )  # fmt: skip
 def test_an_origin_of_another_scheme_is_refused_though_its_host_is_ours(origin: str) -> None:
     assert not GUARD.admits_origin(origin)
@@ -53,6 +56,7 @@ def test_an_origin_of_another_scheme_is_refused_though_its_host_is_ours(origin: 
 @pytest.mark.parametrize("origin", ["http://127.0.0.1:8000", "https://localhost", "http://[::1]:9", None])
 def test_an_origin_of_ours_is_admitted(origin: str | None) -> None:
     assert GUARD.admits_origin(origin)
+    assert GUARD.admits_host("LOCALHOST")
 
 
 def test_no_answer_s_type_is_guessed_by_the_browser(arm: Arm, viewer: Viewer) -> None:

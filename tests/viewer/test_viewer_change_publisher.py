@@ -53,10 +53,22 @@ def test_a_source_that_fails_is_reported_once_and_stops_no_other() -> None:
     assert read(news.gather([bad, good]))["error"]["message"] == "out of numbers again"
 
 
-def test_what_is_no_json_is_a_failure_of_its_source() -> None:
+def test_what_is_no_json_is_a_failure_of_its_source_and_leaves_what_was_shown() -> None:
     news, bad = ChangePublisher(), Source("bad")
+    news.gather([bad])
     bad.count = float("nan")  # type: ignore[assignment]
     assert set(news.gather([bad, Source("good")])) == {"error", "good"}
+    assert read(news.everything())["bad"]["count"] == 0
+
+
+def test_what_says_the_same_is_not_told_again_and_a_late_page_gets_the_latest() -> None:
+    news, one, two = ChangePublisher(), Source("one"), Source("two")
+    assert set(news.gather([one, two])) == {"one", "two"}
+    assert news.gather([one, two]) == {}
+    one.count = 1
+    assert read(news.gather([one, two])) == {"one": {"type": "one", "count": 1}}
+    news.everything().clear()  # the caller's own
+    assert {kind: message["count"] for kind, message in read(news.everything()).items()} == {"one": 1, "two": 0}
 
 
 def test_a_part_that_fails_stops_neither_frames_nor_newcomers(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,10 +16,8 @@ from numpy.testing import assert_array_equal
 from test_viewer_messages import BAD_MESSAGES
 from twistarm import ArmBuilder, plan_joint
 from twistarm.control.servo import JogCommand, TwistCommand
-from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.servo_words import SILENT
-from twistarm.viewer.protocol.messages import parse
 from viewer_page import WAIT, Page, visit
 
 ARM = (
@@ -35,17 +33,10 @@ TWIST = [0.1, 0.0, -0.05, 0.0, 0.4, 0.0]
 NUMBERS = itertools.count(1)
 
 BAD_COMMANDS = [
-    ({"type": "jog"}, "jog needs twist, frame; got []"),
     ({"type": "jog", "twist": TWIST}, "jog needs twist, frame; got ['twist']"),
-    ({"type": "jog", "twist": TWIST, "frame": "tool", "hold": None}, "jog needs twist, frame; got"),
-    ({"type": "jog", "twist": TWIST[:5], "frame": "tool"}, "twist must be a list of 6 numbers"),
-    ({"type": "jog", "twist": {"x": 1}, "frame": "tool"}, "twist must be a list of numbers"),
-    ({"type": "jog", "twist": [*TWIST[:5], "1"], "frame": "tool"}, "twist[5] must be a number; got '1'"),
     ({"type": "jog", "twist": [*TWIST[:5], float("nan")], "frame": "tool"}, "numbers must be finite; got NaN"),
     ({"type": "jog", "twist": [*TWIST[:5], 1e9], "frame": "tool"}, "twist[5] must be finite and at most 1e+06"),
     ({"type": "jog", "twist": TWIST, "frame": "world"}, "frame must be 'tool' or 'base'; got 'world'"),
-    ({"type": "jog", "twist": TWIST, "frame": 3}, "frame must be text; got 3"),
-    ({"type": "stop", "twist": TWIST}, "stop needs no fields; got ['twist']"),
 ]
 
 
@@ -83,13 +74,6 @@ async def eventually(reached: Callable[[], bool]) -> None:
 
 
 # commands in ------------------------------------------------------------------------------------------
-
-
-def test_the_schema() -> None:
-    request = parse(json.dumps({"type": "jog", "twist": [1, 2, 3, 4, 5, 6], "frame": "base", "number": 4}))
-    assert (request.kind, request.number) == ("jog", 4)
-    assert request.fields == {"twist": [1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "frame": "base"}
-    assert parse('{"type": "stop"}').fields == {}
 
 
 def test_nothing_is_taken_before_somebody_asks_for_commands(viewer: Viewer) -> None:
@@ -283,8 +267,3 @@ def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: View
         assert "error" not in page.latest
 
     visit(viewer, meddle)
-
-
-def test_a_twist_beyond_the_schema_is_an_input_error() -> None:
-    with pytest.raises(InputError, match="jog needs twist, frame"):
-        parse('{"type": "jog", "frame": "tool"}')

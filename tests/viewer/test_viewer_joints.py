@@ -46,11 +46,6 @@ def test_random_configurations_are_inside_the_limits_and_never_the_same() -> Non
     assert np.all(share.max(axis=0) > 0.9)
 
 
-def test_two_views_start_with_different_random_configurations() -> None:
-    first, second = (ask(Stage(ARM), '{"type": "random", "ease": false}') for _ in range(2))
-    assert not np.array_equal(first, second)
-
-
 def test_without_limits_random_is_within_a_turn_and_a_metre() -> None:
     stage = Stage(FREE)
     for _ in range(50):
@@ -62,11 +57,6 @@ def test_random_leaves_the_joints_beside_the_arm_alone() -> None:
     ask(stage, '{"type": "joint", "name": "finger_left", "value": 0.02}')
     ask(stage, '{"type": "random", "ease": false}')
     assert stage.others["finger_left"] == 0.02
-
-
-def test_random_takes_no_seed() -> None:
-    with pytest.raises(InputError, match=r"random needs ease; got \['seed'\]"):
-        parse('{"type": "random", "seed": 1}')
 
 
 def test_random_is_refused_while_a_servo_drives() -> None:

@@ -180,6 +180,7 @@ def test_pages_that_vanish_amid_messages_are_forgotten(viewer: Viewer, caplog: p
     assert not caplog.records
 
 
+@pytest.mark.slow
 def test_a_hundred_reconnections_leave_nothing(viewer: Viewer) -> None:
     async def come_and_go(times: int) -> None:
         for _ in range(times):
@@ -219,9 +220,9 @@ def test_every_hostile_message_gets_an_answer(viewer: Viewer) -> None:
     assert visit(viewer, misbehave).latest["frame"]["theta"] == list(THETA)
 
 
-@pytest.mark.parametrize("count", [2_500, pytest.param(10_000, marks=pytest.mark.slow)])
-def test_hostile_messages_leave_the_server_alive_and_its_memory_flat(viewer: Viewer, count: int) -> None:
-    messages = (hostile() * 10)[:count]
+@pytest.mark.slow
+def test_hostile_messages_leave_the_server_alive_and_its_memory_flat(viewer: Viewer) -> None:
+    messages = (hostile() * 10)[:10_000]
 
     async def flood(page: Page, texts: list[str | bytes]) -> None:
         for text in texts:
@@ -239,7 +240,10 @@ def test_hostile_messages_leave_the_server_alive_and_its_memory_flat(viewer: Vie
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no process groups to look into")
 @pytest.mark.usefixtures("hangups")
-@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize(
+    "end",
+    [signal.SIGTERM, *(pytest.param(end, marks=pytest.mark.slow) for end in (signal.SIGKILL, signal.SIGHUP))],
+)
 def test_an_ended_process_leaves_nothing_running(end: signal.Signals) -> None:
     program = "from twistarm.cli import main; main()"
     command = [sys.executable, "-c", program, "view", "rover_arm", "--no-browser"]

@@ -152,11 +152,6 @@ def test_a_page_moves_the_arm_and_python_and_other_pages_see_it(arm: Arm, viewer
     assert_array_equal(viewer.theta, [0.1, 0.2, 0.05])
 
 
-def test_a_request_and_its_number() -> None:
-    request = parse('{"type": "seek", "time": 2, "number": 3}')
-    assert (request.kind, request.fields, request.number) == ("seek", {"time": 2.0}, 3)
-
-
 def told(arm: Arm) -> Iterator[dict[str, Any]]:
     """Whatever the process says, with everything on show that can be."""
     stage = Stage(arm, THETA)

@@ -48,27 +48,13 @@ def test_the_page_and_its_files_are_served_under_the_token_only(viewer: Viewer) 
     assert get(viewer.url.rstrip("/"))[1].startswith("<!DOCTYPE html>")
 
 
-@pytest.mark.parametrize(
-    "host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "a@127.0.0.1", "127.0.0.1:x"]
-)
-def test_a_foreign_host_is_refused(viewer: Viewer, host: str) -> None:
-    status, text, _ = get(viewer.url, Host=host)
-    assert status in (400, 403)
+def test_hosts_and_origins_are_asked_of_the_page_and_of_its_socket(viewer: Viewer) -> None:
+    status, text, _ = get(viewer.url, Host="evil.example:80")
+    assert status == 403
     assert "<title>" not in text
-
-
-@pytest.mark.parametrize("host", ["localhost:1234", "127.0.0.1", "[::1]:8080", "LOCALHOST"])
-def test_forwarded_ports_are_accepted(viewer: Viewer, host: str) -> None:
-    assert get(viewer.url, Host=host)[0] == 200
-
-
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "file://", "http://127.0.0.1.evil.example"])
-def test_a_foreign_origin_opens_no_socket(viewer: Viewer, origin: str) -> None:
+    assert get(viewer.url, Host="localhost:1234")[0] == 200
     with pytest.raises(HTTPClientError, match="403"):
-        visit(viewer, nothing, Origin=origin)
-
-
-def test_an_origin_on_a_forwarded_port_opens_a_socket(viewer: Viewer) -> None:
+        visit(viewer, nothing, Origin="http://evil.example")
     assert "hello" in visit(viewer, nothing, Origin="http://localhost:9999").latest
 
 

@@ -243,14 +243,6 @@ def test_a_target_stops_what_plays() -> None:
 BAD = [
     ({"kind": "pose", "position": [0, 0, 1], "xyzw": [0, 0, 0, 0]}, "length 1, as 0, 0, 0, 1 is; got one of length 0"),
     ({"kind": "position", "position": [0, 0, 1], "xyzw": [0, 0, 0, 2]}, "got one of length 2"),
-    ({"kind": "pose", "position": [0, 0, 1e7], "xyzw": [0, 0, 0, 1]}, "position[2] must be finite and at most 1e+06"),
-    ({"kind": "pose", "position": [0, 0], "xyzw": [0, 0, 0, 1]}, "position must be a list of 3 numbers"),
-    ({"kind": "pose", "position": [0, 0, 1], "xyzw": [0, 0, 1]}, "xyzw must be a list of 4 numbers"),
-    (
-        {"kind": "place", "position": [0, 0, 1], "xyzw": [0, 0, 0, 1]},
-        "kind must be one of 'pose', 'position'",
-    ),
-    ({"kind": "pose", "position": ["0", 0, 1], "xyzw": [0, 0, 0, 1]}, "position[0] must be a number; got '0'"),
 ]
 
 

@@ -271,6 +271,7 @@ def test_a_mesh_is_watched_too(watched: Any, source: Path) -> None:
     until(lambda: viewer.arm is not first)
 
 
+@pytest.mark.slow
 def test_a_file_that_never_rests_neither_stops_the_view_nor_wears_it_out(watched: Any, source: Path) -> None:
     viewer, said = watched
     include = source.parent / "links.xacro"

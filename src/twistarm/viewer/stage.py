@@ -36,8 +36,7 @@ from .parts.tool_path import NO_PATH
 from .parts.workspace import Workspace
 from .protocol.change_publisher import Source
 from .protocol.jobs import Job
-from .protocol.message_cache import Message
-from .protocol.messages import Request
+from .protocol.messages import Message, Request
 from .scene.placement import Placement
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")

@@ -19,7 +19,7 @@ from ..parts.playback import Playback
 from ..parts.plots import plots
 from ..parts.summary import describe_arm, extra_joints, named_poses, rest
 from ..parts.tool_path import NO_PATH, tool_path
-from ..protocol.message_cache import Message
+from ..protocol.messages import Message
 from ..scene.arm_scene import Scene, build_scene
 from ..stage import LAYERS, Stage
 from .page_kinematics import kinematics

@@ -14,8 +14,7 @@ from ...description.findings import Finding, Place, Severity
 from ...description.meshes import MeshReader
 from ...support.errors import one_line
 from ...support.path_redaction import without_places
-from ..protocol.message_cache import Message
-from ..protocol.messages import LONGEST_NAME
+from ..protocol.messages import LONGEST_NAME, Message
 from ..scene.nodes import link_path, screw_path
 
 MOST = 500

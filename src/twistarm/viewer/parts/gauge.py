@@ -15,7 +15,7 @@ from ...control.servo.bounds import bounds_of
 from ...support.checks import Array
 from ...support.directions import leading, nearest_axes
 from ...theory.manipulability import scaled_jacobian
-from ..protocol.message_cache import Message
+from ..protocol.messages import Message
 from .part import Part, Show
 
 NEAR = 0.1

@@ -11,8 +11,7 @@ import numpy as np
 from ...support.checks import Array
 from ...support.errors import InputError
 from ..protocol.jobs import Job
-from ..protocol.message_cache import Message
-from ..protocol.messages import Request
+from ..protocol.messages import Message, Request
 from .part import Seen, Show
 from .pose_list import PoseList, RecordedPose
 

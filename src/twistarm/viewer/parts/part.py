@@ -11,8 +11,7 @@ from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
 from ..protocol.jobs import Job
-from ..protocol.message_cache import Message
-from ..protocol.messages import Request
+from ..protocol.messages import Message, Request
 from .playback import Playback
 from .pose_list import RecordedPose
 

@@ -9,8 +9,7 @@ from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
 from ..protocol.jobs import Job
-from ..protocol.message_cache import Message
-from ..protocol.messages import Request
+from ..protocol.messages import Message, Request
 from .limit_checks import checked_theta
 from .part import Show
 from .playback import Playback

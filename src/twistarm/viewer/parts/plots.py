@@ -11,7 +11,7 @@ from ...arm.arm import Arm
 from ...limits.joint_limits import JointLimits, usual_range
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
-from ..protocol.message_cache import Message
+from ..protocol.messages import Message
 from .part import Part, Show
 from .playback import Playback
 

@@ -17,8 +17,7 @@ from ...planning.motion import LAWS, plan
 from ...planning.trajectory import Trajectory
 from ...support.errors import InputError
 from ..protocol.jobs import Job, Progress
-from ..protocol.message_cache import Message
-from ..protocol.messages import Request
+from ..protocol.messages import Message, Request
 from ..scene.ghost import standing_at
 from ..scene.placement import Placement
 from .part import Show

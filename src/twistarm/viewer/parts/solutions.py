@@ -14,8 +14,7 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ...support.vector_words import value_in_words
 from ..protocol.jobs import Job
-from ..protocol.message_cache import Message
-from ..protocol.messages import Request
+from ..protocol.messages import Message, Request
 from ..scene.ghost import standing_at
 from ..scene.placement import Placement
 from .part import Show

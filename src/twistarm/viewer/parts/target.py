@@ -17,8 +17,7 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory import rotations
 from ..protocol.jobs import Job
-from ..protocol.message_cache import Message
-from ..protocol.messages import Request
+from ..protocol.messages import Message, Request
 from ..scene.ghost import ghost
 from .part import Show
 

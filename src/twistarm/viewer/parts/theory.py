@@ -10,7 +10,7 @@ import numpy as np
 from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory.screws import to_screw
-from ..protocol.message_cache import Message
+from ..protocol.messages import Message
 from ..scene.axes import AXIS_HALF, PITCHLESS, anchors, arm_size
 from ..scene.nodes import screw_path
 from .part import Part, Show

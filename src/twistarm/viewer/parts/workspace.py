@@ -13,7 +13,7 @@ from ...arm.arm import Arm
 from ...arm.inability import NO_MOTION
 from ...support.checks import Array
 from ..protocol.jobs import Job, Progress
-from ..protocol.message_cache import Message
+from ..protocol.messages import Message
 from .part import Part, Show
 
 POINTS = 20_000

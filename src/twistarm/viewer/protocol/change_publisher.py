@@ -1,22 +1,22 @@
-"""Publisher of changes: each source is asked by itself, and one that fails leaves the others alone."""
+"""Publisher of changes: only what has changed is encoded and told; a source that fails leaves the others alone."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
 from ...support.strict_json import encode
-from .message_cache import Message, MessageCache
-from .messages import failure
+from .messages import Message, failure
 
 Source = Callable[[], Iterable[Message]]
-"""Says what a part of the view shows now."""
+"""Says what a part of the view shows now; a message that was said is never changed."""
 
 
 class ChangePublisher:
     """What the pages know and what they do not. A source that fails keeps what it last said, and is told of once."""
 
     def __init__(self) -> None:
-        self._board = MessageCache()
+        self._shown: dict[str, Message] = {}
+        self._texts: dict[str, str] = {}
         self._failing: dict[int, str] = {}
 
     def gather(self, sources: Sequence[Source]) -> dict[str, str]:
@@ -28,7 +28,7 @@ class ChangePublisher:
 
     def everything(self) -> dict[str, str]:
         """What a new page is told, by type."""
-        texts = self._board.texts()
+        texts = dict(self._texts)
         for error in self._failing.values():
             texts["error"] = error
         return texts
@@ -36,9 +36,15 @@ class ChangePublisher:
     def _ask(self, place: int, source: Source, changed: dict[str, str]) -> None:
         try:
             for message in source():
-                changed.update(self._board.refresh([message]))
+                self._show(message, changed)
         except Exception as error:
             if place not in self._failing:
                 self._failing[place] = changed["error"] = encode(failure(error))
         else:
             self._failing.pop(place, None)
+
+    def _show(self, message: Message, changed: dict[str, str]) -> None:
+        kind = message["type"]
+        if self._shown.get(kind) != message:
+            self._texts[kind] = changed[kind] = encode(message)
+            self._shown[kind] = message

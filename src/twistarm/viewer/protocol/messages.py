@@ -13,6 +13,9 @@ from ...support.path_redaction import without_places
 from ...support.strict_json import Check, counter, decoded, fields, flag, list_of, number, numbers, one_of, short, text
 from ..page_files import page_text
 
+Message = dict[str, Any]
+"""What the pages are told: its `type`, and the fields of that type in the schema."""
+
 LARGEST_VALUE = 1e6
 """Joint values beyond this [rad, m] come from no page and no arm, and would overflow the drawing."""
 
@@ -53,7 +56,7 @@ def number_of(message: str | bytes) -> int | None:
         return None
 
 
-def failure(error: Exception) -> dict[str, Any]:
+def failure(error: Exception) -> Message:
     """The message that tells of an error."""
     return {"type": "error", "message": without_places(str(error)) or type(error).__name__}
 

@@ -17,8 +17,7 @@ from ..parts.commands import COMMANDS, PageCommands
 from ..parts.findings import Examination
 from ..protocol.change_publisher import ChangePublisher, Source
 from ..protocol.jobs import Job, Progress, Workers
-from ..protocol.message_cache import Message
-from ..protocol.messages import Request, failure, number_of, parse
+from ..protocol.messages import Message, Request, failure, number_of, parse
 from ..scene.arm_scene import Scene
 from ..stage import Stage
 from ..state_transfer import carry
