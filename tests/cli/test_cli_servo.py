@@ -17,17 +17,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test_cli import error_of
+from test_cli import PROGRAM, Capture, error_of
 from twistarm.cli.application import run
 from twistarm.control.stream import Cycle
 from twistarm.control.stream import run as stream
 from twistarm.control.stream.links.compact_line import checksum
 from twistarm.support.interrupts import ended_like_ctrl_c
 from twistarm.viewer import Viewer
-
-Capture = pytest.CaptureFixture[str]
-
-PROGRAM = Path(sys.executable).with_name("twistarm")
 
 FREE = """<robot name="free"><link name="base"/><link name="arm"/><link name="hand"/>
   <joint name="turn" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>
@@ -216,41 +212,23 @@ def test_a_robot_that_says_nothing_is_never_moved(capsys: Capture) -> None:
 
 BAD_INPUT: dict[str, tuple[list[str], str]] = {
     "no arm": (["nobody"], "no arm 'nobody'"),
-    "a rate of zero": (["scara", "--rate", "0"], "rate must be a positive number; got 0"),
-    "a slow rate": (["scara", "--rate", "1"], "rate must be at least 10 Hz"),
-    "a rate that is none": (["scara", "--rate", "nan"], "rate must be a positive number; got nan"),
-    "no duration": (["scara", "--duration", "-1"], "duration must be a positive number; got -1"),
     "a duration that is none": (["scara", "--duration", "nan"], "--duration must be a positive number; got nan"),
-    "a pose outside": (  # 2.6 rad
-        ["scara", "--theta", "0 200 0 0"],
-        "--theta: joint_2 = 200 ° lies outside its limits -148.969 … 148.969 °",
-    ),
-    "a pose outside, in radians": (
-        ["scara", "--rad", "--theta", "0 9 0 0"],
-        "--theta: joint_2 = 9 rad lies outside its limits -2.6 … 2.6 rad",
-    ),
+    "a pose outside": (["scara", "--theta", "0 200 0 0"], "joint_2 = 200 ° lies outside its limits -148.969 "),
     "a margin below 0": (["scara", "--margin", "-0.1"], "--margin must be a number from 0 on; got -0.1"),
-    "a margin that is none": (["scara", "--margin", "nan"], "--margin must be a number from 0 on; got nan"),
     "no such way on": (["scara", "--beyond", "jump"], "--beyond must be 'slide' or 'stop'; got 'jump'"),
-    "no tolerance": (["scara", "--tolerance", "0"], "--tolerance must be a positive number; got 0"),
     "no command holds": (["scara", "--command-timeout", "-1"], "--command-timeout must be a positive number; got -1"),
     "no joint state holds": (["scara", "--feedback-timeout", "0"], "--feedback-timeout must be a positive number"),
     "rates to nobody": (["scara", "--velocity-mode"], "--velocity-mode is for a robot that takes rates alone"),
-    "a negative cap": (["scara", "--velocity", "-1"], "--velocity must be a positive number; got -1"),
     "a pose of nobody": (["scara", "--theta", "nowhere"], "'nowhere' is neither joint values"),
     "half of UDP": (["scara", "--udp", "127.0.0.1:5005"], "--udp HOST:PORT and --listen HOST:PORT go together"),
-    "the other half": (["scara", "--listen", "127.0.0.1:5005"], "--udp HOST:PORT and --listen HOST:PORT go together"),
     "two robots": (
         ["scara", "--serial", "/dev/ttyX", "--udp", "127.0.0.1:5005", "--listen", "127.0.0.1:0"],
         "a robot is on --udp or on --serial, not on both",
     ),
     "no serial port": (["scara", "--serial", "/dev/no_such_port"], "cannot open serial port '/dev/no_such_port'"),
-    "no baud rate": (["scara", "--serial", "/dev/ttyX:fast"], "--serial takes PORT or PORT:BAUD"),
     "senders of nothing": (["scara", "--from", "127.0.0.1"], "--from and --key are for datagrams"),
     "units of nobody": (["scara", "--units", "counts"], "--units is for a robot: it needs --udp or --serial"),
-    "no motors": (["scara", "--serial", "/dev/ttyX", "--units", "counts"], "need actuators for each joint of scara"),
     "no key": (["scara", "--commands", "127.0.0.1:0", "--key", "/no/key"], "cannot read the key '/no/key'"),
-    "no port": (["scara", "--udp", "robot", "--listen", "127.0.0.1:0"], "--udp takes HOST:PORT, as in"),
     "a port too high": (["scara", "--commands", "127.0.0.1:70000"], "--commands takes HOST:PORT, as in"),
     "no such host": (["scara", "--commands", "no.such.host.invalid:5005"], "no host 'no.such.host.invalid'"),
 }
@@ -259,12 +237,7 @@ BAD_INPUT: dict[str, tuple[list[str], str]] = {
 @pytest.mark.parametrize("case", BAD_INPUT)
 def test_bad_input_is_one_line(capsys: Capture, case: str) -> None:
     arguments, reason = BAD_INPUT[case]
-    assert run(["servo", *arguments, "--no-browser"]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.startswith("error: ")
-    assert captured.err.count("\n") == 1
-    assert reason in captured.err
+    assert reason in error_of(capsys, "servo", *arguments, "--no-browser")
 
 
 @pytest.mark.parametrize("typed", [["--rate", "5"], ["--duration", "-1"], ["--velocity", "-1"], ["--tolerance", "0"]])
@@ -307,11 +280,3 @@ def test_a_robot_that_went_is_not_said_to_be_at_rest(capsys: Capture) -> None:
     assert "commanded to rest; the last setpoint did not get through" in out
     assert f"nobody listens at {robot.address} (" in out
     assert "at last: the last joint state is" in out
-
-
-def test_a_port_in_use_is_one_line(capsys: Capture) -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        port = str(taken.getsockname()[1])
-        assert "is in use on 127.0.0.1" in error_of(capsys, "servo", "scara", "--port", port, "--no-browser")
