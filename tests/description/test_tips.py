@@ -161,7 +161,7 @@ def test_the_choice_is_told_with_its_reason_and_the_others(tmp_path: Path) -> No
         "the arm stands on 'arm_base'; other candidates: 'ee', 'x', 'front_left_wheel', 'front_right_wheel', "
         "'rear_left_wheel', 'rear_right_wheel'"
     )
-    assert told.remedy == "pass tip= if another is meant"
+    assert told.remedy == "pass tip=... if another is meant"
 
 
 @pytest.mark.parametrize("text", [SIX, f"{SIX} -> tool0", "base R> l1 R> claw"])

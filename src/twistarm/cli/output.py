@@ -41,6 +41,11 @@ def literal(text: object) -> str:
     return escape(printable(str(text)))
 
 
+def as_written(text: str) -> str:
+    """Text for what Rich shows by itself: brackets stay in it."""
+    return escape(text)
+
+
 def say(*lines: object, file: TextIO | None = None) -> None:
     """Print lines, each in one: whatever names it holds, none becomes a line, a colour or an order to the terminal."""
     print(*(printable(str(line)) for line in lines), sep="\n", file=file or sys.stdout, flush=True)

@@ -10,6 +10,7 @@ from ..control.stream import FollowReport, StreamReport
 from ..control.stream.report import names_counted
 from .grid import Grid
 from .output import table
+from .wording import in_options
 
 
 def report_json(arm: Arm, report: StreamReport) -> dict[str, Any]:
@@ -31,7 +32,7 @@ def follow_json(arm: Arm, report: FollowReport) -> dict[str, Any]:
     )
     return {
         "arm": arm.name, "ok": report.ok, "completed": report.completed, "ending": report.stream.ending.name,
-        "reason": report.stream.reason, "at": report.at, "duration": report.duration, "speed": report.speed,
+        "reason": in_options(report.stream.reason), "at": report.at, "duration": report.duration, "speed": report.speed,
         "largest_lag": lags, "largest_error": errors, "loop": report_json(arm, report.stream),
     }  # fmt: skip
 
@@ -47,7 +48,7 @@ def _rows(report: StreamReport, uncommanded: str) -> list[list[str]]:
     statuses = names_counted(report.statuses)
     blind = f"{report.blind:.1f} s later{because(report.blind, report.blind_reason)}"
     return [
-        ["ended", ": ".join(filter(None, (report.ending.value, report.reason)))],
+        ["ended", ": ".join(filter(None, (report.ending.value, in_options(report.reason))))],
         ["cycles", f"{report.cycles} at {report.rate:g} Hz in {report.duration:.1f} s, {report.missed} missed"],
         ["begun late by", f"{late[0]} (median), {late[1]} (99 %), {late[2]} (most)"],
         *([["limits", report.assumed]] if report.assumed else []),

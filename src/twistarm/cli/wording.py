@@ -85,7 +85,9 @@ def _posture(found: re.Match[str]) -> str:
 
 
 def _in_degrees(found: re.Match[str]) -> str:
-    return f"{math.degrees(float(found['value'])):.5g}°{found['unit'].removeprefix('rad')}"
+    value = found["value"]
+    digits = max(2, len(re.findall(r"\d", value.partition("e")[0]))) if "e" in value else 5  # of noise two are enough
+    return f"{math.degrees(float(value)):.{digits}g}°{found['unit'].removeprefix('rad')}"
 
 
 def told(error: Exception) -> str:
