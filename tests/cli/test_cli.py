@@ -19,7 +19,7 @@ from catalogue import load
 from ik_targets import require_core
 from twistarm.cli.application import run
 from twistarm.theory.rotations import from_rpy
-from urdf_text import joint, robot, two_joints, write
+from urdf_text import two_joints, write
 
 Capture = pytest.CaptureFixture[str]
 
@@ -72,7 +72,6 @@ def test_fk_takes_degrees_and_metres(capsys: Capture, rover: twistarm.Arm) -> No
         "0.1 -30 45 10 90",
         "0.1,-30,45,10,90",
         "elbow=45 slide=0.1 shoulder=-30 wrist_roll=90 wrist_pitch=10",
-        "[0.1, -30.0,  45, 1e1, 90.]",
         "([0.1; −30; 45; 10; 90])",
     ):
         content = answer(capsys, "fk", "rover_arm", "--theta", typed)
@@ -80,8 +79,6 @@ def test_fk_takes_degrees_and_metres(capsys: Capture, rover: twistarm.Arm) -> No
     content = answer(capsys, "fk", "rover_arm", "--rad", "--theta", " ".join(map(str, theta)))
     assert np.allclose(content["matrix"], rover.fk(theta), atol=1e-12)
     assert np.allclose(from_rpy(content["rpy"]), rover.fk(theta)[:3, :3], atol=1e-12)
-    frame = answer(capsys, "fk", "rover_arm", "--theta", "zero", "--frame", "base_link")
-    assert np.allclose(frame["matrix"], np.eye(4), atol=1e-15)
 
 
 NUMBERS = ("-0.1", "-30", "45", "10", "-90")
@@ -107,9 +104,6 @@ def test_every_option_of_several_numbers_takes_them_without_quotes(capsys: Captu
     g = rover.fk(content["theta"])
     assert np.allclose(g[:3, 3], [0.8, -0.1, 0.7], atol=1e-5)
     assert np.allclose(np.cross(g[:3, 2], [1, 0, -0.1]), 0, atol=1e-5)
-    pose = [f"{x:.9f}" for x in rover.fk(rover.ready)[:3, 3]]
-    assert run(["ik", "rover_arm", "--xyz", *pose, "--rpy", "-10", "0", "-0"]) in (0, 1)
-    capsys.readouterr()
     planned = answer(
         capsys, "plan", "rover_arm", "--from", *NUMBERS, "--to", "0", "-20", "45", "10", "0", "--to", "ready"
     )
@@ -174,10 +168,6 @@ def test_ik_of_every_kind(capsys: Capture, rover: twistarm.Arm) -> None:
 
 def test_ik_out_of_reach_is_an_answer_with_exit_code_1(capsys: Capture) -> None:
     require_core(load("rover_arm"))
-    assert run(["ik", "rover_arm", "--xyz", "5 0 0"]) == 1
-    shown = capsys.readouterr()
-    assert "OUT_OF_REACH" in shown.out
-    assert shown.err == ""
     assert run(["ik", "rover_arm", "--xyz", "5 0 0", "--json"]) == 1
     content = json.loads(capsys.readouterr().out)
     assert content["stop"] == "OUT_OF_REACH"
@@ -202,13 +192,11 @@ def test_plan_says_where_it_starts_unless_told(capsys: Capture, rover: twistarm.
 
 
 def test_plan_caps_lower_the_arms_limits_and_never_raise_them(capsys: Capture, rover: twistarm.Arm) -> None:
-    for velocity, acceleration in (("5", "20"), ("0.2", "0.5")):
-        content = answer(
-            capsys, "plan", "rover_arm", "--to", "stowed", "--velocity", velocity, "--acceleration", acceleration
-        )  # fmt: skip
-        assert (np.array(content["peak_velocity"]) <= np.minimum(rover.limits.velocity, float(velocity)) + 1e-9).all()
-        limit = np.minimum(rover.limits.acceleration, float(acceleration))
-        assert (np.array(content["peak_acceleration"]) <= limit + 1e-9).all()
+    for cap in ("20", "0.2"):
+        content = answer(capsys, "plan", "rover_arm", "--to", "stowed", "--velocity", cap, "--acceleration", cap)
+        for rate in ("velocity", "acceleration"):
+            limit = np.minimum(getattr(rover.limits, rate), float(cap))
+            assert (np.array(content[f"peak_{rate}"]) <= limit + 1e-9).all()
 
 
 def test_check_and_freeze(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -226,13 +214,7 @@ def test_check_and_freeze(capsys: Capture, tmp_path: Path, monkeypatch: pytest.M
     assert run(["check", str(path), "--samples", "20", "--against", "tiny.golden.json", "--json"]) == 1
     content = json.loads(capsys.readouterr().out)
     assert (content["ok"], content["unchanged"]) == (False, False)
-    write(tmp_path, two_joints(xyz="0.0000009 0 0.5"))  # less than a micrometre: rounding of another export
-    assert answer(capsys, "check", str(path), "--samples", "20", "--against", "tiny.golden.json")["unchanged"]
-    write(tmp_path, two_joints(xyz="0.000002 0 0.5"))
-    assert run(["check", str(path), "--samples", "20", "--against", "tiny.golden.json"]) == 1
-    capsys.readouterr()
-    content = answer(capsys, "check", str(path), "--samples", "20")
-    assert content["ok"]
+    assert answer(capsys, "check", str(path), "--samples", "20")["ok"]
 
 
 def test_demo_without_a_terminal_writes_both_files(
@@ -255,6 +237,7 @@ BAD = {
     "theta with a word": (["fk", "rover_arm", "--theta", "1 2 x 4 5"], "is neither joint values (5 numbers"),
     "theta with NaN": (["fk", "rover_arm", "--theta", "0 0 nan 0 0"], "elbow takes a number, as in elbow=10; got nan"),
     "a joint typed twice": (["fk", "rover_arm", "--theta", "slide=1 slide=2"], "a joint is named twice: slide, slide"),
+    "a joint with a word": (["fk", "rover_arm", "--theta", "elbow=abc"], "elbow takes a number, as in elbow=10"),
     "a kind of nobody": (["plan", "rover_arm", "--to", "reach", "--kind", "banana"], "'--kind': 'banana' is not"),
     "an unknown frame": (["fk", "rover_arm", "--frame", "tol0"], "no frame 'tol0' in rover_arm; closest: 'tool0'"),
     "a position of two numbers": (["ik", "rover_arm", "--xyz", "1 2"], "--xyz takes 3 numbers"),
@@ -265,7 +248,6 @@ BAD = {
     "no target": (["ik", "rover_arm"], "xyz"),
     "two sources of targets": (["ik", "rover_arm", "--xyz", "1 0 0", "--targets", "t.csv"], "or a file of targets"),
     "columns of no file": (["fk", "rover_arm", "--columns", "a,b"], "it goes with --postures"),
-    "a file of targets that is not there": (["ik", "rover_arm", "--targets", "t.csv"], "t.csv: no such file; give"),
     "an axis that points nowhere": (["ik", "rover_arm", "--xyz", "1 0 0", "--axis", "x"], "give a direction too"),
     "an axis by no name": (
         ["ik", "rover_arm", "--xyz", "1 0 0", "--direction", "1 0 0", "--axis", "up"], "--axis takes x, y, z",
@@ -317,13 +299,6 @@ def test_a_port_in_use(command: list[str], capsys: Capture) -> None:
         taken.listen()
         port = str(taken.getsockname()[1])
         assert port in error_of(capsys, *command, "--port", port, "--no-browser")
-
-
-def test_names_with_spaces_can_be_typed(capsys: Capture, tmp_path: Path) -> None:
-    parts = joint("my joint", "base_link", "upper"), joint("b", "upper", "tool0")
-    path = write(tmp_path, robot(*parts))
-    content = answer(capsys, "fk", str(path), "--theta", "my joint = 30, b=-10")
-    assert np.allclose(content["theta"], np.radians([30, -10]))
 
 
 def test_without_a_stdout_or_with_one_that_is_full(tmp_path: Path) -> None:

@@ -77,13 +77,7 @@ def test_a_robot_that_goes_is_given_up(capsys: Capture, file: Path, monkeypatch:
     listen = free_port()
     robot = Robot(listen, ["joint_1", "joint_2"], [0.3, 0.8])
 
-    def leaves_under_way() -> None:
-        end = time.monotonic() + 20.0
-        while not robot.heard and time.monotonic() < end:
-            time.sleep(0.02)
-        robot.close()
-
-    leave = threading.Thread(target=leaves_under_way)
+    leave = threading.Thread(target=robot.leave)
     leave.start()
     assert run(follow(file, "--udp", robot.address, "--listen", f"127.0.0.1:{listen}", "--speed", "0.3")) == 1
     leave.join()

@@ -20,26 +20,23 @@ COMMANDS = (
 )
 
 
-def words_of(command: str, width: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> set[str]:
-    monkeypatch.setenv("COLUMNS", str(width))
-    assert run(command.split()) == 0
-    shown = capsys.readouterr().out
-    assert all(len(line.rstrip()) <= width for line in shown.splitlines() if "─" in line)
-    return set(re.findall(r"[\w.\-°²/]+", shown))
-
-
-def pieces(word: str) -> list[str]:
-    return re.findall(r"[^_]*_+|[^_]+", word)
-
-
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("width", [80, pytest.param(60, marks=pytest.mark.slow)])
 def test_no_word_or_number_is_broken(
     command: str, width: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Whatever is one word where there is room is one word here; joints' names may be cut behind underscores."""
-    narrow, wide = (words_of(command, w, capsys, monkeypatch) for w in (width, 400))
-    assert {piece for word in narrow for piece in pieces(word)} <= {piece for word in wide for piece in pieces(word)}
+    pieces = []
+    for columns in (width, 400):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        assert run(command.split()) == 0
+        shown = capsys.readouterr().out
+        assert all(len(line.rstrip()) <= columns for line in shown.splitlines() if "─" in line)
+        pieces.append(
+            {piece for word in re.findall(r"[\w.\-°²/]+", shown) for piece in re.findall(r"[^_]*_+|[^_]+", word)}
+        )
+    narrow, wide = pieces
+    assert narrow <= wide
 
 
 def test_columns_that_do_not_fit_go_on_below() -> None:
