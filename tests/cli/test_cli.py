@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shlex
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -12,19 +13,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-import typer
 
 import twistarm
 from catalogue import load
 from ik_targets import require_core
-from test_urdf import REFUSED
-from twistarm.cli import application
 from twistarm.cli.application import run
-from twistarm.cli.typed import NUMBERS as NUMBERS_OF_HELP
 from twistarm.theory.rotations import from_rpy
-from urdf_text import joint, robot, two_joints, write
+from urdf_text import two_joints, write
 
 Capture = pytest.CaptureFixture[str]
+
+PROGRAM = Path(sys.executable).with_name("twistarm")
 
 
 def answer(capsys: Capture, *arguments: str) -> Any:
@@ -73,7 +72,6 @@ def test_fk_takes_degrees_and_metres(capsys: Capture, rover: twistarm.Arm) -> No
         "0.1 -30 45 10 90",
         "0.1,-30,45,10,90",
         "elbow=45 slide=0.1 shoulder=-30 wrist_roll=90 wrist_pitch=10",
-        "[0.1, -30.0,  45, 1e1, 90.]",
         "([0.1; −30; 45; 10; 90])",
     ):
         content = answer(capsys, "fk", "rover_arm", "--theta", typed)
@@ -81,33 +79,22 @@ def test_fk_takes_degrees_and_metres(capsys: Capture, rover: twistarm.Arm) -> No
     content = answer(capsys, "fk", "rover_arm", "--rad", "--theta", " ".join(map(str, theta)))
     assert np.allclose(content["matrix"], rover.fk(theta), atol=1e-12)
     assert np.allclose(from_rpy(content["rpy"]), rover.fk(theta)[:3, :3], atol=1e-12)
-    frame = answer(capsys, "fk", "rover_arm", "--theta", "zero", "--frame", "base_link")
-    assert np.allclose(frame["matrix"], np.eye(4), atol=1e-15)
 
 
 NUMBERS = ("-0.1", "-30", "45", "10", "-90")
 
-AS_WORDS = {
-    "after the option": ["fk", "--theta", *NUMBERS, "rover_arm"],
-    "before an option": ["fk", "rover_arm", "--theta", *NUMBERS, "--json"],
-    "joined by =": ["fk", "rover_arm", f"--theta={NUMBERS[0]}", *NUMBERS[1:]],
-    "as Python prints them": ["fk", "rover_arm", "--theta", "[-0.1,", "-30,", "45,", "10,", "-90]"],
-    "by joint": [
-        "fk",
-        "rover_arm",
-        "--theta",
-        "elbow=45",
-        "slide=-0.1",
-        "shoulder=-30",
-        "wrist_pitch=10",
-        "wrist_roll=-90",
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["fk", "--theta", *NUMBERS, "rover_arm"],
+        ["fk", "rover_arm", f"--theta={NUMBERS[0]}", *NUMBERS[1:]],
+        ["fk", "rover_arm", "--theta", "[-0.1,", "-30,", "45,", "10,", "-90]"],
+        ["fk", "rover_arm", "--theta", "elbow=45", "slide=-0.1", "shoulder=-30", "wrist_pitch=10", "wrist_roll=-90"],
     ],
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("case", AS_WORDS)
-def test_numbers_need_no_quotes(case: str, capsys: Capture, rover: twistarm.Arm) -> None:
-    content = answer(capsys, *AS_WORDS[case])
+)
+def test_numbers_need_no_quotes(words: list[str], capsys: Capture) -> None:
+    content = answer(capsys, *words)
     assert np.allclose(content["theta"], [-0.1, *np.radians([-30.0, 45.0, 10.0, -90.0])])
 
 
@@ -117,24 +104,10 @@ def test_every_option_of_several_numbers_takes_them_without_quotes(capsys: Captu
     g = rover.fk(content["theta"])
     assert np.allclose(g[:3, 3], [0.8, -0.1, 0.7], atol=1e-5)
     assert np.allclose(np.cross(g[:3, 2], [1, 0, -0.1]), 0, atol=1e-5)
-    pose = [f"{x:.9f}" for x in rover.fk(rover.ready)[:3, 3]]
-    assert run(["ik", "rover_arm", "--xyz", *pose, "--rpy", "-10", "0", "-0"]) in (0, 1)
-    capsys.readouterr()
     planned = answer(
         capsys, "plan", "rover_arm", "--from", *NUMBERS, "--to", "0", "-20", "45", "10", "0", "--to", "ready"
     )
     assert np.allclose(planned["waypoints"][1], [0, *np.radians([-20, 45, 10, 0])])
-
-
-def test_every_command_with_numbers_knows_them() -> None:
-    several = {"--theta", "--start", "--posture", "--from", "--to", "--xyz", "--rpy", "--direction"}
-    found = {}
-    for name, command in typer.main.get_command(application.app).commands.items():  # type: ignore[attr-defined]
-        for option in command.params:
-            if several & set(option.opts) and option.metavar != "HOST":
-                found[name, option.opts[0]] = option.metavar in NUMBERS_OF_HELP
-    assert found
-    assert all(found.values()), found
 
 
 def test_joints_that_are_left_out_stay(capsys: Capture, rover: twistarm.Arm) -> None:
@@ -195,28 +168,10 @@ def test_ik_of_every_kind(capsys: Capture, rover: twistarm.Arm) -> None:
 
 def test_ik_out_of_reach_is_an_answer_with_exit_code_1(capsys: Capture) -> None:
     require_core(load("rover_arm"))
-    assert run(["ik", "rover_arm", "--xyz", "5 0 0"]) == 1
-    shown = capsys.readouterr()
-    assert "OUT_OF_REACH" in shown.out
-    assert shown.err == ""
     assert run(["ik", "rover_arm", "--xyz", "5 0 0", "--json"]) == 1
     content = json.loads(capsys.readouterr().out)
     assert content["stop"] == "OUT_OF_REACH"
     assert content["position_error"] > 3
-
-
-def test_plan_writes_its_files(capsys: Capture, tmp_path: Path) -> None:
-    csv, trajectory = tmp_path / "t.csv", tmp_path / "t.json"
-    content = answer(
-        capsys, "plan", "rover_arm", "--to", "0.2 -30 60 -20 0", "--to", "ready", "-o", str(csv), "-o", str(trajectory),
-    )  # fmt: skip
-    assert content["written"] == [str(csv), str(trajectory)]
-    lines = csv.read_text().splitlines()
-    assert len(lines) > 50
-    assert np.isclose(float(lines[-1].split(",")[0]), content["duration"])
-    assert json.loads(trajectory.read_text())["joint_names"][0] == "slide"
-    assert run(["plan", "rover_arm", "--to", "zero", "--kind", "trapezoid"]) == 0
-    assert "peak velocity" in capsys.readouterr().out
 
 
 def test_plan_says_where_it_starts_unless_told(capsys: Capture, rover: twistarm.Arm) -> None:
@@ -237,18 +192,11 @@ def test_plan_says_where_it_starts_unless_told(capsys: Capture, rover: twistarm.
 
 
 def test_plan_caps_lower_the_arms_limits_and_never_raise_them(capsys: Capture, rover: twistarm.Arm) -> None:
-    for velocity, acceleration in (("5", "20"), ("0.2", "0.5")):
-        content = answer(
-            capsys, "plan", "rover_arm", "--to", "stowed", "--velocity", velocity, "--acceleration", acceleration
-        )  # fmt: skip
-        assert (np.array(content["peak_velocity"]) <= np.minimum(rover.limits.velocity, float(velocity)) + 1e-9).all()
-        limit = np.minimum(rover.limits.acceleration, float(acceleration))
-        assert (np.array(content["peak_acceleration"]) <= limit + 1e-9).all()
-
-
-def test_view_warns_outside_the_limits(capsys: Capture, tmp_path: Path) -> None:
-    assert run(["view", "rover_arm", "--theta", "9 0 0 0 0", "-o", str(tmp_path / "v.html")]) == 0
-    assert "slide = 9 m lies outside its limits" in capsys.readouterr().err
+    for cap in ("20", "0.2"):
+        content = answer(capsys, "plan", "rover_arm", "--to", "stowed", "--velocity", cap, "--acceleration", cap)
+        for rate in ("velocity", "acceleration"):
+            limit = np.minimum(getattr(rover.limits, rate), float(cap))
+            assert (np.array(content[f"peak_{rate}"]) <= limit + 1e-9).all()
 
 
 def test_check_and_freeze(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -266,18 +214,7 @@ def test_check_and_freeze(capsys: Capture, tmp_path: Path, monkeypatch: pytest.M
     assert run(["check", str(path), "--samples", "20", "--against", "tiny.golden.json", "--json"]) == 1
     content = json.loads(capsys.readouterr().out)
     assert (content["ok"], content["unchanged"]) == (False, False)
-    write(tmp_path, two_joints(xyz="0.0000009 0 0.5"))  # less than a micrometre: rounding of another export
-    assert answer(capsys, "check", str(path), "--samples", "20", "--against", "tiny.golden.json")["unchanged"]
-    write(tmp_path, two_joints(xyz="0.000002 0 0.5"))
-    assert run(["check", str(path), "--samples", "20", "--against", "tiny.golden.json"]) == 1
-    capsys.readouterr()
-    content = answer(capsys, "check", str(path), "--samples", "20")
-    assert content["ok"]
-
-
-def test_view_saves_a_page(capsys: Capture, tmp_path: Path) -> None:
-    assert run(["view", "rr_planar", "-o", str(tmp_path / "a.html")]) == 0
-    assert "<html" in (tmp_path / "a.html").read_text()[:500].lower()
+    assert answer(capsys, "check", str(path), "--samples", "20")["ok"]
 
 
 def test_demo_without_a_terminal_writes_both_files(
@@ -296,21 +233,14 @@ def test_demo_without_a_terminal_writes_both_files(
 
 BAD = {
     "an unknown arm": (["info", "rover_amr"], "no arm 'rover_amr' in the catalogue"),
-    "an unknown tip": (["info", "rover_arm", "--tip", "tool_0"], "closest: 'tool0'"),
-    "a base beyond the tip": (["info", "rover_arm", "--base", "tool0", "--tip", "base_link"], "is no ancestor of tip"),
     "theta too short": (["fk", "rover_arm", "--theta", "1 2"], "rover_arm takes 5 values (slide, shoulder"),
     "theta with a word": (["fk", "rover_arm", "--theta", "1 2 x 4 5"], "is neither joint values (5 numbers"),
     "theta with NaN": (["fk", "rover_arm", "--theta", "0 0 nan 0 0"], "elbow takes a number, as in elbow=10; got nan"),
-    "theta of an unknown joint": (["fk", "rover_arm", "--theta", "elbw=1"], "no joint 'elbw' in rover_arm"),
     "a joint typed twice": (["fk", "rover_arm", "--theta", "slide=1 slide=2"], "a joint is named twice: slide, slide"),
     "a joint with a word": (["fk", "rover_arm", "--theta", "elbow=abc"], "elbow takes a number, as in elbow=10"),
     "a kind of nobody": (["plan", "rover_arm", "--to", "reach", "--kind", "banana"], "'--kind': 'banana' is not"),
-    "a joint without a number": (["fk", "rover_arm", "--theta", "slide= elbow=1"], "is neither joint values"),
-    "a name too long for a file": (["info", "x" * 300], "no usable path (File name too long)"),
-    "a device": (["info", "/dev/null"], "/dev/null: not a regular file; give a URDF or xacro file"),
     "an unknown frame": (["fk", "rover_arm", "--frame", "tol0"], "no frame 'tol0' in rover_arm; closest: 'tool0'"),
     "a position of two numbers": (["ik", "rover_arm", "--xyz", "1 2"], "--xyz takes 3 numbers"),
-    "a position that is infinite": (["ik", "rover_arm", "--xyz", "inf 0 0"], "--xyz takes 3 numbers"),
     "two kinds of target": (
         ["ik", "rover_arm", "--xyz", "1 0 0", "--rpy", "0 0 0", "--direction", "1 0 0"], "not both",
     ),
@@ -318,30 +248,17 @@ BAD = {
     "no target": (["ik", "rover_arm"], "xyz"),
     "two sources of targets": (["ik", "rover_arm", "--xyz", "1 0 0", "--targets", "t.csv"], "or a file of targets"),
     "columns of no file": (["fk", "rover_arm", "--columns", "a,b"], "it goes with --postures"),
-    "a file of targets that is not there": (["ik", "rover_arm", "--targets", "t.csv"], "t.csv: no such file; give"),
-    "two orientations": (
-        ["ik", "rover_arm", "--xyz", "1 0 0", "--rpy", "0 0 0", "--quaternion", "1 0 0 0"], "not both",
-    ),
     "an axis that points nowhere": (["ik", "rover_arm", "--xyz", "1 0 0", "--axis", "x"], "give a direction too"),
     "an axis by no name": (
         ["ik", "rover_arm", "--xyz", "1 0 0", "--direction", "1 0 0", "--axis", "up"], "--axis takes x, y, z",
     ),
     "a waypoint outside the limits": (["plan", "rover_arm", "--to", "0.7 0 0 0 0"], "slide"),
     "a xacro argument without :=": (["info", "rover_arm", "--xacro", "deck=1"], "did you mean --xacro deck:=1?"),
-    "no name of a package": (["info", "rover_arm", "--without", "a/b"], "without takes names of packages"),
-    "an unknown xacro argument": (["info", "rover_arm", "--xacro", "deck:=1"], "closest: 'deck_height'"),
     "package dirs that are not there": (["info", "rover_arm", "--package-dir", "nowhere"], "nowhere is not a folder"),
     "no golden file": (["check", "rover_arm", "--against", "nowhere.json"], "cannot be read"),
-    "freezing into nowhere": (["freeze", "rover_arm", "-o", "nowhere/g.json"], "does not exist; create it first"),
-    "one file of two into nowhere": (
-        ["plan", "rover_arm", "--to", "zero", "-o", "a.csv", "-o", "nowhere/t.json"], "does not exist",
-    ),
     "a cap of zero": (["plan", "rover_arm", "--to", "zero", "--velocity", "0"], "--velocity must be a positive number"),
     "a target beyond all units": (["ik", "rover_arm", "--xyz", "1e300 0 0"], "lengths are in metres"),
-    "a csv into nowhere": (["plan", "rover_arm", "--to", "zero", "-o", "nowhere/t.csv"], "does not exist"),
-    "a page into nowhere": (["view", "rover_arm", "-o", "nowhere/a.html"], "does not exist"),
     "an unknown command": (["inof", "rover_arm"], "inof"),
-    "an unknown option": (["info", "rover_arm", "--jsno"], "--jsno"),
     "no arm": (["fk"], "ARM"),
     "options without an arm": (["info", "--tip", "tool0"], "give an ARM"),
 }  # fmt: skip
@@ -355,20 +272,6 @@ def test_bad_input_is_one_line_and_exit_code_2(
     monkeypatch.chdir(tmp_path)
     assert message in error_of(capsys, *arguments)
     assert list(tmp_path.iterdir()) == [], "nothing is written"
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_every_refused_description_is_one_line(case: str, capsys: Capture, tmp_path: Path) -> None:
-    text, message = REFUSED[case]
-    path = write(tmp_path, text)
-    assert message in error_of(capsys, "info", str(path), "--tip", "tool0")
-
-
-def test_several_possible_tips_are_listed(capsys: Capture, tmp_path: Path) -> None:
-    parts = joint("a", "base_link", "upper"), joint("b", "upper", "left tip"), joint("c", "upper", "right")
-    path = write(tmp_path, robot(*parts, links=("base_link", "upper", "left tip", "right")))
-    said = error_of(capsys, "info", str(path))
-    assert said.endswith("could be the tip: 'left tip' (2 joints), 'right' (2 joints); pass --tip 'left tip'\n")
 
 
 def test_planning_without_limits_assumes_the_usual_ones_and_says_so(capsys: Capture, tmp_path: Path) -> None:
@@ -389,33 +292,21 @@ def test_the_kind_of_spline_is_the_same_in_python(capsys: Capture, rover: twista
     assert np.isclose(answer(capsys, "plan", "rover_arm", "--to", "stowed")["duration"], motion.duration)
 
 
-def test_a_port_in_use(capsys: Capture) -> None:
-    import socket
-
+@pytest.mark.parametrize("command", [["view", "rr_planar"], ["servo", "scara"]])
+def test_a_port_in_use(command: list[str], capsys: Capture) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = str(taken.getsockname()[1])
-        assert run(["view", "rr_planar", "--port", port, "--no-browser"]) == 2
-    message = capsys.readouterr().err
-    assert port in message
-    assert message.count("\n") == 1
-
-
-def test_names_with_spaces_can_be_typed(capsys: Capture, tmp_path: Path) -> None:
-    parts = joint("my joint", "base_link", "upper"), joint("b", "upper", "tool0")
-    path = write(tmp_path, robot(*parts))
-    content = answer(capsys, "fk", str(path), "--theta", "my joint = 30, b=-10")
-    assert np.allclose(content["theta"], np.radians([30, -10]))
+        assert port in error_of(capsys, *command, "--port", port, "--no-browser")
 
 
 def test_without_a_stdout_or_with_one_that_is_full(tmp_path: Path) -> None:
-    program = Path(sys.executable).with_name("twistarm")
-    full = subprocess.run(f"'{program}' arms > /dev/full", shell=True, capture_output=True, text=True, timeout=600)
+    full = subprocess.run(f"'{PROGRAM}' arms > /dev/full", shell=True, capture_output=True, text=True, timeout=600)
     assert "Traceback" not in full.stderr
     assert full.returncode == 2
     ascii_only = subprocess.run(
-        [program, "info", "rover_arm"], capture_output=True, text=True, timeout=60, env={"PYTHONIOENCODING": "ascii"}
+        [PROGRAM, "info", "rover_arm"], capture_output=True, text=True, timeout=60, env={"PYTHONIOENCODING": "ascii"}
     )
     assert (ascii_only.returncode, ascii_only.stderr) == (0, "")
 
@@ -426,29 +317,19 @@ def test_debug_shows_the_traceback() -> None:
 
 
 def test_the_installed_program() -> None:
-    program = Path(sys.executable).with_name("twistarm")
-    done = subprocess.run([program, "info", "nobody"], capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run([PROGRAM, "info", "nobody"], capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("error: no arm 'nobody' in the catalogue")
     assert "Traceback" not in done.stderr
-    helped = subprocess.run([program, "--help"], capture_output=True, text=True, timeout=60, check=True)
-    commands = "demo arms info init check freeze doctor bake wiring fk jacobian ik plan view servo follow guide"
-    assert set(commands.split()) <= set(re.findall(r"\w+", helped.stdout))
-    assert "bool" not in helped.stdout
-
-
-def test_an_option_that_takes_no_value_shows_none(capsys: Capture) -> None:
-    assert run(["ik", "--help"]) == 0
-    shown = capsys.readouterr().out
-    assert "--json" in shown
-    assert "bool" not in shown
 
 
 def test_the_help_loses_no_word_to_markup(capsys: Capture) -> None:
     """Rich takes `[actuators]` for a style and shows nothing there."""
     for command, words in (("plan", "[actuators]"), ("wiring", "z [m],"), ("fk", "[deg]`")):
         assert run([command, "--help"]) == 0
-        assert words in capsys.readouterr().out
+        shown = capsys.readouterr().out
+        assert words in shown
+        assert "bool" not in shown, "an option that takes no value shows none"
 
 
 def test_version_and_what_is_installed(capsys: Capture) -> None:
@@ -468,28 +349,28 @@ def test_bare_it_shows_the_commands(capsys: Capture) -> None:
     assert run([]) == 0
     captured = capsys.readouterr()
     assert captured.err == ""
-    assert all(word in captured.out for word in ("Usage", "doctor", "jacobian", "--version"))
+    commands = "demo arms info init check freeze doctor bake wiring fk jacobian ik plan view servo follow guide"
+    assert {*commands.split(), "Usage", "version"} <= set(re.findall(r"\w+", captured.out))
 
 
-def test_the_shell_completes_commands_options_and_arms() -> None:
-    program = str(Path(sys.executable).with_name("twistarm"))
-    for line, wanted in (("ja", "jacobian"), ("info --xa", "--xacro"), ("fk rover_arm_6", "rover_arm_6dof")):
-        typed = {"COMP_WORDS": f"twistarm {line}", "COMP_CWORD": str(1 + line.count(" "))}
-        asked = {"_TWISTARM_COMPLETE": "complete_bash", **typed}
-        done = subprocess.run([program], capture_output=True, text=True, timeout=60, env=asked)
-        assert done.stdout.split() == [wanted]
+@pytest.mark.parametrize(
+    ("line", "wanted"),
+    [
+        pytest.param("ja", "jacobian", marks=pytest.mark.slow),
+        pytest.param("info --xa", "--xacro", marks=pytest.mark.slow),
+        ("fk rover_arm_6", "rover_arm_6dof"),
+    ],
+)
+def test_the_shell_completes_commands_options_and_arms(line: str, wanted: str) -> None:
+    typed = {"COMP_WORDS": f"twistarm {line}", "COMP_CWORD": str(1 + line.count(" "))}
+    asked = {"_TWISTARM_COMPLETE": "complete_bash", **typed}
+    done = subprocess.run([PROGRAM], capture_output=True, text=True, timeout=60, env=asked)
+    assert done.stdout.split() == [wanted]
 
 
 def test_a_reader_that_leaves_early_is_no_error() -> None:
-    program = Path(sys.executable).with_name("twistarm")
-    done = subprocess.run(
-        f"'{program}' info rover_arm --json | head -1",
-        shell=True,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=True,
-    )
+    command = f"'{PROGRAM}' info rover_arm --json | head -1"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=60, check=True)
     assert "Traceback" not in done.stderr
 
 
@@ -497,11 +378,7 @@ def test_a_reader_that_leaves_early_is_no_error() -> None:
     ("arguments", "degrees", "radians"),
     [
         (["plan", "rover_arm", "--to", "elbow=400"], "at 400°, 264.78° beyond its upper limit 135.22°", "at 400 rad"),
-        (
-            ["info", "rover_arm", "--locked", "elbow=500"],
-            "locked at 500°, outside its limits -135.22° … 135.22°",
-            "locked at 500 rad",
-        ),
+        (["info", "rover_arm", "--locked", "elbow=500"], "locked at 500°, outside its limits -135", "at 500 rad"),
         (["ik", "rover_arm", "--xyz", "0.8 0 0.5", "--start", "0 400 0 0 0"], "shoulder 400.0° was brought", None),
     ],
 )
@@ -527,7 +404,7 @@ def test_what_a_program_is_told_is_python_again_after_a_command(capsys: Capture)
 def test_remedies_are_those_of_the_command_line(capsys: Capture) -> None:
     """No argument of Python's stands alone in what a person reads."""
     for command in ("info", "doctor"):
-        for arm in ("panda", "kinova", "ur5"):
+        for arm in ("panda", "kinova"):
             assert run([command, arm]) == 0
             assert not re.search(r"(?<!-)\b(tip|srdf|base|locked|limits|xacro_args|package_dirs|without)=[\s,;)]",
                                  capsys.readouterr().out)  # fmt: skip

@@ -9,19 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from test_cli import answer, error_of
+from test_cli import Capture, answer, error_of
 from twistarm import load_arm, load_motion
 from twistarm.cli.application import run
-
-Capture = pytest.CaptureFixture[str]
 
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-
-
-LIMITED = ("--acceleration", "3")
 
 
 def test_the_file_that_init_writes_is_planned(capsys: Capture, tmp_path: Path) -> None:
@@ -37,7 +32,6 @@ def test_the_file_that_init_writes_is_planned(capsys: Capture, tmp_path: Path) -
     assert run(["follow", "rover_arm", str(file), "--no-browser", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["duration"] == planned["duration"]
     assert run(["view", "rover_arm", "--play", str(file), "-o", str(tmp_path / "view.html")]) == 0
-    # With the comment signs taken away every example is one that is read.
     text = file.read_text("utf-8").replace("# [", "[").replace("# line", "line").replace("# screw", "screw")
     file.write_text(text.replace("# arc", "arc").replace("# acceleration", "acceleration"), "utf-8")
     assert len(load_motion(file, arm).segments) == 7
@@ -59,26 +53,17 @@ def test_a_line_is_planned_to_a_typed_position(capsys: Capture) -> None:
         ("[[segment]]\njont = 'ready'", "segment 1: unknown entry 'jont'; closest: 'joint'"),
         ("[[segment]]\nline = { xyz = [1, 2] }", "segment 1: .*xyz"),
         ("[[segment]]\ndwell = -1", "segment 1: dwell must be 0 or more"),
-        ("[[segment]]\ndwell = true", "segment 1: dwell must be a number; got true"),
-        ("[[segment]]\ndwell = 'long'", "segment 1: dwell must be one number; got 'long'"),
         ("[[segment]]\nscrew = { axis = [0, 0, 1], point = [0, 0, 0] }", "segment 1: angle is missing"),
-        ("[[segment]]\nscrew = { point = [0, 0, 0] }", "segment 1: axis and angle are missing beside 'point'"),
-        ("[[segment]]\nline = { by = [0, 0] }", r"segment 1: by must be three numbers, .* got \[0, 0\]"),
         ("[[segment]]\narc = {}", "segment 1: arc takes via and to, or axis, centre and angle"),
-        ("[[segment]]\njoint = { elbw = 1 }", "segment 1: unknown entry 'elbw'; closest: 'elbow'"),
-        ("[[segment]]\njoint = {}", "segment 1: a goal is .* got {}"),
         ("[[segment]]\njoint = 'redy'", "segment 1: no pose 'redy' in rover_arm; closest: 'ready'"),
-        ("[[segment]]\njoint = { xyx = [1, 0, 1] }", "segment 1: unknown entry 'xyx'; closest: 'xyz'"),
         ("[[segment]]\njoint = { rpy = [1, 0, 1] }", "segment 1: xyz is missing beside 'rpy'"),
         ("[[segment]]\njoint = { xyz = [1, 0, 1], tolerance = [1, 1, 1, 1, 1, 1] }", "tolerance goes with rpy or"),
         ("[[segment]]\njoint = { xyz = [1, 0, 1], rpy = [0, 0, 0], tolerance = 1 }", "tolerance must be six numbers"),
         ("[[segment]]\njoint = { xyz = [1, 0, 1], tool_axis = [1, 0, 0] }", "tool_axis goes with direction"),
         ("start = { xyz = [1, 0, 1] }\n[[segment]]\ndwell = 1", "motion.toml, at the top: start must be a configur"),
         ("start = { elbow = 1 }\n[[segment]]\ndwell = 1", "motion.toml, at the top: no value for joint 'slide'"),
-        ("tool_speed = 0\n[[segment]]\ndwell = 1", "motion.toml, at the top: tool_speed must be a positive"),
         ("limits = { aceleration = 1 }\n[[segment]]\ndwell = 1", "motion.toml, at the top: no limit 'aceleration'"),
         ("[[segment]]\nline = 'ready'\njoint = 'ready'", "segment 1: it needs one of"),
-        ("segment = 3", "there is no segment"),
         ("kind = 'fast'\n[[segment]]\ndwell = 1", "motion.toml, at the top: kind must be"),
         ("[[segment]\n", "not valid TOML"),
     ],
@@ -91,24 +76,17 @@ def test_a_file_that_cannot_be_used_is_refused(capsys: Capture, tmp_path: Path, 
 
 IDLE = {
     "a blend between joint poses": (["--to", "zero", "--to", "ready", "--blend", "0.1"], "--blend is about the way"),
-    "a tool speed of joint poses": (["--to", "zero", "--tool-speed", "0.1"], "--tool-speed is about the way"),
     "a blend of one goal": (["--to", "zero", "--line", "--blend", "0.1"], "--blend rounds the corners between goals"),
-    "a blend that is none": (["--to", "zero", "--line", "--blend", "nan"], "--blend must be finite"),
     "stops that are rounded": (["--to", "zero", "--line", "--stop", "--blend", "0.1"], "give one of them"),
     "a line in a file": (["motion.toml", "--line", "--stop"], "leave out --line and --stop"),
     "a direction in a file": (["motion.toml", "--direction", "0 0 1"], "give --xyz too"),
-    "a spline of lines": (
-        ["--to", "zero", "--line", "--kind", "cubic"],
-        "--kind cubic leads through the poses of --to",
-    ),
+    "a spline of lines": (["--to", "zero", "--line", "--kind", "cubic"], "--kind cubic leads through the poses"),
     "no time": (["--to", "zero", "--dt", "nan"], "--dt must be a positive number"),
     "two directions for three": (
         ["--xyz", "1 0 1", "--xyz", "1 0 1", "--xyz", "1 0 1", "--direction", "0 0 1", "--direction", "0 0 1"],
         "give one --direction for all positions, or one for each: 2 go with 3 --xyz",
     ),
     "no goal": ([], "give poses by --to"),
-    "two ways": (["--to", "ready", "--xyz", "1 0 0"], "give poses by --to"),
-    "a direction of poses": (["--to", "ready", "--direction", "0 0 1"], "give --xyz too"),
 }
 
 
@@ -144,8 +122,6 @@ def test_what_is_typed_goes_before_what_the_file_says(capsys: Capture, tmp_path:
 def test_what_the_arm_cannot_do_is_told_in_one_line_and_by_the_exit_code(capsys: Capture) -> None:
     told = error_of(capsys, "plan", "rover_arm", "--xyz", "9 9 9", code=1)
     assert "segment 1 (JointMove): rover_arm does not meet the position (9, 9, 9) m: position 14." in told
-    assert "out of reach; the nearest position" in told
-    assert "\\n" not in told
     assert "and no farther" in error_of(capsys, "plan", "rover_arm", "--xyz", "9 9 9", "--line", code=1)
 
 

@@ -9,11 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from test_cli import answer, error_of
+from test_cli import Capture, answer, error_of
 from twistarm.cli.application import run
 from urdf_text import two_joints, write
-
-Capture = pytest.CaptureFixture[str]
 
 PLAN = ["plan", "arm.urdf", "--from", "zero", "--to", "10 10", "--acceleration", "3"]
 WRITES = {
@@ -85,14 +83,10 @@ def test_several_kinds_in_one_call(folder: Path, capsys: Capture) -> None:
 REFUSED = {
     "a kind nobody knows": ([*PLAN, "-o", "motion.txt"], "or *.yaml or *.h; got motion.txt"),
     "a name against its kind": ([*PLAN, "-o", "m.csv", "--format", "json"], "named like a file of kind csv"),
-    "a format nobody knows": (
-        [*PLAN, "-o", "-", "--format", "txt"],
-        "--format is one of csv, json, yaml, header; got 'txt'",
-    ),
+    "a format nobody knows": ([*PLAN, "-o", "-", "--format", "txt"], "--format is one of csv, json, yaml, header"),
     "two on standard output": ([*PLAN, "-o", "-", "-o", "-"], "gives standard output to one file"),
     "an answer beside it": ([*PLAN, "-o", "-", "--json"], "gives standard output to one file"),
     "a repaired copy without a name": (["doctor", "arm.urdf", "--fix"], "--fix and -o FILE.urdf go together"),
-    "a name without repairs": (["doctor", "arm.urdf", "-o", "a.urdf"], "--fix and -o FILE.urdf go together"),
     "one file of two that is there": ([*PLAN, "-o", "new.csv", "-o", "old.json"], "old.json exists"),
     "a description": (["freeze", "arm.urdf", "-o", "arm.urdf", "--force"], "a description stands there"),
 }

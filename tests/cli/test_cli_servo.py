@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test_cli import error_of
+from test_cli import PROGRAM, Capture, error_of
 from twistarm.cli.application import run
 from twistarm.control.stream import Cycle
 from twistarm.control.stream import run as stream
@@ -25,19 +25,12 @@ from twistarm.control.stream.links.compact_line import checksum
 from twistarm.support.interrupts import ended_like_ctrl_c
 from twistarm.viewer import Viewer
 
-Capture = pytest.CaptureFixture[str]
-
-PROGRAM = Path(sys.executable).with_name("twistarm")
-
 FREE = """<robot name="free"><link name="base"/><link name="arm"/><link name="hand"/>
   <joint name="turn" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>
   <joint name="reach" type="prismatic"><parent link="arm"/><child link="hand"/><origin xyz="0.5 0 0"/>
     <axis xyz="1 0 0"/><limit lower="0" upper="0.3" effort="1" velocity="0"/></joint>
 </robot>"""
 """An arm that says how far it goes and not how fast."""
-
-
-STOPS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
 def free_port() -> int:
@@ -71,6 +64,13 @@ class Robot:
                 continue
             self._state = {key: self.heard[-1][key] for key in self._state}
 
+    def leave(self) -> None:
+        """Close as soon as it was told where to go."""
+        end = time.monotonic() + 20.0
+        while not self.heard and time.monotonic() < end:
+            time.sleep(0.02)
+        self.close()
+
     def close(self) -> None:
         self._end.set()
         self._thread.join()
@@ -100,11 +100,8 @@ def test_limits_that_nobody_gave_are_said_and_the_report_is_a_table(tmp_path: Pa
     )
     for part in ("free: servo", "the time was over", "at 100 Hz", "median", "STALE", "at rest"):
         assert part in out
-    assert run([*arguments, "--acceleration", "2"]) == 0
+    assert run([*arguments, "--acceleration", "2", "--rate", "50"]) == 0
     assert capsys.readouterr().out.startswith("free at http")
-    assert run([*arguments[:-2], "--rate", "50"]) == 0
-    first = capsys.readouterr().out.splitlines()[0]
-    assert "velocity 1 rad/s for turn; velocity 0.25 m/s for reach; acceleration 3" in first
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals for one child")
@@ -126,10 +123,11 @@ def test_ctrl_c_ends_the_program_cleanly() -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows kills by force")
 @pytest.mark.usefixtures("hangups")
-@pytest.mark.parametrize("number", STOPS)
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
 def test_kill_and_a_closed_terminal_end_it_as_ctrl_c_does(
-    capsys: Capture, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
+    number = getattr(signal, name)
     usual = signal.getsignal(number)
 
     def stop(viewer: Viewer, cycle: Cycle) -> None:
@@ -216,42 +214,23 @@ def test_a_robot_that_says_nothing_is_never_moved(capsys: Capture) -> None:
 
 BAD_INPUT: dict[str, tuple[list[str], str]] = {
     "no arm": (["nobody"], "no arm 'nobody'"),
-    "a rate of zero": (["scara", "--rate", "0"], "rate must be a positive number; got 0"),
-    "a slow rate": (["scara", "--rate", "1"], "rate must be at least 10 Hz"),
-    "a rate that is none": (["scara", "--rate", "nan"], "rate must be a positive number; got nan"),
-    "no duration": (["scara", "--duration", "-1"], "duration must be a positive number; got -1"),
-    "a duration that is none": (["scara", "--duration", "nan"], "--duration must be a positive number; got nan"),
-    "a pose outside": (  # 2.6 rad
-        ["scara", "--theta", "0 200 0 0"],
-        "--theta: joint_2 = 200 ° lies outside its limits -148.969 … 148.969 °",
-    ),
-    "a pose outside, in radians": (
-        ["scara", "--rad", "--theta", "0 9 0 0"],
-        "--theta: joint_2 = 9 rad lies outside its limits -2.6 … 2.6 rad",
-    ),
-    "a margin below 0": (["scara", "--margin", "-0.1"], "--margin must be a number from 0 on; got -0.1"),
-    "a margin that is none": (["scara", "--margin", "nan"], "--margin must be a number from 0 on; got nan"),
+    "a pose outside": (["scara", "--theta", "0 200 0 0"], "joint_2 = 200 ° lies outside its limits -148.969 "),
+    "a margin below 0": (["scara", "--margin", "-0.1"], "--margin must be 0 or more; got -0.1"),
     "no such way on": (["scara", "--beyond", "jump"], "--beyond must be 'slide' or 'stop'; got 'jump'"),
-    "no tolerance": (["scara", "--tolerance", "0"], "--tolerance must be a positive number; got 0"),
     "no command holds": (["scara", "--command-timeout", "-1"], "--command-timeout must be a positive number; got -1"),
-    "no joint state holds": (["scara", "--feedback-timeout", "0"], "--feedback-timeout must be a positive number"),
     "rates to nobody": (["scara", "--velocity-mode"], "--velocity-mode is for a robot that takes rates alone"),
-    "a negative cap": (["scara", "--velocity", "-1"], "--velocity must be a positive number; got -1"),
     "a pose of nobody": (["scara", "--theta", "nowhere"], "'nowhere' is neither joint values"),
     "half of UDP": (["scara", "--udp", "127.0.0.1:5005"], "--udp HOST:PORT and --listen HOST:PORT go together"),
-    "the other half": (["scara", "--listen", "127.0.0.1:5005"], "--udp HOST:PORT and --listen HOST:PORT go together"),
     "two robots": (
         ["scara", "--serial", "/dev/ttyX", "--udp", "127.0.0.1:5005", "--listen", "127.0.0.1:0"],
         "a robot is on --udp or on --serial, not on both",
     ),
     "no serial port": (["scara", "--serial", "/dev/no_such_port"], "cannot open serial port '/dev/no_such_port'"),
-    "no baud rate": (["scara", "--serial", "/dev/ttyX:fast"], "--serial takes PORT or PORT:BAUD"),
     "senders of nothing": (["scara", "--from", "127.0.0.1"], "--from and --key are for datagrams"),
     "units of nobody": (["scara", "--units", "counts"], "--units is for a robot: it needs --udp or --serial"),
-    "no motors": (["scara", "--serial", "/dev/ttyX", "--units", "counts"], "need actuators for each joint of scara"),
-    "no key": (["scara", "--commands", "127.0.0.1:0", "--key", "/no/key"], "cannot read the key '/no/key'"),
-    "no port": (["scara", "--udp", "robot", "--listen", "127.0.0.1:0"], "--udp takes HOST:PORT, as in"),
+    "no baud rate": (["scara", "--serial", "/dev/ttyX:fast"], "--serial takes PORT or PORT:BAUD"),
     "a port too high": (["scara", "--commands", "127.0.0.1:70000"], "--commands takes HOST:PORT, as in"),
+    "no key": (["scara", "--commands", "127.0.0.1:0", "--key", "/no/key"], "cannot read the key '/no/key'"),
     "no such host": (["scara", "--commands", "no.such.host.invalid:5005"], "no host 'no.such.host.invalid'"),
 }
 
@@ -259,12 +238,7 @@ BAD_INPUT: dict[str, tuple[list[str], str]] = {
 @pytest.mark.parametrize("case", BAD_INPUT)
 def test_bad_input_is_one_line(capsys: Capture, case: str) -> None:
     arguments, reason = BAD_INPUT[case]
-    assert run(["servo", *arguments, "--no-browser"]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.startswith("error: ")
-    assert captured.err.count("\n") == 1
-    assert reason in captured.err
+    assert reason in error_of(capsys, "servo", *arguments, "--no-browser")
 
 
 @pytest.mark.parametrize("typed", [["--rate", "5"], ["--duration", "-1"], ["--velocity", "-1"], ["--tolerance", "0"]])
@@ -298,7 +272,7 @@ def test_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_robot_that_went_is_not_said_to_be_at_rest(capsys: Capture) -> None:
     listen = free_port()
     robot = Robot(listen, ["joint_1", "joint_2"], [0.3, 0.8])
-    leave = threading.Timer(0.6, robot.close)
+    leave = threading.Thread(target=robot.leave)
     leave.start()
     arguments = ("--udp", robot.address, "--listen", f"127.0.0.1:{listen}", "--duration", "1.2", "--no-browser")
     assert run(["servo", "rr_planar", *arguments]) == 1
@@ -307,11 +281,3 @@ def test_a_robot_that_went_is_not_said_to_be_at_rest(capsys: Capture) -> None:
     assert "commanded to rest; the last setpoint did not get through" in out
     assert f"nobody listens at {robot.address} (" in out
     assert "at last: the last joint state is" in out
-
-
-def test_a_port_in_use_is_one_line(capsys: Capture) -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        port = str(taken.getsockname()[1])
-        assert "is in use on 127.0.0.1" in error_of(capsys, "servo", "scara", "--port", port, "--no-browser")

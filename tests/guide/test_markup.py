@@ -8,7 +8,7 @@ import pytest
 
 from twistarm import InputError, guide
 from twistarm.guide.teaching import outlet
-from twistarm.guide.teaching.markup import block, formula, inline
+from twistarm.guide.teaching.markup import block, formula
 from twistarm.guide.teaching.tex import rough, tex
 
 
@@ -25,10 +25,6 @@ def test_a_number_at_the_start_of_a_line_is_no_list() -> None:
     assert block("115. To turn the tool") == "<p>115. To turn the tool</p>\n"
     assert block("rates of length\n1. `J_b` (6, m)") == "<p>rates of length\n1. <code>J_b</code> (6, m)</p>\n"
     assert block("1. one\n   more\n2. two\n").count("<li>") == 2
-
-
-def test_a_displayed_formula_may_stand_in_a_sentence() -> None:
-    assert inline("So $$R = I$$ it is.").count('display="block"') == 1
 
 
 def test_a_function_and_its_power_are_one() -> None:

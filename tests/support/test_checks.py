@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from strategies import BATCHES, EPS, batches, poses, rotations
 from twistarm.support import checks
-from twistarm.support.errors import InputError, RoundedPoseWarning, TwistarmError
+from twistarm.support.errors import InputError, RoundedPoseWarning
 
 CLEAN = 8 * EPS
 """A cleaned rotation is orthonormal to a few roundings."""
@@ -37,8 +37,7 @@ def test_numbers_of_any_kind_become_float64(value):
         ("abc", r"x must be an array of real numbers; got 'abc' \(text\)"),
         ([[1, 2], [3]], r"x must be an array of real numbers; got \[\[1, 2\], \[3\]\] \("),
         ([1 + 2j], r"x must be an array of real numbers; got \[\(1\+2j\)\] \(complex numbers\)"),
-        (None, r"x must be an array of real numbers; got None"),
-        ({"a": 1}, r"x must be an array of real numbers; got \{'a': 1\}"),
+        ("y" * 500, r"got .{,80}\.\.\."),
         ([1.0, np.nan], r"x must be finite; it holds nan at index \[1\]"),
         ([[0.0, 1.0], [np.inf, 0.0]], r"x must be finite; it holds inf at index \[1, 0\]"),
     ],
@@ -48,23 +47,13 @@ def test_what_is_no_array_of_finite_numbers_is_refused(value, text):
         checks.as_floats(value, "x")
 
 
-def test_a_long_value_is_cut_in_the_message():
-    with pytest.raises(InputError) as caught:
-        checks.as_floats("y" * 500, "x")
-    assert "..." in str(caught.value)
-    assert len(str(caught.value)) < 180
-
-
-@pytest.mark.parametrize("shape", [(), (2,), (3, 4), (0,)])
-def test_vectors_have_three_components(shape):
-    with pytest.raises(InputError, match=r"p must have shape \(\.\.\., 3\); got "):
-        checks.as_vector(np.ones(shape), "p")
-
-
-@pytest.mark.parametrize("shape", [(), (3,), (6, 7)])
-def test_twists_have_six_components(shape):
-    with pytest.raises(InputError, match=r"twist must have shape \(\.\.\., 6\); got "):
-        checks.as_twist(np.ones(shape))
+@pytest.mark.parametrize(
+    ("check", "shape"),
+    [(checks.as_vector, ()), (checks.as_vector, (3, 4)), (checks.as_twist, (3,)), (checks.as_twist, (6, 7))],
+)
+def test_vectors_have_three_components_and_twists_six(check, shape):
+    with pytest.raises(InputError, match=r"x must have shape \(\.\.\., [36]\); got "):
+        check(np.ones(shape), "x")
 
 
 @pytest.mark.parametrize("batch", BATCHES)
@@ -97,7 +86,7 @@ def test_rotations_of_rounding_quality_pass_unchanged(data):
     assert np.abs(checks.as_rotation(R) - R).max(initial=0.0) <= CLEAN
 
 
-@pytest.mark.parametrize("amount", [1e-13, 1e-9, 2e-7])
+@pytest.mark.parametrize("amount", [1e-13, 2e-7])
 def test_a_slightly_wrong_rotation_is_replaced_by_the_nearest(amount):
     R = Rotation.random(random_state=1).as_matrix()
     clean = checks.as_rotation(tilted(R, amount))
@@ -111,13 +100,11 @@ def test_a_slightly_wrong_rotation_is_replaced_by_the_nearest(amount):
 @pytest.mark.parametrize("amount", [4e-3, 0.1])
 def test_a_wrong_rotation_is_refused(amount):
     R = Rotation.random(random_state=1).as_matrix()
-    with pytest.raises(
-        InputError, match=r"R is not in SO\(3\): its columns are .* \(allowed 0.001\); .*rotations.nearest"
-    ):
+    with pytest.raises(InputError, match=r"R is not in SO\(3\): its columns are .*rotations.nearest"):
         checks.as_rotation(tilted(R, amount), "R")
 
 
-@pytest.mark.parametrize("decimals", [3, 4, 5])
+@pytest.mark.parametrize("decimals", [3, 5])
 def test_a_printed_rotation_is_made_one_and_said(decimals):
     """From three decimals on every one passes: half of RᵀR − I is then √3 · 5e-4 at most."""
     R = Rotation.random(200, random_state=3).as_matrix()
@@ -139,14 +126,6 @@ def test_a_reflection_is_refused():
         checks.as_rotation(np.diag([1.0, 1.0, -1.0]))
 
 
-def test_single_precision_poses_pass():
-    g = np.eye(4, dtype=np.float32)
-    g[:3, :3] = Rotation.random(random_state=2).as_matrix()
-    clean = checks.as_pose(g)
-    assert clean.dtype == np.float64
-    assert np.abs(clean[:3, :3].T @ clean[:3, :3] - np.eye(3)).max() <= CLEAN
-
-
 @given(st.data())
 def test_poses_pass(data):
     g = data.draw(poses(data.draw(batches)))
@@ -157,23 +136,15 @@ def test_poses_pass(data):
     ("g", "text"),
     [
         (np.eye(3), r"pose must have shape \(\.\.\., 4, 4\); got \(3, 3\)"),
-        (np.eye(4)[:, :3], r"pose must have shape"),
         (np.zeros((4, 4)), r"pose is not in SE\(3\): its last row must be 0 0 0 1; got"),
         (np.diag([2.0, 2.0, 2.0, 1.0]), r"rotation of the pose is not in SO\(3\)"),
         (np.diag([1.0, 1.0, -1.0, 1.0]), "a reflection"),
         (np.full((4, 4), np.nan), r"pose must be finite; it holds nan at index \[0, 0\]"),
-        (np.eye(4).T + np.eye(4, k=-1), "last row"),
     ],
 )
 def test_what_is_no_pose_is_refused(g, text):
     with pytest.raises(InputError, match=text):
         checks.as_pose(g)
-
-
-def test_input_errors_are_value_errors_of_ours():
-    with pytest.raises(ValueError, match="pose"):
-        checks.as_pose(np.eye(3))
-    assert issubclass(InputError, TwistarmError)
 
 
 def test_frozen_arrays_are_read_only_copies():
@@ -191,8 +162,4 @@ def test_frozen_arrays_are_read_only_copies():
 def test_what_is_no_positive_number(value):
     with pytest.raises(InputError, match="rate must be a positive number; got "):
         checks.as_positive(value, "rate")
-
-
-def test_a_positive_number():
     assert checks.as_positive(np.float32(0.5), "rate") == 0.5
-    assert isinstance(checks.as_positive(3, "rate"), float)

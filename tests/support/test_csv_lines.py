@@ -31,7 +31,7 @@ def test_lines_are_those_that_were_written_in_whatever_encoding(data: bytes) -> 
     assert [line.rstrip("\r\n") for line in lines_in(io.BytesIO(data), "it", FEW)] == ["Gelenk ä,b", "1,2"]
 
 
-@pytest.mark.parametrize("data", [b"", b"\n", b"1", b"1\n", b"1\r\n", b"\r\n1"])
+@pytest.mark.parametrize("data", [b"", b"1", b"1\r\n"])
 def test_short_files_are_whole(data: bytes) -> None:
     assert "".join(lines_in(io.BytesIO(data), "it", FEW)).encode() == data
 

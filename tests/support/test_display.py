@@ -30,8 +30,7 @@ from twistarm import (
 )
 from twistarm.calibration import WiringLog
 
-LONGEST = 240
-"""Three lines of a terminal of 80 columns."""
+LONGEST = 240  # three lines of a terminal of 80 columns
 
 
 def printed() -> list[object]:
@@ -76,10 +75,8 @@ def test_what_is_said_is_what_is_held() -> None:
     assert repr(Pose(g)) == "Pose(g=at [0.5, 0, 0] turned 60°)"
 
 
-@pytest.mark.parametrize("n", [1, 32])
-def test_arms_of_any_length_are_told_in_brief(n: int) -> None:
-    columns = np.tile([[0.0], [0], [0], [0], [0], [1]], (1, n))
-    arm = arm_from_screws(columns, np.eye(4), name="long")
+def test_long_arms_are_told_in_brief() -> None:
+    arm = arm_from_screws(np.tile([[0.0], [0], [0], [0], [0], [1]], (1, 32)), np.eye(4), name="long")
     for thing in (arm, arm.limits, plan(arm)):
         assert len(repr(thing)) <= LONGEST
 

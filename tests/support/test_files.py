@@ -1,5 +1,4 @@
 import os
-import stat
 from pathlib import Path
 
 import pytest
@@ -8,7 +7,7 @@ from twistarm.support.errors import InputError
 from twistarm.support.files import open_regular, opened_path, write_whole
 
 DESCRIPTION = "<?xml version='1.0'?>\n<!-- of > <ours> -->\n\t<robot name='ours'/>"
-NAMES = ["arm.urdf", "ARM.URDF", "arm.urdf.xacro", "arm.srdf", "arm.xml", "arm.toml", "arm.toml", "joint_limits.yaml"]
+NAMES = ["ARM.URDF", "arm.urdf.xacro", "arm.srdf", "arm.xml", "arm.toml", "joint_limits.yaml"]
 OURS = {
     **dict.fromkeys(NAMES, b"mine"),
     "arm.html": DESCRIPTION.encode(),
@@ -40,15 +39,6 @@ def test_what_is_no_description_is_replaced(tmp_path: Path) -> None:
 def test_text_and_bytes_arrive_as_they_are(tmp_path):
     assert write_whole(tmp_path / "a.txt", "θ\r\n").read_bytes() == "θ\r\n".encode()
     assert write_whole(str(tmp_path / "b"), b"\x00\xff").read_bytes() == b"\x00\xff"
-
-
-def test_an_existing_file_is_replaced_and_keeps_its_permissions(tmp_path):
-    path = tmp_path / "a.txt"
-    path.write_text("old")
-    path.chmod(0o640)
-    write_whole(path, "new")
-    assert path.read_text() == "new"
-    assert stat.S_IMODE(path.stat().st_mode) == 0o640
 
 
 def test_a_new_file_gets_the_permissions_of_any_new_file(tmp_path):

@@ -38,7 +38,7 @@ def refused() -> str:
     return str(refusal.value)
 
 
-@pytest.mark.parametrize("version", ["2.0", "2.0.3", "2.10.1"])
+@pytest.mark.parametrize("version", ["2.0", "2.10.1"])
 def test_one_that_is_new_enough_serves(version: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     put(monkeypatch, tmp_path, f"__version__ = {version!r}\n{GOOD}")
     assert wheels.load(ENGINE).solve() == 42
@@ -54,7 +54,6 @@ def test_one_that_is_nowhere_is_to_be_installed() -> None:
         (f"__version__ = '1.9.7'\n{GOOD}", "is version 1.9.7, and twistarm needs 2.0"),
         ("__version__ = '2.5'\n", "has no solve: it is another project"),
         ("raise ImportError('undefined\\nsymbol')\n", "cannot be imported (undefined symbol)"),
-        ("import nothing_of_that_name\n", "cannot be imported (No module named 'nothing_of_that_name')"),
         ("raise KeyError\n", "cannot be imported (KeyError)"),
     ],
 )

@@ -90,10 +90,7 @@ BUILT: dict[str, Callable[[], Arm]] = {
     "slide": slide,
 }
 
-ARMS = {
-    **{name: (lambda name=name: load(name)) for name in ("rover_arm", "so101", "scara", "ur5", "panda")},
-    **BUILT,
-}
+ARMS = {**{name: (lambda name=name: load(name)) for name in ("rover_arm", "scara", "panda")}, **BUILT}
 
 
 def on_the_page(arm: Arm) -> list[str]:

@@ -86,8 +86,8 @@ class Asked:
         speed = content.tool_speed if self.tool_speed is None else self.tool_speed
         met = {"position_tol": content.position_tol, "orientation_tol": content.orientation_tol, **self.tolerances}
         segments = as_segments(content.segments, speed, content.turn_speed, **met)
-        unwrap = self.unwrap or content.unwrap
-        return self._planned(segments, start, self.kind or content.kind, limits, progress, unwrap)
+        how: Any = {"kind": self.kind or content.kind or "s_curve", "unwrap": self.unwrap or content.unwrap}
+        return plan_segments(self.arm, segments, start=start, limits=limits, progress=progress, **how), segments
 
     def through(self, goals: Sequence[Any], limits: JointLimits, progress: Progress) -> Planned:
         """A motion by the same kind of move to each goal."""
@@ -97,19 +97,8 @@ class Asked:
             move(goal, tool_speed=self.tool_speed, blend=blend, **self.tolerances)
             for goal, blend in zip(goals, blends, strict=True)
         ]
-        return self._planned(segments, self.poses(())[0], self.kind, limits, progress, self.unwrap)
-
-    def _planned(
-        self,
-        segments: list[Segment],
-        start: Any,
-        kind: str | None,
-        limits: JointLimits,
-        progress: Progress,
-        unwrap: bool,
-    ) -> Planned:
-        how: dict[str, Any] = {"kind": kind or "s_curve", "limits": limits, "unwrap": unwrap}
-        return plan_segments(self.arm, segments, start=start, progress=progress, **how), segments
+        how: Any = {"kind": self.kind or "s_curve", "unwrap": self.unwrap, "start": self.poses(())[0]}
+        return plan_segments(self.arm, segments, limits=limits, progress=progress, **how), segments
 
 
 def typed_targets(
@@ -123,19 +112,13 @@ def typed_targets(
         raise InputError(
             f"give one {option} for all positions, or one for each: {len(turned)} go with {len(xyz)} --xyz"
         )
-    orientations = [
-        typed_orientation(one_rpy, None, None, one_direction, axis, radians)
-        for one_rpy, one_direction in _pairs(rpy, direction)
-    ]
-    each = orientations * len(xyz) if len(orientations) == 1 else orientations
-    return [o.at(parse_numbers(text, 3, "--xyz")) for o, text in zip(each, xyz, strict=True)]
-
-
-def _pairs(rpy: Sequence[str], direction: Sequence[str]) -> list[tuple[str | None, str | None]]:
-    """What turns the tool at each position, or at all of them; both kinds at once are refused where they are read."""
-    if rpy and direction:
-        return [(rpy[0], direction[0])]
-    return [(each, None) for each in rpy] or [(None, each) for each in direction] or [(None, None)]
+    targets = []
+    for k, text in enumerate(xyz):
+        # Both kinds at once are refused where they are read.
+        one_rpy, one_direction = (each[k % len(each)] if each else None for each in (rpy, direction))
+        orientation = typed_orientation(one_rpy, None, None, one_direction, axis, radians)
+        targets.append(orientation.at(parse_numbers(text, 3, "--xyz")))
+    return targets
 
 
 def motion_of_file(arm: Arm, path: Path, caps: Caps) -> tuple[Arm, Trajectory]:

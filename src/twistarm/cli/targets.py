@@ -120,9 +120,11 @@ def typed_orientation(
             return Orientation(direction=parse_numbers(text, 3, option), axis=tool_axis)
         if option == "--rpy":
             angles = parse_numbers(text, 3, option)
-            return _turned(Pose.from_rpy(ORIGIN, angles if radians else np.radians(np.fmod(angles, 360.0))))
-        order = "xyzw" if option == "--quaternion-xyzw" else "wxyz"
-        return _turned(Pose.from_quaternion(ORIGIN, **{order: parse_numbers(text, 4, option)}))
+            turned = Pose.from_rpy(ORIGIN, angles if radians else np.radians(np.fmod(angles, 360.0)))
+        else:
+            order = "xyzw" if option == "--quaternion-xyzw" else "wxyz"
+            turned = Pose.from_quaternion(ORIGIN, **{order: parse_numbers(text, 4, option)})
+        return Orientation(rotation=turned.g[:3, :3])
     return Orientation(axis=tool_axis)
 
 
@@ -148,11 +150,6 @@ def _axis(text: str) -> Array:
         return parse_numbers(text, 3, "--axis")
     except InputError as error:
         raise InputError(f"--axis takes x, y, z, -x, -y, -z or three numbers; got {text!r}") from error
-
-
-def _turned(pose: Pose) -> Orientation:
-    """The orientation of a pose."""
-    return Orientation(rotation=pose.g[:3, :3])
 
 
 def targets_in(sheet: Sheet, orientation: Orientation) -> list[Target]:
@@ -182,8 +179,8 @@ def _target(values: Array, kind: tuple[str, ...], orientation: Orientation) -> T
         if angle_hint(values[3:]):
             raise InputError(f"{angle_hint(values[3:])}: name the column 'roll [deg]'")
         return Pose.from_rpy(values[:3], values[3:])
-    elif kind == DIRECTION:
-        orientation = Orientation(direction=values[3:], axis=orientation.axis)
-    elif kind == QUATERNION:
+    if kind == QUATERNION:
         return Pose.from_quaternion(values[:3], xyzw=values[3:])
+    if kind == DIRECTION:
+        orientation = Orientation(direction=values[3:], axis=orientation.axis)
     return orientation.at(values[:3])

@@ -50,10 +50,10 @@ def progress(
 ) -> None:
     """Show which exercises are done, and what was said of the others."""
     found = read_progress(folder_with_progress(as_path(folder), HERE))
-    if json:
-        print_json({lesson: _of_lesson(lesson, found) for lesson in LESSONS})
-        return
     states = {lesson: _of_lesson(lesson, found) for lesson in LESSONS}
+    if json:
+        print_json(states)
+        return
     columns = ["lesson", "right", "", "still to do"]
     console().print(table("", columns, [_row(lesson, states[lesson]) for lesson in LESSONS], text=["", "still to do"]))
     every = [each["state"] == "right" for of_lesson in states.values() for each in of_lesson.values()]
@@ -80,10 +80,8 @@ def exercises(
     """Write the files to fill in, a Python file for each lesson and the Octave and MATLAB ones; no file is replaced."""
     written, stayed = write_exercises(folder, _arm(source, load))
     begun(folder)
-    say(
-        f"{folder}: {len(written)} files written"
-        + (f", {len(stayed)} that were there left as they are" if stayed else "")
-    )
+    left = f", {len(stayed)} that were there left as they are" if stayed else ""
+    say(f"{folder}: {len(written)} files written{left}")
     say(f"next: open {folder / LESSONS[0]}.py, fill it in, and twistarm guide check {folder / LESSONS[0]}.py")
 
 

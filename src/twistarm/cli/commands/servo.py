@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from contextlib import ExitStack
 from dataclasses import replace
-from math import inf
 from typing import Annotated
 
 import typer
@@ -14,16 +13,11 @@ from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line
 from ...control.servo import ServoSettings
 from ...control.servo.settings import BEYOND, SLIDE
-from ...control.stream import (
-    Source,
-    UdpSource,
-    read_key,
-    run,
-)
+from ...control.stream import Source, UdpSource, read_key, run
 from ...control.stream.cycles import checked_rate
 from ...control.stream.links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from ...control.stream.streaming import TOLERANCE
-from ...support.checks import require_choice
+from ...support.checks import as_not_negative, require_choice
 from ...support.errors import InputError
 from ...viewer import Viewer
 from ..asked_motion import capped
@@ -97,17 +91,14 @@ def servo(
         raise InputError("--from and --key are for datagrams: they need --commands or --udp")
     require_robot(udp, listen, serial, units, velocity_mode, admitted=False)
     require_choice(beyond, BEYOND, "--beyond")
-    settings = ServoSettings(position_margin=not_negative(margin, "--margin"), beyond=beyond)
+    settings = ServoSettings(position_margin=as_not_negative(margin, "--margin"), beyond=beyond)
     checked_rate(rate, settings)
     require_positive(duration=duration, tolerance=tolerance)
     require_positive(command_timeout=command_timeout, feedback_timeout=feedback_timeout)
     x = parse_theta(arm, theta, rad)
     require_inside(arm, x, rad)
     driven = replace(arm, limits=capped(arm, {"velocity": velocity, "acceleration": acceleration}))
-
-    keyed = None if key is None else read_key(key)
-    admitted = Admitted(tuple(senders or ()), keyed)
-
+    admitted = Admitted(tuple(senders or ()), None if key is None else read_key(key))
     with ExitStack() as stack:
         sink, feedback = joints_of(driven, x, udp, listen, serial, units, feedback_timeout, admitted, stack)
         viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False, keep=port != 0))
@@ -123,13 +114,6 @@ def servo(
     else:
         console().print(report_table(arm, report))
     return 0 if report.ok else 1
-
-
-def not_negative(value: float, option: str) -> float:
-    """A typed number from 0 on."""
-    if not 0.0 <= value < inf:
-        raise InputError(f"{option} must be a number from 0 on; got {value:g}")
-    return value
 
 
 def source_of(

@@ -38,6 +38,7 @@ def wiring(
     json: Json = False,
 ) -> int:
     """Check signs, ratios and zeros of the motors against logged counts and measured positions of the tool."""
+    turned = base_orientation_noise
     with progress_bar("wiring") as progress:
         report = check_wiring(
             arm,
@@ -45,9 +46,7 @@ def wiring(
             position_noise=position_noise,
             orientation_noise=float(np.radians(orientation_noise)),
             base_position_noise=base_position_noise,
-            base_orientation_noise=None
-            if base_orientation_noise is None
-            else float(np.radians(base_orientation_noise)),
+            base_orientation_noise=None if turned is None else float(np.radians(turned)),
             progress=progress,
         )
     if json:
