@@ -6,7 +6,6 @@ import json
 import os
 import re
 import socket
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,7 @@ from twistarm import Arm, load_arm
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.server.memory import state_folder
-from viewer_page import ARM, THETA, WAIT, Page, nothing, visit
+from viewer_page import ARM, THETA, Page, nothing, until, visit
 from viewer_page import arm as arm
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")
@@ -61,10 +60,7 @@ def poses_in(file: Path) -> list[str]:
 
 
 def until_kept(home: Path) -> Path:
-    end = time.monotonic() + WAIT
-    while not any(home.glob("*.json")):
-        assert time.monotonic() < end
-        time.sleep(0.01)
+    until(lambda: any(home.glob("*.json")))
     return kept(home, ".json")
 
 
