@@ -84,25 +84,6 @@ def test_the_poses_and_theta_are_those_of_the_last_run_and_the_token_is_new(arm:
     assert [file.suffix for file in home.iterdir()] == [".json"]
 
 
-def test_how_the_arm_moves_to_a_pose_is_kept_too(arm: Arm, home: Path, port: int) -> None:
-    async def by_line(page: Page) -> None:
-        await page.ask(type="record", name="one")
-        await page.until(lambda: bool(page.latest["program"]["poses"]))
-        await page.ask(type="move", id=page.latest["program"]["poses"][0]["id"], by="line")
-
-    with at(arm, port) as first:
-        visit(first, by_line)
-    with at(arm, port) as second:
-        (pose,) = visit(second, nothing).latest["program"]["poses"]
-        assert (pose["name"], pose["by"]) == ("one", "line")
-
-
-def test_the_list_is_written_as_it_changes_not_only_at_the_end(arm: Arm, home: Path, port: int) -> None:
-    with at(arm, port) as viewer:
-        visit(viewer, record("one"))
-        assert poses_in(until_kept(home)) == ["one"]
-
-
 def test_nothing_is_kept_unless_it_is_asked_for(arm: Arm, home: Path, port: int) -> None:
     addresses = set()
     for _ in range(2):

@@ -180,20 +180,6 @@ def load_parts(path: Path) -> list[Part]:
         return reader.parts(path)
 
 
-def test_an_stl_with_zero_normals_gets_its_normals_from_its_triangles(tmp_path: Path) -> None:
-    import trimesh
-
-    cube = trimesh.creation.box((1, 1, 1))
-    path = tmp_path / "cube.stl"
-    data = bytearray(trimesh.exchange.stl.export_stl(cube))
-    for face in range(12):
-        data[84 + 50 * face : 96 + 50 * face] = bytes(12)
-    path.write_bytes(data)
-    (part,) = load_parts(path)
-    assert part.colour is None
-    assert_allclose(np.linalg.norm(part.normals, axis=1), 1, atol=SINGLE)
-
-
 def test_a_collada_file_in_millimetres_is_drawn_in_metres(tmp_path: Path) -> None:
     import trimesh
 
