@@ -22,16 +22,6 @@ from viewer_page import viewer as viewer
 # Python's side ----------------------------------------------------------------------------------------
 
 
-def test_the_latest_configuration_wins(viewer: Viewer) -> None:
-    async def watch(page: Page) -> None:
-        for i in range(5000):
-            viewer.show([0.0, 0.0, i / 2**16])
-        await page.until(lambda: page.latest["frame"]["theta"][2] == 4999 / 2**16)
-
-    visit(viewer, watch)
-    assert viewer.theta[2] == 4999 / 2**16
-
-
 @pytest.mark.parametrize(
     ("theta", "reason"),
     [

@@ -156,12 +156,6 @@ def test_of_very_many_findings_the_gravest_are_sent_and_all_are_counted(arm: Arm
     assert message["note"] == f"{PENDING} 2 more: twistarm doctor lists them."
 
 
-def test_a_page_gets_the_diagnosis_and_a_late_one_at_once(arm: Arm, viewer: Viewer) -> None:
-    expected = examined(arm)
-    hear(viewer, lambda message: bool(message == expected))
-    assert visit(viewer, nothing).latest["findings"] == expected
-
-
 def test_without_a_page_nobody_diagnoses(viewer: Viewer, visits: list[Arm]) -> None:
     time.sleep(0.1)  # five times the doctor's patience
     assert visits == []

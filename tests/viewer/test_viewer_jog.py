@@ -113,15 +113,15 @@ def test_nonsense_from_a_page_that_jogs_stops_the_arm_and_says_why(viewer: Viewe
     async def drive(page: Page) -> None:
         for text, reason in [*((json.dumps({**message, "number": 8}), why) for message, why in BAD_COMMANDS),
                              *BAD_MESSAGES[:8]]:  # fmt: skip
-            await jog(page)  # sense again
-            assert reading(viewer).command is not None
+            await jog(page)
             await page.send(text)
             await page.until(lambda: "error" in page.latest)
+            stopped = reading(viewer)
             assert reason in page.latest["error"]["message"]
-            assert reading(viewer).command is None
-            assert reason in reading(viewer).reason
+            assert stopped.command is None
+            assert reason in stopped.reason
         bystander = await other(page)
-        await jog(page)
+        await jog(page)  # sense again
         await bystander.send("{")
         await bystander.until(lambda: "error" in bystander.latest)
         assert reading(viewer).command is not None

@@ -69,7 +69,6 @@ def test_a_bad_message_gets_its_reason_and_the_server_lives_on(viewer: Viewer) -
     "text",
     [
         '{"type": "explode", "number": 7}',
-        '{"type": "theta", "theta": 3, "number": 7}',
         '{"type": "theta", "theta": [NaN, 0, 0], "number": 7}',
         '{"type": "play", "type": "pause", "number": 7}',
     ],

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from twistarm import ArmBuilder, Viewer, load_arm, plan_joint
+from twistarm import ArmBuilder, Viewer, plan_joint
 from twistarm.support.errors import InputError
 from twistarm.viewer.parts.tool_path import MOST_POINTS, tool_path
 
@@ -64,11 +64,6 @@ def test_what_is_no_motion(motion: object, message: str) -> None:
     with pytest.raises(InputError) as caught:
         tool_path(ARM, motion)  # type: ignore[arg-type]
     assert message in str(caught.value)
-
-
-def test_a_trajectory_of_another_arm() -> None:
-    with pytest.raises(InputError, match="the trajectory moves a; scara has"):
-        tool_path(load_arm("scara"), MOTION)
 
 
 def test_the_view_draws_it_and_takes_it_away() -> None:
