@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
+import time
 import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterator
@@ -115,7 +117,7 @@ def visit(viewer: Viewer, visitor: Callable[[Page], Any], **headers: str) -> Pag
     """Open a page, let `visitor` use it, and return it."""
 
     async def go() -> Page:
-        page = await Page(viewer.url.replace("http", "ws", 1) + "socket", headers).open()
+        page = await Page(address(viewer), headers).open()
         await visitor(page)
         page.connection.close()
         return page
@@ -124,6 +126,28 @@ def visit(viewer: Viewer, visitor: Callable[[Page], Any], **headers: str) -> Pag
 
 
 async def nothing(page: Page) -> None: ...
+
+
+def address(viewer: Viewer) -> str:
+    """Of the socket."""
+    return viewer.url.replace("http", "ws", 1) + "socket"
+
+
+def port_of(viewer: Viewer) -> int:
+    return int(viewer.url.split(":")[2].split("/")[0])
+
+
+def until(reached: Callable[[], bool]) -> None:
+    end = time.monotonic() + WAIT
+    while not reached():
+        assert time.monotonic() < end
+        time.sleep(0.005)
+
+
+def stored(text: str) -> Any:
+    """What a stand-alone page holds."""
+    (data,) = re.findall(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)
+    return json.loads(data)
 
 
 def get(url: str, **headers: str) -> tuple[int, str, Any]:

@@ -192,13 +192,6 @@ def test_what_is_chosen_is_seen_and_leaves_no_trace(live: Any) -> None:
     assert live.evaluate(PICTURE) == before
 
 
-def test_a_finding_about_nothing_in_particular_does_nothing(live: Any) -> None:
-    nowhere = about(live, "cannot-turn-in-place")
-    nowhere.click()
-    assert points_at_nothing(live)
-    assert nowhere.evaluate("(box) => box.tagName") == "DIV"
-
-
 def test_findings_sent_again_keep_what_is_chosen_if_it_is_still_there(live: Any, arm: Arm) -> None:
     about(live, "axis-not-unit").click()
     message = examined(arm)

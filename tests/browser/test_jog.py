@@ -203,19 +203,6 @@ def test_keys_for_a_slider_do_not_jog_until_the_view_is_clicked(page: Any, heard
     heard.await_kind("jog")
 
 
-def test_sliders_and_poses_are_disabled_while_a_servo_drives(page: Any, viewer: Viewer, heard: Heard) -> None:
-    for element in (page.locator(".joint input[type=range]"), page.get_by_role("button", name="ready")):
-        assert element.is_disabled()
-        assert float(element.evaluate("(element) => getComputedStyle(element).opacity")) < 0.5
-    viewer.show([0.5])
-    until(page, "Number(document.querySelector('.joint input').value) === 0.5")
-    viewer.show_servo(None)
-    until(page, "!document.querySelector('.joint input').disabled")
-    page.locator(".joint input[type=range]").press("ArrowRight")
-    until(page, "twistarm.state.frame.theta[0] !== 0.5")
-    assert page.get_by_role("button", name="ready").is_enabled()
-
-
 def raised(command: dict[str, Any]) -> float:
     """How much the tool's z axis of the rover's arm, which looks along x of the base, rises in half a second [rad]."""
     arm = load_arm("rover_arm")

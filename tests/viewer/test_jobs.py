@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -13,7 +12,7 @@ from twistarm import Arm
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.protocol.jobs import Job, Progress, ReplacedError, Workers
-from viewer_page import WAIT, Page, visit
+from viewer_page import WAIT, Page, until, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
 
@@ -63,13 +62,6 @@ class Held:
             self.replaced.set()
             raise
         return self.result
-
-
-def until(reached: Callable[[], bool]) -> None:
-    end = time.monotonic() + WAIT
-    while not reached():
-        assert time.monotonic() < end
-        time.sleep(0.001)
 
 
 def test_the_latest_job_wins_and_those_between_are_never_begun(loop: Loop) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import os
-import re
 import subprocess
 import tempfile
 import time
@@ -20,6 +18,7 @@ from catalogue import load
 from twistarm import InputError, TwistarmError, Viewer, plan_joint, save_png
 from twistarm.cli.application import run
 from twistarm.viewer.files import browsers, headless
+from viewer_page import stored
 
 ARM = load("rr_planar")
 SIZE = (320, 240)
@@ -126,9 +125,7 @@ def test_the_page_shows_the_posture(path: Path, tmp_path: Path) -> None:
     install(path, keep + COPY.format(drawing(tmp_path)))
 
     def shown() -> Any:
-        data = re.search(r'id="data">(.*?)</script>', kept.read_text("utf-8"))
-        assert data is not None
-        return json.loads(data[1])
+        return stored(kept.read_text("utf-8"))
 
     save_png(ARM, tmp_path / "arm.png", [0.3, -0.4], size=SIZE)
     assert_allclose(shown()["samples"]["theta"], [[0.3, -0.4]])

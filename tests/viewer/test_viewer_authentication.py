@@ -25,10 +25,6 @@ def test_a_view_on_every_interface_admits_addresses_but_no_foreign_names() -> No
     assert not GUARD.admits_host("192.168.1.7")
 
 
-def test_the_token_is_new_at_each_start() -> None:
-    assert Authentication("127.0.0.1").token != Authentication("127.0.0.1").token
-
-
 @pytest.mark.parametrize("host", ["x@127.0.0.1", "x:y@127.0.0.1", "x@localhost:80", "@127.0.0.1", ":@[::1]:8080"])
 def test_a_host_with_a_user_is_refused(host: str) -> None:
     assert not GUARD.admits_host(host)

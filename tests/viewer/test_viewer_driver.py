@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -22,7 +21,7 @@ from twistarm.control.stream import Cycle
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.stage import NO_DRIVE
-from viewer_page import WAIT, Page, nothing, visit
+from viewer_page import WAIT, Page, visit
 
 SPEED = 0.05
 """Of the twists that pages command here [m/s]."""
@@ -158,19 +157,6 @@ def test_limits_that_an_arm_does_not_give_are_the_usual_ones_and_said(arm: Arm) 
         assert viewer.theta[0] - bare.ready[0] < fastest * (time.monotonic() - start)
 
     with Viewer(bare, open_browser=False) as viewer:
-        drive(viewer, jog)
-
-
-def test_a_limit_of_the_arm_itself_holds(arm: Arm) -> None:
-    slow = replace(arm, limits=arm.limits.with_({"velocity": 0.1}, arm.joint_names))
-
-    async def jog(page: Page) -> None:
-        assert "velocity" not in page.latest["drive"]["note"]
-        start = time.monotonic()
-        await push(page, away(viewer, 0.03), type="jog_joints", rates=[1.0, *[0.0] * (arm.n - 1)])
-        assert viewer.theta[0] - slow.ready[0] < 0.1 * (time.monotonic() - start)
-
-    with Viewer(slow, open_browser=False) as viewer:
         drive(viewer, jog)
 
 
@@ -384,22 +370,6 @@ def test_outside_the_limits_it_does_not_begin(arm: Arm) -> None:
         assert driving() == []
 
 
-@pytest.mark.parametrize(
-    ("request_", "reason"),
-    [
-        ({"type": "jog_joints", "rates": [0.1]}, "rates must be 6 numbers, base to tip: "),
-        ({"type": "jog_joints", "rates": [1e5, 0, 0, 0, 0, 0]}, "theta_dot must be at most 10000"),
-    ],
-)
-def test_nonsense_gets_its_reason(viewer: Viewer, request_: dict[str, Any], reason: str) -> None:
-    async def ask_it(page: Page) -> None:
-        await page.send(json.dumps(request_))
-        await page.until(lambda: "error" in page.latest)
-        assert reason in page.latest["error"]["message"]
-
-    drive(viewer, ask_it)
-
-
 def test_an_arm_that_stands_tells_the_pages_nothing(viewer: Viewer) -> None:
     async def look(page: Page) -> None:
         await push(page, away(viewer, 0.01), type="jog", twist=[SPEED, 0, 0, 0, 0, 0], frame="base")
@@ -413,8 +383,3 @@ def test_an_arm_that_stands_tells_the_pages_nothing(viewer: Viewer) -> None:
             await ask(page, type="servo", on=True)
 
     drive(viewer, look)
-
-
-def test_nothing_runs_before_it_is_asked_for(viewer: Viewer) -> None:
-    assert visit(viewer, nothing).latest["drive"] == NO_DRIVE
-    assert driving() == []

@@ -10,15 +10,11 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, ArmBuilder
-from twistarm.control.servo import ServoOutput
 from twistarm.control.stream import Inbox
 from twistarm.support.errors import InputError
-from twistarm.viewer import Viewer
 from twistarm.viewer.parts.commands import PageCommands
-from twistarm.viewer.protocol.messages import Request
 from twistarm.viewer.server.driver import Drive, Driver
 from twistarm.viewer.stage import Stage
-from viewer_page import Page, visit
 
 JOG = {"twist": [0.1, 0, 0, 0, 0, 0], "frame": "base"}
 
@@ -64,33 +60,3 @@ def test_none_begins_once_the_program_has_asked_for_commands() -> None:
         driver.switch(True)
     assert not stage.driven
     assert not driver.on
-
-
-def test_commands_are_taken_from_when_a_servo_asks_for_them_until_it_ends() -> None:
-    commands = PageCommands(arm())
-    with pytest.raises(InputError, match="no servo takes commands here"):
-        commands.take(Request("jog", JOG, 1), "page 1")
-    assert commands.inbox.read(time.monotonic()).command is None
-    commands.open = True
-    commands.take(Request("jog", JOG, 1), "page 1")
-    assert commands.inbox.read(time.monotonic()).command is not None
-
-
-def test_a_servo_that_does_not_ask_for_commands_gets_none() -> None:
-    said = ServoOutput.stale(np.zeros(1), "why")
-
-    async def jog(page: Page) -> None:
-        for asks in (False, True):
-            if asks:
-                _ = viewer.commands
-            for _ in range(2):
-                viewer.show_servo(said)
-                await page.ask(type="jog", **JOG)
-                assert ("error" in page.latest) is not asks
-        viewer.show_servo(None)
-        viewer.show_servo(said)  # another one
-        await page.ask(type="jog", **JOG)
-        assert page.latest["error"]["message"].startswith("no servo takes commands here")
-
-    with Viewer(arm(), open_browser=False) as viewer:
-        visit(viewer, jog)

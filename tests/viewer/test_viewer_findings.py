@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
-import re
 import threading
 import time
 from collections import Counter
@@ -18,13 +16,13 @@ import pytest
 
 from twistarm import Arm, arm_from_screws, diagnose, joints, load_arm
 from twistarm.checking.doctor import Diagnosis
-from twistarm.description.findings import CODES, Finding, Place, finding
+from twistarm.description.findings import Finding, Place, finding
 from twistarm.description.meshes import MeshReader
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.parts import findings as module
 from twistarm.viewer.parts.findings import MOST, PENDING, Examination, examined, loaded, node_of
 from twistarm.viewer.server import server as server_module
-from viewer_page import Page, nothing, visit
+from viewer_page import Page, nothing, stored, visit
 
 SCRIPT = "</script><script>hacked = 1</script>"
 ESCAPED = SCRIPT.replace("<", "&lt;").replace(">", "&gt;")
@@ -158,17 +156,6 @@ def test_of_very_many_findings_the_gravest_are_sent_and_all_are_counted(arm: Arm
     assert message["note"] == f"{PENDING} 2 more: twistarm doctor lists them."
 
 
-def test_every_code_s_severity_can_be_told(arm: Arm) -> None:
-    every = tuple(note(code, Place("a")) for code in CODES)
-    assert sum(loaded(replace(arm, findings=every))["counts"].values()) == len(CODES)
-
-
-def test_a_page_gets_the_diagnosis_and_a_late_one_at_once(arm: Arm, viewer: Viewer) -> None:
-    expected = examined(arm)
-    hear(viewer, lambda message: bool(message == expected))
-    assert visit(viewer, nothing).latest["findings"] == expected
-
-
 def test_without_a_page_nobody_diagnoses(viewer: Viewer, visits: list[Arm]) -> None:
     time.sleep(0.1)  # five times the doctor's patience
     assert visits == []
@@ -268,8 +255,6 @@ def test_an_examination_happens_once(arm: Arm) -> None:
 def test_the_stand_alone_page_holds_the_diagnosis_and_no_name_breaks_out(arm: Arm, tmp_path: Path) -> None:
     page = save_html(arm, tmp_path / "view.html").read_text()
     assert "<script>hacked" not in page
-    literal = re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)
-    assert literal is not None
-    data = json.loads(literal.group(1))
+    data = stored(page)
     assert data["findings"] == examined(arm)
     assert any(told["name"] == SCRIPT for told in data["findings"]["findings"])

@@ -45,14 +45,6 @@ def test_every_edit_of_the_list_is_undone_and_redone(stage: Stage) -> None:
         undo(stage, "redo")
 
 
-def test_a_plan_that_an_undone_edit_had_outdated_is_the_list_s_again(stage: Stage) -> None:
-    done(ask(stage, "plan", kind="cubic", stop=False))
-    ask(stage, "delete", id=said(stage, "program")["poses"][1]["id"])
-    assert not said(stage, "program")["planned"]
-    undo(stage)
-    assert said(stage, "program")["planned"]
-
-
 def test_moves_are_undone_a_drag_as_one(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
     clock = [100.0]
     monkeypatch.setattr(history, "monotonic", lambda: clock[0])

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
 
 from twistarm import ArmBuilder, load_arm
-from twistarm.support.errors import InputError, LimitError
+from twistarm.support.errors import LimitError
 from twistarm.viewer.files.page_export import modules
 from twistarm.viewer.page_files import page_files
 from twistarm.viewer.protocol.messages import parse
@@ -57,16 +56,6 @@ def test_random_leaves_the_joints_beside_the_arm_alone() -> None:
     ask(stage, '{"type": "joint", "name": "finger_left", "value": 0.02}')
     ask(stage, '{"type": "random", "ease": false}')
     assert stage.others["finger_left"] == 0.02
-
-
-def test_random_is_refused_while_a_servo_drives() -> None:
-    stage = Stage(ARM, [0.0, 0.27, 0.1])
-    stage.take_commands()
-    with pytest.raises(InputError, match="a servo drives trio"):
-        ask(stage, '{"type": "random", "ease": false}')
-    assert_array_equal(stage.theta, [0.0, 0.27, 0.1])
-    stage.set_servo_status(None)
-    assert not np.array_equal(ask(stage, '{"type": "random", "ease": false}'), [0.0, 0.27, 0.1])
 
 
 @pytest.mark.parametrize(

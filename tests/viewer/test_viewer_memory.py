@@ -6,7 +6,6 @@ import json
 import os
 import re
 import socket
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,7 @@ from twistarm import Arm, load_arm
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.server.memory import state_folder
-from viewer_page import ARM, THETA, WAIT, Page, nothing, visit
+from viewer_page import ARM, THETA, Page, nothing, until, visit
 from viewer_page import arm as arm
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")
@@ -61,10 +60,7 @@ def poses_in(file: Path) -> list[str]:
 
 
 def until_kept(home: Path) -> Path:
-    end = time.monotonic() + WAIT
-    while not any(home.glob("*.json")):
-        assert time.monotonic() < end
-        time.sleep(0.01)
+    until(lambda: any(home.glob("*.json")))
     return kept(home, ".json")
 
 
@@ -86,25 +82,6 @@ def test_the_poses_and_theta_are_those_of_the_last_run_and_the_token_is_new(arm:
     with at(arm, port, theta=np.zeros(3)) as third:
         assert_allclose(third.theta, np.zeros(3))
     assert [file.suffix for file in home.iterdir()] == [".json"]
-
-
-def test_how_the_arm_moves_to_a_pose_is_kept_too(arm: Arm, home: Path, port: int) -> None:
-    async def by_line(page: Page) -> None:
-        await page.ask(type="record", name="one")
-        await page.until(lambda: bool(page.latest["program"]["poses"]))
-        await page.ask(type="move", id=page.latest["program"]["poses"][0]["id"], by="line")
-
-    with at(arm, port) as first:
-        visit(first, by_line)
-    with at(arm, port) as second:
-        (pose,) = visit(second, nothing).latest["program"]["poses"]
-        assert (pose["name"], pose["by"]) == ("one", "line")
-
-
-def test_the_list_is_written_as_it_changes_not_only_at_the_end(arm: Arm, home: Path, port: int) -> None:
-    with at(arm, port) as viewer:
-        visit(viewer, record("one"))
-        assert poses_in(until_kept(home)) == ["one"]
 
 
 def test_nothing_is_kept_unless_it_is_asked_for(arm: Arm, home: Path, port: int) -> None:

@@ -34,30 +34,20 @@ BAD_MESSAGES: list[tuple[Any, str]] = [
     (b"\x00\xff", "JSON text; got bytes"),
     ("{}", "unknown message type None; one of theta, joint"),
     ('{"type": "explode"}', "unknown message type 'explode'"),
-    ('{"type": ["theta"]}', "unknown message type"),
     ('{"type": "theta"}', "theta needs theta; got []"),
-    ('{"type": "play", "extra": 1}', "play needs no fields; got ['extra']"),
     ('{"type": "play", "number": -1}', "number must be a whole number"),
-    ('{"type": "theta", "theta": 3}', "theta must be a list of numbers"),
     ('{"type": "theta", "theta": [0, 0]}', "theta must have shape (..., 3): yaw, pitch, slide; got (2,)"),
     ('{"type": "theta", "theta": [0, 0, "x"]}', "theta[2] must be a number; got 'x'"),
-    ('{"type": "theta", "theta": [0, 0, true]}', "theta[2] must be a number"),
     ('{"type": "theta", "theta": [NaN, 0, 0]}', "numbers must be finite; got NaN"),
-    ('{"type": "theta", "theta": [0, -Infinity, 0]}', "numbers must be finite; got -Infinity"),
     ('{"type": "theta", "theta": [1e999, 0, 0]}', "theta[0] must be finite and at most 1e+06"),
-    (f'{{"type": "theta", "theta": [1{"0" * 400}, 0, 0]}}', "numbers must be finite; got one of 401 digits"),
     (f'{{"type": "theta", "theta": [1{"0" * 5000}, 0, 0]}}', "numbers must be finite; got one of 5,001 digits"),
     ('{"type": "theta", "theta": [0, 2, 0]}', "pitch = 114.592° is outside its limits -85.9437° … 85.9437° (2 rad"),
     ('{"type": "joint", "name": "pitch", "value": 1.6}', "pitch = 91.6732° is outside its limits"),
     ('{"type": "joint", "name": "finger", "value": 1}', "finger = 1 is outside its limits 0.01 … 0.04"),
-    ('{"type": "joint", "name": "follower", "value": 0}', "no joint 'follower' in small"),
     ('{"type": "joint", "name": "pich", "value": 0}', "no joint 'pich' in small; closest: 'pitch'"),
-    ('{"type": "joint", "name": 3, "value": 0}', "name must be text; got 3"),
     ('{"type": "pose", "name": "redy", "ease": true}', "no pose 'redy' in small; closest: 'ready'"),
     ('{"type": "pose", "name": "\\ud800", "ease": true}', "no pose"),
     ('{"type": "play"}', "nothing to play: no trajectory is loaded"),
-    ('{"type": "seek", "time": 1}', "nothing to seek: no trajectory is loaded"),
-    ('{"type": "visible", "what": "screws", "visible": 1}', "visible must be true or false"),
     ('{"type": "visible", "what": "grid", "visible": true}', "no layer 'grid'"),
 ]
 
@@ -79,7 +69,6 @@ def test_a_bad_message_gets_its_reason_and_the_server_lives_on(viewer: Viewer) -
     "text",
     [
         '{"type": "explode", "number": 7}',
-        '{"type": "theta", "theta": 3, "number": 7}',
         '{"type": "theta", "theta": [NaN, 0, 0], "number": 7}',
         '{"type": "play", "type": "pause", "number": 7}',
     ],
@@ -125,14 +114,6 @@ def test_requests_are_taken_in_the_schema_s_shape_alone(kind: str) -> None:
         assert reason, text[:80]
         assert "\n" not in reason
         assert len(reason) < 700
-
-
-def test_every_word_of_the_schema_has_good_and_bad_samples() -> None:
-    words = {word for fields in SCHEMA["requests"].values() for word in fields.values()}
-    assert {word for word in words if "|" not in word} <= set(samples.GOOD)
-    for word in words:
-        assert samples.good(word) is not None
-        assert len(samples.bad(word)) >= 5
 
 
 def test_a_page_moves_the_arm_and_python_and_other_pages_see_it(arm: Arm, viewer: Viewer) -> None:

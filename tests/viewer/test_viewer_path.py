@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from twistarm import ArmBuilder, Viewer, load_arm, plan_joint, save_html
+from twistarm import ArmBuilder, Viewer, plan_joint
 from twistarm.support.errors import InputError
 from twistarm.viewer.parts.tool_path import MOST_POINTS, tool_path
 
@@ -68,11 +66,6 @@ def test_what_is_no_motion(motion: object, message: str) -> None:
     assert message in str(caught.value)
 
 
-def test_a_trajectory_of_another_arm() -> None:
-    with pytest.raises(InputError, match="the trajectory moves a; scara has"):
-        tool_path(load_arm("scara"), MOTION)
-
-
 def test_the_view_draws_it_and_takes_it_away() -> None:
     with Viewer(ARM, open_browser=False) as viewer:
         viewer.show_path(MOTION)
@@ -81,22 +74,3 @@ def test_the_view_draws_it_and_takes_it_away() -> None:
         assert json.loads(viewer._server.ask(lambda stage: viewer._server.state())["path"]) == way
         viewer.show_path(None)
         assert viewer._server.ask(lambda stage: stage.path)["points"] == []
-
-
-def test_the_stand_alone_page_holds_the_path_of_its_trajectory(tmp_path: Path) -> None:
-    for motion in (MOTION, None):
-        text = save_html(ARM, tmp_path / "arm.html", motion).read_text("utf-8")
-        stored = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, flags=re.S)
-        assert stored is not None
-        path = json.loads(stored[1])["path"]
-        assert path["points"] == ([] if motion is None else tool_path(ARM, MOTION)["points"])
-
-
-def test_the_view_refuses_what_is_no_motion() -> None:
-    with Viewer(ARM, open_browser=False) as viewer:
-        viewer.show_path(MOTION)
-        with pytest.raises(InputError, match="motion must be finite"):
-            viewer.show_path([[np.nan]])
-        with pytest.raises(InputError, match=r"motion must have shape \(..., 1\): a"):
-            viewer.show_path([[0.1, 0.2]])
-        assert viewer._server.ask(lambda stage: stage.path) == {"type": "path", **tool_path(ARM, MOTION)}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,16 +10,14 @@ from numpy.testing import assert_array_equal
 
 from recorded_poses import HOME, LEFT, REACH, ask, done, names, said
 from recorded_poses import stage as stage
-from twistarm import Arm
 from twistarm.planning.joint_space import plan_joint
 from twistarm.support.errors import InputError, LimitError, TwistarmError
 from twistarm.support.strict_json import LARGEST_MESSAGE, encode
-from twistarm.viewer import Viewer
 from twistarm.viewer.parts.pose_list import LARGEST_LIST
 from twistarm.viewer.protocol.messages import parse
 from twistarm.viewer.stage import Stage
-from viewer_page import Page, swing, visit
 from viewer_page import arm as arm
+from viewer_page import swing
 from viewer_page import viewer as viewer
 
 # the list ---------------------------------------------------------------------------------------------
@@ -127,14 +124,6 @@ def test_a_list_is_never_longer_than_one_message(stage: Stage) -> None:
     ask(stage, "delete", id=poses[0]["id"])
     stage.handle(parse(again), 0.0)
     assert len(names(stage)) == len(poses)
-
-
-def test_the_list_is_told_by_the_same_object_until_it_changes(stage: Stage) -> None:
-    before = [said(stage, kind) for kind in ("program", "plots")]
-    stage.show(np.array(HOME))
-    assert all(said(stage, kind) is message for kind, message in zip(("program", "plots"), before, strict=True))
-    ask(stage, "record", name="")
-    assert said(stage, "program") is not before[0]
 
 
 # the plan ---------------------------------------------------------------------------------------------
@@ -244,36 +233,3 @@ def test_a_plan_keeps_the_speed_and_the_loop_of_the_player(stage: Stage) -> None
     stage.advance(0.75 * player["duration"])
     assert said(stage, "frame")["time"] == pytest.approx(0.5 * player["duration"])
     assert stage.running
-
-
-# over the socket --------------------------------------------------------------------------------------
-
-
-def test_two_pages_edit_one_list_and_python_reads_it(arm: Arm, viewer: Viewer) -> None:
-    async def use(page: Page) -> None:
-        other = await Page(page.address, {}).open()
-        await page.ask(type="record", name="first")
-        await other.until(lambda: len(other.latest["program"]["poses"]) == 1)
-        await other.ask(type="pose", name="zero", ease=False)
-        await other.ask(type="record", name="")
-        await page.until(lambda: len(page.latest["program"]["poses"]) == 2)
-        first = page.latest["program"]["poses"][0]["id"]
-        await page.ask(type="reorder", id=first, place=1)
-        await other.ask(type="plan", kind="cubic", stop=False, corner=0.0, tool_speed=0.0)
-        await page.until(lambda: page.latest["program"]["planned"])
-        await page.until(lambda: len(page.latest["plots"]["times"]) > 0)
-        assert page.latest["frame"]["theta"] == [0.0, 0.0, 0.0]
-        await page.ask(type="delete", id=first)
-        await other.ask(type="go", id=first, ease=False)
-        assert "no pose number" in other.latest["error"]["message"]
-        other.connection.close()
-
-    assert viewer.recorded == {}
-    visit(viewer, use)
-    assert_poses(viewer.recorded, {"pose 2": HOME})
-
-
-def assert_poses(poses: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
-    assert list(poses) == list(expected)
-    for name, theta in expected.items():
-        assert_array_equal(poses[name], theta)

@@ -16,7 +16,6 @@ from twistarm import Arm, arm_from_screws, available_arms, joints, load_arm, poe
 from twistarm.description.meshes import MeshReader, Part
 from twistarm.description.meshes.loading import pieces_of
 from twistarm.description.meshes.mesh_file import mesh_file
-from twistarm.description.meshes.shading import shaded
 from twistarm.limits.joint_limits import usual_half
 from twistarm.support.errors import DescriptionError
 from twistarm.viewer import Viewer
@@ -179,33 +178,6 @@ def test_slider_range(kind: str, lower: float, upper: float, expected: tuple[flo
 def load_parts(path: Path) -> list[Part]:
     with MeshReader() as reader:
         return reader.parts(path)
-
-
-def test_a_cube_keeps_its_edges_and_a_sphere_is_smooth() -> None:
-    import trimesh
-
-    cube = trimesh.creation.box((1, 2, 3))
-    vertices, normals, faces = shaded(cube.triangles)
-    assert len(vertices) == 24
-    assert_allclose(np.repeat(cube.face_normals, 3, axis=0), normals[faces].reshape(-1, 3), atol=SINGLE)
-    ball = trimesh.creation.icosphere(3)
-    vertices, normals, _ = shaded(ball.triangles)
-    assert len(vertices) == len(ball.vertices)
-    assert_allclose(normals, vertices, atol=0.02)  # facets of 8°: their mean is radial to a degree
-
-
-def test_an_stl_with_zero_normals_gets_its_normals_from_its_triangles(tmp_path: Path) -> None:
-    import trimesh
-
-    cube = trimesh.creation.box((1, 1, 1))
-    path = tmp_path / "cube.stl"
-    data = bytearray(trimesh.exchange.stl.export_stl(cube))
-    for face in range(12):
-        data[84 + 50 * face : 96 + 50 * face] = bytes(12)
-    path.write_bytes(data)
-    (part,) = load_parts(path)
-    assert part.colour is None
-    assert_allclose(np.linalg.norm(part.normals, axis=1), 1, atol=SINGLE)
 
 
 def test_a_collada_file_in_millimetres_is_drawn_in_metres(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from twistarm import Arm
 from twistarm.description.meshes import MeshReader
 from twistarm.support.errors import InputError, MissingExtraError
 from twistarm.viewer import Viewer, save_html
-from viewer_page import WAIT, Page, get, nothing, visit
+from viewer_page import WAIT, Page, get, nothing, port_of, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
 
@@ -58,26 +58,12 @@ def test_hosts_and_origins_are_asked_of_the_page_and_of_its_socket(viewer: Viewe
     assert "hello" in visit(viewer, nothing, Origin="http://localhost:9999").latest
 
 
-def test_a_wrong_token_opens_no_socket(viewer: Viewer) -> None:
-    class Stranger:
-        url = re.sub(r"/[^/]+/$", "/wrong/", viewer.url)
-
-    with pytest.raises(HTTPClientError, match="403"):
-        visit(Stranger, nothing)  # type: ignore[arg-type]
-
-
 ODD_REQUESTS = [
     (b"POST /{token}/", 405),
-    (b"POST /{token}/socket", 405),
-    (b"PUT /", 405),
     (b"BREW /{token}/", 405),
-    (b"OPTIONS /{token}/", 405),
     (b"GET /{token}/../../../etc/passwd", 404),
     (b"GET /{token}/..%2f..%2fserver.py", 404),
-    (b"GET /{token}//etc/passwd", 404),
-    (b"GET /{token}/%00", 404),
     (b"GET /{token}/%ff", 400),
-    (b"GET /%ff/", 400),
     (b"GET http://evil.example/{token}/", 403),
     (b"GET /" + 1000 * b"long/", 403),
     (b"GET /" + 100_000 * b"a", None),
@@ -107,7 +93,7 @@ def test_odd_requests_are_refused_in_a_line_and_nothing_is_printed(
 
 def raw(viewer: Viewer, head: bytes) -> bytes:
     """What comes back for this request, as far as its first packet."""
-    with socket.create_connection(("127.0.0.1", int(viewer.url.split(":")[2].split("/")[0])), timeout=WAIT) as sent:
+    with socket.create_connection(("127.0.0.1", port_of(viewer)), timeout=WAIT) as sent:
         sent.sendall(head + b"\r\n")
         with suppress(ConnectionResetError):
             return sent.recv(4096)
@@ -118,7 +104,7 @@ def raw(viewer: Viewer, head: bytes) -> bytes:
 
 
 def test_a_port_in_use_is_one_line(arm: Arm, viewer: Viewer) -> None:
-    port = int(viewer.url.split(":")[2].split("/")[0])
+    port = port_of(viewer)
     with pytest.raises(
         InputError, match=rf"^port {port} is in use on 127\.0\.0\.1; take another, or --port 0 \(port=0\)"
     ):
@@ -144,7 +130,7 @@ def test_closing_leaves_nothing(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(subprocess, "Popen", no_process)
     threads = set(threading.enumerate())
     viewer = Viewer(arm, open_browser=False)
-    port = int(viewer.url.split(":")[2].split("/")[0])
+    port = port_of(viewer)
 
     async def outlive(page: Page) -> None:
         await asyncio.to_thread(viewer.close)

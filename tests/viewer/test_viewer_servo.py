@@ -16,7 +16,7 @@ from twistarm.control.servo import AnyCommand, JogCommand, ServoOutput, ServoSta
 from twistarm.control.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.servo_words import SILENT, servo_words
-from viewer_page import Page, nothing, visit
+from viewer_page import Page, visit
 
 
 @pytest.fixture
@@ -27,21 +27,6 @@ def viewer() -> Iterator[Viewer]:
 
 def answer(status: ServoStatus, joint: str | None, reason: str) -> ServoOutput:
     return replace(ServoOutput.stale(np.zeros(2), reason), status=status, joint=joint)
-
-
-def test_the_servo_s_word_reaches_every_page_the_late_ones_too(viewer: Viewer) -> None:
-    _ = viewer.commands
-    viewer.show_servo(answer(ServoStatus.HALTED_LIMIT, "b", "at its limit"))
-    expected = {
-        "type": "servo", "jog": True, "driven": True,
-        "status": "HALTED_LIMIT", "joint": "b", "reason": "at its limit", "share": 0.0,
-    }  # fmt: skip
-
-    async def read(page: Page) -> None:
-        await page.until(lambda: page.latest.get("servo") == expected)
-
-    visit(viewer, read)
-    assert visit(viewer, nothing).latest["servo"] == expected
 
 
 def cycle(reading: Reading, output: ServoOutput | None, reason: str = "") -> Cycle:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -21,7 +21,7 @@ from twistarm.support.errors import DescriptionError, InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.scene.arm_scene import Scene
 from twistarm.viewer.server.watching import loaded
-from viewer_page import ARM, THETA, WAIT, Page, matrix, nothing, visit
+from viewer_page import ARM, THETA, WAIT, Page, matrix, nothing, until, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
 
@@ -52,13 +52,6 @@ def changed(path: Path, *pairs: tuple[str, str]) -> Arm:
         text = text.replace(old, new)
     path.write_text(text)
     return load_arm(path, tip="tool0")
-
-
-def until(condition: Callable[[], bool]) -> None:
-    end = time.monotonic() + WAIT
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.01)
 
 
 def words(viewer: Viewer) -> str:
@@ -262,13 +255,6 @@ def test_a_mesh_that_has_not_changed_is_not_read_again(tmp_path: Path, monkeypat
     third = second.successor(load_arm(tmp_path / "arm.xacro")).whole()
     assert read == ["two.stl"]
     assert third.objects[third.plain :] != first.objects[first.plain :]
-
-
-def test_a_mesh_is_watched_too(watched: Any, source: Path) -> None:
-    viewer, _ = watched
-    first = viewer.arm
-    (source.parent / "tool.stl").write_text("solid b\nendsolid b\n ")
-    until(lambda: viewer.arm is not first)
 
 
 @pytest.mark.slow

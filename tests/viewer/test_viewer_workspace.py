@@ -10,12 +10,11 @@ import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-from twistarm import Arm, ArmBuilder, Viewer, load_arm
+from twistarm import Arm, ArmBuilder, load_arm
 from twistarm.viewer.parts.workspace import POINTS, SEED, dexterity_of, directions_of, sampled_workspace
 from twistarm.viewer.protocol.jobs import Job, ReplacedError
 from twistarm.viewer.protocol.messages import parse
 from twistarm.viewer.stage import Stage
-from viewer_page import Page, visit
 
 ARM = load_arm("rover_arm")
 
@@ -28,7 +27,7 @@ def cloud_of(arm: Arm) -> tuple[dict[str, Any], NDArray[np.float32], NDArray[np.
     return cloud, points, values
 
 
-@pytest.mark.parametrize("name", ["rover_arm", "panda", "scara"])
+@pytest.mark.parametrize("name", ["panda", "scara"])
 def test_points_are_reached_inside_the_limits_and_coloured_by_dexterity(name: str) -> None:
     arm = load_arm(name)
     cloud, points, values = cloud_of(arm)
@@ -96,18 +95,3 @@ def test_it_ends_where_a_later_job_waits() -> None:
 
     with pytest.raises(ReplacedError):
         sampled_workspace(ARM, replaced)
-
-
-def test_pages_get_it_and_late_ones_too() -> None:
-    with Viewer(ARM, open_browser=False) as viewer:
-
-        async def switch_on(page: Page) -> None:
-            await page.ask(type="visible", what="workspace", visible=True)
-            await page.until(lambda: "workspace" in page.latest)
-
-        async def look(page: Page) -> None:
-            await page.until(lambda: "workspace" in page.latest)
-
-        first, late = visit(viewer, switch_on), visit(viewer, look)
-    assert first.latest["workspace"] == late.latest["workspace"]
-    assert first.latest["workspace"]["count"] == POINTS

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from ..arm.arm import Arm, require_arm
 from ..control.servo.settings import SLIDE
 from ..limits.joint_limits import JointLimits
+from ..limits.joint_units import unit_of
 from ..planning.trajectory import Trajectory
 from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
@@ -29,7 +30,7 @@ from .parts.pose_list import LeftOut
 from .parts.program import Program
 from .parts.servo_words import SILENT
 from .parts.solutions import Answer, Solutions
-from .parts.summary import describe_arm, extra_joints, joint_unit, named_poses, rest
+from .parts.summary import describe_arm, extra_joints, named_poses, rest
 from .parts.target import TargetPart
 from .parts.theory import SHOWN, Theory
 from .parts.tool_path import NO_PATH
@@ -256,7 +257,7 @@ class Stage:
     def _set_joint(self, name: str, value: float) -> None:
         if name in self.extra_joints:
             joint = self.extra_joints[name]
-            require_inside(name, value, joint.lower, joint.upper, joint_unit(joint.type))
+            require_inside(name, value, joint.lower, joint.upper, unit_of(joint.type))
             self.others = {**self.others, name: value}
             return
         if name not in self.arm.joint_names:

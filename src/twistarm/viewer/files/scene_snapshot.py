@@ -26,6 +26,9 @@ from .page_kinematics import kinematics
 from .sampled_theory import recorded
 from .static_samples import moving, standing
 
+PLAYED = ("time", "running", "speed", "loop")
+"""Of a playback, what the page goes on with."""
+
 SAME = 1e-9
 """An arm this near [rad, m] to a trajectory's theta stands on it."""
 
@@ -71,7 +74,7 @@ class SceneSnapshot:
             "samples": standing(self.theta) if at is None else moving(self.arm, at.trajectory),
             "aside": None if at is None or self._on(at) else self.theta.tolist(),
             "plots": plots(self.arm, at),
-            "player": None if at is None else _player(at),
+            "player": None if at is None else {name: getattr(at, name) for name in PLAYED},
             "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects if part],
             "notes": scene.notes,
             "theory": recorded(self.arm, self.theta, None if at is None else at.trajectory),
@@ -117,12 +120,3 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
         None if unexamined else stage.findings,
         stage.program.list.named(),
     )
-
-
-def _player(playback: Playback) -> dict[str, Any]:
-    return {
-        "time": playback.time,
-        "running": playback.running,
-        "speed": playback.speed,
-        "loop": playback.loop,
-    }

@@ -60,25 +60,23 @@ class PoseList:
 
     def rename(self, number: int, name: str) -> None:
         """Give another name, by the same rules."""
-        at = self._place(number)
-        others = [*self.poses[:at], *self.poses[at + 1 :]]
-        self._keep([*self.poses[:at], replace(self.poses[at], name=_free(name, others)), *self.poses[at + 1 :]])
+        pose = self._pose(number)
+        self._exchange(pose, replace(pose, name=_free(name, [other for other in self.poses if other is not pose])))
 
     def move(self, number: int, by: str) -> None:
         """Have the arm move to a pose in another way, one of MOVES."""
-        at = self._place(number)
-        self._keep([*self.poses[:at], replace(self.poses[at], by=by), *self.poses[at + 1 :]])
+        pose = self._pose(number)
+        self._exchange(pose, replace(pose, by=by))
 
     def reorder(self, number: int, place: int) -> None:
         """Move to `place`, 0 the first; beyond the end means the last."""
-        at = self._place(number)
-        others = [*self.poses[:at], *self.poses[at + 1 :]]
-        self._keep([*others[:place], self.poses[at], *others[place:]])
+        pose = self._pose(number)
+        others = [other for other in self.poses if other is not pose]
+        self._keep([*others[:place], pose, *others[place:]])
 
     def delete(self, number: int) -> None:
         """Take a pose off the list."""
-        at = self._place(number)
-        self._keep([*self.poses[:at], *self.poses[at + 1 :]])
+        self._exchange(self._pose(number))
 
     def replace(self, joints: Sequence[str], poses: Iterable[Mapping[str, Any]]) -> None:
         """Take the list given, poses of name and theta in the order of `joints`, in place of what is here."""
@@ -103,16 +101,20 @@ class PoseList:
 
     def theta(self, number: int) -> Array:
         """The configuration (n,) of a pose."""
-        return self.poses[self._place(number)].theta
+        return self._pose(number).theta
 
     def named(self) -> dict[str, Array]:
         """Theta (n,) by name, in order; the arrays are the caller's."""
         return {pose.name: pose.theta.copy() for pose in self.poses}
 
-    def _place(self, number: int) -> int:
-        for place, pose in enumerate(self.poses):
+    def _exchange(self, old: RecordedPose, *new: RecordedPose) -> None:
+        at = self.poses.index(old)
+        self._keep([*self.poses[:at], *new, *self.poses[at + 1 :]])
+
+    def _pose(self, number: int) -> RecordedPose:
+        for pose in self.poses:
             if pose.id == number:
-                return place
+                return pose
         raise InputError(f"no pose number {number} in the list: it was deleted, or another list was loaded")
 
     def _new(self, name: str, theta: ArrayLike, others: Sequence[RecordedPose], by: str = MOVES[0]) -> RecordedPose:

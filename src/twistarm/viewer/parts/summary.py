@@ -55,16 +55,11 @@ def rest(joint: Joint) -> float:
     return float(np.clip(0.0, joint.lower, joint.upper))
 
 
-def joint_unit(kind: str) -> str:
-    """The unit of a joint of this type: m, or rad."""
-    return unit_of(kind)
-
-
 def _describe(name: str, kind: str, lower: float, upper: float, half: float) -> dict[str, Any]:
     return {
         "name": name,
         "type": kind,
-        "unit": joint_unit(kind),
+        "unit": unit_of(kind),
         "limits": [float(bound) if np.isfinite(bound) else None for bound in (lower, upper)],
         "range": [float(end) for end in usual_range(lower, upper, half)],
     }

@@ -107,9 +107,8 @@ class Scene:
 
     def whole(self) -> Scene:
         """The same, with every mesh."""
-        more = True
-        while more:
-            more = self.draw()
+        while self.draw():
+            pass
         return self
 
     def message(self) -> dict[str, Any]:
