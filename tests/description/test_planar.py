@@ -119,6 +119,7 @@ def test_refused_in_one_line(case: str, tmp_path: Path) -> None:
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_thousands_of_them_take_seconds(tmp_path: Path) -> None:
     n = 1500
     links = ("base_link", *(f"l{i}" for i in range(n)))

@@ -139,6 +139,7 @@ def test_encodings_line_ends_and_names(encoding: str, tmp_path: Path) -> None:
     assert "Schulter/ä 1" in arm.poses(np.zeros(2))
 
 
+@pytest.mark.slow
 def test_a_long_line_of_mimics_is_followed_to_its_end(tmp_path: Path) -> None:
     links = tuple(f"l{i}" for i in range(900))
     text = '<mimic joint="j{}"/>'
@@ -194,6 +195,7 @@ def test_a_file_beyond_all_descriptions_is_not_read(tmp_path: Path) -> None:
         load_arm(path)
 
 
+@pytest.mark.slow
 def test_thousands_of_mistakes_take_no_longer_than_thousands_of_names(tmp_path: Path) -> None:
     n = 3000
     joints = (joint(f"j{i}", "base", f"x{i}", "fixed") for i in range(n))
@@ -204,6 +206,7 @@ def test_thousands_of_mistakes_take_no_longer_than_thousands_of_names(tmp_path: 
     assert time.process_time() - start < 6.0
 
 
+@pytest.mark.slow
 def test_what_is_not_ours_is_left_out_in_no_time_however_much_it_is(tmp_path: Path) -> None:
     path = write(tmp_path, two_joints().replace("</robot>", '<gazebo x="1"/>' * 120_000 + "</robot>"))
     start = time.process_time()

@@ -16,15 +16,11 @@ from twistarm.description.expansion.expand import expand_xacro, is_xacro
 from twistarm.description.packages import package_index
 from twistarm.support.errors import DescriptionError, InputError
 from urdf_text import joint, write
-from xacro_text import ARM, as_xacro
+from xacro_text import ARM, MANIFEST, as_xacro, lay
 
 
 def package(folder: Path, name: str, files: dict[str, str] | None = None) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "package.xml").write_text(f"<package><name>{name}</name></package>")
-    for file, text in (files or {}).items():
-        (folder / file).write_text(text)
-    return folder
+    return lay(folder, {"package.xml": MANIFEST(name), **(files or {})})
 
 
 FAILS = {
@@ -43,10 +39,6 @@ FAILS = {
         as_xacro('<xacro:arg name="name" default="ur"/>').replace('name="tiny"', 'name="$(arg name)"'),
         "missing xacro argument name: arm.urdf.xacro uses name above the line that gives it its default, 'ur', and "
         "xacro reads from top to bottom; pass xacro_args={'name': 'ur'}",
-    ),
-    "an argument never declared": (
-        as_xacro('<xacro:property name="m" value="$(arg dof)"/><link name="${m}"/>'),
-        "missing xacro argument dof: arm.urdf.xacro uses dof, which has no default; pass xacro_args={'dof': ...}",
     ),
     "no namespace": (
         ARM.replace("</robot>", '<xacro:property name="a" value="1"/></robot>'),
@@ -75,18 +67,10 @@ FAILS = {
         "a macro, a property or an included file refers to itself without end",
     ),
     "an argument without a default": (as_xacro('<xacro:arg name="h"/>'), "a <xacro:arg> has no default="),
-    "a YAML file that is not there": (
-        as_xacro("<link name=\"${xacro.load_yaml('no.yaml')}\"/>"),
-        "no.yaml",
-    ),
     "a parameter that the macro has not": (
         as_xacro('<xacro:macro name="m" params="a"><link name="${a}"/></xacro:macro><xacro:m a="1" sim="2"/>'),
         "macro 'm': xacro cannot expand it: Invalid parameter \"sim\": the macro has none of that name; add "
         "it to the params= of the macro, or leave it out of the call",
-    ),
-    "a parameter left out": (
-        as_xacro('<xacro:macro name="m" params="a b"><link name="${a}"/></xacro:macro><xacro:m a="1"/>'),
-        "macro 'm': xacro cannot expand it: Undefined parameters [b]",
     ),
     "a property without its prefix": (
         as_xacro('<property name="h" value="1"/><link name="l${h}"/>'),
@@ -98,7 +82,6 @@ FAILS = {
     ),
     "a message of its own": (as_xacro("${xacro.fatal('wrong', 'arm')}"), "xacro cannot expand it: wrong arm when"),
     "an unfinished expression": (as_xacro('<link name="${a"/>'), "xacro cannot expand it: invalid expression: ${a"),
-    "a missing include": (as_xacro('<xacro:include filename="nowhere.xacro"/>'), "No such file or directory"),
 }
 
 
@@ -114,13 +97,11 @@ def test_fails_in_one_line(case: str, tmp_path: Path) -> None:
 
 
 PREFIXED = {
-    "an attribute behind its namesake": '<link name="l" cad:name="x"/>',
     "an attribute before its namesake": '<link cad:name="x" name="l"/>',
     "one of another namespace": '<link name="l" cad:name="x" sim:name="y"/>',
     "a made element with attributes": '<xacro:element xacro:name="link" name="l"/>',
     "a made element of a prefix": '<xacro:element xacro:name="cad:part" name="p" xacro:on="1"/>',
     "a made attribute": '<link><xacro:attribute name="name" value="l"/></link>',
-    "a made attribute beside its namesake": '<link cad:name="x"><xacro:attribute name="name" value="l"/></link>',
     "a made attribute of a prefix": '<link name="l"><xacro:attribute name="cad:name" value="x"/></link>',
     "a namespace declared inside": '<link xmlns:own="urn:own" own:name="x" name="l"/>',
     "one of a macro": '<xacro:macro name="m" xmlns:o="urn:o"><link o:name="x" name="l"/></xacro:macro><xacro:m/>',
@@ -151,7 +132,6 @@ def test_an_argument_is_missed_where_it_is_used(tmp_path: Path) -> None:
 EMPTY = '<xacro:arg name="dof" default=""/><xacro:arg name="kind" default="gen3"/>'
 PATHS = {
     "an empty argument": ("arms/$(arg dof)dof/arm.xacro", "'dof' in {}, but '6dof', '7dof'", "dof (''); pass", "dof"),
-    "a wrong value": ("arms/$(arg kind)/arm.xacro", "'gen3' in {}, but '6dof', '7dof'", "kind ('gen3'); pass", "kind"),
     "a wrong file": (
         "arms/7dof/$(arg kind).xacro",
         "'gen3.xacro' in {}/7dof, but 'arm.xacro'",
