@@ -28,12 +28,6 @@ def test_no_false_alarm_about_the_catalogue(name: str) -> None:
     assert len(findings) <= 6
 
 
-def test_every_error_is_told_at_once(tmp_path: Path) -> None:
-    text = two_joints(inside='<axis xyz="0 0 0"/>').replace('lower="-1"', 'lower="one"')
-    findings = diagnose(write(tmp_path, text))
-    assert [(one.code, one.place.name) for one in findings] == [("axis-zero", "a"), ("limit-malformed", "b")]
-
-
 def test_an_arm_is_taken_too(rover: Arm, tmp_path: Path) -> None:
     assert codes(rover) == codes("rover_arm")
     with pytest.raises(InputError, match="an Arm is loaded already and takes no tip"):

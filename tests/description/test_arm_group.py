@@ -40,7 +40,6 @@ CHOICE = {
     ),
     "a chain has a base": (CHAIN, {"chain": ("upper", "flange")}),
     "a chain wins over a list": (ARM + CHAIN, {"chain": ("upper", "flange")}),
-    "fingers that branch are no arm": (ARM + HAND, {"arm": (None, "wrist")}),
     "an end effector's group is no arm": (
         ARM + '<group name="hand"><joint name="left"/></group>' + EFFECTOR.format("wrist", "hand"),
         {"arm": (None, "wrist")},

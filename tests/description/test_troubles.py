@@ -37,23 +37,6 @@ def test_the_root_is_the_base_whatever_its_name(tmp_path: Path) -> None:
     assert np.allclose(load_arm(path, base="base_link").home[:3, 3], [0, 0, 0.5])
 
 
-def test_a_parallelogram_arm_moves_by_its_coupling(tmp_path: Path) -> None:
-    """The forearm follows the shoulder, and the level follows the forearm: a mimic of a mimic."""
-    pitch = '<axis xyz="0 1 0"/>'
-    parts = (
-        joint("shoulder", "base_link", "upper", inside=pitch),
-        joint("forearm", "upper", "fore", inside=pitch + '<mimic joint="shoulder" multiplier="-1" offset="0.3"/>'),
-        joint("elbow", "fore", "hand", inside=pitch),
-        joint("level", "hand", "tool0", inside=pitch + '<mimic joint="forearm" multiplier="-0.5" offset="0.1"/>'),
-    )
-    path = write(tmp_path, robot(*parts, links=("base_link", "upper", "fore", "hand", "tool0")))
-    arm = load_arm(path)
-    assert arm.joint_names == ("shoulder", "elbow")
-    for shoulder, elbow in np.random.default_rng(1).uniform(-0.5, 0.5, (20, 2)):
-        forearm = -shoulder + 0.3
-        assert agrees(arm, path, np.array([shoulder, elbow]), forearm=forearm, level=-0.5 * forearm + 0.1)
-
-
 def test_a_continuous_master_drives_a_revolute_follower(tmp_path: Path) -> None:
     """A pair that Pinocchio's own mimic refuses."""
     wide = '<limit lower="-9" upper="9" velocity="1" effort="1"/><axis xyz="1 0 0"/>'

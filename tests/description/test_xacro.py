@@ -24,70 +24,40 @@ def package(folder: Path, name: str, files: dict[str, str] | None = None) -> Pat
 
 
 FAILS = {
-    "a package that an include needs": (
-        as_xacro('<xacro:include filename="$(find elsewhere)/a.xacro"/>'),
-        "package 'elsewhere' not found; searched",
+    '<xacro:include filename="$(find elsewhere)/a.xacro"/>': "package 'elsewhere' not found; searched",
+    '<xacro:arg name="size" default="2"/><xacro:property name="m" value="$(arg ar_model)"/><link name="${m}"/>': (
+        "has no default; the others have values: size ('2'); pass xacro_args={'ar_model': ...}"
     ),
-    "a missing argument": (
-        as_xacro(
-            '<xacro:arg name="size" default="2"/><xacro:property name="m" value="$(arg ar_model)"/><link name="${m}"/>'
-        ),
-        "missing xacro argument ar_model: arm.urdf.xacro uses ar_model, which has no default; the others have values: "
-        "size ('2'); pass xacro_args={'ar_model': ...}",
+    '<link name="$(arg name)"/><xacro:arg name="name" default="ur"/>': (
+        "uses name above the line that gives it its default, 'ur', and xacro reads from top to bottom; pass "
+        "xacro_args={'name': 'ur'}"
     ),
-    "an argument used before its default": (
-        as_xacro('<xacro:arg name="name" default="ur"/>').replace('name="tiny"', 'name="$(arg name)"'),
-        "missing xacro argument name: arm.urdf.xacro uses name above the line that gives it its default, 'ur', and "
-        "xacro reads from top to bottom; pass xacro_args={'name': 'ur'}",
+    "<link name=\"${xacro.arg('side')}\"/>": "uses side, which has no default; pass xacro_args={'side': ...}",
+    "<gazebo><sim:thing/></gazebo>": "the prefix of 'sim:thing' is not declared; add xmlns:sim=\"…\" to <robot>",
+    "<gazebo xmlns:p='urn:x' xmlns:q='urn:x' p:a='1' q:a='2'/>": "an attribute is given twice, by two prefixes",
+    "<robot": "not well-formed XML",
+    "<xacro:arm_of_mine/>": "xacro cannot expand it: unknown macro name: xacro:arm_of_mine",
+    '<link name="${nothing}"/>': "name 'nothing' is not defined",
+    '<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>': "refers to itself without end",
+    '<xacro:arg name="h"/>': "a <xacro:arg> has no default=",
+    '<xacro:macro name="m" params="a"><link name="${a}"/></xacro:macro><xacro:m a="1" sim="2"/>': (
+        "macro 'm': xacro cannot expand it: Invalid parameter \"sim\": the macro has none of that name; add"
     ),
-    "no namespace": (
-        ARM.replace("</robot>", '<xacro:property name="a" value="1"/></robot>'),
-        "the prefix of 'xacro:property' is not declared; add xmlns:xacro=\"http://www.ros.org/wiki/xacro\" to <robot>",
-    ),
-    "another prefix": (
-        as_xacro("<gazebo><sim:thing/></gazebo>"),
-        "the prefix of 'sim:thing' is not declared; add xmlns:sim=\"…\" to <robot>",
-    ),
-    "an attribute twice, by two prefixes of one namespace": (
-        as_xacro("<gazebo xmlns:p='urn:x' xmlns:q='urn:x' p:a='1' q:a='2'/>"),
-        "an attribute is given twice, by two prefixes of one namespace; keep one of them",
-    ),
-    "macros that nobody calls": (
-        f'<robot name="m" {XMLNS}><xacro:macro name="arm"><link name="l"/></xacro:macro></robot>',
-        "it has no links: it defines macros ('arm') and calls none that makes one; load the file that calls them",
-    ),
-    "not XML": ("<robot", "not well-formed XML"),
-    "an unknown macro": (
-        as_xacro("<xacro:arm_of_mine/>"),
-        "xacro cannot expand it: unknown macro name: xacro:arm_of_mine",
-    ),
-    "an undefined name": (as_xacro('<link name="${nothing}"/>'), "name 'nothing' is not defined"),
-    "a macro without end": (
-        as_xacro('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>'),
-        "a macro, a property or an included file refers to itself without end",
-    ),
-    "an argument without a default": (as_xacro('<xacro:arg name="h"/>'), "a <xacro:arg> has no default="),
-    "a parameter that the macro has not": (
-        as_xacro('<xacro:macro name="m" params="a"><link name="${a}"/></xacro:macro><xacro:m a="1" sim="2"/>'),
-        "macro 'm': xacro cannot expand it: Invalid parameter \"sim\": the macro has none of that name; add "
-        "it to the params= of the macro, or leave it out of the call",
-    ),
-    "a property without its prefix": (
-        as_xacro('<property name="h" value="1"/><link name="l${h}"/>'),
-        "name 'h' is not defined when evaluating expression 'h'; write <xacro:property name=\"h\" …>",
-    ),
-    "an argument asked for in Python": (
-        as_xacro("<link name=\"${xacro.arg('side')}\"/>"),
-        "missing xacro argument side: arm.urdf.xacro uses side, which has no default; pass xacro_args={'side': ...}",
-    ),
-    "a message of its own": (as_xacro("${xacro.fatal('wrong', 'arm')}"), "xacro cannot expand it: wrong arm when"),
-    "an unfinished expression": (as_xacro('<link name="${a"/>'), "xacro cannot expand it: invalid expression: ${a"),
+    '<property name="h" value="1"/><link name="l${h}"/>': 'write <xacro:property name="h" …>',
+    "${xacro.fatal('wrong', 'arm')}": "xacro cannot expand it: wrong arm when",
+    '<link name="${a"/>': "xacro cannot expand it: invalid expression: ${a",
+}
+MACROS = '<xacro:macro name="arm"><link name="l"/></xacro:macro>'
+WHOLE = {
+    ARM.replace("</robot>", '<xacro:property name="a" value="1"/></robot>'): "add xmlns:xacro=",
+    f'<robot name="m" {XMLNS}>{MACROS}</robot>': "it defines macros ('arm') and calls none that makes one",
 }
 
 
-@pytest.mark.parametrize("case", FAILS)
-def test_fails_in_one_line(case: str, tmp_path: Path) -> None:
-    text, message = FAILS[case]
+@pytest.mark.parametrize(
+    ("text", "message"), [*((as_xacro(inside), FAILS[inside]) for inside in FAILS), *WHOLE.items()]
+)
+def test_fails_in_one_line(text: str, message: str, tmp_path: Path) -> None:
     path = write(tmp_path, text, "arm.urdf.xacro")
     with pytest.raises(DescriptionError) as caught:
         load_arm(path)
