@@ -20,8 +20,6 @@ from twistarm.limits.joint_limits import FIELDS
 from twistarm.support.errors import DescriptionError, InputError
 from urdf_text import write
 
-# -- files -------------------------------------------------------------------------------------------------------
-
 
 def changed(path: Path, key: str, value: Any) -> str:
     """The file with another value, the digest fitting; `a.b` is b in a."""
@@ -150,9 +148,6 @@ def test_where_it_may_be_written(rover: Arm, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="a description stands there and would be lost"):
         rover.bake(link)
     assert description.read_text() == "<robot/>"
-
-
-# -- the command -------------------------------------------------------------------------------------------------
 
 
 def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -71,9 +71,6 @@ def made(core: ModuleType, arm: twistarm.Arm, name: str = "", **change: Any) -> 
     return core.Chain(**(arguments | change), instruction_set=name)
 
 
-# -- against Pinocchio -------------------------------------------------------------------------------------------
-
-
 def test_every_arm_on_every_instruction_set(core: ModuleType, catalogue_arm: twistarm.Arm) -> None:
     """19 configurations: two full rounds of eight lanes and a part of one."""
     arm = catalogue_arm
@@ -147,9 +144,6 @@ def test_any_angle(core: ModuleType, size: float) -> None:
         assert np.abs(chain.fk(angles[None, :1])[0, 1, 0] - np.sin(angles[0])) < min(1e-15, 1e-15 * size)
 
 
-# -- what is handed in -------------------------------------------------------------------------------------------
-
-
 def test_any_array_of_numbers(core: ModuleType, rover: twistarm.Arm) -> None:
     theta = rover.random_theta(np.random.default_rng(4), 10)
     g = rover.fk(theta)
@@ -204,9 +198,6 @@ def test_a_batch_lets_other_threads_run(core: ModuleType, rover: twistarm.Arm) -
     finally:
         sys.setswitchinterval(interval)
     assert running
-
-
-# -- where there is none -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.usefixtures("fresh")

@@ -17,8 +17,6 @@ from urdf_text import joint, robot, two_joints, write
 WARNED = {"kinova", "so100"}
 """Of one a state of its SRDF lies outside the limits; the other has no tool frame."""
 
-# -- the whole -----------------------------------------------------------------------------------------------------
-
 
 @pytest.mark.parametrize("name", twistarm.available_arms())
 def test_no_false_alarm_about_the_catalogue(name: str) -> None:
@@ -44,9 +42,6 @@ def test_arguments_raise_where_arm_toml_is_diagnosed(tmp_path: Path) -> None:
     (said,) = [one for one in diagnose(tmp_path / "arm.toml") if one.severity == "error"]
     assert said.code == "arm-file-unusable"
     assert "closest: 'tool0'" in said.what
-
-
-# -- the tool ------------------------------------------------------------------------------------------------------
 
 
 def test_a_tool_given_in_the_arm_toml_is_a_tool(tmp_path: Path) -> None:
