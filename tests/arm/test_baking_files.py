@@ -56,6 +56,10 @@ LIMITED = {
 }  # fmt: skip
 
 REFUSED: dict[str, tuple[str, Any, str]] = {
+    "no joints": ("joints", [], "joints must be different names, at least"),
+    "too few screws": ("screws", [[0.0, 1.0]] * 6, "screws must have shape (6, 5); got (6, 2)"),
+    "poses that are none": ("named_states", [1], "has no attribute 'items'"),
+    "hardly any reach": ("reach", 5e-324, "reach must be from 1e-09 to 1e+12 m; got 4.94066e-324"),
     "names that are none": ("base", 5, "base must be text; got 5"),
     "a slide in rad": ("joints.0.unit", "rad", "got 'prismatic' in 'rad'"),
     "limits that are swapped": ("joints.0.lower", 2.0, "limits of joint 0 are swapped"),

@@ -103,6 +103,8 @@ def test_zero_means_not_given_and_an_unknown_entry_is_said(tmp_path: Path) -> No
 
 
 REFUSED = {
+    "a list": ("joint_limits: [a, b]", "joint_limits must be a mapping by joint"),
+    "a word": ("joint_limits: {a: {max_velocity: fast}}", "joint 'a': max_velocity must be a number"),
     "of another robot": ("joint_limits: {x: {max_velocity: 1}}", "its joints are 'x'; the arm's are 'a'"),
     "two of them": ("x: {joint_limits: {a: {}}}\ny: {joint_limits: {a: {}}}", "it holds joint_limits in 2 places"),
     "negative": ("joint_limits: {a: {max_velocity: -1}}", "max_velocity must not be negative; got -1"),

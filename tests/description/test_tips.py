@@ -20,6 +20,10 @@ FINGERS = "P> left_finger | Pm> right_finger"
 PARALLEL = "R> {0}l_knuckle Rm> {0}l_finger | Rm> {0}l_inner_knuckle | Rm> {0}r_knuckle Rm> {0}r_finger"
 
 TIPS = {
+    "behind a slash": ("/base R> /l1 R> /l2 -> /fingers [P> /left | Pm> /right | -> /ee_gripper]", "/ee_gripper"),
+    "two alike behind each other": (f"{SIX} -> arm_tool_link -> wrist_ft_tool_link", "wrist_ft_tool_link"),
+    "nothing but ornaments": (f"{SIX} [-> camera_link -> camera_optical_frame | -> imu]", "l6"),
+    "a rod beside it": ("base R> l1 [R> l2 R> l3 [R> l4 R> l5 | Rm> link_b] | Rm> link_a]", "l5"),
     # names, behind prefixes and namespaces, in an order
     "a usual name": (f"{SIX} [-> tool0 | -> camera]", "tool0"),
     "behind a namespace": (f"ns/base R> ns/l1 R> ns/l2 [-> ns/ee_gripper_link | {FINGERS}]", "ns/ee_gripper_link"),
