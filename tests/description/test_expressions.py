@@ -94,6 +94,11 @@ HOSTILE = [
     "[j async for j in [1]]",
     "xacro.load_yaml('@SECRET')",
     "xacro.load_yaml('\\x00')",
+    "...",
+    "xacro.load_yaml('\\ud800')",
+    "python.set([(1, 2)])",
+    "dict([((1, 2), 3)])",
+    "10**4000",
     # out of bounds
     "[*a, *a]",
     "{**a, **a}",
