@@ -136,8 +136,6 @@ def test_manipulability_of_the_planar_two_link_arm() -> None:
     assert measure.singular_values.shape == (2,)
     assert np.isclose(measure.condition, np.linalg.cond(arm.body_jacobian(theta)))
     assert np.isclose(measure.yoshikawa, np.sqrt(np.linalg.det(arm.body_jacobian(theta).T @ arm.body_jacobian(theta))))
-    with pytest.raises(InputError, match="length must be positive"):
-        arm.manipulability(theta, length=0.0)
 
 
 def _links_of_rr(arm: twistarm.Arm) -> tuple[np.ndarray, np.ndarray]:
@@ -226,43 +224,29 @@ def test_a_pose_is_named_wherever_a_theta_is_taken(case: str, rover: twistarm.Ar
         BY_NAME[case](rover, "raedy")
 
 
-BAD_THETA = {
-    "too short": ([0.0, 0.1], r"theta must have shape \(..., 5\): slide, shoulder, .*; got \(2,\)"),
-    "NaN": ([0.0, np.nan, 0, 0, 0], r"theta must be finite; it holds nan at index \[1\]"),
-    "a word": (["a"] * 5, "theta must be an array of real numbers"),
-}
-
-
-@pytest.mark.parametrize("case", BAD_THETA)
-def test_bad_theta(case: str, rover: twistarm.Arm) -> None:
-    theta, message = BAD_THETA[case]
-    for method in (rover.fk, rover.poses, rover.body_jacobian, rover.spatial_jacobian, rover.gravity_torques):
-        with pytest.raises(InputError, match=message):
-            method(theta)
-
-
 WRONG_ARGUMENTS = {
-    "a stack of gravities": (
-        lambda arm: arm.gravity_torques(arm.ready, gravity=np.zeros((2, 3))),
-        "gravity must be one",
-    ),
-    "two payloads": (lambda arm: arm.gravity_torques(arm.ready, payload=[1.0, 2.0]), "payload must be one number"),
-    "a payload below zero": (lambda arm: arm.gravity_torques(arm.ready, payload=-1.0), "payload must not be negative"),
-    "two lengths": (lambda arm: arm.manipulability(arm.ready, length=[1.0, 2.0]), "length must be one number"),
+    "theta too short": (lambda arm: arm.fk([0.0, 0.1]), r"theta must have shape \(..., 5\): slide, shoulder"),
+    "theta with NaN": (lambda arm: arm.poses([0.0, np.nan, 0, 0, 0]), r"it holds nan at index \[1\]"),
+    "theta of words": (lambda arm: arm.body_jacobian(["a"] * 5), "theta must be an array of real numbers"),
+    "a Jacobian's theta": (lambda arm: arm.spatial_jacobian([[0.0]]), "theta must have shape"),
+    "gravity's theta": (lambda arm: arm.gravity_torques([np.inf] * 5), "theta must be finite"),
+    "a stack of gravities": (lambda arm: arm.gravity_torques("ready", gravity=np.zeros((2, 3))), "gravity must be one"),
+    "two payloads": (lambda arm: arm.gravity_torques("ready", payload=[1.0, 2.0]), "payload must be one number"),
+    "a payload below zero": (lambda arm: arm.gravity_torques("ready", payload=-1.0), "payload must not be negative"),
+    "two lengths": (lambda arm: arm.manipulability("ready", length=[1.0, 2.0]), "length must be one number"),
+    "no length": (lambda arm: arm.manipulability("ready", length=0.0), "length must be positive"),
     "a stack of tools": (lambda arm: arm.with_tool(np.stack([np.eye(4)] * 2), "t"), "must be one pose"),
+    "a tool without a name": (lambda arm: arm.with_tool(np.eye(4), " "), "the tool's name must be a text"),
+    "a tool with a name that is none": (lambda arm: arm.with_tool(np.eye(4), None), "the tool's name must be a text"),
+    "an unknown frame": (lambda arm: arm.pose("ready", "tool_0"), r"closest: 'tool0' \(\d+ frames: arm"),
 }
 
 
 @pytest.mark.parametrize("case", WRONG_ARGUMENTS)
 def test_wrong_arguments(case: str, rover: twistarm.Arm) -> None:
     call, message = WRONG_ARGUMENTS[case]
-    with pytest.raises(InputError, match=message):
+    with pytest.raises((InputError, UnknownNameError), match=message):
         call(rover)
-
-
-def test_an_unknown_frame_offers_the_closest(rover: twistarm.Arm) -> None:
-    with pytest.raises(UnknownNameError, match=r"no frame 'tool_0' in rover_arm; closest: 'tool0' \(\d+ frames: arm"):
-        rover.pose(rover.ready, "tool_0")
 
 
 def test_random_theta_keeps_the_limits(catalogue_arm: twistarm.Arm) -> None:
@@ -308,7 +292,6 @@ def test_an_arm_by_hand_answers_without_a_description() -> None:
 Z_AXIS = joints.revolute([0, 0, 1], np.zeros(3))
 BY_HAND = {
     "no columns": ((np.zeros((6, 0)), np.eye(4)), {}, "screws must have shape"),
-    "rows for columns": ((np.zeros((2, 6)), np.eye(4)), {}, "screws must have shape"),
     "a zero column": ((np.zeros((6, 1)), np.eye(4)), {}, "zero column"),
     "two homes": ((Z_AXIS, np.stack([np.eye(4)] * 2)), {}, "home must be one pose"),
     "limits of others": ((Z_AXIS, np.eye(4)), {"limits": JointLimits.unbounded(3)}, "limits must be those of 1"),
@@ -351,9 +334,3 @@ def test_an_arm_is_plain_data_that_cannot_be_changed(rover: Arm) -> None:
         assert not any(array.flags.writeable for array in arrays)
     with pytest.raises(AttributeError):
         rover.name = "other"  # type: ignore[misc]
-
-
-@pytest.mark.parametrize("name", ["", " ", None])
-def test_a_tool_needs_a_name(name: object, rover: Arm) -> None:
-    with pytest.raises(InputError, match="the tool's name must be a text, and not an empty one; got"):
-        rover.with_tool(np.eye(4), name)  # type: ignore[arg-type]

@@ -20,8 +20,6 @@ from twistarm.limits.joint_limits import FIELDS
 from twistarm.support.errors import DescriptionError, InputError
 from urdf_text import write
 
-# -- files -------------------------------------------------------------------------------------------------------
-
 
 def changed(path: Path, key: str, value: Any) -> str:
     """The file with another value, the digest fitting; `a.b` is b in a."""
@@ -48,10 +46,8 @@ def test_an_edited_number_is_refused(rover: Arm, tmp_path: Path) -> None:
     path.write_text(text.replace("-1.57", "-1.58", 1))
     with pytest.raises(DescriptionError) as caught:
         load_arm(path)
-    assert str(caught.value) == (
-        f"{path}: edited or damaged since it was baked (its digest does not fit); bake it again from the description: "
-        "twistarm bake ARM -o FILE --force"
-    )
+    assert str(caught.value).startswith(f"{path}: edited or damaged since it was baked")
+    assert str(caught.value).endswith("twistarm bake ARM -o FILE --force")
 
 
 LIMITED = {
@@ -60,11 +56,13 @@ LIMITED = {
 }  # fmt: skip
 
 REFUSED: dict[str, tuple[str, Any, str]] = {
-    "names that are none": ("base", 5, "base must be text; got 5"),
     "no joints": ("joints", [], "joints must be different names, at least"),
+    "too few screws": ("screws", [[0.0, 1.0]] * 6, "screws must have shape (6, 5); got (6, 2)"),
+    "poses that are none": ("named_states", [1], "has no attribute 'items'"),
+    "hardly any reach": ("reach", 5e-324, "reach must be from 1e-09 to 1e+12 m; got 4.94066e-324"),
+    "names that are none": ("base", 5, "base must be text; got 5"),
     "a slide in rad": ("joints.0.unit", "rad", "got 'prismatic' in 'rad'"),
     "limits that are swapped": ("joints.0.lower", 2.0, "limits of joint 0 are swapped"),
-    "too few screws": ("screws", [[0.0, 1.0]] * 6, "screws must have shape (6, 5); got (6, 2)"),
     "a screw that is zero": ("screws", [[0.0] * 5] * 6, "a joint whose screw is zero"),
     "a home that is no pose": ("home", [[2.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], "is not in SO(3)"),
     "a tool that is no pose": ("tool", np.zeros((4, 4)).tolist(), "tool is not in SE(3)"),
@@ -73,22 +71,13 @@ REFUSED: dict[str, tuple[str, Any, str]] = {
     "screws that overflow": ("screws", [[1e308] * 5] * 6, "screws holds 1e+308, beyond 1e+12"),
     "a joint far from anything": (
         "joints.0",
-        {
-            "name": "slide",
-            "type": "prismatic",
-            "unit": "m",
-            **dict.fromkeys(FIELDS),
-            "lower": 1e9,
-            "upper": 1e9 + 1,
-        },
+        {"name": "slide", "type": "prismatic", "unit": "m", **dict.fromkeys(FIELDS), "lower": 1e9, "upper": 1e9 + 1},
         "slide would be confined to 1e+09 to",
     ),
     "ready beyond the limits": ("ready", [9.0, 0.0, 0.0, 0.0, 0.0], "ready lies outside the limits"),
-    "poses that are none": ("named_states", [1], "has no attribute 'items'"),
     "motors with limits of another size": ("actuators", LIMITED, "limits of 1 actuators must be those of 1"),
     "a pair of three": ("disabled_pairs", [["a", "b", "c"]], "too many values to unpack"),
     "a proof of nothing": ("proof", {}, "'pose_error' is missing"),
-    "hardly any reach": ("reach", 5e-324, "reach must be from 1e-09 to 1e+12 m; got 4.94066e-324"),
 }
 
 
@@ -109,9 +98,7 @@ def test_a_file_that_is_no_arm_is_refused_in_one_line(case: str, rover: Arm, tmp
     ("text", "telling"),
     [
         ("", "not a baked arm"),
-        ('{"name": "package"}', "not a baked arm"),
         ("[" * 100_000, "not a baked arm"),
-        ("\x00\xff", "not a baked arm"),
         ('{"format": "twistarm arm", "version": 2}', "version 2"),
         ('{"format": "twistarm arm", "version": 1}', "edited or damaged"),
         ('{"format": "twistarm arm", "version": 1, "reach": NaN}', "finite"),
@@ -165,9 +152,6 @@ def test_where_it_may_be_written(rover: Arm, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="a description stands there and would be lost"):
         rover.bake(link)
     assert description.read_text() == "<robot/>"
-
-
-# -- the command -------------------------------------------------------------------------------------------------
 
 
 def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

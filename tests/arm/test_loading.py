@@ -101,10 +101,6 @@ BAD_TOML = {
         "tool.name 'upper' is a link already; name",
     ),
     "a base without a name": ('source = "arm.urdf"\nbase = ""', "base must not be empty; got ''"),
-    "a motor without a name": (
-        'source = "arm.urdf"\n[actuators.""]\nratio = { a = 1.0 }',
-        "an actuator's name must not be empty",
-    ),
     "a joint locked out of this world": (
         'source = "arm.urdf"\nlocked = { a = -1e300 }',
         "locked.a must be at most 1e+09 in size",
@@ -117,7 +113,6 @@ BAD_TOML = {
         'source = "arm.urdf"\npackage_dirs = ["no_such"]',
         "package_dirs names 'no_such'; there is no",
     ),
-    "brackets without end": ("x = " + "[" * 1500, "not valid TOML: it nests too deep"),
     "a key without end": (".".join("a" * 20000) + " = 1", "a line of more than 2,000 characters"),
     "a file that is no arm.toml": ("# \n" * 40000, "it has 120,000 bytes; at most 64,000 are"),
 }
@@ -204,7 +199,6 @@ WRONG_TYPES = {
     "a source that is none": ({"source": None}, "source must be a path or a name; got None"),
     "a tip that is a number": ({"tip": 3}, "tip must be the name of a link; got 3"),
     "an empty base": ({"base": " "}, "base must be the name of a link; got ' '"),
-    "limits that are a number": ({"limits": 5}, "limits must be a JointLimits or a mapping"),
     "limits of another arm": ({"limits": JointLimits.unbounded(3)}, "limits must be those of 2 joints"),
     "a limit in words": ({"limits": {"velocity": "fast"}}, "must be numbers; got 'fast'"),
 }

@@ -120,11 +120,6 @@ REFUSED = {
         "ratio = { a = 1.0 }\nlimits = { lower = 3, upper = 1 }",
         "actuators.m.limits are swapped: lower 3 >",
     ),
-    "an empty ratio": ("ratio = {}", "actuators.m.ratio must be a table of joint = number"),
-    "ticks in words": (
-        'ratio = { a = 1.0 }\nticks_per_turn = "4k"',
-        "actuators.m.ticks_per_turn must be a number (tick",
-    ),
 }
 
 

@@ -17,8 +17,6 @@ from urdf_text import joint, robot, two_joints, write
 WARNED = {"kinova", "so100"}
 """Of one a state of its SRDF lies outside the limits; the other has no tool frame."""
 
-# -- the whole -----------------------------------------------------------------------------------------------------
-
 
 @pytest.mark.parametrize("name", twistarm.available_arms())
 def test_no_false_alarm_about_the_catalogue(name: str) -> None:
@@ -26,12 +24,6 @@ def test_no_false_alarm_about_the_catalogue(name: str) -> None:
     assert all(one.severity != "error" for one in findings)
     assert (name in WARNED) == any(one.severity == "warning" for one in findings)
     assert len(findings) <= 6
-
-
-def test_every_error_is_told_at_once(tmp_path: Path) -> None:
-    text = two_joints(inside='<axis xyz="0 0 0"/>').replace('lower="-1"', 'lower="one"')
-    findings = diagnose(write(tmp_path, text))
-    assert [(one.code, one.place.name) for one in findings] == [("axis-zero", "a"), ("limit-malformed", "b")]
 
 
 def test_an_arm_is_taken_too(rover: Arm, tmp_path: Path) -> None:
@@ -50,9 +42,6 @@ def test_arguments_raise_where_arm_toml_is_diagnosed(tmp_path: Path) -> None:
     (said,) = [one for one in diagnose(tmp_path / "arm.toml") if one.severity == "error"]
     assert said.code == "arm-file-unusable"
     assert "closest: 'tool0'" in said.what
-
-
-# -- the tool ------------------------------------------------------------------------------------------------------
 
 
 def test_a_tool_given_in_the_arm_toml_is_a_tool(tmp_path: Path) -> None:

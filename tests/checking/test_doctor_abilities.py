@@ -58,10 +58,6 @@ def test_statements_about_the_catalogue_are_true(catalogue_arm: Arm) -> None:
     require_true(catalogue_arm)
 
 
-def gantry(*axes: str, kind: str = "prismatic") -> str:
-    return chain(*axes, kind=kind)
-
-
 def back(master: str) -> str:
     return f'<axis xyz="0 1 0"/><mimic joint="{master}" multiplier="-1"/>'
 
@@ -78,19 +74,16 @@ PALLETISER = robot(
 
 ONLY_Z = "turns its tool about the base's z axis only: cannot tilt it"
 NO_TURN = "cannot turn its tool at all: it keeps its orientation"
-IN_PLANE = "cannot move its tool along the base's y axis: it stays in one plane across that axis"
-FEW = "cannot turn its tool in place: at a position it has a few orientations at most"
 NO_YAW = (
     "cannot yaw the tool: with its position held it rolls about its z axis and pitches about one horizontal axis "
     "square to it, and nothing turns it about the third"
 )
-LINE = "moves its tool along the base's x axis only, to and fro on one line"
 CURVE = "moves its tool on a curve, in one direction at any posture, never along the base's y axis"
 SURFACE = "moves its tool on a surface, in two directions at any posture"
 SPARE = "its 4 joints move the tool in 3 directions only: 1 to spare everywhere"
 
 WORDS = {
-    "gantry": (gantry("1 0 0", "0 1 0", "0 0 1"), {"cannot-turn": NO_TURN}),
+    "gantry": (chain("1 0 0", "0 1 0", "0 0 1", kind="prismatic"), {"cannot-turn": NO_TURN}),
     "roll on the spot": (
         chain("0 0 1"),
         {"cannot-move": "cannot move its tool at all: its origin never leaves its place", "cannot-turn": ONLY_Z},

@@ -24,7 +24,7 @@ def test_limits_in_degrees_come_with_their_radians(tmp_path: Path) -> None:
     assert said.remedy == f'write lower="{-math.radians(170):.6g}" upper="{math.radians(170):.6g}"'
 
 
-@pytest.mark.parametrize("bound", ["6.28319", "12.566", "1e5"])
+@pytest.mark.parametrize("bound", ["12.566", "1e5"])
 def test_turns_and_no_limit_are_no_degrees(bound: str, tmp_path: Path) -> None:
     limit = f'<limit lower="-{bound}" upper="{bound}" velocity="10" effort="1"/>'
     assert "limits-look-like-degrees" not in codes(write(tmp_path, two_joints(inside=limit)))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from types import SimpleNamespace
 from xml.sax.saxutils import quoteattr
 
 import pytest
 
-from hostile.sandbox import Sandbox, sandbox
+from hostile.sandbox import Sandbox
+from hostile.sandbox import place as place
 from twistarm.description.expansion.expressions import Expressions
 from twistarm.description.expansion.names import DIRECT, math_names, python_names, tokenize
 from twistarm.description.expansion.work import MAX_WORK, Refused, Work
@@ -32,24 +32,18 @@ USED_IN_THE_FIELD = [
     "1./12 * x * (3 * 0.1**2 + 0.2**2)",
     "radians(90) + sin(pi) + atan2(1, 2) + sqrt(2)",
     "math.pi - math.cos(0) + math.factorial(5) + math.comb(5, 2) + math.prod([2, 3]) + math.lcm(4, 6)",
-    "name + '_' + str(x)",
-    "2*'ab'",
     "x if name == 'left_arm' else -x",
     "name in ('left_arm', 'right_arm') and not x < 2 or x != 3",
     "0 < x <= 3",
     "off is None",
-    "xyz.split(' ')[0]",
     "float(xyz.split()[1]) + x",
-    "[f.lower() for f in fingers]",
     "[str(i) + f for i, f in python.enumerate(fingers) if f.isupper()]",
     "dict(joint_1=0.0, joint_2=-1.57)['joint_2']",
     "{'a': 1, 'b': 2}['a'] + {3: 4}.get(5, 6)",
     "{k: v * 2 for k, v in rates.items()}",
-    "python.set(fingers) - python.set(['TH'])",
     "list(python.set(fingers) - python.set(['TH'] if not off else []))",
     "python.isinstance(fingers, list)",
     "', '.join(sorted(fingers))",
-    "'%.3f' % pi",
     "'%s_%02d' % (name, x)",
     "'model_2024_%d%%' % x + '%5.2f' % rates['a']",
     "max(1, min(x, 2)) + round(2.567, 1) + len(fingers) + int('4') + python.abs(-2)",
@@ -64,8 +58,6 @@ USED_IN_THE_FIELD = [
     "(1, 2) + (3,)",
     "x << 2 | 1 & 3 ^ 5 >> 1",
     "~x + +x",
-    "rates['a'] + rates.get('c', 0)",
-    "bool(x) and True",
     "python.type(x) == python.int",
     "dict(rates, key=3)",
     "[c for c in name.rsplit('_', 1)] + sorted(rates.items())",
@@ -73,7 +65,6 @@ USED_IN_THE_FIELD = [
     "'ft' in name and 'x' not in name and 1 in {1, 2}",
     "inf > x and e < tau",
     "x ** -1 + 2.0 ** 0.5",
-    "xyz.split(' ')[0] == '0'",
     "{'f': sin}['f'](0) + {'f': cos}['f'](0)",
 ]
 
@@ -81,44 +72,36 @@ HOSTILE = [
     # out of the language
     "().__class__",
     "(lambda: ().__class__.__bases__[0].__subclasses__())()",
-    "[c for c in ().__class__.__base__.__subclasses__() if c.__name__ == 'Popen'][0]('touch @MARKER', shell=True)",
     "'{0.__class__.__mro__}'.format(1)",
     "f'{().__class__}'",
     "(c := ().__class__)",
     "(i for i in [1]).gi_frame.f_back.f_globals",
     "xacro.load_yaml.__globals__['os'].system('touch @MARKER')",
-    "len.__self__.__import__('os').system('touch @MARKER')",
     "python.vars(python.type)['__subclasses__'](python.type(()))",
     "python.type('X', (), dict())",
-    "python.type(xacro.load_yaml)(None, dict())",
     "list(map(python.type(python.type(1)), ['X'], [(list,)], [dict()]))",
     "max(['touch @MARKER'], key=python.type(len))",
     "list[str]('abc')",
-    "dict[1]([('a', 1)])",
     "xacro.parent",
     "math.clear()",
-    "xacro.update(load_yaml=len)",
     "[0 for math['pi'] in [3]]",
     "__builtins__['open']('@SECRET')",
-    "__import__('os').system('touch @MARKER')",
     "().\uff3f\uff3fclass\uff3f\uff3f",
-    "open('@SECRET')",
-    "eval('1')",
     "getattr((), '_' + '_class_' + '_')",
     "b'touch'",
-    "...",
     "x @ x",
     "[1][0, 1:2]",
     "[j async for j in [1]]",
     "xacro.load_yaml('@SECRET')",
-    "xacro.dotify(xacro.load_yaml('file://@SECRET')).key",
     "xacro.load_yaml('\\x00')",
+    "...",
     "xacro.load_yaml('\\ud800')",
-    "xacro.load_yaml('a' * 5000)",
+    "python.set([(1, 2)])",
+    "dict([((1, 2), 3)])",
+    "10**4000",
     # out of bounds
     "[*a, *a]",
     "{**a, **a}",
-    "dict(**a)",
     "[b for a, *b in [[1, 2]]]",
     "'%(())4000000000d' % {'()': 1}",
     "('%(a)s' * 100000) % {'a': 'x' * 100000}",
@@ -127,26 +110,18 @@ HOSTILE = [
     "[1].sort(key=math.factorial)",
     "{(1, 2)}",
     "{(i, 2) for i in [1]}",
-    "python.set([(1, 2)])",
-    "dict([((1, 2), 3)])",
     "{'a': 1}.items() | {'b': 2}.items()",
     "python.frozenset([1])",
     "[1].append(2)",
-    "xacro.tokenize('a', sep='^,')",
     "9**9**9",
     "1 << 10**9",
-    "10**4000",
-    "'a' * 10**10",
     "[0] * 10**10",
     "[[0] * 1000] * 1000 * 1000",
     "'%1000000000d' % 1",
     "('%999d' * 200000) % python.tuple([1] * 200000)",
-    "list(range(10**10))",
     "range(10**30)",
     "[1 for a in range(999) for b in range(999) for c in range(999)]",
-    "python.sum(range(10**9))",
     "python.sum([[0]] * 100000, [])",
-    "python.set(range(10**9))",
     "list(python.zip(*[range(10**6)] * 10))",
     "math.factorial(10**6)",
     "math.comb(10**6, 5 * 10**5)",
@@ -157,8 +132,6 @@ HOSTILE = [
     "('a' * 1000).replace('a', 'b' * 10000).replace('b', 'c' * 10000)",
     "('a' * 100000).join(['b'] * 100000)",
     "int('f' * 10**6, 16)",
-    "{complex(-1000003 * i, i) for i in range(30000)}",
-    "(-1) ** 0.5",
     "{i * (2**61 - 1): 0 for i in range(100000)}",
     "python.set([python.int(str(i) + '0' * 61, 2) for i in range(100000)])",
     "[s[:] for i in range(10**5) for s in ['a' * 10**6]]",
@@ -166,18 +139,11 @@ HOSTILE = [
     "xacro.tokenize('a' * 40 + '!', sep=']|(a+)+$[')",
     "(" * 3000 + "1" + ")" * 3000,
     "-" * 9000 + "1",
-    "not " * 2000 + "1",
     "1+" * 4000 + "1",
-    "[" * 300 + "]" * 300,
     "1+" * 400 + "1",
     "[" + "1," * 6000 + "]",
     "x.a" * 4000,
 ]
-
-
-@pytest.fixture
-def place(tmp_path: Path) -> Sandbox:
-    return sandbox(tmp_path)
 
 
 def evaluator(work: Work | None = None) -> tuple[Expressions, dict[str, object]]:
@@ -299,38 +265,26 @@ def test_a_comprehension_is_paid_for_round_by_round() -> None:
         expressions.evaluate("[0 for i in few for j in few if i < 0]", {**names, "few": range(100)})
 
 
-def test_a_comparison_is_paid_for_by_what_it_compares() -> None:
-    expressions, names = evaluator(Work(5_000))
-    with pytest.raises(Refused):
-        expressions.evaluate("large == larger", {**names, "large": [0] * 3_000, "larger": [0] * 3_000})
+LONG_TEXT, SOUGHT = "a" * 20_000, "a" * 5000 + "b" + "a" * 4999
+PAID = {
+    **{
+        f"text.{search}": (MAX_WORK, {"text": LONG_TEXT, "sought": SOUGHT})
+        for search in ("find(sought)", "replace(sought, 'b')", "rsplit(sep=sought)", "split(sought)",
+                       "partition(sought)", "strip(sought)")
+    },
+    **dict.fromkeys(("text.split()[0]", "list(text)", "python.enumerate(values=text)"),
+                    (60_000, {"text": "a b" * 20_000})),
+    "large == larger": (5_000, {"large": [0] * 3_000, "larger": [0] * 3_000}),
+}  # fmt: skip
+"""Searches by both lengths, texts by the pieces they are taken into, comparisons by what they compare."""
 
 
-SEARCHES = [
-    "text.find(sought)",
-    "text.index(sought)",
-    "text.count(sought)",
-    "text.replace(sought, 'b')",
-    "text.rsplit(sought)",
-    "text.rsplit(sep=sought)",
-    "text.split(sought)",
-    "text.partition(sought)",
-    "text.strip(sought)",
-]
-
-
-@pytest.mark.parametrize("expression", SEARCHES)
-def test_a_search_is_paid_for_by_both_lengths(expression: str) -> None:
-    expressions, names = evaluator()
+@pytest.mark.parametrize("expression", PAID)
+def test_work_is_paid_for_by_the_sizes_of_what_takes_part(expression: str) -> None:
+    allowed, values = PAID[expression]
+    expressions, names = evaluator(Work(allowed))
     with pytest.raises(Refused, match="more work than any robot"):
-        expressions.evaluate(expression, {**names, "text": "a" * 20_000, "sought": "a" * 5000 + "b" + "a" * 4999})
-
-
-@pytest.mark.parametrize("expression", ["text.split()[0]", "list(text)", "python.enumerate(values=text)"])
-def test_a_text_is_paid_for_by_the_pieces_it_is_taken_into(expression: str) -> None:
-    work = Work(60_000)
-    expressions, names = evaluator(work)
-    with pytest.raises(Refused):
-        expressions.evaluate(expression, {**names, "text": "a b" * 20_000})
+        expressions.evaluate(expression, {**names, **values})
 
 
 def test_the_separators_of_tokenize_are_characters() -> None:

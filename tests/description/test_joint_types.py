@@ -159,6 +159,7 @@ def test_pinocchio_reads_the_same_arm_from_the_builder_s_urdf() -> None:
     close(builder.build().fk(theta), data.oMf[model.getFrameId("tool", pin.FrameType.BODY)].homogeneous)
 
 
+@pytest.mark.slow
 def test_many_joints_by_hand_are_more_than_pinocchio_holds() -> None:
     arm = arm_from_screws(np.tile(joints.revolute([0, 0, 1], [0, 0, 0]), 260), np.eye(4))
     rows = [row for row in crosscheck(arm, 2).comparisons if "pinocchio" in row.engines]

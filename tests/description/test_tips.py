@@ -20,14 +20,16 @@ FINGERS = "P> left_finger | Pm> right_finger"
 PARALLEL = "R> {0}l_knuckle Rm> {0}l_finger | Rm> {0}l_inner_knuckle | Rm> {0}r_knuckle Rm> {0}r_finger"
 
 TIPS = {
+    "behind a slash": ("/base R> /l1 R> /l2 -> /fingers [P> /left | Pm> /right | -> /ee_gripper]", "/ee_gripper"),
+    "two alike behind each other": (f"{SIX} -> arm_tool_link -> wrist_ft_tool_link", "wrist_ft_tool_link"),
+    "nothing but ornaments": (f"{SIX} [-> camera_link -> camera_optical_frame | -> imu]", "l6"),
+    "a rod beside it": ("base R> l1 [R> l2 R> l3 [R> l4 R> l5 | Rm> link_b] | Rm> link_a]", "l5"),
     # names, behind prefixes and namespaces, in an order
     "a usual name": (f"{SIX} [-> tool0 | -> camera]", "tool0"),
     "behind a namespace": (f"ns/base R> ns/l1 R> ns/l2 [-> ns/ee_gripper_link | {FINGERS}]", "ns/ee_gripper_link"),
-    "behind a slash": ("/base R> /l1 R> /l2 -> /fingers [P> /left | Pm> /right | -> /ee_gripper]", "/ee_gripper"),
     "behind a prefix": (f"{SIX} [-> arm_link_tool0 | -> arm_link_flange]", "arm_link_tool0"),
     "in capitals": ("BaseLink R> LinkOne R> LinkTwo [-> EndEffectorLink | -> WristBracket]", "EndEffectorLink"),
     "an effector behind its flange": (f"{SIX} -> end_effector_flange_link -> end_effector_link", "end_effector_link"),
-    "two alike behind each other": (f"{SIX} -> arm_tool_link -> wrist_ft_tool_link", "wrist_ft_tool_link"),
     "a tool on a tool0": (f"{SIX} -> flange -> tool0 -> gripper_base [{FINGERS} | -> grasp_link]", "grasp_link"),
     "a name in the middle is none": ("base R> l1 R> ee_link R> l3 R> l4 R> l5", "l5"),
     "nor on a stand": (f"world [-> board -> board_tcp | -> {SIX} -> flange]", "flange"),
@@ -49,15 +51,11 @@ TIPS = {
     "a claw with grippers": ("base C> a R> b R> c C> d R> e C> claw [R> leftgripper | Rm> rightgripper]", "claw"),
     "fixed fingers": (f"{SIX} -> palm [-> finger_left | -> finger_right]", "palm"),
     # one end
-    "a claw": ("base R> shoulder R> elbow R> claw", "claw"),
-    "a link": (SIX, "l6"),
     # what hangs on
     "ornaments": ("base [-> lamp | R> l1 [-> motor1 | R> l2 [-> led_ring | -> april_tag | -> imu | -> pen]]]", "pen"),
-    "nothing but ornaments": (f"{SIX} [-> camera_link -> camera_optical_frame | -> imu]", "l6"),
     "a name before the roll": ("base R> l1 R> l2 R> l3 -> ee_link R> gripper_roll_link", "gripper_roll_link"),
     "a head beside the arm": (f"torso [R> neck R> head -> camera | -> {SIX}]", "l6"),
     "a pan and tilt beside it": ("base [R> pan R> tilt -> camera | R> s1 R> s2 R> s3]", "s3"),
-    "a rod beside it": ("base R> l1 [R> l2 R> l3 [R> l4 R> l5 | Rm> link_b] | Rm> link_a]", "l5"),
     "cylinders beside it": (
         "base R> boom [R> stick [R> bucket | R> bucket_cylinder P> bucket_rod] | R> boom_cylinder P> boom_rod]",
         "bucket",
@@ -161,7 +159,7 @@ def test_the_choice_is_told_with_its_reason_and_the_others(tmp_path: Path) -> No
         "the arm stands on 'arm_base'; other candidates: 'ee', 'x', 'front_left_wheel', 'front_right_wheel', "
         "'rear_left_wheel', 'rear_right_wheel'"
     )
-    assert told.remedy == "pass tip=... if another is meant"
+    assert told.remedy.startswith("pass tip=...")
 
 
 @pytest.mark.parametrize("text", [SIX, f"{SIX} -> tool0", "base R> l1 R> claw"])

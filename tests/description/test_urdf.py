@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -60,15 +59,9 @@ def test_elements_nested_without_end_are_refused(tmp_path: Path) -> None:
         load_arm(write(tmp_path, text))
 
 
-INERTIAL = '<inertial><mass value="1kg"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 MESHES = "".join(f'<visual><geometry><mesh filename="package://no/{i}.stl"/></geometry></visual>' for i in (1, 2))
 SAID = {
-    "limit-incomplete": (two_joints(inside=LIMIT.format("")), "unbounded both ways"),
-    "velocity-not-given": (two_joints(inside='<limit lower="-1" upper="1" velocity="0" effort="-1"/>'), "0 on a:"),
-    "effort-not-given": (two_joints(inside='<limit lower="-1" upper="1" velocity="0" effort="-1"/>'), "-1 on a:"),
-    "axis-not-unit": (two_joints(inside='<axis xyz="0 0 5"/>'), "has length 5"),
     "origin-looks-like-degrees": (two_joints(rpy="90 0 -45"), 'write rpy="1.5708 0 -0.785398"'),
-    "inertial-unusable": (two_joints().replace('name="upper"/>', f'name="upper">{INERTIAL}</link>'), "link 'upper'"),
     "mesh-missing": (
         two_joints().replace('name="upper"/>', f'name="upper">{MESHES}</link>'),
         "2 mesh files not found: 'package://no/1.stl', 'package://no/2.stl'",
@@ -139,6 +132,7 @@ def test_encodings_line_ends_and_names(encoding: str, tmp_path: Path) -> None:
     assert "Schulter/ä 1" in arm.poses(np.zeros(2))
 
 
+@pytest.mark.slow
 def test_a_long_line_of_mimics_is_followed_to_its_end(tmp_path: Path) -> None:
     links = tuple(f"l{i}" for i in range(900))
     text = '<mimic joint="j{}"/>'
@@ -194,21 +188,26 @@ def test_a_file_beyond_all_descriptions_is_not_read(tmp_path: Path) -> None:
         load_arm(path)
 
 
-def test_thousands_of_mistakes_take_no_longer_than_thousands_of_names(tmp_path: Path) -> None:
-    n = 3000
-    joints = (joint(f"j{i}", "base", f"x{i}", "fixed") for i in range(n))
-    path = write(tmp_path, robot(*joints, links=("base", *(f"l{i}" for i in range(n)))))
-    start = time.process_time()
-    with pytest.raises(DescriptionError, match="closest: 'l0'.*more: twistarm doctor lists them"):
-        load_arm(path)
-    assert time.process_time() - start < 6.0
+UNREAD = {
+    '<origin xzy="0 0 1"/>': "xzy= in its <origin> means nothing and is not read (its attributes are 'xyz', 'rpy'",
+    '<origin quat_xyzw="0 0 0 1"/>': "quat_xyzw= in 1 <origin> is not read: URDF 1.0 does not have it",
+    '<orgin xyz="0 0 1"/>': "its <orgin> means nothing and is not read (correct the name; closest: 'origin')",
+    "<axis/>": "its <axis> has no xyz=; taken as 1 0 0",
+    '<Axis xyz="0 1 0"/>': "its <Axis> means nothing and is not read",
+    '<limit lower="0" upper="1" velocity="1" efort="1"/>': "closest: 'effort'",
+    '<child link="upper"/>': "it has 2 <child> elements; only the first is read",
+}
 
 
-def test_what_is_not_ours_is_left_out_in_no_time_however_much_it_is(tmp_path: Path) -> None:
-    path = write(tmp_path, two_joints().replace("</robot>", '<gazebo x="1"/>' * 120_000 + "</robot>"))
-    start = time.process_time()
-    assert load_arm(path).n == 2
-    assert time.process_time() - start < 3.0
-    path = write(tmp_path, two_joints().replace("</robot>", '<gazebo x="1"/>' * 130_000 + "</robot>"))
-    with pytest.raises(DescriptionError, match="more than 250,000 elements and attributes; leave out"):
-        load_arm(path)
+@pytest.mark.parametrize("inside", UNREAD)
+def test_what_nobody_reads_is_said(inside: str, tmp_path: Path) -> None:
+    text = robot(joint("a", "base_link", "upper", inside=inside), joint("b", "upper", "tool0"))
+    said = [str(finding) for finding in read_description(write(tmp_path, text)).findings]
+    assert any(UNREAD[inside] in line for line in said), said
+    assert "arm.urdf:2: joint 'a'" in " ".join(said)
+
+
+@pytest.mark.parametrize("inside", ['<dynamics damping="1"/>', "<physics/>", '<safety_controller k_velocity="1"/>'])
+def test_other_tools_words_are_left_alone(inside: str, tmp_path: Path) -> None:
+    text = robot(joint("a", "base_link", "upper", inside=inside), joint("b", "upper", "tool0"))
+    assert read_description(write(tmp_path, text)).findings == ()

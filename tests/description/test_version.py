@@ -37,7 +37,7 @@ def told(path: Path, code: str) -> list[str]:
 
 
 @pytest.mark.parametrize("version", ["", "1.0", "1.1", "1.2"])
-@pytest.mark.parametrize("quaternion", [QUATERNION, "0 0 0 1", "0 0.70710678 0 0.70710678"])
+@pytest.mark.parametrize("quaternion", [QUATERNION, "0 0.70710678 0 0.70710678"])
 def test_a_quaternion_counts_from_1_1_on(version: str, quaternion: str, tmp_path: Path) -> None:
     path = write(tmp_path, text_of(version, f'xyz="0 0.1 0.5" quat_xyzw="{quaternion}"'))
     arm = load_arm(path)
@@ -91,7 +91,7 @@ def test_acceleration_and_jerk_count_from_1_2_on(deceleration: str, smaller: flo
     ]
 
 
-@pytest.mark.parametrize("version", ["1", "1.3", "2.0", "x", "1.1.0", ""])
+@pytest.mark.parametrize("version", ["1", "1.3", "x", "1.1.0", ""])
 def test_a_version_that_nobody_knows_is_told_and_read(version: str, tmp_path: Path) -> None:
     text = robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0"))
     path = write(tmp_path, text.replace("<robot ", f'<robot version="{version}" '))

@@ -30,16 +30,11 @@ BAD_YAML = {
     ),
     "itself": "a: &a [*a]",
     "an object": "!!python/object/apply:os.system ['touch @MARKER']",
-    "a new object": "a: !!python/object/new:subprocess.Popen [['touch', '@MARKER']]",
     "an unknown tag": "a: !secret '@SECRET'",
     "an escape in a unit": "a: !degrees ().__class__.__base__.__subclasses__()",
     "no number in a unit": "a: !degrees left",
     "a number in base 60": "a: 1" + ":1" * 100_000,
-    "a number of a million digits": "a: 1" + "1" * 1_000_000,
-    "lists nested without end": "[" * 50_000,
     "lists without end": "a: [" + "1, " * 1_000_000 + "1]",
-    "two documents": "a: 1\n---\nb: 2",
-    "an unhashable key": "? [a]\n: 1",
 }
 
 
@@ -58,17 +53,13 @@ BLOCKS = {
 
 @pytest.mark.parametrize("case", BLOCKS)
 def test_documents_are_not_reached_through_blocks(case: str, place: Sandbox) -> None:
-    part = (
-        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="block"><a/></xacro:property></robot>'
-    )
+    part = f'<robot {XMLNS}><xacro:property name="block"><a/></xacro:property></robot>'
     inside = f'<xacro:include filename="part.xacro" ns="A"/><link name="{BLOCKS[case]}"/>'
     assert "arm.xacro" in place.refuse(inside, {"part.xacro": part})
 
 
 def test_a_refusal_stands_through_optional_includes(place: Sandbox) -> None:
-    part = (
-        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="@SECRET" optional="true"/></robot>'
-    )
+    part = f'<robot {XMLNS}><xacro:include filename="@SECRET" optional="true"/></robot>'
     message = place.refuse('<xacro:include filename="part.xacro" optional="true"/>', {"part.xacro": part})
     assert "part.xacro: " in message
     assert "lies outside" in message

@@ -21,17 +21,12 @@ def doubling(first: str, other: str) -> str:
     return first + "".join(other.format(i + 1, i) for i in range(DEEP))
 
 
-def macros_that_double(body: str, call: str) -> str:
-    return (
-        f'<xacro:macro name="m0">{body}</xacro:macro>'
-        + doubling("", '<xacro:macro name="m{0}"><xacro:m{1}/><xacro:m{1}/></xacro:macro>').replace("<xacro:m", call)
-        + f"<xacro:m{DEEP}/>"
-    )
-
-
 RUNAWAY = {
-    "macros that double": macros_that_double('<link name="a"/>', "<xacro:m"),
-    "macros that double and hold nothing": macros_that_double("", "<xacro:m"),
+    "macros that double": doubling(
+        '<xacro:macro name="m0"><link name="a"/></xacro:macro>',
+        '<xacro:macro name="m{0}"><xacro:m{1}/><xacro:m{1}/></xacro:macro>',
+    )
+    + f"<xacro:m{DEEP}/>",
     "blocks that double": doubling(
         '<xacro:property name="b0"><a/></xacro:property>',
         '<xacro:property name="b{0}"><x><xacro:insert_block name="b{1}"/><xacro:insert_block name="b{1}"/></x>'
@@ -40,10 +35,6 @@ RUNAWAY = {
     + f'<xacro:insert_block name="b{DEEP}"/>',
     "texts that double": doubling(
         '<xacro:property name="p0" value="ha"/>', '<xacro:property name="p{0}" value="${{p{1}}}${{p{1}}}"/>'
-    )
-    + f'<link name="${{p{DEEP}}}"/>',
-    "sums that double": doubling(
-        '<xacro:property name="p0" value="${\'ha\'}"/>', '<xacro:property name="p{0}" value="${{p{1} + p{1}}}"/>'
     )
     + f'<link name="${{p{DEEP}}}"/>',
     "lists that double": doubling(
@@ -72,14 +63,12 @@ RUNAWAY = {
     "brackets in a property's name": f'<xacro:property name="{"(" * 100_000}" value="1"/>',
     "arguments that never close": f"<![CDATA[{'<xacro:arg ' * 300_000}]]>${{1/0}}",
     "elements without end": "<a/>" * 1_000_000,
-    "elements of xacro without end": '<xacro:property name="a" value="1"/>' * 200_000,
     "a large body copied": '<xacro:macro name="m">' + "<a/>" * 20_000 + "</xacro:macro>" + "<xacro:m/>" * 1000,
     "a block inserted again and again": f'<xacro:property name="b">{"<a/>" * 300}</xacro:property>'
     + '<b><xacro:insert_block name="b"/></b>' * 5000,
     "expressions of their own": "".join(f'<a b="${{{i}{"+1" * 190}}}"/>' for i in range(1800)),
     "a long text copied": f'<xacro:macro name="m"><a b="{"a" * 1_000_000}"/></xacro:macro>' + "<xacro:m/>" * 1000,
     "attributes without end": "<a " + " ".join(f'a{i}=""' for i in range(700_000)) + "/>",
-    "elements nested without end": "<a>" * 5000 + "</a>" * 5000,
     "a sum in every text": "<a>${[i for i in range(50000)]}</a>" * 1000,
     "YAML loaded again and again": "".join(f"<a b=\"${{xacro.load_yaml('a.yaml')}}{i}\"/>" for i in range(100_000)),
     "a long text cut into pieces again and again": f'<xacro:macro name="m"><a b="{"a$" * 100_000}"/></xacro:macro>'
@@ -106,7 +95,6 @@ LONG = {
         f'<xacro:macro name="m" params="a:={"a" * 5000}\'"/>'
     ),
     "a million dollars": f'<a b="{"a$" * 1_000_000}"/>',
-    "a million escaped dollars": f'<a b="{"$" * 1_000_000}{{"/>',
     "a comment of eight million characters": f"<!--{'a' * 8_000_000}-->",
     "a YAML comment of a million characters": "<a b=\"${xacro.load_yaml('a.yaml')}\"/>",
 }

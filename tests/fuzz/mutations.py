@@ -26,16 +26,9 @@ TEXTS: Mapping[str, tuple[Callable[[str, Random], bytes], ...]] = {
 
 KINDS: dict[str, tuple[tuple[str, int], ...]] = {
     ".urdf": (("structure", 6), ("numbers", 5), ("names", 3), ("encodings", 2), ("truncation", 3), ("markup", 1)),
-    ".xacro": (
-        ("structure", 4),
-        ("numbers", 3),
-        ("names", 2),
-        ("encodings", 1),
-        ("truncation", 2),
-        ("markup", 1),
-        ("xacro", 6),
-    ),
-}
+    ".xacro": (("structure", 4), ("numbers", 3), ("names", 2), ("encodings", 1), ("truncation", 2), ("markup", 1),
+               ("xacro", 6)),
+}  # fmt: skip
 KINDS[".srdf"] = KINDS[".urdf"]
 """Kinds of mutation by kind of file, each with how often it is drawn."""
 

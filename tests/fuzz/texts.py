@@ -3,11 +3,27 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from random import Random
 
 from . import hostile
 
 DECLARED = ("utf-8", "UTF-16", "latin-1", "ascii", "cp1252", "utf-7", "nonsense", "", "utf-8\n", "EBCDIC-CP-US")
+
+JUNK = (
+    b"\0",
+    b"\0" * 50,
+    b"\xff",
+    b"\xfe\xff",
+    b"\xef\xbb\xbf",
+    b"\xc3",
+    b"\xed\xa0\x80",
+    b"\xf5",
+    b"\x1b[31m",
+    b"\x0c",
+)
+ENTRIES = ("[tool]", "[poses.ready]", "[limits]", "[locked]", "locked = {}", "tool = 1", "name = 1", "tip = ''",
+           "[[limits]]", "[a.b]")  # fmt: skip
 
 
 def _declared(text: str, encoding: str) -> str:
@@ -17,6 +33,13 @@ def _declared(text: str, encoding: str) -> str:
 
 def _anywhere(text: str, rng: Random) -> int:
     return rng.randrange(len(text) + 1)
+
+
+def _exchanged(text: str, rng: Random, pattern: str, news: Sequence[str]) -> bytes:
+    """With one of `news` in the place of one match; as it is where nothing matches."""
+    places = list(re.finditer(pattern, text))
+    start, end = rng.choice(places).span() if places else (0, 0)
+    return (text[:start] + rng.choice(news) * bool(places) + text[end:]).encode()
 
 
 # -- encodings ---------------------------------------------------------------------------------------------------------
@@ -42,21 +65,7 @@ def line_ends(text: str, rng: Random) -> bytes:
 def insert_bytes(text: str, rng: Random) -> bytes:
     data = text.encode()
     at = rng.randrange(len(data) + 1)
-    junk = rng.choice(
-        (
-            b"\0",
-            b"\0" * 50,
-            b"\xff",
-            b"\xfe\xff",
-            b"\xef\xbb\xbf",
-            b"\xc3",
-            b"\xed\xa0\x80",
-            b"\xf5",
-            b"\x1b[31m",
-            b"\x0c",
-        )
-    )
-    return data[:at] + junk + data[at:]
+    return data[:at] + rng.choice(JUNK) + data[at:]
 
 
 # -- truncation, bytes and lines ---------------------------------------------------------------------------------------
@@ -107,13 +116,10 @@ def deep(text: str, rng: Random) -> bytes:
 
 def expression(text: str, rng: Random) -> bytes:
     """An expression, or the value of some attribute, exchanged."""
-    places = list(re.finditer(r"\$\{[^}]*\}|\$\([^)]*\)", text)) if rng.random() < 0.7 else []
-    places = places or list(re.finditer(r'(?<==")[^"]*(?=")', text))
-    if not places:
-        return text.encode()
-    start, end = rng.choice(places).span()
-    new = rng.choice(hostile.EXPRESSIONS).replace("<", "&lt;").replace("\n", "&#10;")
-    return (text[:start] + new + text[end:]).encode()
+    computed = r"\$\{[^}]*\}|\$\([^)]*\)"
+    pattern = computed if rng.random() < 0.7 and re.search(computed, text) else r'(?<==")[^"]*(?=")'
+    news = [new.replace("<", "&lt;").replace("\n", "&#10;") for new in hostile.EXPRESSIONS]
+    return _exchanged(text, rng, pattern, news)
 
 
 def inside_an_expression(text: str, rng: Random) -> bytes:
@@ -143,39 +149,17 @@ def namespace(text: str, rng: Random) -> bytes:
 
 def value(text: str, rng: Random) -> bytes:
     """What stands after an equals sign or a colon, exchanged."""
-    places = list(re.finditer(r"(?<=[=:] )[^\s#,}\]]+", text))
-    if not places:
-        return text.encode()
-    start, end = rng.choice(places).span()
-    return (text[:start] + rng.choice(hostile.TABLE_VALUES) + text[end:]).encode()
+    return _exchanged(text, rng, r"(?<=[=:] )[^\s#,}\]]+", hostile.TABLE_VALUES)
 
 
 def key(text: str, rng: Random) -> bytes:
-    places = list(re.finditer(r"[A-Za-z_]\w*(?=[\w.]*\s*[=:\]])", text))
-    if not places:
-        return text.encode()
-    start, end = rng.choice(places).span()
-    others = [match.group() for match in places]
-    return (
-        text[:start] + rng.choice([*others, '""', '"a b"', "x", "__class__", "a.b.c", "\u00e4"]) + text[end:]
-    ).encode()
+    pattern = r"[A-Za-z_]\w*(?=[\w.]*\s*[=:\]])"
+    others = ('""', '"a b"', "x", "__class__", "a.b.c", "\u00e4")
+    return _exchanged(text, rng, pattern, (*re.findall(pattern, text), *others))
 
 
 def entry(text: str, rng: Random) -> bytes:
-    line = rng.choice(
-        (
-            "[tool]",
-            "[poses.ready]",
-            "[limits]",
-            "[locked]",
-            "locked = {}",
-            "tool = 1",
-            "name = 1",
-            "tip = ''",
-            "[[limits]]",
-            "[a.b]",
-        )
-    )
+    line = rng.choice(ENTRIES)
     lines = text.split("\n")
     more = rng.choice(("", f"x = {rng.choice(hostile.TABLE_VALUES)}"))
     lines.insert(rng.randrange(len(lines) + 1), f"{line}\n{more}")

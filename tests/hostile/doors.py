@@ -9,9 +9,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from .sandbox import TOKEN, XMLNS
+from xacro_text import MANIFEST as MANIFEST
+from xacro_text import lay as lay
 
-MANIFEST = "<package><name>{}</name></package>".format
+from .sandbox import TOKEN, XMLNS
 
 
 @dataclass(frozen=True)
@@ -27,12 +28,6 @@ class Reader:
     @property
     def archive(self) -> Path:
         return self.home / "Downloads" / "evil"
-
-
-def lay(root: Path, files: dict[str, str]) -> None:
-    for name, text in files.items():
-        (root / name).parent.mkdir(parents=True, exist_ok=True)
-        (root / name).write_text(text)
 
 
 def link(root: Path, links: dict[str, str | Path]) -> None:

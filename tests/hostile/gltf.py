@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-import os
 import struct
 from collections.abc import Callable
 from pathlib import Path
@@ -38,18 +37,14 @@ def gltf(made: dict[str, Any] | Callable[[], dict[str, Any]], said: str = "") ->
 
 
 def buffer_at(uri: str, said: str) -> Case:
-    """A buffer in another file; {outside} stands for the folder outside."""
+    """A buffer in another file."""
 
     def write(folder: Path) -> str:
         outside = folder.parent.parent / "outside"
-        named = uri.replace("{outside}", str(outside))
-        (folder / "mesh.gltf").write_text(json.dumps(tree([{"uri": named, "byteLength": 36}])))
+        (folder / "mesh.gltf").write_text(json.dumps(tree([{"uri": uri, "byteLength": 36}])))
         (folder / "link.bin").symlink_to(outside / "secret.bin")
-        (folder / "linked").symlink_to(outside)
         (folder / "loop.bin").symlink_to("loop.bin")
-        (folder / "folder.bin").mkdir()
         (folder / "own one.bin").write_bytes(CORNERS)
-        os.mkfifo(folder / "fifo.bin")
         (folder / "zero.bin").symlink_to("/dev/zero")
         with (folder / "huge.bin").open("wb") as file:
             file.truncate(200_000_000)
@@ -87,62 +82,43 @@ PAINTED = tree(
 )
 
 
+DRACO, POSITION = "KHR_draco_mesh_compression", {"POSITION": 0}
+
 GLTF = {
     "gltf: uri ../outside": buffer_at("../../outside/secret.bin", OUT),
-    "gltf: uri absolute": buffer_at("{outside}/secret.bin", OUT),
     "gltf: uri /etc/passwd": buffer_at("/etc/passwd", "which is not opened"),
     "gltf: uri http://": buffer_at("http://127.0.0.1:9/secret.bin", NOT_THERE),
     "gltf: uri percent-encoded": buffer_at("%2e%2e/%2e%2e/outside/secret.bin", OUT),
-    "gltf: uri with backslashes": buffer_at("..\\..\\outside\\secret.bin", OUT),
     "gltf: uri through a link to a file": buffer_at("link.bin", OUT),
     "gltf: uri to a link loop": buffer_at("loop.bin", "cannot be read"),
-    "gltf: uri to a FIFO": buffer_at("fifo.bin", "no regular file"),
     "gltf: uri to a device": buffer_at("zero.bin", "no regular file"),
     "gltf: uri to 200 MB": buffer_at("huge.bin", "more than 100 MB"),
     "gltf: uri that is empty": buffer_at("", "which is not opened"),
-    "gltf: uri with a zero byte": buffer_at("a\0.bin", "cannot be read"),
     "gltf: uri of its own": buffer_at("own%20one.bin", ""),
     "gltf: data that is no base64": gltf(tree([{"uri": "data:;base64,%%%"}]), "malformed"),
     "gltf: a count of 1e9": gltf(tree([data()], {"count": 10**9}), MALFORMED),
     "gltf: sparse, of 1e9": gltf(
         tree([data()], {"bufferView": None, "count": 10**9, "sparse": {"count": 10**9}}), "malformed|memory|s$"
     ),
-    "gltf: a stride of 1e9": gltf(
-        tree([data()], bufferViews=[{"buffer": 0, "byteLength": 36, "byteStride": 10**9}]), MALFORMED
-    ),
     "gltf: a cycle of nodes": gltf(
         tree([data()], nodes=[{"children": [1]}, {"children": [0], "mesh": 0}]), "|malformed"
     ),
     "gltf: children doubled 25 times": gltf(lambda: doubling(25), ""),
     "gltf: JSON 100,000 lists deep": text("mesh.gltf", "[" * 100_000, "no JSON|nested"),
-    "gltf: no JSON": text("mesh.gltf", b"\xff\xfe\x00", "no JSON"),
     "gltf: images of 14 GB, outside and endless": gltf(PAINTED, ""),
     "gltf: Draco": gltf(
         tree(
             [data()],
-            extensionsUsed=["KHR_draco_mesh_compression"],
-            extensionsRequired=["KHR_draco_mesh_compression"],
-            meshes=[
-                {
-                    "primitives": [
-                        {
-                            "attributes": {"POSITION": 0},
-                            "extensions": {
-                                "KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}
-                            },
-                        }
-                    ]
-                }
-            ],
+            extensionsUsed=[DRACO],
+            extensionsRequired=[DRACO],
+            meshes=[{"primitives": [{"attributes": POSITION, "extensions": {DRACO: {"attributes": POSITION}}}]}],
         ),
         "compressed by Draco",
     ),
     "gltf: a matrix of NaN": gltf(tree([data()], nodes=[{"mesh": 0, "matrix": [float("nan")] * 16}]), "no finite|malf"),
-    "gltf: points of NaN": gltf(tree([data(struct.pack("<9f", *[float("nan")] * 9))]), "no finite"),
     "gltf: 6,000 parts": gltf(
         lambda: tree([data()], meshes=[{"primitives": [{"attributes": {"POSITION": 0}}] * 6_000}]), "parts|more than"
     ),
     "glb: a chunk that is longer than the file": text("mesh.glb", glb(tree([]), says=4_000_000_000), MALFORMED),
     "glb: a length of 4 GB": text("mesh.glb", glb(tree([{"byteLength": 36}]), CORNERS, length=4_294_967_295), ""),
-    "glb: a uri outside": text("mesh.glb", glb(tree([{"uri": "../../outside/secret.bin", "byteLength": 36}])), OUT),
 }

@@ -24,11 +24,8 @@ def library(name: str, said: str) -> Case:
         outside = folder.parent.parent / "outside"
         (folder / "mesh.obj").write_text(f"mtllib {name.replace('{outside}', str(outside))}\n{FACES}")
         (folder / "link.mtl").symlink_to(outside / "secret.mtl")
-        (folder / "zero.mtl").symlink_to("/dev/zero")
-        (folder / "loop.mtl").symlink_to("loop.mtl")
         (folder / "map.mtl").write_text("newmtl a\nKd 1 0 0\nmap_Kd ../../outside/secret.bin\nmap_Kd /dev/zero\n")
         (folder / "wide.mtl").write_text("newmtl a\nKd " + "1 " * 2_000_000 + "\n")
-        os.mkfifo(folder / "fifo.mtl")
         return "mesh.obj"
 
     return Case(write, said)
@@ -57,10 +54,7 @@ def fan(count: int) -> bytes:
 
 OBJ = {
     "obj: mtllib /dev/zero": library("/dev/zero", ""),
-    "obj: mtllib a link to /dev/zero": library("zero.mtl", "no regular file"),
-    "obj: mtllib a FIFO": library("fifo.mtl", "no regular file"),
     "obj: mtllib through a link": library("link.mtl", OUT),
-    "obj: mtllib outside": library("../../outside/secret.mtl", OUT),
     "obj: mtllib absolute": library("{outside}/secret.mtl", OUT),
     "obj: mtllib with images outside": library("map.mtl", ""),
     "obj: mtllib with a line of 4 MB": library("wide.mtl", ""),
@@ -70,9 +64,7 @@ OBJ = {
         "mesh.obj", lambda: FACES + "".join(f"usemtl m{i}\nf 1 2 3\n" for i in range(20_000)), "parts|more than"
     ),
     "obj: indices far below": text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -300 -200 -1\n", "malformed|vertices"),
-    "obj: a number of 10 MB": text("mesh.obj", lambda: "v " + "1" * 10_000_000 + " 0 0\n" + FACES, "|malformed"),
     "obj: NaN": text("mesh.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "no finite"),
-    "obj: one point thrice": text("mesh.obj", "v 1 1 1\nf 1 1 1\n", "one point"),
 }
 
 
@@ -90,9 +82,6 @@ STL_AND_PLY = {
     "stl: a count that lies": text(
         "mesh.stl", bytes(80) + struct.pack("<I", 4_294_967_295) + bytes(500), "triangles|malf"
     ),
-    "stl: ASCII without an end": text(
-        "mesh.stl", lambda: "solid a\n" + "facet normal 0 0 1\nvertex 0 0 0\n" * 200_000, "tri"
-    ),
     "stl: 20,000 solids of a triangle": text(
         "mesh.stl",
         lambda: "solid a\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendsolid a\n" * 20_000,
@@ -100,7 +89,6 @@ STL_AND_PLY = {
     ),
     "stl: NaN": text("mesh.stl", bytes(80) + struct.pack("<I", 1) + b"\xff" * 48 + b"\0\0", "no finite"),
     "stl: a fan of 20,000": text("mesh.stl", lambda: fan(20_000), ""),
-    "stl: a million triangles": text("mesh.stl", lambda: fan(1_000_000), ""),
     "ply: a count of 1e12": text("mesh.ply", ply(f"element vertex 1000000000000\n{XYZ}"), "malformed|memory|triangles"),
     "ply: a list of 1e9": text(
         "mesh.ply",
@@ -158,19 +146,12 @@ LAUGHS = (
 DAE = {
     "dae: instances nested 4^14": text("mesh.dae", instances(4, 14), "more than"),
     "dae: a billion laughs": text("mesh.dae", dae(DRAWN, head=LAUGHS, indices="&j;"), "document type"),
-    "dae: an entity of /etc/passwd": text(
-        "mesh.dae",
-        dae(DRAWN, head='<!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]>', indices="&x;"),
-        "document type",
-    ),
     "dae: UTF-16 with a document type": text(
         "mesh.dae",
         lambda: dae(DRAWN, head="<!DOCTYPE a>").replace('"1.0"', '"1.0" encoding="UTF-16"').encode("utf-16"),
         "document type",
     ),
     "dae: a unit of 1e999": text("mesh.dae", dae(DRAWN, unit="1e999"), "unit"),
-    "dae: a unit of NaN": text("mesh.dae", dae(DRAWN, unit="nan"), "unit"),
-    "dae: indices beyond": text("mesh.dae", dae(DRAWN, indices="0 1 2000000"), "malformed|vertices|triangles"),
     "dae: 100,000 elements deep": text(
         "mesh.dae", lambda: dae("<node>" * 100_000 + "</node>" * 100_000), "more|nested|tri|malf"
     ),
@@ -182,7 +163,6 @@ DAE = {
         ),
         "nested|malformed|triangles|more than",
     ),
-    "dae: no XML": text("mesh.dae", b"PK\x03\x04" + bytes(100), "no XML"),
     "dae: an image outside": text(
         "mesh.dae",
         dae(DRAWN, nodes='<library_images><image id="i"><init_from>../../outside/secret.bin</init_from></image>'
@@ -195,17 +175,11 @@ DAE = {
 # what is no mesh, and archives --------------------------------------------------------------------------------------
 
 
-def archive(name: str, inside: str, size: int = 200_000_000) -> Case:
-    """A small archive of a large file of zeros, or of a mesh."""
-
-    def write(folder: Path) -> str:
-        with zipfile.ZipFile(folder / name, "w", zipfile.ZIP_DEFLATED) as packed, packed.open(inside, "w") as file:
-            for _ in range(size // 1_000_000):
-                file.write(bytes(1_000_000))
-        return name
-
-    said = "not read here" if not name.endswith((".dae", ".stl", ".glb")) else "no XML|triangles|malformed"
-    return Case(write, said)
+def archive(path: Path) -> None:
+    """A small archive of a large file of zeros."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as packed, packed.open("3D/3dmodel.model", "w") as file:
+        for _ in range(200):
+            file.write(bytes(1_000_000))
 
 
 def special(name: str, make: Callable[[Path], Any], said: str) -> Case:
@@ -222,8 +196,7 @@ def sparse(path: Path) -> None:
 
 
 OTHERS = {
-    "archive: 3mf": archive("mesh.3mf", "3D/3dmodel.model"),
-    "archive: called .dae": archive("mesh.dae", "mesh.dae"),
+    "archive: 3mf": special("mesh.3mf", archive, "not read here"),
     "other: no ending": text("mesh", CORNERS, "not read here"),
     "other: 5 GB": special("mesh.stl", sparse, "5000 MB; at most"),
     "other: a link to a file of text outside": special(

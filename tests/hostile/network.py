@@ -13,9 +13,7 @@ import sys
 from .strangers import STRANGERS
 from .target import Target
 
-SILENT = {
-    "idle", "of_many_peers", "half_open", "slow_head", "slow_headers", "slow_body",     "tls",
-}  # fmt: skip
+SILENT = {"idle", "of_many_peers", "slow_head"}
 
 
 def main(name: str, host: str, port: str, token: str, seconds: str) -> None:

@@ -113,17 +113,6 @@ def _loop(path: Path) -> None:
     path.symlink_to(path.name)
 
 
-def _two_loops(path: Path) -> None:
-    other = path.with_name(f"other{path.suffix}")
-    path.symlink_to(other.name)
-    other.symlink_to(path.name)
-
-
-def _link_to_a_pipe(path: Path) -> None:
-    os.mkfifo(path.with_name("pipe"))
-    path.symlink_to("pipe")
-
-
 def _sparse(path: Path) -> None:
     with path.open("wb") as file:
         file.truncate(700_000_000)
@@ -131,13 +120,10 @@ def _sparse(path: Path) -> None:
 
 NO_FILES: Mapping[str, Callable[[Path], None]] = {
     "a FIFO": os.mkfifo,
-    "a link to a FIFO": _link_to_a_pipe,
     "/dev/zero": lambda path: path.symlink_to("/dev/zero"),
-    "/dev/tty": lambda path: path.symlink_to("/dev/tty"),
     "a folder": lambda path: path.mkdir(),
     "a socket": _socket,
     "a link to itself": _loop,
-    "two links in a circle": _two_loops,
     "a link to nothing": lambda path: path.symlink_to("nowhere"),
     "700 MB of nothing": _sparse,
 }
@@ -156,13 +142,13 @@ ANY_TEXT: Mapping[str, Callable[[], bytes]] = {
     "one line of 100 MB": lambda: b"1," * 50_000_000,
     "a million columns": lambda: b"1," * 1_000_000,
     "no UTF-8": lambda: b"\xff\xc0\x80" * 1000,
-    "half of UTF-16": lambda: b"\xff\xfe" + "0.1,0.2\n".encode("utf-16-le")[:-1],
     "brackets": lambda: b"[" * 1_000_000,
 }
 
-DIGITS = {"401 digits": "1" + "0" * 400, "5,000 digits": "1" + "0" * 4999, "a million digits": "1" * 1_000_000}
-
-NUMBERS = {**DIGITS, "NaN": "NaN", "infinity": "Infinity", "1e400": "1e400"}
+NUMBERS = {
+    "401 digits": "1" + "0" * 400, "5,000 digits": "1" + "0" * 4999, "a million digits": "1" * 1_000_000,
+    "NaN": "NaN", "1e400": "1e400",
+}  # fmt: skip
 
 FIRST = {"csv": "0.1", "toml": "10.0", "yaml": "1.0", "xml": '"2"'}
 """A number in an honest file of each language, for which another stands."""

@@ -32,16 +32,6 @@ def come_and_reset(target: Target) -> None:
     target.again(once)
 
 
-def half_open(target: Target) -> None:
-    def begin() -> socket.socket:
-        made = target.open()
-        made.shutdown(socket.SHUT_WR)
-        return made
-
-    target.crowd(500, begin)
-    target.rest()
-
-
 def slow_head(target: Target) -> None:
     head = target.head("/stranger/", Cookie="a" * 9999)
     target.each(300, target.open, lambda k: head[k : k + 1], 0.5)
@@ -54,16 +44,6 @@ def dripped_head(target: Target) -> None:
 
 def huge_head(target: Target) -> None:
     target.again(lambda: target.open().sendall(b"GET / HTTP/1.1\r\nX: " + b"a" * 2_000_000))
-
-
-def many_headers(target: Target) -> None:
-    lines = {f"X{k}": "y" for k in range(5000)}
-    target.again(lambda: asked(target, target.head("/stranger/", **lines)))
-
-
-def slow_body(target: Target) -> None:
-    head = target.head("/stranger/", "POST", Content_Length="60000")
-    target.each(300, target.open, lambda k: head if k == 0 else b"a", 0.5)
 
 
 def many_chunks(target: Target) -> None:
@@ -93,24 +73,12 @@ def garbage(target: Target) -> None:
     target.again(lambda: asked(target, random.randbytes(4000) + b"\r\n\r\n"))
 
 
-def tls(target: Target) -> None:
-    target.crowd(500, target.open)
-    for one in target.held:
-        with suppress(OSError):
-            one.sendall(b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(500))
-    target.rest()
-
-
 def foreign_host(target: Target) -> None:
     target.again(lambda: asked(target, target.head(host="evil.example")))
 
 
 def foreign_origin(target: Target) -> None:
     target.again(lambda: asked(target, target.head("socket", Origin="http://evil.example", Upgrade="websocket")))
-
-
-def upgrades_of_strangers(target: Target) -> None:
-    target.again(lambda: asked(target, target.head("/stranger/socket", **HANDSHAKE)))
 
 
 def frames_before_the_answer(target: Target) -> None:
@@ -121,8 +89,7 @@ def frames_before_the_answer(target: Target) -> None:
 STRANGERS: dict[str, Callable[[Target], None]] = {
     attack.__name__: attack
     for attack in (
-        idle, of_many_peers, come_and_reset, half_open, slow_head, dripped_head, huge_head, many_headers,
-        slow_body, many_chunks, odd_lengths, pipelined, never_reads_refusals, wrong_tokens, garbage, tls,
-        foreign_host, foreign_origin, upgrades_of_strangers, frames_before_the_answer,
+        idle, of_many_peers, come_and_reset, slow_head, dripped_head, huge_head, many_chunks, odd_lengths, pipelined,
+        never_reads_refusals, wrong_tokens, garbage, foreign_host, foreign_origin, frames_before_the_answer,
     )
 }  # fmt: skip

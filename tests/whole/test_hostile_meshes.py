@@ -68,7 +68,7 @@ def test_what_a_mesh_refers_to_is_its_own_and_its_numbers_are_numbers(tmp_path: 
                 tried += 1
                 if (not re.search(case.said, told)) if case.said else told:
                     wrong.append(f"{name}: {told}")
-    assert tried > 40
+    assert tried > 25
     assert not wrong
 
 
