@@ -13,7 +13,6 @@ from stream_stand_ins import clock as clock
 from stream_stand_ins import robot as robot
 from stream_stand_ins import stream as stream
 from twistarm.control.stream import Measured, Metronome, Reading
-from twistarm.control.stream.watch import FeedbackWatch
 from twistarm.support.errors import InputError
 
 LONGEST_DT = 0.1
@@ -93,19 +92,6 @@ def test_in_velocity_mode_an_arm_that_is_told_to_stand_is_not_read_back(rover, c
 
 
 # Joint states from another time
-
-
-@pytest.mark.parametrize("timeout", [0.05, 1.0])
-def test_the_watch_takes_no_joint_state_from_the_future(rover, timeout):
-    watch = FeedbackWatch(rover, timeout, 0.2)
-    for ahead in (1.01 * timeout, 2 * timeout, 30.0, inf):
-        theta, reason = watch.look(Measured(rover.ready, 100.0 + ahead), 100.0)
-        assert theta is None
-        assert "from the future" in reason
-    theta, reason = watch.look(Measured(rover.ready, 100.0 + 0.9 * timeout), 100.0)
-    assert np.array_equal(theta, rover.ready)
-    assert reason == ""
-    assert watch.look(Measured(rover.ready, nan), 100.0)[0] is None
 
 
 def test_an_arm_whose_joint_states_come_from_the_future_is_brought_to_rest(rover, clock, stream):

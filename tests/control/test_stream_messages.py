@@ -107,14 +107,6 @@ def test_bytes_that_are_no_utf_8_or_too_many(rover, text, why):
         parse_command(rover, text)
 
 
-def test_every_beginning_of_a_message_is_refused_but_the_whole(rover):
-    text = json.dumps({"twist": TWIST, "frame": "base", "hold": None, "number": 12})
-    for end in range(len(text)):
-        with pytest.raises(InputError):
-            parse_command(rover, text[:end])
-    parse_command(rover, text)
-
-
 def test_a_joint_state_by_name_in_any_order(rover):
     names = ["gripper", *reversed(rover.joint_names)]
     values, number, _ = parse_state(rover, json.dumps({"joint_names": names, "theta": [9, 5, 4, 3, 2, 1], "number": 3}))

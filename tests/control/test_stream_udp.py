@@ -59,16 +59,6 @@ def test_nonsense_is_refused_in_the_senders_name(client, source, message):
     assert len(reading.reason) < 500
 
 
-def test_two_commanders_by_their_ports(client, source):
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
-        send(client, JOG, source)
-        send(other, JOG, source)
-        reading = source.read(0.1)
-        assert reading.command is None
-        for each in (client, other):
-            assert f"127.0.0.1:{each.getsockname()[1]}" in reading.reason
-
-
 def test_what_waited_while_nobody_looked_is_left_out(rover, client, source):
     send(client, JOG, source)
     assert source.read(10.0).command is None

@@ -79,12 +79,6 @@ def test_a_double_root_that_stands_on_its_limits_is_inside(name):
         found += 1
 
 
-@pytest.mark.parametrize("name", ["elbow", "ur3", "ur10", "so100", "z1", "rr_planar"])
-def test_arms_of_the_catalogue_have_a_closed_form(name):
-    arm = load(name)
-    assert method_for(arm, Pose(arm.fk(arm.ready))).name == "closed form"
-
-
 def test_seven_joints_have_a_family_with_one_given():
     arm = load("panda")
     method = method_for(arm, Pose(arm.fk(arm.ready)), (6,))

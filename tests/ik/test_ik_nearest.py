@@ -9,11 +9,11 @@ from scipy.spatial.transform import Rotation
 
 import urdf_text
 from catalogue import load
-from ik_targets import errors, moved, pinocchio_fk, require_core, target_from, turned
+from ik_targets import errors, pinocchio_fk, require_core, target_from, turned
 from reference.nearest import ANGLE_TOL, POSITION_TOL, by_slsqp
 from reference.optimality import residual
 from twistarm import load_arm
-from twistarm.ik import Approach, Pose, Position, StopReason, Task, solve_ik
+from twistarm.ik import Pose, Position, StopReason, Task, solve_ik
 
 STATIONARY = 1e-7
 """Residual of the optimality conditions, per rad or m; the solver stops at 1e-8 and stands 1e-11 m off its position."""
@@ -152,19 +152,6 @@ def test_a_free_roll_leaves_a_rover_arm_one_direction_short(tolerance):
     assert solve_ik(arm, Task(g, tolerance)).stop is StopReason.IMPOSSIBLE_DIRECTION
 
 
-def test_the_approach_out_of_the_plane_of_a_rover_arm():
-    arm = load("rover_arm")
-    g = arm.fk(arm.ready)
-    out = Rotation.from_rotvec([0, 0, 0.2]).as_matrix() @ g[:3, 2]
-    solution = solve_ik(arm, Approach(g[:3, 3], out))
-    assert solution.stop is StopReason.IMPOSSIBLE_DIRECTION
-    assert solution.position_error < 1e-9
-    # Position, pitch and roll are the arm's own, so what is missing is the angle to its plane, y = 0.
-    assert solution.orientation_error == pytest.approx(np.arcsin(abs(out[1])), abs=1e-8)
-    degrees = np.degrees(solution.orientation_error)
-    assert f"{degrees:.1f}° out of the arm's plane, whose normal is the base's y axis" in solution.explain()
-
-
 def test_the_time_is_up():
     arm = load("so101")
     g = turned(arm.fk(arm.ready), [1, 0, 0], 0.4)
@@ -179,31 +166,6 @@ def test_the_time_is_up():
 
 
 # words --------------------------------------------------------------------------------------------------------
-
-
-def test_the_words_of_an_answer_and_of_a_failure():
-    arm = load("ur5")
-    assert solve_ik(arm, Position([0.3, 0.2, 0.5]), arm.ready, restarts=8).explain().splitlines()[:2] == [
-        "asked of ur5: the position (0.3, 0.2, 0.5) m",
-        "reached: position met",
-    ]
-    lines = solve_ik(arm, Position([3.0, 0.0, 0.0]), arm.ready).explain().splitlines()
-    assert lines[1].startswith("reached: position 2.")
-    assert lines[2] == "reason: out of reach"
-    assert lines[3].startswith("  the nearest position the arm reaches inside its limits is 2.")
-    assert lines[-1].endswith(", 100 searches")
-
-
-def test_the_words_for_targets():
-    g = moved(np.eye(4), [0.1, 0, 0.25])
-    task = Task(g, [np.inf, 0, 0, 0, 0, np.inf], frame="base")
-    assert Pose(g).describe() == "the pose at (0.1, 0, 0.25) m, turned 0.0° from the base's axes"
-    approach = "the position (0.1, 0, 0.25) m with the tool pointing {}along (0, 0, -1)"
-    assert Approach(g[:3, 3], [0, 0, -2]).describe() == approach.format("")
-    assert Approach(g[:3, 3], [0, 0, -2], [-1, 0, 0]).describe() == approach.format("its −x axis ")
-    assert task.describe() == (
-        "the pose at (0.1, 0, 0.25) m within tolerances along the base's axes (x, turning about z free)"
-    )
 
 
 def test_no_known_configuration_is_nearer():

@@ -73,14 +73,6 @@ def test_a_failure_leaves_what_was_there(tmp_path, monkeypatch):
     assert os.listdir(tmp_path) == ["a"]
 
 
-@pytest.mark.parametrize("export", EXPORTS)
-@pytest.mark.parametrize("dt", [0.0, float("nan")])
-def test_a_bad_dt_writes_nothing(tmp_path, export, dt):
-    with pytest.raises(InputError, match="dt must be"):
-        export(motion(), tmp_path / "a", dt)
-    assert os.listdir(tmp_path) == []
-
-
 def test_json_refuses_steps_below_a_nanosecond(tmp_path):
     line = Trajectory(("a",), ("m",), [[0.0], [1.0]], [0.0, 1e-8], [0.0, 1e-8], np.array([1e8, 0.0])[:, None, None])
     with pytest.raises(InputError, match=r"dt = 2e-10 s is too short for JointTrajectory.* nanoseconds"):

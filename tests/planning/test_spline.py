@@ -58,18 +58,6 @@ def test_it_passes_the_waypoints_smoothly_and_rests_at_the_ends(fit, path):
             assert np.allclose([start[0], end[-1]], 0.0, atol=SMOOTH * size)
 
 
-@pytest.mark.parametrize("fit", [spline.cubic_rests, spline.quintic_rests], ids=lambda fit: fit.__name__)
-@given(path=paths())
-def test_resting_profiles_rest_everywhere_on_a_straight_line(fit, path):
-    waypoints, times = path
-    coefficients = fit(waypoints, times)
-    for order in range(1, FITS[fit][1] + 1):
-        assert np.allclose(ends(coefficients, times, order), 0.0, atol=1e-9)
-    # Every joint has gone the same fraction of its way: half of it in the middle.
-    middle = evaluate(coefficients, 0.5 * np.diff(times)[:, None])
-    assert np.allclose(middle, 0.5 * (waypoints[1:] + waypoints[:-1]))
-
-
 @given(paths())
 def test_the_quintic_has_the_least_jerk_of_all_that_pass(path):
     # Orthogonality: against any C³ function that vanishes at the waypoints, with velocity and acceleration zero at
@@ -86,33 +74,6 @@ def test_the_quintic_has_the_least_jerk_of_all_that_pass(path):
         product = jerk(t) * third(t)[:, None] * (0.5 * (b - a) * weights)[:, None]
         total, size = total + product.sum(0), size + np.abs(product).sum(0)
     assert (np.abs(total) <= ORTHOGONAL * size).all()
-
-
-def test_a_single_segment_is_the_textbooks_polynomial():
-    # Lynch & Park §9.2.2.1 with T = 2 and a distance of 1, highest power first.
-    line, times = np.array([[0.0], [1.0]]), np.array([0.0, 2.0])
-    cubic, quintic = [-2 / 8, 3 / 4, 0, 0], [6 / 32, -15 / 16, 10 / 8, 0, 0, 0]
-    for fit, expected in ((spline.cubic, cubic), (spline.cubic_rests, cubic)):
-        assert fit(line, times)[:, 0, 0] == pytest.approx(expected, abs=SMOOTH)
-    for fit, expected in ((spline.quintic, quintic), (spline.quintic_rests, quintic)):
-        assert fit(line, times)[:, 0, 0] == pytest.approx(expected, abs=SMOOTH)
-
-
-@pytest.mark.parametrize("ramps", [[0.1, 1.0], [0.5, 0.5], [0.5, 1e-6]])
-def test_the_trapezoid_ramps_coasts_and_brakes(ramps):
-    waypoints, times = np.array([[0.0, 1.0], [1.0, 0.0], [3.0, 0.0]]), np.array([0.0, 1.0, 3.0])
-    breakpoints, coefficients = spline.trapezoid(waypoints, times, np.array(ramps))
-    motion = PPoly(coefficients, breakpoints)
-    assert np.allclose(motion(times), waypoints)
-    assert np.allclose(motion(times, 1), 0.0, atol=1e-9)
-    for i, (ramp, length) in enumerate(zip(ramps, np.diff(times), strict=True)):
-        step, speed = waypoints[i + 1] - waypoints[i], 1.0 / (length - ramp)
-        assert np.allclose(motion(times[i] + ramp, 1), speed * step)
-        assert np.allclose(motion(times[i + 1] - ramp, 1), speed * step)
-        assert np.allclose(motion(times[i] + ramp / 2, 2), speed / ramp * step)
-        assert np.allclose(motion(times[i + 1] - ramp / 2, 2), -speed / ramp * step)
-    coasting = sum(2 * ramp < length for ramp, length in zip(ramps, np.diff(times), strict=True))
-    assert len(breakpoints) == 5 + coasting
 
 
 @pytest.mark.parametrize("fit", [spline.cubic, spline.quintic], ids=lambda fit: fit.__name__)

@@ -70,16 +70,6 @@ def test_limits_of_joints_motors_and_tool_are_kept_and_one_is_met(law: str) -> N
         assert ratio > 0.99 or bounds.ceiling is not None
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_a_path_that_stays_takes_no_time(law: str) -> None:
-    still = JointPath([0.0, 0.0], [[[1.0, 2.0]]])
-    constant = JointPath([0.0, 1.0, 2.0], np.concatenate([np.zeros((3, 2, 2)), np.ones((1, 2, 2))]))
-    for path in (still, constant):
-        found = LAWS[law](path, PathBounds(limits(2)))
-        assert found.duration == 0
-        assert motion_of(path, found)(0.0).tolist() == path(0.0).tolist()
-
-
 def test_the_quintic_law_on_a_line_is_the_textbook_s() -> None:
     """Lynch & Park §9.2.2.1: the peak velocity is 15/8 of the mean, the peak acceleration 10/√3 of L/T²."""
     line = JointPath([0.0, 0.25, 1.0], np.array([[[3.0], [3.0]], [[0.0], [0.75]]]))

@@ -55,15 +55,6 @@ def test_many_waypoints_are_passed_though_the_first_grid_is_coarse(count: int) -
     assert motion.duration < stops.duration
 
 
-def test_a_time_optimal_spline_that_would_swing_out_is_pulled_in() -> None:
-    narrow = {**LIMITS, "lower": POINTS.min(), "upper": POINTS.max()}
-    motion = plan_joint(ARM, POINTS, kind="time_optimal", limits=narrow)
-    require_inside(motion, POINTS)
-    values = motion(np.linspace(0.0, motion.duration, 20_000))
-    assert POINTS.min() - 1e-9 <= values.min()
-    assert values.max() <= POINTS.max() + 1e-9
-
-
 @pytest.mark.parametrize("kind", ["cubic", "quintic", "trapezoid", "time_optimal", "s_curve"])
 def test_limits_of_motors_are_kept(kind: str) -> None:
     G = np.eye(ARM.n) * 50.0
