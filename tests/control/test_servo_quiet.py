@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.append(str(Path(__file__).resolve().parents[2]))
-
 from benchmarks.servo_arms import names, random, servo_arm
 from benchmarks.servo_held import REVERSALS, STEADY, TURNING, case, held, judged, sign_changes
 from benchmarks.servo_named import EXAMPLES, driven

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-from scipy.linalg import expm
-from scipy.spatial.transform import Rotation
-
-sys.path.append(str(Path(__file__).resolve().parents[2]))
-
 from benchmarks.servo_arms import MADE, random, scaled_jacobian, servo_arm
 from benchmarks.servo_held import case
+from scipy.linalg import expm
+from scipy.spatial.transform import Rotation
 
 from twistarm.control.servo import ServoSettings, ServoState, TwistCommand, servo_step
 
