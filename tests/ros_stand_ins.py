@@ -114,18 +114,13 @@ ParameterDescriptor = _message("ParameterDescriptor", name=STRING, description=S
 SetParametersResult = _message("SetParametersResult", successful=BOOL, reason=STRING)
 
 
-class Trigger:
-    """std_srvs/srv/Trigger."""
-
-    Request = _message("Trigger_Request")
-    Response = _message("Trigger_Response", success=BOOL, message=STRING)
+def _service(name: str, request: dict[str, Any], response: dict[str, Any]) -> Any:
+    made = {"Request": _message(f"{name}_Request", **request), "Response": _message(f"{name}_Response", **response)}
+    return type(name, (), made)
 
 
-class SetBool:
-    """std_srvs/srv/SetBool."""
-
-    Request = _message("SetBool_Request", data=BOOL)
-    Response = _message("SetBool_Response", success=BOOL, message=STRING)
+Trigger = _service("Trigger", {}, {"success": BOOL, "message": STRING})
+SetBool = _service("SetBool", {"data": BOOL}, {"success": BOOL, "message": STRING})
 
 
 # -- rclpy ---------------------------------------------------------------------------------------------------------
@@ -341,17 +336,6 @@ def install(monkeypatch: Any, spin_once: Callable[[Any], None]) -> list[str]:
     """Put the modules where `import` finds them; `spin_once(node)` is called as rclpy's. What was called is listed."""
     said: list[str] = []
 
-    def init(
-        *, args: Any = None, context: Any = None, domain_id: Any = None, signal_handler_options: Any = None
-    ) -> None:
-        said.append("init")
-
-    def spin(node: Any, *, executor: Any = None, timeout_sec: float | None = None) -> None:
-        spin_once(node)
-
-    def shutdown(*, context: Any = None, uninstall_handlers: Any = None) -> None:
-        said.append("shutdown")
-
     contents: dict[str, Sequence[Any]] = {
         "rclpy.node": (Node,),
         "rclpy.parameter": (Parameter,),
@@ -367,7 +351,12 @@ def install(monkeypatch: Any, spin_once: Callable[[Any], None]) -> list[str]:
         "trajectory_msgs.msg": (JointTrajectory, JointTrajectoryPoint),
     }
     modules = {name: {each.__name__: each for each in content} for name, content in contents.items()}
-    modules["rclpy"] = {"init": init, "ok": lambda *, context=None: True, "spin_once": spin, "shutdown": shutdown}
+    modules["rclpy"] = {
+        "init": lambda *, args=None, context=None, domain_id=None, signal_handler_options=None: said.append("init"),
+        "ok": lambda *, context=None: True,
+        "spin_once": lambda node, *, executor=None, timeout_sec=None: spin_once(node),
+        "shutdown": lambda *, context=None, uninstall_handlers=None: said.append("shutdown"),
+    }
     modules["rclpy.signals"] = {"SignalHandlerOptions": types.SimpleNamespace(NO=0)}
     for name in {name.split(".")[0] for name in modules} | set(modules):
         module = types.ModuleType(name)

@@ -74,18 +74,6 @@ def test_the_tool_does_what_can_be_done(n):
             assert np.linalg.norm(scale * (done - meant)) <= 1e-3 * np.linalg.norm(scale * meant), (number, k)
 
 
-@pytest.mark.parametrize("name", ["rover_arm", "so101", "panda"])
-def test_arms_of_the_catalogue_keep_their_limits_too(name):
-    arm, rng = load(name), np.random.default_rng(3)
-    state, command = ServoState.at(arm, arm.ready), None
-    for k in range(800):
-        if k % 40 == 0:
-            command = next_command(rng, arm, command)
-        after, _ = servo_step(arm, state, command, 0.01)
-        assert not broken(arm, state, after, 0.01), k
-        state = after
-
-
 def test_motors_keep_theirs():
     """A differential wrist: its motors turn by sum and difference of two joints, whose own limits are not enough."""
     rng = np.random.default_rng(4)

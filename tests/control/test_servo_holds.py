@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
-
-sys.path.append(str(Path(__file__).resolve().parents[2]))
-
 from benchmarks.servo_arms import at_limits, random, ranges, servo_arm
+from scipy.spatial.transform import Rotation
 
 from servo_drives import DT
 from twistarm.control.servo import ServoState, ServoStatus, TwistCommand, servo_step

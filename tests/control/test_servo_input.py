@@ -25,6 +25,7 @@ from twistarm.control.servo import (
 
 DT = 0.01
 
+PUSH = TwistCommand([0.05, 0, 0, 0, 0, 0], "base", "orientation")
 MOVING = TwistCommand([0.05, 0, 0, 0, 0, 0], "base")
 
 
@@ -41,20 +42,16 @@ REFUSED = [
     (lambda: TwistCommand(np.zeros((2, 6))), r"twist must be one twist, shape \(6,\); got \(2, 6\)"),
     (lambda: TwistCommand(np.zeros(6), "world"), "frame must be 'tool' or 'base'; got 'world'"),
     (lambda: TwistCommand(np.zeros(6), hold="elbow"), "hold must be 'position', 'orientation' or six booleans"),
-    (lambda: TwistCommand(np.zeros(6), hold=3), "hold must be"),
     (lambda: TwistCommand([0, 0, 0, 0, 0, 1], hold="orientation"), "a held component cannot be commanded"),
     (lambda: JogCommand([[0.0]]), r"theta_dot must be one number per joint, shape \(n,\)"),
     (lambda: PoseCommand(np.zeros((4, 4))), "g"),
     (lambda: PoseCommand(np.eye(4), linear_speed=0.0), "linear_speed must be a positive number"),
-    (lambda: PoseCommand(np.eye(4), angular_speed=math.nan), "angular_speed must be a positive number"),
-    (lambda: PoseCommand(np.eye(4), linear_speed="fast"), "linear_speed must be a positive number"),
     (lambda: TwistCommand([0, 0, 1e155, 0, 0, 0]), "twist must be at most 10000 in size, in SI units; got 1e.155"),
     (lambda: PoseCommand(np.array([[1, 0, 0, 1e160], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])), "g must be at most"),
     (lambda: ServoState.at(load("ur5"), np.full(6, 1e9)), "theta must be at most 1e.06 in size; got 1e.09"),
     (lambda: ServoSettings(singular_below=1e-4), "singular_below must be more than 0.001"),
     (lambda: ServoSettings(length=-1.0), "length must be a positive number; got -1.0"),
     (lambda: ServoSettings(position_margin=-0.1), "position_margin must not be negative, in rad or m; got -0.1"),
-    (lambda: ServoState.at(load("ur5"), [0.0]), "theta"),
     (lambda: ServoState.at(load("ur5"), np.zeros((2, 6))), "one configuration"),
 ]
 
@@ -109,11 +106,17 @@ def test_a_bad_time_step_is_refused_and_the_arm_is_still(dt):
     assert np.array_equal(after.theta, state.theta)
 
 
-@pytest.mark.parametrize("bad", [[math.nan] * 5, [0.0] * 4, [1e300] * 5, "here", None])
+BAD_STATES = [
+    *({"theta": bad} for bad in ([math.nan] * 5, [0.0] * 4, [1e300] * 5, "here", None)),
+    *({"held": bad} for bad in (np.full((4, 4), math.nan), np.eye(3), "there")),
+]
+
+
+@pytest.mark.parametrize("bad", BAD_STATES)
 def test_a_bad_state_is_refused(bad):
     arm = load("rover_arm")
-    broken = replace(ServoState.at(arm, arm.ready), theta=bad)
-    _, output = servo_step(arm, broken, MOVING, DT)
+    state, _ = servo_step(arm, ServoState.at(arm, arm.ready), PUSH, DT)
+    _, output = servo_step(arm, replace(state, **bad), PUSH, DT)
     assert output.status is ServoStatus.STALE
     assert "the state cannot be used" in output.explain()
     assert not output.theta_dot.any()
@@ -146,18 +149,6 @@ def test_the_fastest_command_that_is_taken_leaves_numbers_finite(reach):
             assert np.isfinite(state.theta).all()
             assert np.isfinite(output.lost_twist).all()
             assert (np.abs(state.theta_dot) <= 1.0 + 1e-9).all()
-
-
-PUSH = TwistCommand([0.05, 0, 0, 0, 0, 0], "base", "orientation")
-
-
-@pytest.mark.parametrize("held", [np.full((4, 4), math.nan), np.eye(3), "there"])
-def test_a_held_pose_that_cannot_be_is_refused_too(held):
-    arm = load("rover_arm")
-    state, _ = servo_step(arm, ServoState.at(arm, arm.ready), PUSH, DT)
-    _, output = servo_step(arm, replace(state, held=held), PUSH, DT)
-    assert output.status is ServoStatus.STALE
-    assert "the state cannot be used" in output.explain()
 
 
 def test_lists_and_other_floats_serve_as_well():

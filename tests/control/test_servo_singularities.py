@@ -11,7 +11,6 @@ from catalogue import load
 from servo_drives import DT, driven, pose
 from twistarm import JointLimits, arm_from_screws, joints
 from twistarm.control.servo import ServoReason, ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
-from twistarm.theory import manipulability
 
 BENT = {
     "rr_planar": [0.3, 0.9],
@@ -147,15 +146,10 @@ def test_an_arm_leaves_to_the_side_where_it_has_room(side):
 
 
 def test_the_length_is_stated_and_can_be_set():
-    """Singular values with metres measured in ten times the reach are smaller, so that damping begins earlier."""
+    """With metres measured in ten times the reach, damping begins earlier."""
     arm = load("ur5")
     theta = arm.ready.copy()
     theta[2] = 0.4
-    least = [
-        np.linalg.svd(manipulability.scaled_jacobian(arm.body_jacobian(theta), np.zeros(6, bool), length))[1][-1]
-        for length in (arm.reach, 10 * arm.reach)
-    ]
-    assert least[1] < 0.04 < least[0]
     twist = TwistCommand([0.0, 0.05, 0.05, 0, 0, 0], "base")
     plain, longer = (
         servo_step(arm, ServoState.at(arm, theta), twist, DT, settings=settings)[1]

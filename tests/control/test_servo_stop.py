@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-from scipy.linalg import expm
-from scipy.spatial.transform import Rotation
-
-sys.path.append(str(Path(__file__).resolve().parents[2]))
-
 from benchmarks.servo_arms import MADE, random, scaled_jacobian, servo_arm
 from benchmarks.servo_held import case
+from scipy.linalg import expm
+from scipy.spatial.transform import Rotation
 
 from twistarm.control.servo import ServoSettings, ServoState, TwistCommand, servo_step
 
@@ -73,7 +67,16 @@ def why_is_true(arm, theta, output):
     return least < 0.2 or "cannot" in output.explain()
 
 
-def check(name, accelerating):
+EVERY_OTHER = [
+    pytest.param(name, accelerating, marks=[pytest.mark.slow] if (k + accelerating) % 2 else [])
+    for k, name in enumerate(ARMS)
+    for accelerating in (True, False)
+]
+"""Every arm once among the quick tests, with limits of acceleration or without."""
+
+
+@pytest.mark.parametrize(("name", "accelerating"), EVERY_OTHER)
+def test_it_stands_on_its_course_and_says_why(name, accelerating):
     arm, rng = servo_arm(name, accelerating), random(name, "beyond", 0)
     for number in TWISTS:
         one = case(arm, rng, number)
@@ -91,19 +94,6 @@ def check(name, accelerating):
         assert len(reasons) == 1, (reasons, told)
         assert answers[-1].status.name != "OK", told
         assert why_is_true(arm, last[-1].theta, answers[-1]), (reasons, told)
-
-
-EVERY_OTHER = [
-    pytest.param(name, accelerating, marks=[pytest.mark.slow] if (k + accelerating) % 2 else [])
-    for k, name in enumerate(ARMS)
-    for accelerating in (True, False)
-]
-"""Every arm once among the quick tests, with limits of acceleration or without."""
-
-
-@pytest.mark.parametrize(("name", "accelerating"), EVERY_OTHER)
-def test_it_stands_on_its_course_and_says_why(name, accelerating):
-    check(name, accelerating)
 
 
 @pytest.mark.parametrize("name", [pytest.param("four_joints", marks=pytest.mark.slow), "rover_arm", "ur5"])

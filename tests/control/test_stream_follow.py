@@ -235,15 +235,6 @@ def test_ctrl_c_and_a_callbacks_error_end_it_at_rest_on_its_path(rover, motion, 
     assert off_path(motion, told(robot)[1]) < 1e-3
 
 
-def test_a_sink_that_fails_ends_it_and_the_callback_is_told(rover, motion, robot, clock):
-    robot.broken = lambda now: OSError("the bus is gone") if now >= 100.7 else None
-    seen = []
-    report = follow(rover, motion, robot, robot, clock=clock, on_cycle=seen.append)
-    assert (report.stream.ending, report.stream.reason) == (Ending.SINK_FAILED, "OSError: the bus is gone")
-    assert (seen[-1].ending, seen[-1].at) == (Ending.SINK_FAILED, pytest.approx(0.7, abs=0.02))
-    assert not report.ok
-
-
 def test_an_interlock_pauses_until_it_is_resumed_and_an_emergency_stop_ends_it(rover, motion, robot, clock):
     control, interlock = FollowControl(), Interlock()
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import tracemalloc
 
 import numpy as np
@@ -70,14 +69,6 @@ def test_what_is_no_command_is_refused_where_it_is_put():
             Inbox(timeout)
 
 
-def test_commanders_in_turn_never_move_the_arm():
-    inbox = Inbox(TIMEOUT)
-    inbox.put("one", A, 1.0)
-    for k in range(1, 50):
-        inbox.put(("one", "two", "three")[k % 3], B, 1.0 + 0.05 * k)
-        assert inbox.read(1.0 + 0.05 * k).command is None
-
-
 def test_nonsense_stops_what_was_commanded_in_a_short_line():
     inbox = Inbox(TIMEOUT)
     inbox.put("page", A, 1.0)
@@ -124,15 +115,3 @@ def test_a_flood_takes_no_memory():
     finally:
         tracemalloc.stop()
     assert after - before < 2000
-
-
-def test_many_threads_at_once():
-    inbox = Inbox(TIMEOUT)
-    threads = [
-        threading.Thread(target=lambda name=name: [inbox.put(name, A, 1.0) for _ in range(500)]) for name in "ab"
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert "two senders" in inbox.read(1.0).reason

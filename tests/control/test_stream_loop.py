@@ -49,13 +49,6 @@ def test_no_step_is_over_more_time_than_passed_however_late_its_cycle(rover, clo
     assert report.at_rest
 
 
-def test_it_starts_where_the_arm_is(rover, clock, stream):
-    away = rover.ready + [0.05, 0.1, -0.2, 0.3, -0.4]
-    robot = Robot(away, clock)
-    stream(Says(None), robot, robot, duration=0.1)
-    assert np.array_equal(robot.setpoints[0].theta, away)
-
-
 UNUSABLE = {
     "none": (lambda now: None, "no joint state has arrived"),
     "too few": (lambda now: Measured([0.0] * 4, now), "must have shape"),

@@ -54,19 +54,14 @@ BAD = {
     "": "one JSON object",
     '{"stop": true} {"stop": true}': "one JSON object",
     "[" * 50_000: "one JSON object",
-    "[1, 2]": "one JSON object; got",
     "{}": "'twist', 'jog', 'pose', 'stop'",
     '{"twist": [0,0,0,0,0,0]}': "twist needs twist, frame",
-    '{"twist": [0,0,0,0,0,0], "frame": "tool", "speed": 1}': "may have hold, number",
     '{"twist": [0,0,0,0,0,0], "frame": "tool", "frame": "base"}': "each name once",
     '{"twist": [0,0,0,0,0,0], "frame": "world"}': "'tool' or 'base'",
     '{"twist": [0,0,0,0,0], "frame": "tool"}': "list of 6 numbers",
     '{"twist": [NaN,0,0,0,0,0], "frame": "tool"}': "must be finite; got NaN",
-    '{"twist": [1e999,0,0,0,0,0], "frame": "tool"}': "must be finite",
     '{"twist": [true,0,0,0,0,0], "frame": "tool"}': r"twist\[0\] must be a number; got True",
-    '{"twist": [' + "9" * 5000 + ',0,0,0,0,0], "frame": "tool"}': "one JSON object|must be finite",
     '{"twist": [0,0,0,0,0,0], "frame": "tool", "hold": "nothing"}': "hold must be",
-    '{"twist": [0,0,0,0,0,0], "frame": "tool", "hold": [true]}': "hold must be",
     '{"twist": [0,0,0,1,0,0], "frame": "tool", "hold": "orientation"}': "held component cannot be commanded",
     '{"jog": {}}': "jog must be",
     '{"jog": {"elbo": 1}}': "no joint 'elbo' in rover_arm; closest: 'elbow'",
@@ -76,12 +71,10 @@ BAD = {
     '{"pose": {"position": [0,0,0]}}': "needs position, quaternion_wxyz",
     '{"pose": {"position": [0,0,0], "quaternion_wxyz": [0,0,0,0]}}': "must have length 1; got 0",
     '{"pose": {"position": [0,0,0], "quaternion_wxyz": [1,0,0,0]}, "linear_speed": 0}': "linear_speed must be",
-    '{"pose": 3}': "four rows",
     '{"interlock": "go"}': "a word to the interlock is one of 'enable', 'stop', 'emergency stop', 'clear'",
     '{"interlock": "enable", "stop": true}': "stop needs stop and may have number",
     '{"stop": false}': "stop must be true",
     '{"stop": true, "number": -1}': "number must be a whole number",
-    '{"stop": true, "number": 1.5}': "number must be a whole number",
 }
 
 
@@ -105,14 +98,6 @@ def test_what_is_not_exactly_a_command_is_refused_in_one_line(rover, text, why):
 def test_bytes_that_are_no_utf_8_or_too_many(rover, text, why):
     with pytest.raises(InputError, match=why):
         parse_command(rover, text)
-
-
-def test_every_beginning_of_a_message_is_refused_but_the_whole(rover):
-    text = json.dumps({"twist": TWIST, "frame": "base", "hold": None, "number": 12})
-    for end in range(len(text)):
-        with pytest.raises(InputError):
-            parse_command(rover, text[:end])
-    parse_command(rover, text)
 
 
 def test_a_joint_state_by_name_in_any_order(rover):

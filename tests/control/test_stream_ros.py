@@ -15,14 +15,6 @@ from twistarm.control.stream.report import Tally
 from twistarm.support.errors import InputError
 
 
-def test_a_joint_state_by_name(rover):
-    names = ["gripper", *reversed(rover.joint_names), "wheel"]
-    said = ros.positions_of(rover, msg.JointState(name=names, position=[9.0, 5.0, 4.0, 3.0, 2.0, 1.0, 9.0]))
-    assert [said[name] for name in rover.joint_names] == [1.0, 2.0, 3.0, 4.0, 5.0]
-    assert ros.positions_of(rover, msg.JointState(name=["slide"], position=[0.5])) == {"slide": 0.5}
-    ros.positions_of(rover, msg.JointState(name=["wheel", "wheel", "fan"], position=[np.nan]))  # no affair of ours
-
-
 @pytest.mark.parametrize(
     ("names", "position", "why"),
     [
@@ -50,11 +42,6 @@ def test_stamps_are_numbers_that_increase():
     assert ros.number_of(msg.Time(sec=2**31 - 1)) == (2**31 - 1) * 10**9
 
 
-def test_a_jog_by_name(rover):
-    jog = ros.jog_of(rover, msg.JointJog(joint_names=["elbow", "slide"], velocities=[0.5, -0.1]), scale=2.0)
-    assert jog.theta_dot.tolist() == [-0.2, 0.0, 1.0, 0.0, 0.0]
-
-
 @pytest.mark.parametrize(
     ("names", "fields", "why"),
     [
@@ -67,28 +54,6 @@ def test_a_jog_by_name(rover):
 def test_a_jog_that_is_none(rover, names, fields, why):
     with pytest.raises(InputError, match=why):
         ros.jog_of(rover, msg.JointJog(joint_names=names, **fields))
-
-
-def pose(frame_id, w=1.0):
-    at = msg.Pose(position=msg.Point(x=0.5, z=0.4), orientation=msg.Quaternion(w=w))
-    return msg.PoseStamped(header=msg.Header(frame_id=frame_id), pose=at)
-
-
-def test_a_pose_in_the_base(rover):
-    command = ros.pose_of(rover, pose(rover.base))
-    np.testing.assert_allclose(command.g, [[1, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, 0.4], [0, 0, 0, 1]])
-
-
-@pytest.mark.parametrize(
-    ("message", "why"),
-    [
-        (pose("tool0"), "given in 'base_link' .base.; got 'tool0'"),
-        (pose("base_link", w=0.0), "length 1"),
-    ],
-)
-def test_a_pose_that_is_none(rover, message, why):
-    with pytest.raises(InputError, match=why):
-        ros.pose_of(rover, message)
 
 
 def test_a_trajectory_ends_at_rest_within_the_limits(rover):

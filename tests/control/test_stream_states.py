@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stream_stand_ins import Says, jog
 from stream_stand_ins import clock as clock
 from stream_stand_ins import robot as robot
 from stream_stand_ins import stream as stream
@@ -72,20 +71,3 @@ def test_numbers_are_counted_by_joint(states):
     states.put("a", {"slide": 8.0}, 1.02, number=5)
     states.put("a", {"elbow": 9.0}, 1.03, number=5)
     assert states.read(1.05).theta.tolist() == [8.0, 2.0, 8.0, 4.0, 5.0]
-
-
-def test_joints_may_speak_in_turn_but_a_silent_one_stops_the_stream(rover, robot, stream):
-    states = StateInbox(rover)
-
-    class Buses:
-        def read(self, now):
-            for k, name in enumerate(rover.joint_names):
-                if round(now * 100) % 5 == k and not (name == "elbow" and now > 101.0):
-                    states.put(f"bus {k}", {name: robot.theta[k], "wheel": now}, now)
-            return states.read(now)
-
-    report = stream(Says(jog(rover, shoulder=0.2)), robot, Buses(), duration=2.0)
-    assert 1.2 <= robot.moving(100.0) <= 1.4
-    assert report.waited == pytest.approx(0.04)
-    assert "joint state of elbow" in report.blind_reason
-    assert report.ok

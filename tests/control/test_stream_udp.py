@@ -1,17 +1,32 @@
-"""Datagrams on loopback: what arrives, who sent it, and what a flood or a receiver that is gone do."""
+"""Datagrams on loopback: what arrives, who sent it, and floods, lost receivers; docs/streaming.md."""
 
 from __future__ import annotations
 
 import json
+import re
 import socket
+import threading
 import time
 from contextlib import suppress
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from stream_stand_ins import FakeClock, Robot, Says, jog
-from twistarm.control.stream import Ending, UdpFeedback, UdpSink, UdpSource, run
+from twistarm.control.stream import (
+    Ending,
+    Interlock,
+    SimulatedJoints,
+    UdpFeedback,
+    UdpSink,
+    UdpSource,
+    Verifier,
+    parse_command,
+    run,
+)
+from twistarm.control.stream.links.messages import heard_word
 from twistarm.control.stream.links.sockets import MOST_PER_CYCLE
 from twistarm.support.errors import InputError
 
@@ -57,16 +72,6 @@ def test_nonsense_is_refused_in_the_senders_name(client, source, message):
     assert reading.command is None
     assert reading.reason.startswith(f"command from 127.0.0.1:{client.getsockname()[1]} refused: ")
     assert len(reading.reason) < 500
-
-
-def test_two_commanders_by_their_ports(client, source):
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
-        send(client, JOG, source)
-        send(other, JOG, source)
-        reading = source.read(0.1)
-        assert reading.command is None
-        for each in (client, other):
-            assert f"127.0.0.1:{each.getsockname()[1]}" in reading.reason
 
 
 def test_what_waited_while_nobody_looked_is_left_out(rover, client, source):
@@ -158,17 +163,6 @@ def test_a_robot_that_restarts_is_waited_for(rover):
     assert "Errno" not in report.explain()
 
 
-def test_nobody_is_said_to_be_at_rest_who_was_not_told(rover):
-    clock = FakeClock()
-    robot, receiver = Robot(rover.ready, clock), listener()
-    with UdpSink(rover, *receiver.getsockname()) as sink:
-        source = Following(robot, jog(rover, elbow=-0.3), {100.505: receiver.close})
-        report = run(rover, source, sink, robot, duration=1.0, clock=clock)
-    assert (report.ending, report.delivered, report.ok) == (Ending.DURATION, False, False)
-    assert report.explain().endswith("at the end: commanded to rest; the last setpoint did not get through")
-    assert "at rest" not in report.explain()
-
-
 def test_what_else_a_system_refuses_ends_the_stream(rover):
     clock = FakeClock()
     robot, receiver = Robot(rover.ready, clock), listener()
@@ -190,3 +184,49 @@ def test_addresses_that_cannot_be(rover, host, port):
 def test_a_port_in_use_is_named(rover, source):
     with pytest.raises(InputError, match=f"cannot listen on 127.0.0.1:{source.address[1]}"):
         UdpFeedback(rover, *source.address)
+
+
+PAGE = (Path(__file__).parents[2] / "docs" / "streaming.md").read_text("utf-8")
+CLIENT, SIGNED = re.findall(r"<!-- another program -->\n```python\n(.*?)```", PAGE, flags=re.S)
+
+GAPS = {
+    "[vx, vy, vz, wx, wy, wz]": "[0, 0, 0, 0, 0, 0]",
+    '"twist": [...]': '"twist": [0, 0, 0, 0, 0, 0]',
+    '"frame": ...': '"frame": "tool"',
+    "[x, y, z]": "[0.5, 0, 0.5]",
+    "[w, x, y, z]": "[1, 0, 0, 0]",
+    '"pose": ...': '"pose": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]',
+}
+
+
+def test_the_client_moves_the_arm(rover):
+    with UdpSource(rover) as source:
+        program = compile(CLIENT.replace("9870", str(source.address[1])), "docs/streaming.md", "exec")
+        joints = SimulatedJoints(rover, rover.ready)
+        client = threading.Thread(target=lambda: exec(program, {}))
+        client.start()
+        run(rover, source, joints, joints, duration=0.6)
+        client.join()
+    assert rover.fk(joints.theta)[2, 3] > rover.fk(rover.ready)[2, 3] + 0.005
+
+
+def test_what_another_program_signs_is_taken():
+    names = {}
+    exec(compile(SIGNED, "docs/streaming.md", "exec"), names)
+    key = names["key"]
+    verifier = Verifier(key)
+    assert verifier.verified(names["signed"](b"{}")) == b"{}"
+
+
+def test_every_command_of_the_table_is_one(rover):
+    table = PAGE[PAGE.index("Commands, to") : PAGE.index("Each may have")]
+    messages = re.findall(r"^\| `(\{.*?\})` \|", table, flags=re.M)
+    words = [message for message in messages if "interlock" in message]
+    assert (len(messages), len(words)) == (11, 4)
+    for message in messages:
+        for gap, filled in GAPS.items():
+            message = message.replace(gap, filled)
+        if message not in words:
+            parse_command(rover, message)
+        else:
+            assert heard_word(SimpleNamespace(interlock=Interlock()), message.encode(), True)

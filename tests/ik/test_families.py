@@ -1,4 +1,4 @@
-"""Families are recognised from the axes, exact or as an export rounds them, and named; what misses says by how much."""
+"""Families are recognised from the axes, exact or as an export rounds them, and named before a target is known."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from scipy.optimize import brentq
 import twistarm
 from catalogue import load
 from family_arms import CASES, apart, family_arm, missed, pose_of
-from twistarm.ik import Approach, Pose, Position
+from twistarm import NoClosedFormError, Task, load_arm, solve_ik_all
+from twistarm.ik import Approach, Pose, Position, closed_form_of
 from twistarm.ik.closed_form.methods import method_for
 
 
@@ -79,12 +80,6 @@ def test_a_double_root_that_stands_on_its_limits_is_inside(name):
         found += 1
 
 
-@pytest.mark.parametrize("name", ["elbow", "ur3", "ur10", "so100", "z1", "rr_planar"])
-def test_arms_of_the_catalogue_have_a_closed_form(name):
-    arm = load(name)
-    assert method_for(arm, Pose(arm.fk(arm.ready))).name == "closed form"
-
-
 def test_seven_joints_have_a_family_with_one_given():
     arm = load("panda")
     method = method_for(arm, Pose(arm.fk(arm.ready)), (6,))
@@ -109,3 +104,47 @@ def test_what_misses_a_family_says_which_axes_and_by_how_much():
     off = twistarm.arm_from_screws(xi, arm.home, limits=arm.limits, joints=arm.joint_names)
     with pytest.raises(twistarm.NoClosedFormError, match=r"joint\d.*(mm|parallel)"):
         twistarm.solve_ik_all(off, Pose(arm.home), closed_form=True)
+
+
+@pytest.mark.parametrize(
+    ("arm", "target", "told"),
+    [
+        ("rover_arm", "Approach", "closed form, the axes of shoulder, elbow and wrist_pitch are parallel"),
+        ("scara", "Pose", "closed form, the axes of joint_1, joint_2 and joint_3 are parallel"),
+        ("stanford", "Pose", "closed form, the axes of joint_4, joint_5 and joint_6 meet in a point"),
+    ],
+)
+def test_a_family_is_named(arm: str, target: str, told: str) -> None:
+    report = closed_form_of(load_arm(arm))
+    assert (report.target, str(report)) == (target, told)
+    assert report.exact
+    assert not report.nearly
+    assert report.miss == ""
+
+
+def test_how_far_axes_pass_is_what_the_robot_s_drawing_says() -> None:
+    """The wrist of the six-joint rover arm is drawn with an offset of 20 mm: another build, no rounding."""
+    arm = load_arm("rover_arm_6dof")
+    w, v = arm.screws[3:, 4:].T, arm.screws[:3, 4:].T
+    points = np.cross(w, v)
+    normal = np.cross(*w)
+    assert abs((points[1] - points[0]) @ normal) / np.linalg.norm(normal) == pytest.approx(0.02)
+    report = closed_form_of(arm)
+    assert report.method == "elimination"
+    assert report.miss == "the axes of wrist_pitch and wrist_roll pass at 20 mm"
+    assert not report.nearly
+    g = arm.fk(arm.ready)
+    with pytest.raises(NoClosedFormError, match="for a Pose: the axes of wrist_pitch and wrist_roll pass at 20 mm"):
+        solve_ik_all(arm, g, closed_form=True)
+    with pytest.raises(NoClosedFormError, match="for a Task: a Task's tolerances leave a whole range of poses"):
+        solve_ik_all(arm, Task(g, tolerance=[0.1] * 6), closed_form=True)
+
+
+def test_joints_that_a_target_leaves_open_are_named() -> None:
+    arm = load_arm("rover_arm")
+    g = arm.fk(arm.ready)
+    held = closed_form_of(arm, Position(g[:3, 3])).held
+    assert len(held) == 1, "five joints, three of which a position determines, and a roll that moves nothing"
+    assert closed_form_of(arm, Approach(g[:3, 3], g[:3, 2])).held == ()
+    rest = solve_ik_all(arm, Position(g[:3, 3]), given={name: arm.theta_to_dict(arm.ready)[name] for name in held})
+    assert rest.complete

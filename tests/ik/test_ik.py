@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import pickle
 
 import numpy as np
@@ -37,14 +36,6 @@ def test_the_start_is_the_ready_pose_unless_given():
     solution = solve_ik(arm, g)
     assert (solution.iterations, solution.restarts) == (0, 1)
     np.testing.assert_array_equal(solution.theta, arm.ready)
-
-
-def test_a_wide_tolerance_is_used():
-    arm = load("ur5")
-    g = arm.fk(arm.ready)
-    solution = solve_ik(arm, moved(g, [0.02, 0, 0]), arm.ready, position_tol=0.05)
-    assert solution.converged
-    assert solution.iterations == 0
 
 
 # hard cases: (arm, theta of the target, theta0); one line to add another ----------------------------------
@@ -83,18 +74,12 @@ NAN = float("nan")
 MISUSED = (
     (lambda arm: solve_ik("ur5", np.eye(4)), "arm must be an Arm"),
     (lambda arm: solve_ik(arm, np.eye(3)), "target must be a Pose"),
-    (lambda arm: solve_ik(arm, np.full((4, 4), NAN)), "must be finite"),
-    (lambda arm: solve_ik(arm, np.diag([2.0, 2, 2, 1])), "not in SO(3)"),
     (lambda arm: solve_ik(arm, np.eye(4), np.zeros(5)), "theta0 must have shape (..., 6): shoulder_pan_joint"),
     (lambda arm: solve_ik(arm, np.eye(4), np.zeros((2, 6))), "theta0 must be one configuration"),
     (lambda arm: solve_ik(arm, np.eye(4), position_tol=0), "position_tol [m]"),
-    (lambda arm: solve_ik(arm, np.eye(4), position_tol=[1, 1]), "position_tol [m]"),
-    (lambda arm: solve_ik(arm, np.eye(4), orientation_tol=-1), "orientation_tol [rad]"),
-    (lambda arm: solve_ik(arm, np.eye(4), restarts=0), "restarts must be a whole number"),
     (lambda arm: solve_ik(arm, np.eye(4), restarts=2.5), "restarts must be a whole number"),
     (lambda arm: solve_ik(arm, np.eye(4), max_time=0), "max_time"),
     (lambda arm: solve_ik(arm, np.eye(4), rng=-1), "rng must be a seed"),
-    (lambda arm: solve_ik(arm, np.eye(4), rng="seed"), "rng must be a seed"),
     (lambda arm: solve_ik(arm, np.eye(4), rng=True), "rng must be a seed"),
 )
 
@@ -134,10 +119,3 @@ def test_a_solution_can_be_pickled():
     copy = pickle.loads(pickle.dumps(solution))
     np.testing.assert_array_equal(copy.theta, solution.theta)
     assert copy.explain() == solution.explain()
-
-
-def test_lists_and_single_precision_are_accepted():
-    arm = load("ur5")
-    g = arm.fk(arm.ready)
-    for pose, theta0 in itertools.product((g.tolist(), g.astype(np.float32), np.asfortranarray(g)), (None, [0] * 6)):
-        assert solve_ik(arm, pose, theta0, orientation_tol=1e-5).converged

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from ik_targets import require_core
 from twistarm import (
     Approach,
     Arm,
@@ -58,11 +57,6 @@ DOORS: dict[str, Callable[[Arm, float], Any]] = {
     "Approach, direction": lambda _, x: Approach(AXIS, with_one(AXIS, x)),
     "Approach, axis": lambda _, x: Approach(AXIS, AXIS, with_one(AXIS, x)),
     "Task": lambda _, x: Task(with_one(G, x), np.zeros(6)),
-    "theta0": lambda arm, x: solve_ik(arm, G, with_one(arm.ready, x)),
-    "posture": lambda arm, x: solve_ik(arm, G, posture=with_one(arm.ready, x)),
-    "position_tol": lambda arm, x: solve_ik(arm, G, position_tol=x),
-    "orientation_tol": lambda arm, x: solve_ik(arm, G, orientation_tol=x),
-    "max_time": lambda arm, x: solve_ik(arm, G, max_time=x),
     "batch": lambda arm, x: solve_ik_batch(arm, np.array([G, with_one(G, x)])),
     "batch in a list": lambda arm, x: solve_ik_batch(arm, [G, with_one(G, x)]),
     "batch, theta0": lambda arm, x: solve_ik_batch(arm, [G, G], np.array([with_one(arm.ready, x), arm.ready])),
@@ -172,26 +166,6 @@ def test_a_rotation_is_rounded_by_the_core_as_in_python() -> None:
     g[0, 0] += 1e-4
     with pytest.warns(RoundedPoseWarning):
         Pose(g)
-
-
-@pytest.mark.parametrize("given", [
-    {"kind": 4}, {"kind": 2**70}, {"kind": "pose"}, {"numbers": np.zeros((2, 3))}, {"numbers": None},
-    {"numbers": np.broadcast_to(0.0, (2**40, 4, 4))}, {"theta0": np.zeros((3, 7))}, {"restarts": 0},
-    {"restarts": 2**31}, {"seed": -1}, {"max_time": -1.0}, {"threads": 0}, {"threads": 2**40}, {"threads": 1.5},
-    {"progress": 3}, {"posture": np.zeros(6)},
-])  # fmt: skip
-def test_the_core_leaves_to_python_whatever_is_out_of_range(given: dict[str, Any]) -> None:
-    require_core(ARM)
-    chain = ARM._compiled
-    assert chain is not None
-    right = {"kind": 0, "numbers": G[None], "theta0": ARM.ready, "position_tol": 1e-6, "orientation_tol": 1e-6,
-             "restarts": 3, "seed": 0, "max_time": None, "posture": None, "threads": 1, "progress": None}  # fmt: skip
-    assert chain.solve_batch(*right.values()) is not None
-    assert chain.solve_batch(*(right | given).values()) is None
-    single = {name: value for name, value in (right | {"numbers": G}).items() if name not in ("threads", "progress")}
-    assert chain.solve(*single.values()) is not None
-    if not given.keys() & {"threads", "progress"}:
-        assert chain.solve(*(single | given).values()) is None
 
 
 def test_an_array_that_shrinks_while_it_is_worked_on() -> None:

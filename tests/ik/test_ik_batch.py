@@ -17,7 +17,6 @@ from catalogue import load
 from ik_targets import KINDS, judged, target_from
 from twistarm import InputError
 from twistarm.ik import Pose, Position, StopReason, solve_ik, solve_ik_batch
-from twistarm.ik.answer import FIELDS
 
 NAN = float("nan")
 
@@ -258,15 +257,3 @@ def test_every_field_is_that_of_the_answer_alone():
         assert ours.unlimited is None or not small.limits.contains(ours.unlimited)
     assert StopReason.CONVERGED in stops
     assert len(stops) > 1
-
-
-def test_a_record_holds_what_the_core_tells_of_one_target(arm):
-    """Both are written in the core: a single answer as an object, one of a batch as a record of an array."""
-    target = Position([3.0 * arm.reach, 0.0, 0.0])
-    one, (record,) = solve_ik(arm, target, restarts=1)._answer, solve_ik_batch(arm, [target], restarts=1).records
-    assert {*FIELDS} == {*record.dtype.names}
-    assert one.nearest
-    assert one.restarts == 1
-    for name in FIELDS:
-        told = record[name] if name != "numbers" else record[name][:3]
-        np.testing.assert_allclose(told, getattr(one, name), atol=1e-9, err_msg=name)

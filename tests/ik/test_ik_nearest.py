@@ -9,11 +9,11 @@ from scipy.spatial.transform import Rotation
 
 import urdf_text
 from catalogue import load
-from ik_targets import errors, moved, pinocchio_fk, require_core, target_from, turned
+from ik_targets import errors, pinocchio_fk, require_core, target_from, turned
 from reference.nearest import ANGLE_TOL, POSITION_TOL, by_slsqp
 from reference.optimality import residual
 from twistarm import load_arm
-from twistarm.ik import Approach, Pose, Position, StopReason, Task, solve_ik
+from twistarm.ik import Position, StopReason, Task, solve_ik
 
 STATIONARY = 1e-7
 """Residual of the optimality conditions, per rad or m; the solver stops at 1e-8 and stands 1e-11 m off its position."""
@@ -142,29 +142,6 @@ def test_a_direction_no_joint_turns(planar):
     assert f"this arm cannot turn that way: {cannot}" in solution.explain()
 
 
-@pytest.mark.parametrize(
-    "tolerance", [[0, 0, 0, 0, 0, np.inf], [np.inf] * 3 + [0, 0, np.inf], [0.01] * 3 + [0.05, 0.05, np.inf]]
-)
-def test_a_free_roll_leaves_a_rover_arm_one_direction_short(tolerance):
-    arm = load("rover_arm")
-    g = arm.fk(arm.ready)
-    g[:3, :3] = Rotation.from_rotvec([0, 0, 0.6]).as_matrix() @ g[:3, :3]
-    assert solve_ik(arm, Task(g, tolerance)).stop is StopReason.IMPOSSIBLE_DIRECTION
-
-
-def test_the_approach_out_of_the_plane_of_a_rover_arm():
-    arm = load("rover_arm")
-    g = arm.fk(arm.ready)
-    out = Rotation.from_rotvec([0, 0, 0.2]).as_matrix() @ g[:3, 2]
-    solution = solve_ik(arm, Approach(g[:3, 3], out))
-    assert solution.stop is StopReason.IMPOSSIBLE_DIRECTION
-    assert solution.position_error < 1e-9
-    # Position, pitch and roll are the arm's own, so what is missing is the angle to its plane, y = 0.
-    assert solution.orientation_error == pytest.approx(np.arcsin(abs(out[1])), abs=1e-8)
-    degrees = np.degrees(solution.orientation_error)
-    assert f"{degrees:.1f}° out of the arm's plane, whose normal is the base's y axis" in solution.explain()
-
-
 def test_the_time_is_up():
     arm = load("so101")
     g = turned(arm.fk(arm.ready), [1, 0, 0], 0.4)
@@ -179,45 +156,6 @@ def test_the_time_is_up():
 
 
 # words --------------------------------------------------------------------------------------------------------
-
-
-def test_the_words_of_an_answer_and_of_a_failure():
-    arm = load("ur5")
-    assert solve_ik(arm, Position([0.3, 0.2, 0.5]), arm.ready, restarts=8).explain().splitlines()[:2] == [
-        "asked of ur5: the position (0.3, 0.2, 0.5) m",
-        "reached: position met",
-    ]
-    lines = solve_ik(arm, Position([3.0, 0.0, 0.0]), arm.ready).explain().splitlines()
-    assert lines[1].startswith("reached: position 2.")
-    assert lines[2] == "reason: out of reach"
-    assert lines[3].startswith("  the nearest position the arm reaches inside its limits is 2.")
-    assert lines[-1].endswith(", 100 searches")
-
-
-def test_the_words_for_targets():
-    g = moved(np.eye(4), [0.1, 0, 0.25])
-    task = Task(g, [np.inf, 0, 0, 0, 0, np.inf], frame="base")
-    assert Pose(g).describe() == "the pose at (0.1, 0, 0.25) m, turned 0.0° from the base's axes"
-    approach = "the position (0.1, 0, 0.25) m with the tool pointing {}along (0, 0, -1)"
-    assert Approach(g[:3, 3], [0, 0, -2]).describe() == approach.format("")
-    assert Approach(g[:3, 3], [0, 0, -2], [-1, 0, 0]).describe() == approach.format("its −x axis ")
-    assert task.describe() == (
-        "the pose at (0.1, 0, 0.25) m within tolerances along the base's axes (x, turning about z free)"
-    )
-
-
-def test_no_known_configuration_is_nearer():
-    """One minimum among many: a configuration at about that position, which SciPy found from many starts."""
-    arm, witness = load("rover_arm_6dof"), [2.377, 1.1057, 1.57, 2.5579, 1.57, 1.0985]
-    target = Pose([[0.16773753, 0.87902592, -0.44629312, 0.08504003],
-                   [0.9829036, -0.18398635, 0.00703808, -0.26486693],
-                   [-0.07592519, -0.43984366, -0.89485916, -0.16267299],
-                   [0.0, 0.0, 0.0, 1.0]])  # fmt: skip
-    assert target.position_error(arm.fk(witness)) < 1e-3
-    solution = solve_ik(arm, target)
-    assert solution.position_error <= 1e-6
-    # The witness is printed to four digits: its own rotation error is known to about 1e-3.
-    assert solution.orientation_error <= target.orientation_error(arm.fk(witness)) + 1e-3
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "kinova"])

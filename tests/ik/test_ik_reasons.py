@@ -95,50 +95,6 @@ def test_the_reason_does_not_hang_on_the_kind_of_target():
             assert np.abs(pinocchio_fk(arm, solution.unlimited)[:3, 3] - g[:3, 3]).max() < 2e-4
 
 
-@pytest.mark.parametrize("name", ["scara", "rover_arm", "panda"])
-def test_every_line_of_an_explanation_is_whole(name):
-    arm, rng, said = load(name), np.random.default_rng(12), set()
-    for shut in (arm, reason_targets.shut_in(name, 0)):
-        for g in load(name).fk(load(name).random_theta(rng, 6)):
-            for scale, turn in ((1.0, 0), (1.0, 1), (3.0, 1)):
-                pose = g.copy()
-                pose[:3, 3] *= scale
-                if turn:
-                    pose[:3, :3] = Rotation.random(random_state=1).as_matrix()
-                for target in of_every_kind(pose):
-                    solution = solve_ik(shut, target)
-                    said.add(solution.stop)
-                    lines = solution.explain().split("\n")
-                    for line in lines:
-                        assert re.search(r"[\w°)\]]$", line), line
-                        assert not re.search(r"\b(with|about|along|at|of|by)$|, *,|\S  |nan", line), line
-                    assert solution.converged or len(lines) >= 4, lines
-    assert {StopReason.CONVERGED, StopReason.BLOCKED_BY_LIMITS} <= said
-
-
-@pytest.mark.parametrize("name", ["so101", "stanford", "panda"])
-def test_a_position_that_limits_alone_prevent_is_blocked(name):
-    """The arm shut in a box, and positions beyond it by `box_bounds`, where the arm is without its limits."""
-    arm, rng = reason_targets.shut_in(name, 0), np.random.default_rng(9)
-    centre, bound = pinocchio_fk(arm, arm.limits.middle()), reason_targets.box_bounds(arm)[0] + reason_targets.MARGIN
-    for k, g in enumerate(draw(reason_targets.outside_the_box, arm, rng, 20)):
-        if np.linalg.norm(g[:3, 3] - centre[:3, 3]) <= bound:
-            continue
-        g[:3, :3] = Rotation.random(random_state=k).as_matrix()
-        for target in of_every_kind(g):
-            assert solve_ik(arm, target).stop is StopReason.BLOCKED_BY_LIMITS, target
-
-
-@pytest.mark.parametrize("name", ["scara", "rover_arm", "so100"])
-def test_an_approach_no_joint_turns(name):
-    """The proofs of `impossible_direction` are of where the last joint's axis points, not of the turn about it."""
-    arm, rng = load(name), np.random.default_rng(7)
-    axis = reason_targets.tool_roll_axis(arm) if name != "scara" else np.array([0.0, 0.0, 1.0])
-    for g in draw(reason_targets.impossible_direction, arm, rng, FEW):
-        solution = solve_ik(arm, Approach(g[:3, 3], g[:3, :3] @ axis, axis))
-        assert solution.stop is StopReason.IMPOSSIBLE_DIRECTION, solution
-
-
 UPPER, FORE, HAND, SHOULDER = 0.4, 0.3, 0.2, 0.15
 
 
@@ -194,19 +150,6 @@ def test_a_direction_out_of_the_arms_plane_is_impossible_wherever_it_is_asked_fo
         assert split_rotation(arm, solution.target, solution.theta).impossible == pytest.approx(angle, abs=0.01)
 
 
-def test_the_largest_cause_comes_first():
-    """Beyond the reach by much, out of the plane by little: the one has a line before the other, or none."""
-    arm = pan_pitch_roll()
-    direction = np.array([-1.0, 0.02, 0.0])
-    solution = solve_ik(arm, Approach([UPPER + FORE - 0.05, 0, SHOULDER], direction, [0, 0, 1]))
-    split = split_rotation(arm, solution.target, solution.theta)
-    assert split.prevented > 10 * split.impossible > 0.01
-    assert solution.stop is StopReason.OUT_OF_REACH
-    lines = solution.explain().split("\n")
-    prevented = next(i for i, line in enumerate(lines) if "prevented" in line)
-    assert not any("no joint turns" in line for line in lines[:prevented])
-
-
 @pytest.mark.parametrize("aside", [1e-5, 0.1, 0.5])
 def test_limits_are_blamed_for_what_they_add_to_a_direction_that_is_lacking(aside):
     """The rover arm's tool stays square to y: without limits it misses a direction by its angle out of that plane."""
@@ -225,23 +168,6 @@ def test_limits_are_blamed_for_what_they_add_to_a_direction_that_is_lacking(asid
     said = solution.explain()
     assert f"{np.degrees(missed - lacking):.1f}°" in said
     assert aside < 1e-2 or ("no joint turns" in said and f"{np.degrees(lacking):.1f}°" in said)
-
-
-@pytest.mark.parametrize("name", ["rover_arm", "so101", "scara"])
-def test_words_and_reason_agree_where_a_task_has_tolerances(name):
-    """Six-joint freedom of the rest aside: components at the edge of their tolerance are held for both, or for none."""
-    arm, rng, said = load(name), np.random.default_rng(15), Counter()
-    for g in arm.fk(arm.random_theta(rng, 40)):
-        g[:3, :3] = g[:3, :3] @ Rotation.from_rotvec(rng.normal(size=3) * rng.choice([0.05, 0.5, 1.0])).as_matrix()
-        tolerance = np.append(rng.choice([0, 1e-3, 0.02], 3), rng.choice([0, 0.02, 0.2, np.inf], 3))
-        solution = solve_ik(arm, Task(g, tolerance, rng.choice(["target", "base"])))
-        said[solution.stop] += 1
-        lines = solution.explain()
-        if solution.stop is StopReason.IMPOSSIBLE_DIRECTION:
-            assert "no joint turns" in lines
-        elif solution.stop is StopReason.OUT_OF_REACH and solution.position_error <= 1e-6:
-            assert "prevented" in lines
-    assert said[StopReason.IMPOSSIBLE_DIRECTION] > 3
 
 
 def test_a_position_out_of_reach_hides_no_direction_that_is_lacking():
@@ -390,7 +316,7 @@ def test_few_searches_exclude_nothing(name, searches):
 def test_a_deadline_is_kept(case, seconds):
     """In time but for `LATE`, the best of three calls, and what is said is true or that the time was up."""
     arm = arms_of(case, case.arms[-1], 1)[0]
-    for g in draw(case.builder, arm, np.random.default_rng(4), FEW):
+    for g in draw(case.builder, arm, np.random.default_rng(4), 1):
         taken = []
         for _ in range(3):
             begun = time.perf_counter()

@@ -12,7 +12,6 @@ from catalogue import load
 from ik_targets import KINDS, errors, judged, moved, pinocchio_fk, target_from
 from solvers import textbook_ik
 from twistarm import LineMove, TwistarmError, load_arm, plan
-from twistarm.cli.application import run
 from twistarm.export.cpp_header import cpp_header
 from twistarm.ik import (
     Pose,
@@ -138,13 +137,6 @@ def test_motions_are_planned_without_a_core(bare):
     assert motion.duration > 1.2
     lift = pinocchio_fk(bare, motion(motion.duration / 2)) - pinocchio_fk(bare, bare.ready)
     np.testing.assert_allclose(np.linalg.norm(lift[:3, 3]), 0.03, atol=1e-4)
-
-
-@pytest.mark.usefixtures("bare")
-def test_the_command_line_without_a_core(capsys):
-    assert run(["ik", "rover_arm", "--xyz", "0.8", "0.1", "0.7", "--direction", "1", "0", "0"]) == 0
-    assert run(["ik", "rover_arm", "--xyz", "3", "0", "0.5"]) == 1
-    assert "need the compiled core" in " ".join(capsys.readouterr().out.split())
 
 
 def test_more_joints_than_the_core_holds_are_solved_too():

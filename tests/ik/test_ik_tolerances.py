@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from catalogue import load
 from ik_targets import KINDS, errors, judged, pinocchio_fk, require_core, target_from
-from twistarm import Approach, Pose, load_arm, solve_ik, solve_ik_all, solve_ik_all_batch, solve_ik_batch
-from twistarm.cli.application import run
+from twistarm import Approach, Pose, load_arm, solve_ik, solve_ik_all, solve_ik_batch
 from urdf_text import joint, robot, write
 
 HALF = 0.2
@@ -163,42 +160,6 @@ def test_no_list_is_called_complete_for_tolerances_that_a_closed_form_does_not_k
     position, angle = errors(Approach(target.p, target.direction, arm.tool_axis), pinocchio_fk(arm, found[0]))
     assert position <= 0.02
     assert angle <= 0.05
-
-
-def test_a_batch_lists_what_a_rounded_arm_meets(tmp_path):
-    exact, arm = (load_arm(write(tmp_path, five_joints(k), f"arm{k}.urdf")) for k in (16, 4))
-    targets = [
-        Approach(g[:3, 3], g[:3, :3] @ exact.tool_axis, exact.tool_axis)
-        for g in map(exact.fk, exact.random_theta(np.random.default_rng(6), 4))
-    ]
-    batch = solve_ik_all_batch(arm, targets)
-    singles = [solve_ik_all(arm, target) for target in targets]
-    assert [len(one) for one in batch] == [len(one) for one in singles]
-    assert [one.complete for one in batch] == [one.complete for one in singles]
-    assert (batch.count > 0).all()
-
-
-def test_a_file_of_targets_tells_what_is_met_but_for_rounding(tmp_path, capsys):
-    arm = write(tmp_path, five_joints(4))
-    poses = load_arm(write(tmp_path, five_joints(16), "exact.urdf")).fk(load_arm(arm).random_theta(9, 4))
-    axis = load_arm(arm).tool_axis
-    rows = [",".join(map(repr, map(float, [*g[:3, 3], *g[:3, :3] @ axis]))) for g in poses]
-    (tmp_path / "targets.csv").write_text("\n".join(["x,y,z,direction_x,direction_y,direction_z", *rows]), "utf-8")
-    assert run(["ik", str(arm), "--targets", str(tmp_path / "targets.csv"), "--json"]) == 0
-    answers = json.loads(capsys.readouterr().out)["answers"]
-    for g, answer in zip(poses, answers, strict=True):
-        missed = errors(Approach(g[:3, 3], g[:3, :3] @ axis, axis), pinocchio_fk(load_arm(arm), answer["theta"]))
-        assert answer["rounded"] == (max(missed) > 1e-6)
-
-
-def test_a_list_of_a_rounded_arm_tells_how_far_it_is_without_going_back(tmp_path):
-    arm = load_arm(write(tmp_path, five_joints(4)))
-    g, told = arm.fk([0.3, 0.5, -1.0, 0.4, 0.2]), []
-    g[:3, :3] = g[:3, :3] @ Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix()
-    found = solve_ik_all(arm, Pose(g), progress=lambda done, count: told.append(done / count))
-    assert not len(found)
-    assert told == sorted(told)
-    assert told[-1] == 1.0
 
 
 def test_an_empty_list_is_explained_with_its_own_tolerances():

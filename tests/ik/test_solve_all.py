@@ -69,18 +69,6 @@ def test_answers_at_particular_values_of_a_joint_that_seems_free(name, posture):
         assert len(found) + len(found.outside) <= 12
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("half_turns", [1.0, 0.6])
-@pytest.mark.parametrize("name", CASES)
-def test_the_configuration_that_made_the_target_is_found_at_length(name, half_turns):
-    arm, rng = family_arm(name, half_turns=half_turns), np.random.default_rng(12)
-    for i in range(400):
-        theta = special(arm, rng) if i % 4 == 3 else arm.random_theta(rng)
-        if i % 8 == 7:
-            theta = np.clip(theta + 10.0 ** -rng.uniform(3, 9) * rng.normal(size=arm.n), *arm.sampling_bounds)
-        check(arm, theta, arm.random_theta(rng))
-
-
 @pytest.mark.parametrize("name", ["ur5", "stanford", "scara", "rover_arm", "so101"])
 def test_arms_of_the_catalogue_by_pinocchio(name):
     arm, rng = load(name), np.random.default_rng(13)

@@ -14,7 +14,7 @@ from scipy.linalg import expm
 from twistarm.ik.subproblems import subproblem_1, subproblem_2, subproblem_3, subproblem_4
 from twistarm.support.errors import InputError
 
-PROBLEMS = 40
+PROBLEMS = 12
 Z_TURN, Z_SLIDE = np.array([0.0, 0, 0, 0, 0, 1]), np.array([0.0, 0, 1, 0, 0, 0])
 
 

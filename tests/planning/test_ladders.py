@@ -7,7 +7,7 @@ import pytest
 
 from catalogue import load
 from ik_targets import pinocchio_fk
-from twistarm import Approach, Arm, LineMove, Pose, Position, Task, load_arm, plan, rotations
+from twistarm import Approach, LineMove, Pose, Position, Task, load_arm, plan, rotations
 from twistarm.ik.targets import target_for
 from twistarm.planning.cartesian import branches as finding
 from twistarm.planning.cartesian.projection import errors_and_rows, projected
@@ -82,28 +82,6 @@ def test_projected_configurations_meet_their_targets_inside_the_limits():
         for g, one in zip(ideal[met], ARM.fk(theta[met]), strict=True):
             assert like.at(g).position_error(one) <= 1e-9
             assert like.at(g).orientation_error(one) <= 1e-8
-
-
-def configurations(
-    arm: Arm, target, near: np.ndarray, monkeypatch: pytest.MonkeyPatch, *, searched: bool
-) -> np.ndarray:
-    """What `branches` finds, whole turns taken away."""
-    with monkeypatch.context() as patch:
-        if searched:
-            patch.setattr(finding, "_by_closed_form", lambda _arm, _target, starts: (starts[:0], False))
-        found = finding.branches(arm, target, near)
-    return np.unique(np.round((found + np.pi) % (2 * np.pi) - np.pi, 4), axis=0)
-
-
-@pytest.mark.parametrize("name", ["ur5", "so101", "scara"])
-def test_branches_by_closed_form_are_those_that_searches_find(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    arm = load(name)
-    for theta in arm.random_theta(21, 5):
-        both = [
-            configurations(arm, Pose(arm.fk(theta)), arm.ready, monkeypatch, searched=each) for each in (True, False)
-        ]
-        apart = np.abs(np.sin((both[0][:, None] - both[1][None]) / 2)).max(axis=2)
-        assert (apart.min(axis=1) < 1e-3).all()
 
 
 @pytest.mark.parametrize(("name", "kind"), [("rover_arm", "approach"), ("panda", "pose"), ("ur5", "approach")])

@@ -1,3 +1,7 @@
+"""Piecewise polynomials: their values and extremes, splines through waypoints, the times between those."""
+
+from __future__ import annotations
+
 import itertools
 import sys
 
@@ -5,11 +9,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.interpolate import PPoly
+from scipy.interpolate import CubicSpline, PPoly, make_interp_spline
 
 from strategies import generators
+from twistarm import arm_from_screws, plan_joint
+from twistarm.arm import engine
+from twistarm.limits import JointLimits
 from twistarm.planning import spline
-from twistarm.planning.piecewise import derivative, evaluate
+from twistarm.planning.piecewise import derivative, evaluate, extremes, shifted
+from twistarm.planning.spline_times import duration, in_numpy, shortest_spline
 from twistarm.support.errors import MissingExtraError
 
 SMOOTH = 1e-8
@@ -58,18 +66,6 @@ def test_it_passes_the_waypoints_smoothly_and_rests_at_the_ends(fit, path):
             assert np.allclose([start[0], end[-1]], 0.0, atol=SMOOTH * size)
 
 
-@pytest.mark.parametrize("fit", [spline.cubic_rests, spline.quintic_rests], ids=lambda fit: fit.__name__)
-@given(path=paths())
-def test_resting_profiles_rest_everywhere_on_a_straight_line(fit, path):
-    waypoints, times = path
-    coefficients = fit(waypoints, times)
-    for order in range(1, FITS[fit][1] + 1):
-        assert np.allclose(ends(coefficients, times, order), 0.0, atol=1e-9)
-    # Every joint has gone the same fraction of its way: half of it in the middle.
-    middle = evaluate(coefficients, 0.5 * np.diff(times)[:, None])
-    assert np.allclose(middle, 0.5 * (waypoints[1:] + waypoints[:-1]))
-
-
 @given(paths())
 def test_the_quintic_has_the_least_jerk_of_all_that_pass(path):
     # Orthogonality: against any C³ function that vanishes at the waypoints, with velocity and acceleration zero at
@@ -88,36 +84,157 @@ def test_the_quintic_has_the_least_jerk_of_all_that_pass(path):
     assert (np.abs(total) <= ORTHOGONAL * size).all()
 
 
-def test_a_single_segment_is_the_textbooks_polynomial():
-    # Lynch & Park §9.2.2.1 with T = 2 and a distance of 1, highest power first.
-    line, times = np.array([[0.0], [1.0]]), np.array([0.0, 2.0])
-    cubic, quintic = [-2 / 8, 3 / 4, 0, 0], [6 / 32, -15 / 16, 10 / 8, 0, 0, 0]
-    for fit, expected in ((spline.cubic, cubic), (spline.cubic_rests, cubic)):
-        assert fit(line, times)[:, 0, 0] == pytest.approx(expected, abs=SMOOTH)
-    for fit, expected in ((spline.quintic, quintic), (spline.quintic_rests, quintic)):
-        assert fit(line, times)[:, 0, 0] == pytest.approx(expected, abs=SMOOTH)
-
-
-@pytest.mark.parametrize("ramps", [[0.1, 1.0], [0.5, 0.5], [0.5, 1e-6]])
-def test_the_trapezoid_ramps_coasts_and_brakes(ramps):
-    waypoints, times = np.array([[0.0, 1.0], [1.0, 0.0], [3.0, 0.0]]), np.array([0.0, 1.0, 3.0])
-    breakpoints, coefficients = spline.trapezoid(waypoints, times, np.array(ramps))
-    motion = PPoly(coefficients, breakpoints)
-    assert np.allclose(motion(times), waypoints)
-    assert np.allclose(motion(times, 1), 0.0, atol=1e-9)
-    for i, (ramp, length) in enumerate(zip(ramps, np.diff(times), strict=True)):
-        step, speed = waypoints[i + 1] - waypoints[i], 1.0 / (length - ramp)
-        assert np.allclose(motion(times[i] + ramp, 1), speed * step)
-        assert np.allclose(motion(times[i + 1] - ramp, 1), speed * step)
-        assert np.allclose(motion(times[i] + ramp / 2, 2), speed / ramp * step)
-        assert np.allclose(motion(times[i + 1] - ramp / 2, 2), -speed / ramp * step)
-    coasting = sum(2 * ramp < length for ramp, length in zip(ramps, np.diff(times), strict=True))
-    assert len(breakpoints) == 5 + coasting
-
-
 @pytest.mark.parametrize("fit", [spline.cubic, spline.quintic], ids=lambda fit: fit.__name__)
 def test_without_scipy_the_command_that_installs_it_is_named(fit, monkeypatch):
     for part in ("interpolate", "linalg"):
         monkeypatch.setitem(sys.modules, f"scipy.{part}", None)
     with pytest.raises(MissingExtraError, match=r"planning needs SciPy.*pip install 'twistarm\[plan\]'"):
         fit(np.zeros((3, 1)), np.arange(3.0))
+
+
+JOINTS = 7
+
+LONG = {
+    # The best of linear programs in a trust region from 16 starts (SciPy, minutes), through the waypoints of `drawn`,
+    # 2 rad/s and 5 rad/s²: benchmarks/long_search.py does the same.
+    "quintic": (17.760, 21.497, 16.543, 19.368),
+    "cubic": (16.585, 19.418, 14.994, 17.589),
+}
+
+
+def drawn(seed):
+    return np.random.default_rng([20260701, seed]).uniform(-2.0, 2.0, (10, JOINTS))
+
+
+def rates(rows, **given):
+    names = [str(row) for row in range(rows)]
+    return JointLimits.unbounded(rows).with_({"velocity": 2.0, "acceleration": 5.0, **given}, names)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("kind", ["cubic", "quintic"])
+def test_a_long_search_finds_nothing_much_shorter(kind, seed):
+    arm = arm_from_screws(np.eye(6)[:, [5] * JOINTS], np.eye(4), limits={"velocity": 2.0, "acceleration": 5.0})
+    assert LONG[kind][seed] * (1 - 1e-3) < plan_joint(arm, drawn(seed), kind=kind).duration < 1.01 * LONG[kind][seed]
+
+
+@pytest.mark.parametrize("degree", [3, 5])
+@pytest.mark.parametrize("segments", [1, 2, 6])
+def test_the_gradient_is_that_of_differences(degree, segments):
+    rng = np.random.default_rng(segments)
+    way, x = rng.normal(size=(segments, 3)), rng.normal(0.0, 0.4, segments)
+    limits = (np.ones(3), np.array([2.0, 1.0, np.inf]), np.array([5.0, np.inf, 3.0]))
+    _, gradient, _ = duration(way, degree, limits, x, 16.0)
+    nudged = [
+        [duration(way, degree, limits, x + by * axis, 16.0)[0] for by in (1e-6, -1e-6)] for axis in np.eye(segments)
+    ]
+    assert gradient == pytest.approx(-np.diff(nudged, axis=1)[:, 0] / 2e-6, abs=1e-7)
+
+
+@pytest.mark.parametrize("degree", [3, 5])
+def test_the_time_is_that_of_scipys_splines(degree):
+    points, x = drawn(0), np.random.default_rng(1).normal(0.0, 0.4, 9)
+    limits = rates(JOINTS, jerk=30.0)
+    _, _, exact = duration(
+        np.diff(points, axis=0), degree, (limits.velocity, limits.acceleration, limits.jerk), x, 16.0
+    )
+    times = np.append(0.0, np.cumsum(np.exp(x - x.mean())))
+    still = [(1, np.zeros(JOINTS)), (2, np.zeros(JOINTS))]
+    curve = CubicSpline(times, points, bc_type="clamped") if degree == 3 else None
+    curve = make_interp_spline(times, points, k=5, bc_type=(still, still)) if curve is None else curve
+    t = np.clip(np.linspace(times[:-1], times[1:], 17), 1e-12, times[-1] - 1e-12)
+    slowed = [(np.abs(curve(t, order)).max() / most) ** (1 / order) for order, most in ((1, 2.0), (2, 5.0), (3, 30.0))]
+    assert exact == pytest.approx(np.log(times[-1] * max(slowed)), abs=1e-6 if degree == 5 else 0.05)
+
+
+@pytest.mark.parametrize("degree", [3, 5])
+@pytest.mark.parametrize("given", [{}, {"jerk": 30.0}])
+def test_core_and_numpy_find_the_same_time(degree, given):
+    way, limits = np.ascontiguousarray(np.diff(drawn(0), axis=0)), rates(JOINTS, **given)
+    three = (limits.velocity, limits.acceleration, limits.jerk)
+    start = np.sqrt(np.abs(way).max(1))
+    assert engine.core() is not None
+    found = shortest_spline(way, degree, limits, start), in_numpy(way, degree, three, start)
+    core, numpy = (duration(way, degree, three, np.log(each), 16.0)[2] for each in found)
+    assert core == pytest.approx(numpy, abs=2e-3)
+
+
+ROUNDING = 1e-12
+"""Relative: a dozen operations in double precision on values of one order."""
+
+
+@st.composite
+def motions(draw):
+    """Coefficients (d + 1, s, n), some zero, leading ones tiny or zero too, and durations (s,) of several orders."""
+    rng, degree = draw(generators), draw(st.integers(0, 5))
+    shape = (degree + 1, int(rng.integers(1, 4)), int(rng.integers(1, 4)))
+    durations = 10.0 ** rng.uniform(-3, 2, shape[1])
+    scale = rng.choice([0.0, 1e-14, 1e-7, 1.0, 1.0, 1.0], size=shape)
+    powers = np.arange(degree, -1, -1.0)[:, None, None]
+    return rng.normal(size=shape) * scale / durations[:, None] ** powers, durations
+
+
+@given(motions(), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_shifted_polynomials_are_the_same_further_on(motion, share, further):
+    coefficients, durations = motion
+    by, tau = share * durations, further * durations
+    powers = np.arange(len(coefficients) - 1, -1, -1.0)[:, None, None]
+    size = (np.abs(coefficients) * (2.0 * durations[:, None]) ** powers).sum(axis=0)
+    moved = shifted(coefficients, by)
+    for k in range(len(durations)):
+        expected = [np.polyval(column, by[k] + tau[k]) for column in coefficients[:, k].T]
+        actual = [np.polyval(column, tau[k]) for column in moved[:, k].T]
+        np.testing.assert_allclose(actual, expected, rtol=0, atol=ROUNDING * size[k].max() + 1e-300)
+
+
+@given(motions())
+def test_value_and_derivatives_are_those_of_scipy(motion):
+    coefficients, durations = motion
+    breakpoints = np.concatenate([[0.0], np.cumsum(durations)])
+    for order in range(4):
+        expected = PPoly(coefficients, breakpoints).derivative(order)
+        rows = derivative(coefficients, order)
+        for fraction in (0.0, 0.3, 0.99):
+            tau = fraction * durations
+            size = np.abs(evaluate(np.abs(rows), tau[:, None])) + 1.0
+            error = evaluate(rows, tau[:, None]) - expected(breakpoints[:-1] + tau)
+            # The sum of times rounds, and the slope there carries it over.
+            assert (np.abs(error) <= 1e-9 * size).all()
+
+
+@given(motions())
+def test_no_sample_and_no_root_exceeds_the_extremes(motion):
+    coefficients, durations = motion
+    tau, values = extremes(coefficients, durations)
+    assert (tau >= 0).all()
+    assert (tau <= durations[:, None]).all()
+    scale = evaluate(np.abs(coefficients), durations[:, None])
+    for s, length in enumerate(durations):
+        for j in range(coefficients.shape[2]):
+            polynomial = coefficients[:, s, j]
+            roots = np.roots(np.polyder(polynomial))
+            roots = np.clip(np.real(roots[np.abs(np.imag(roots)) < 1e-6 * length]), 0.0, length)
+            sampled = np.polyval(polynomial, np.concatenate([np.linspace(0, length, 1001), roots]))
+            assert values[:, s, j].max() >= sampled.max() - ROUNDING * scale[s, j]
+            assert values[:, s, j].min() <= sampled.min() + ROUNDING * scale[s, j]
+            assert np.allclose(values[:, s, j], np.polyval(polynomial, tau[:, s, j]), atol=ROUNDING * scale[s, j])
+
+
+@pytest.mark.parametrize(
+    ("roots", "name"),
+    [
+        ((0.2, 0.5, 0.9), "three apart"),
+        ((0.5, 0.5, 0.5), "a triple one"),
+        ((0.5, 0.5 + 1e-7, 0.9), "two nearly equal"),
+        ((0.0, 1.0, 0.5), "at the ends"),
+        ((-1.0, 2.0, 3.0), "all outside"),
+        ((0.3, 0.3 + 1e-3j, 0.3 - 1e-3j), "a pair just off the axis"),
+    ],
+)
+def test_hard_stationary_points(roots, name):
+    polynomial = np.polyint(np.real(np.poly(roots)))
+    _, values = extremes(polynomial[:, None, None], np.ones(1))
+    inside = [r.real for r in np.array(roots, dtype=complex) if r.imag == 0 and 0 <= r.real <= 1]
+    expected = np.polyval(polynomial, [0.0, 1.0, *inside])
+    assert values.max() == pytest.approx(expected.max(), abs=ROUNDING)
+    assert values.min() == pytest.approx(expected.min(), abs=ROUNDING)

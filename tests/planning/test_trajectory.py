@@ -86,16 +86,6 @@ def test_a_rounding_is_no_sample_of_its_own(duration, dt, count):
     assert samples.theta[[0, -1], 0].tolist() == [0.0, duration]
 
 
-def test_a_motion_of_no_length_stays_where_it_is():
-    trajectory = standstill()
-    assert trajectory.duration == 0.0
-    assert trajectory([-1.0, 0.0, 1.0]).tolist() == [[0.3]] * 3
-    assert trajectory.sample(0.1).t.tolist() == [0.0]
-    for order in (1, 2, 3):
-        assert trajectory(0.0, order).tolist() == [0.0]
-        assert trajectory.peak(order).tolist() == [0.0]
-
-
 def test_it_is_plain_read_only_data():
     trajectory = motion()
     copy = pickle.loads(pickle.dumps(trajectory))
