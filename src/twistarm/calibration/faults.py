@@ -76,7 +76,7 @@ def correction(found: Found, motors: Actuators, i: int) -> str:
     if found.explanation.accounts[i] != "sound":
         written = ", ".join(f"{joint} = {value:.6g}" for joint, value in ratio.items())
         steps.append(
-            f"as it is wired, [actuators.{motors.names[i]}] has ratio = {{ {written} }}, offset = {offset:.6g}"
+            f"as wired, [actuators.{motors.names[i]}] has ratio = {{ {written} }}, offset = {offset:.6g}"
         )
     return "; ".join(steps)
 
