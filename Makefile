@@ -10,7 +10,7 @@ PYENV_ROOT ?= $(HOME)/.pyenv
 # Tests start hundreds of programs: what Python has compiled once is kept, wherever that is switched off.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo guide test test-all test-pythons docs bench lint lint-page format coverage dist clean
+.PHONY: demo guide test test-all test-pythons docs pictures bench lint lint-page format coverage dist clean
 
 demo: $(VENV)/base
 	$(BIN)/twistarm demo
@@ -41,6 +41,10 @@ test-pythons:
 
 docs: $(VENV)/dev
 	$(BIN)/python -m sphinx -W --keep-going -q docs docs/_build
+
+# Of README and docs; needs Chromium, Chrome or Edge.
+pictures: $(VENV)/dev
+	$(BIN)/python docs/draw_pictures.py
 
 bench: $(VENV)/dev
 	$(BIN)/python -m benchmarks $(BENCH)

@@ -63,7 +63,7 @@ REFUSED: dict[str, tuple[str, Any, str]] = {
     "names that are none": ("base", 5, "base must be text; got 5"),
     "a slide in rad": ("joints.0.unit", "rad", "got 'prismatic' in 'rad'"),
     "limits that are swapped": ("joints.0.lower", 2.0, "limits of joint 0 are swapped"),
-    "a screw that is zero": ("screws", [[0.0] * 5] * 6, "a joint whose screw is zero"),
+    "a screw that is zero": ("screws", [[0.0] * 5] * 6, "a joint with a zero screw"),
     "a home that is no pose": ("home", [[2.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], "is not in SO(3)"),
     "a tool that is no pose": ("tool", np.zeros((4, 4)).tolist(), "tool is not in SE(3)"),
     "a coupling of another size": ("coupling.A", [[1.0]], "A must have shape (5, 5); got (1, 1)"),

@@ -133,7 +133,7 @@ def test_a_sound_arm(toml: Path, tmp_path: Path, capsys: Capture) -> None:
 def test_a_fault_is_named_with_the_entries_to_write(toml: Path, tmp_path: Path, capsys: Capture) -> None:
     path = written(load_arm(toml), tmp_path, factor=np.array([1.0, 1.0, -1.0, 1.0, 1.0]))
     assert run(["wiring", str(toml), str(path)]) == 1
-    fault = "elbow: its sign is flipped; as it is wired, [actuators.elbow] has ratio = { elbow = 80 }, offset = 0"
+    fault = "elbow: its sign is flipped; as wired, [actuators.elbow] has ratio = { elbow = 80 }, offset = 0"
     assert fault in capsys.readouterr().out
     assert run(["wiring", str(toml), str(path), "--json"]) == 1
     content = json.loads(capsys.readouterr().out)

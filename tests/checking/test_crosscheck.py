@@ -80,7 +80,7 @@ def test_what_pinocchio_does_not_read_as_it_is_written_is_not_compared(tmp_path:
     text = two_joints(inside='<limit lower="-1" upper="1" velocity="1" effort="-1"/>')
     (why,) = (row.not_compared for row in crosscheck(load_arm(write(tmp_path, text)), 10).comparisons
               if "as written" in row.engines[1])  # fmt: skip
-    assert why.startswith("Pinocchio does not read it as it is written: ")
+    assert why.startswith("Pinocchio does not read the unchanged file: ")
 
 
 def test_a_hundred_followers_of_one_joint_agree_and_take_no_minutes(tmp_path: Path) -> None:

@@ -93,7 +93,7 @@ def test_fix_writes_and_lists(capsys: Capture, tmp_path: Path) -> None:
     content = answer(capsys, "doctor", path, "--fix", "-o", str(out), "--force")
     assert content["repairs"] == ["joint 'a': axis 0 0 2 normalised"]
     assert content["written"] == [str(out)]
-    assert "which stays as it is" in error_of(capsys, "doctor", path, "--fix", "-o", path)
+    assert "which stays unchanged" in error_of(capsys, "doctor", path, "--fix", "-o", path)
 
 
 def test_fix_of_what_cannot_be_read_writes_nothing(capsys: Capture, tmp_path: Path) -> None:

@@ -90,7 +90,7 @@ def test_axes_that_almost_meet(miss: str, told: bool, tmp_path: Path) -> None:
     text = chain("0 0 1", "0 1 0").replace('xyz="0 0 0.5"', f'xyz="{miss} 0 0.5"', 2)
     said = [one for one in diagnose(write(tmp_path, text)) if one.code == "axes-almost-exact"]
     assert bool(said) == told
-    assert not told or "j0–j1 meet but for 0.5 mm" in said[0].what
+    assert not told or "j0–j1 meet to within 0.5 mm" in said[0].what
 
 
 def test_a_wrist_that_is_almost_spherical(tmp_path: Path) -> None:
@@ -102,7 +102,7 @@ def test_a_wrist_that_is_almost_spherical(tmp_path: Path) -> None:
         links=("base_link", "a", "b", "tool0"),
     )
     (said,) = [one for one in diagnose(write(tmp_path, text)) if one.code == "axes-almost-exact"]
-    assert "roll–pitch–yaw are a spherical wrist but for 0.5 mm" in said.what
+    assert "roll–pitch–yaw are almost a spherical wrist, off by 0.5 mm" in said.what
 
 
 def wrist(offset: float) -> str:

@@ -40,7 +40,7 @@ REPAIRS = {
     "a hinge without bounds is continuous": (
         two_joints(inside='<limit velocity="2" effort="3"/>'),
         ['<joint name="a" type="continuous">', '<limit velocity="2" effort="3"/>'],
-        ["joint 'a': revolute without bounds made continuous, as it is read"],
+        ["joint 'a': revolute without bounds made continuous, as twistarm reads it"],
     ),
     "rates that are missing or negative become 0": (
         two_joints(inside='<limit lower="-1" upper="1" effort="-1"/>'),
@@ -154,7 +154,7 @@ def test_the_original_is_never_touched(tmp_path: Path) -> None:
     (tmp_path / "link.urdf").symlink_to(path)
     description = read_description(path)
     for name in ("arm.urdf", "link.urdf"):
-        with pytest.raises(InputError, match="is the description itself, which stays as it is: give another name"):
+        with pytest.raises(InputError, match="is the description itself, which stays unchanged: give another name"):
             repair(description, tmp_path / name)
     for name in ("copy.xacro", "copy.urdf.xacro", "arm.toml", "copy"):
         with pytest.raises(InputError, match=r"the repaired copy is plain URDF: name it \*\.urdf"):

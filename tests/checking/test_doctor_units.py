@@ -131,7 +131,7 @@ def test_a_mesh_is_judged_at_each_of_its_scales(scales: tuple[str, str], tmp_pat
 def test_without_trimesh_it_is_said_what_was_not_looked_at(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "trimesh", None)
     said = only(with_mesh(triangle(300.0)), tmp_path, "mesh-not-looked-at")
-    assert "1 mesh files, whose size was not looked at: that needs trimesh" in said.what
+    assert "1 mesh files of unknown size: reading them needs trimesh" in said.what
     assert said.remedy == "pip install 'twistarm[view]'"
 
 

@@ -126,7 +126,7 @@ def test_bad_input_is_one_line(case: str, capsys: Capture) -> None:
     [
         ("rover_arm", "an Approach (ik --all): closed form, the axes of shoulder, elbow and wrist_pitch are parallel"),
         ("elbow", "a Pose (ik --all): closed form, the axes of joint_4, joint_5 and joint_6 meet in a point"),
-        pytest.param("rover_arm_6dof", "elimination, six joints that turn, whatever their axes; the axes of "
+        pytest.param("rover_arm_6dof", "elimination, six joints that turn, with any axes; the axes of "
                      "wrist_pitch and wrist_roll pass at 20 mm", marks=pytest.mark.slow),
     ],
 )  # fmt: skip

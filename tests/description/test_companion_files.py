@@ -110,4 +110,4 @@ def test_names_that_are_not_there_are_one_warning(urdf: Path) -> None:
     assert arm.disabled_pairs == {("base_link", "upper")}
     (finding,) = [finding for finding in arm.findings if finding.code == "srdf-unknown-name"]
     assert finding.severity == "warning"
-    assert "tiny has no joint or link 'elbow', 'hand'; what is said of them is not used" in finding.what
+    assert "tiny has no joint or link 'elbow', 'hand'; their entries are not used" in finding.what

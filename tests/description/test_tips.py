@@ -155,7 +155,7 @@ def test_the_choice_is_told_with_its_reason_and_the_others(tmp_path: Path) -> No
     (told,) = note_choice(description, choose_ends(description))
     assert (told.code, told.severity, told.place.name) == ("several-tips", "info", "tool0")
     assert told.what == (
-        "taken as the tool, as nobody said which: it has a usual name for it, 3 joints from 'base_link'; "
+        "chosen as the tool, because no tip was given: it has a usual name for it, 3 joints from 'base_link'; "
         "the arm stands on 'arm_base'; other candidates: 'ee', 'x', 'front_left_wheel', 'front_right_wheel', "
         "'rear_left_wheel', 'rear_right_wheel'"
     )

@@ -44,7 +44,7 @@ REFUSED = {
         "a0: &a0 {x: 1}\n" + "".join(f"a{i}: &a{i} {{<<: [{', '.join([f'*a{i - 1}'] * 9)}]}}\n" for i in range(1, 12)),
         "more than 50000 values",
     ),
-    "itself": ("a: &a [*a]", "an alias inside what it stands for"),
+    "itself": ("a: &a [*a]", "an alias inside its own value"),
     "an object": ("!!python/object/apply:os.system ['true']", "could not determine a constructor"),
     "an unknown tag": ("a: !degree 1", "the tag !degree is unknown; allowed"),
     "a tab": ("a:\n\tb: 1", "limits.yaml:2: not usable YAML: found"),

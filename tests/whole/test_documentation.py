@@ -57,7 +57,7 @@ def test_files_that_rules_and_recipes_name_are_there() -> None:
     folders = ("src", "core", "tests", "docs", "tools", "robots", "examples", "benchmarks")
     held = [file for folder in folders for file in (root / folder).rglob("*")]
     ends = {"/".join(file.parts[-k:]) for file in (*held, *root.glob("*")) for k in range(1, len(file.parts))}
-    for page in ("DESIGN.md", "CONTRIBUTING.md"):
+    for page in ("docs/architecture.md", "CONTRIBUTING.md"):
         named = re.findall(r"`([\w./]+\.(?:py|hpp|cpp|js|json|md|html))`", (root / page).read_text("utf-8"))
         assert not [name for name in named if name.removeprefix("./") not in ends], page
 

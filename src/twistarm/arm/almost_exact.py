@@ -1,4 +1,4 @@
-"""Axes of an arm that are parallel, square or meeting but for a little: CAD exports round.
+"""Axes of an arm that are parallel, square or meeting, but not exactly: CAD exports round.
 
 The angle and the distance between neighbouring axes are constants of the arm. Closed forms of inverse kinematics need
 them exact: an arm with rpy="1.5708" has none of the special geometries it was drawn with.
@@ -89,13 +89,13 @@ def _pair(a: Array, b: Array, offset: Array | None, reach: float) -> Iterator[tu
     sine, cosine = float(np.linalg.norm(np.cross(a, b))), abs(float(a @ b))
     for what, angle in (("parallel", math.atan2(sine, cosine)), ("square", math.atan2(cosine, sine))):
         if EXACT_ANGLE < angle < ALMOST_ANGLE:
-            yield f"are {what} but for {angle_in_words(angle)}", angle * reach, False
+            yield f"are {what} to within {angle_in_words(angle)}", angle * reach, False
     if offset is None:
         return
     parallel = math.atan2(sine, cosine) < ALMOST_ANGLE
     distance = float(np.linalg.norm(np.cross(offset, a))) if parallel else abs(float(offset @ np.cross(a, b))) / sine
     if EXACT_DISTANCE < distance < ALMOST_DISTANCE:
-        yield f"{'coincide' if parallel else 'meet'} but for {length_in_words(distance)}", distance, True
+        yield f"{'coincide' if parallel else 'meet'} to within {length_in_words(distance)}", distance, True
 
 
 def _wrist(joints: Sequence[str], axes: Array, points: Array, turning: Array) -> list[Near]:
@@ -110,7 +110,7 @@ def _wrist(joints: Sequence[str], axes: Array, points: Array, turning: Array) ->
     distance = float(np.linalg.norm(np.einsum("kij,kj->ki", across, centre - points[-3:]), axis=1).max())
     if not EXACT_DISTANCE < distance < ALMOST_DISTANCE:
         return []
-    what = f"are a spherical wrist but for {length_in_words(distance)}"
+    what = f"are almost a spherical wrist, off by {length_in_words(distance)}"
     return [Near("–".join(joints[-3:]), what, distance, apart=True)]
 
 

@@ -206,7 +206,7 @@ def _checked(content: dict[str, Any]) -> Baked:
     n, m = len(names), len(moving)
     screws = _array(content["screws"], "screws", (6, m))
     if not (np.abs(screws).max(axis=0) >= LEAST).all():
-        raise ValueError("a joint whose screw is zero")
+        raise ValueError("a joint with a zero screw")
     limits = read_limits({field: [joint[field] for joint in joints] for field in FIELDS})
     for name, lower, upper in zip(names, limits.lower, limits.upper, strict=True):
         if lower > FARTHEST or upper < -FARTHEST:

@@ -75,9 +75,7 @@ def correction(found: Found, motors: Actuators, i: int) -> str:
     ratio, offset = entries(found, motors, i)
     if found.explanation.accounts[i] != "sound":
         written = ", ".join(f"{joint} = {value:.6g}" for joint, value in ratio.items())
-        steps.append(
-            f"as it is wired, [actuators.{motors.names[i]}] has ratio = {{ {written} }}, offset = {offset:.6g}"
-        )
+        steps.append(f"as wired, [actuators.{motors.names[i]}] has ratio = {{ {written} }}, offset = {offset:.6g}")
     return "; ".join(steps)
 
 

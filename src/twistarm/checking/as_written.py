@@ -25,7 +25,7 @@ class AsWritten:
         self._pin = import_pinocchio()
         self._model, complaint = model_of(text)
         if complaint:
-            raise InputError(f"Pinocchio does not read it as it is written: {complaint}")
+            raise InputError(f"Pinocchio does not read the unchanged file: {complaint}")
         self._data = self._pin.Data(self._model)
 
     def link_poses(self, values: Mapping[str, Array], links: Sequence[str], base: str) -> Array:
@@ -36,7 +36,7 @@ class AsWritten:
         model, data, body = self._model, self._data, self._pin.FrameType.BODY
         frames = {str(frame.name): i for i, frame in enumerate(model.frames) if frame.type == body}
         if unknown := [link for link in (*links, base) if link not in frames]:
-            raise InputError(f"as it is written it has no link {unknown[0]!r}")
+            raise InputError(f"the unchanged file has no link {unknown[0]!r}")
         poses = np.empty((len(next(iter(values.values()))), len(links), 4, 4))
         for k, pose in enumerate(poses):
             self._pin.framesForwardKinematics(model, data, self._q({name: x[k] for name, x in values.items()}))

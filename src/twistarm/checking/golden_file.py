@@ -130,7 +130,7 @@ def _checked(content: dict[str, Any]) -> dict[str, Any]:
         if arrays[name].shape != shape:
             raise ValueError(f"{name} has shape {arrays[name].shape} instead of {shape}")
     if not np.abs(arrays["screws"]).max(axis=0).all():
-        raise ValueError("a joint whose screw is zero")
+        raise ValueError("a joint with a zero screw")
     as_pose(arrays["home"], "home")
     joints = content["joints"]
     for joint in joints:

@@ -59,7 +59,7 @@ CODES: dict[str, Code] = {
     "effort-not-given": Code("warning", "an effort limit is absent, zero or negative"),
     "mimic-malformed": Code("error", "a mimic's multiplier or offset is no number"),
     "mimic-master-missing": Code("error", "a joint mimics one that is not there"),
-    "mimic-master-unusable": Code("error", "a joint mimics one whose motion is not one number"),
+    "mimic-master-unusable": Code("error", "a joint mimics one with more than one coordinate"),
     "planar-mimics": Code("error", "a planar joint follows another; its motion is not one number"),
     "planar-limits-ignored": Code("info", "URDF has no way to bound a planar joint; its limits are not used"),
     "mimic-circle": Code("error", "joints mimic each other in a circle"),
@@ -68,14 +68,14 @@ CODES: dict[str, Code] = {
     "locked-outside-limits": Code("warning", "a joint is locked outside its own limits"),
     # the chain
     "no-tip": Code("error", "it is not clear which link is the tool"),
-    "several-tips": Code("info", "nobody said which link is the tool; the likeliest was taken"),
-    "base-not-above-tip": Code("error", "the tip does not hang on the base"),
+    "several-tips": Code("info", "no tip was given; the most likely link was chosen"),
+    "base-not-above-tip": Code("error", "the tip is not beyond the base"),
     "nothing-moves": Code("error", "no joint moves between base and tip"),
     "floating-in-chain": Code("error", "a floating joint between base and tip: its motion is not a joint angle"),
     "tool-name-taken": Code("error", "the tool has the name of a link"),
     "pose-unusable": Code("error", "a named pose does not fit the arm"),
     "limits-unusable": Code("error", "limits given beside the description do not fit the arm"),
-    "pose-left-out": Code("warning", "a named pose puts a locked joint elsewhere, or is none of the chain asked for"),
+    "pose-left-out": Code("warning", "a named pose puts a locked joint elsewhere, or is not on the requested chain"),
     "actuator-left-out": Code("info", "a motor drives joints outside the chain that was asked for"),
     # what stands beside the description
     "srdf-found": Code("info", "an SRDF says more about the robot than its description"),
@@ -106,14 +106,14 @@ CODES: dict[str, Code] = {
     ),
     "package-not-used": Code("warning", "nothing had to be left out for a package that the caller does without"),
     "environment-kept": Code("info", "an environment variable that was asked for counts as not set"),
-    "package-needed-not-found": Code("error", "a package was not found whose files are needed"),
+    "package-needed-not-found": Code("error", "a package with needed files was not found"),
     "xacro-argument-missing": Code("error", "a xacro argument has no value"),
     "xacro-argument-unknown": Code("error", "xacro arguments were given that the file does not take"),
     "xacro-failed": Code("error", "xacro cannot expand the file"),
     "xacro-recursion": Code("error", "a macro, a property or an included file refers to itself without end"),
     "xacro-expression-refused": Code("error", "an expression does more than compute"),
     "xacro-too-large": Code("error", "expanding the file takes more work than any robot's description needs"),
-    "include-pattern-refused": Code("error", "an include's wildcards stand in a folder's name"),
+    "include-pattern-refused": Code("error", "an include has wildcards in a folder's name"),
     "file-outside-packages": Code("error", "an include or a YAML load reaches outside the packages"),
     "file-too-large": Code("error", "a file is larger than any description"),
     # what the doctor sees beyond the reading: limits
@@ -134,7 +134,7 @@ CODES: dict[str, Code] = {
     "joint-without-effect": Code("warning", "a coordinate of the arm never moves the tool"),
     "joint-off-the-chain": Code("info", "joints that are not between base and tip"),
     # axes
-    "axes-almost-exact": Code("info", "axes are parallel, square or meeting but for a little"),
+    "axes-almost-exact": Code("info", "axes are almost parallel, square or intersecting"),
     "closed-form-missed": Code("info", "axes just miss a closed form of inverse kinematics"),
     # the tool
     "tool-frame-missing": Code("warning", "the tool is the last joint's own frame; nothing says where the arm grips"),
@@ -150,7 +150,7 @@ CODES: dict[str, Code] = {
     "mesh-too-small": Code("warning", "meshes are far smaller than the arm, or scaled to nothing"),
     "mesh-lfs-pointer": Code("warning", "a mesh file holds a Git LFS pointer, not the mesh"),
     "mesh-unreadable": Code("warning", "a mesh file cannot be read; it is not drawn"),
-    "mesh-not-looked-at": Code("info", "meshes whose size the doctor has not looked at"),
+    "mesh-not-looked-at": Code("info", "meshes of a size that the doctor did not check"),
     # engines
     "engine-refuses": Code("error", "Pinocchio refuses the description"),
     "engines-disagree": Code("error", "product of exponentials and Pinocchio disagree about the arm"),
@@ -218,7 +218,7 @@ class Findings:
     def told(self, place: Place) -> tuple[Finding, ...]:
         """Those that are kept, and for each code with more how many, in the file that is `place`."""
         more = {code: count - MOST_OF_A_KIND for code, count in self._counts.items() if count > MOST_OF_A_KIND}
-        remedy = "correct those that are told: the others may go with them"
+        remedy = "correct the listed ones: this may cure the others too"
         rest = (finding(code, place, f"the same is so {many} times more", remedy) for code, many in more.items())
         return (*self.kept, *rest)
 

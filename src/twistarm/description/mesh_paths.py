@@ -97,7 +97,7 @@ def _package_missing(package: str, path: str, file: Path, packages: PackageIndex
     for folder in (*list(file.parents)[:NEAR], *packages.user_dirs):
         if path and any(is_file(folder / name) for name in _spellings(path)):
             remedy = f"{correct}give the folder {folder.name!r} the name {package}"
-            return f"{what}, but the path stands in the folder {folder.name!r}", remedy
+            return f"{what}, but the path is relative to the folder {folder.name!r}", remedy
     return what, f"{correct}pass {package_folder(package)}"
 
 

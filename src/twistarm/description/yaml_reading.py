@@ -95,7 +95,7 @@ def _loader(yaml: Any, most: int) -> Any:
             alias, before = self.check_event(yaml.events.AliasEvent), self.count
             node = super().compose_node(parent, index)
             if alias and id(node) not in self.sizes:
-                raise yaml.constructor.ConstructorError(None, None, "an alias inside what it stands for", mark)
+                raise yaml.constructor.ConstructorError(None, None, "an alias inside its own value", mark)
             self.count += self.sizes[id(node)] if alias else 1
             self.sizes.setdefault(id(node), self.count - before)
             problem = f"more than {most} values" if self.count > most else _bad_number(node)

@@ -249,7 +249,7 @@ template <class T> inline constexpr twistarm::chain<T, n, m> chain = {{
     {coupling},
 }};
 
-/// Whose limit `servo_output::row` is, motors first; where the cause is a singularity, row counts `joint_names`.
+/// Name of `servo_output::row`, motors first; for a singularity, row counts `joint_names`.
 inline constexpr const char* row_names[{rows}] = {{{row_names}}};
 
 /// What `servo_step` needs beside the chain: the limits of those rows, unit, ready, length (the reach [m]), below,

@@ -77,7 +77,7 @@ def reached(solution: IKSolution) -> str:
         return "nothing yet"
     parts, met = [], solution.tolerances.or_rounding(solution.arm.rounding)
     if solution.rounded:
-        return "met but for the rounding of the arm's axes"
+        return "met to within the rounding of the arm's axes"
     if len(solution.target._position_tolerance):
         off = f"{_length(solution.position_error)} off"
         off += _hardly(solution.position_error, met.position, "position_tol", "m")
@@ -162,7 +162,7 @@ def _blocked(solution: IKSolution) -> list[str]:
         return [f"without limits its position could be met, {where}", *_impossible(solution, theta)]
     return [
         f"{_degrees(solution.orientation_error - turned)} of the rotation are prevented by limits",
-        f"without limits it could be met but for {_degrees(turned)}, {where}",
+        f"without limits it could be met to within {_degrees(turned)}, {where}",
         *_impossible(solution, theta),
     ]
 
@@ -188,7 +188,7 @@ def _impossible(solution: IKSolution, theta: Array) -> list[str]:
     plane = approach_plane(arm, target, theta)
     if plane is not None and plane.angle > NEGLIGIBLE:
         normal = axis_in_words(plane.normal, "base")
-        lines.append(f"the approach is {_degrees(plane.angle)} out of the arm's plane, whose normal is {normal}")
+        lines.append(f"the approach is {_degrees(plane.angle)} out of the arm's plane, which has the normal {normal}")
     return lines
 
 

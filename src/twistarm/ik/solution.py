@@ -44,7 +44,7 @@ PERHAPS_NEARER = "an arm of so many joints may come nearer: try another rng or t
 
 WITHOUT_CORE = (
     "this is the best configuration found: the nearest one, and the reason, need the compiled core, "
-    "and `twistarm info` says why there is none"
+    "and `twistarm info` says why it is missing"
 )
 
 

@@ -240,7 +240,7 @@ def _given(table: Mapping[str, Any], *names: str) -> dict[str, Any]:
 def _needs(table: Mapping[str, Any], name: str, others: Sequence[str]) -> None:
     """An entry that says nothing without one of the `others` is a mistake."""
     if name in table and not set(others) & set(table):
-        raise InputError(f"{name} goes with {' or '.join(others)}, and there is none beside it")
+        raise InputError(f"{name} goes with {' or '.join(others)}, and it is missing beside it")
 
 
 def _real(value: Any, name: str) -> float:

@@ -19,7 +19,7 @@ USUAL = Tolerances(1e-6, 1e-6)
 
 
 ROUNDED = (
-    f"the path is met but for the rounding of the arm's axes, by at most {length_in_words(POSITION_ROUNDING)} and "
+    f"the path is met to within the rounding of the arm's axes, by at most {length_in_words(POSITION_ROUNDING)} and "
     f"{angle_in_words(ORIENTATION_ROUNDING)}: the doctor's finding axes-almost-exact names them"
 )
 """The note on a motion that needed `but_for_rounding`."""

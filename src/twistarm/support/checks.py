@@ -230,7 +230,7 @@ def as_rotation(value: ArrayLike, name: str = "rotation") -> Array:
     if off > ORTHONORMAL_TOL:
         raise InputError(
             f"{name} is not in SO(3): its columns are {off:.2g} away from square unit vectors "
-            f"(allowed {ORTHONORMAL_TOL:g}); if it is a rotation but for noise, take twistarm.rotations.nearest of it"
+            f"(allowed {ORTHONORMAL_TOL:g}); if it is a noisy rotation, take twistarm.rotations.nearest of it"
         )
     if not (np.linalg.det(R) > 0).all():
         raise InputError(f"{name} is not in SO(3): its determinant is −1, a reflection; swap or negate one axis")

@@ -60,7 +60,7 @@ def rewriting(arm: Arm, *, apart: bool) -> str:
     if not rounded:
         return "if the drawing says so, write the chain's origins and axes with 16 digits"
     given = "; ".join(f"{exact} for {_shown(words)}" for exact, words in rounded.items())
-    left = "; a distance that is left then stands in <origin xyz>, or is meant" if apart else ""
+    left = "; a remaining distance is then in <origin xyz>, or intended" if apart else ""
     return f"write {given} in <origin rpy>{left}"
 
 

@@ -60,7 +60,7 @@ def _sizes(description: Description, paths: list[Path], uses: list[Use], reader:
     try:
         found = {path: _length(path, reader) for path in paths}
     except MissingExtraError:
-        what = f"{len(paths)} mesh files, whose size was not looked at: that needs trimesh"
+        what = f"{len(paths)} mesh files of unknown size: reading them needs trimesh"
         yield finding("mesh-not-looked-at", description.place(), what, "pip install 'twistarm[view]'")
         return
     except TwistarmError as error:

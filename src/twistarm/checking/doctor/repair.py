@@ -55,7 +55,7 @@ def repair(description: Description, output: str | os.PathLike[str]) -> Repair:
     if target.suffix != ".urdf":
         raise InputError(f"the repaired copy is plain URDF: name it *.urdf; got {target.name!r}")
     if description.path is not None and target.exists() and os.path.samefile(target, description.path):
-        raise InputError(f"{target} is the description itself, which stays as it is: give another name")
+        raise InputError(f"{target} is the description itself, which stays unchanged: give another name")
     source = SourceText(description.text)
     folder = target.parent
     changes = [
@@ -103,7 +103,7 @@ def _limit(source: SourceText, joint: ET.Element, read: Joint) -> Iterator[str]:
     if read.type == "revolute" and math.isinf(read.lower) and math.isinf(read.upper) and read.lower < read.upper:
         source.set(joint, type="continuous")
         changes |= {bound: None for bound in ("lower", "upper") if limit is not None and bound in limit.attrib}
-        yield f"{name}: revolute without bounds made continuous, as it is read"
+        yield f"{name}: revolute without bounds made continuous, as twistarm reads it"
     if limit is None:
         return
     for rate in ("velocity", "effort"):

@@ -25,7 +25,7 @@ Motion = Annotated[
         "--motion", help="Write a first motion.toml for the arm, as `twistarm plan ARM motion.toml` takes it."
     ),
 ]
-File = Annotated[str, typer.Argument(metavar="FILE", help="URDF or xacro file; with --motion whatever is an ARM.")]
+File = Annotated[str, typer.Argument(metavar="FILE", help="URDF or xacro file; with --motion any ARM.")]
 
 
 def init(

@@ -66,10 +66,10 @@ def _missing_package(package: str, wanted: Path, expansion: Expansion, place: Pl
             "are drawn, and nothing is included"
         )
     elif near := _folder_with(wanted, expansion):
-        what += f"; the file that is asked for, {wanted}, stands in {near}"
+        what += f"; the requested file, {wanted}, stands in {near}"
         remedy = f"if that folder is the package, name it {package}; else {remedy}"
     elif (beside := expansion.path.parent / wanted.name).is_file():
-        what += f"; the file that is asked for stands at {beside}"
+        what += f"; the requested file stands at {beside}"
         remedy = f"copy the package with its folders: there it is {package}/{wanted}; else {remedy}"
     return refusal("package-needed-not-found", place, _shortened(what), remedy)
 

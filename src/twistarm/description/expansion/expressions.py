@@ -119,7 +119,7 @@ class Expressions:
             elif not isinstance(part, (float, date, type(None))):
                 kind = "namespace" if isinstance(part, self._namespace) else "function" if callable(part) else ""
                 what = f"a {kind or type(part).__name__} is no value, nor text"
-                raise Refused(REFUSED, what, "call it, or name what stands in it")
+                raise Refused(REFUSED, what, "call it, or name one of its items")
         self._work.charge(size)
         return value
 

@@ -55,7 +55,7 @@ def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]
     """What was chosen and why, as a finding; none where there was nothing to choose."""
     if not choice.others:
         return ()
-    what = f"taken as the tool, as nobody said which: {choice.why}"
+    what = f"chosen as the tool, because no tip was given: {choice.why}"
     what += f"; the arm stands on {choice.base!r}" if choice.base != description.root else ""
     what += f"; other candidates: {listed(choice.others, SHOWN)}"
     place = description.place(description.links[choice.tip])

@@ -46,5 +46,5 @@ def title_of(cells: tuple[Cell, ...]) -> str:
     """The title: the first line of the first cell."""
     first = cells[0].source.partition("\n")[0] if cells else ""
     if not first.startswith("# "):
-        raise InputError("a lesson begins with a cell of text whose first line is `# TITLE`")
+        raise InputError("a lesson begins with a cell of text with the first line `# TITLE`")
     return first[2:].strip()

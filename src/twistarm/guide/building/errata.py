@@ -73,8 +73,8 @@ def _square_of_a_norm() -> Slip:
     return Slip(
         "The norm of a quaternion (2.1.1)",
         r"$Q \cdot Q^*$ is the square of the norm, $\|Q\|^2$, and not the norm. With the guide's $Q^{-1} = "
-        r"Q^*/\|Q\|^2$, whoever takes the definition at its word divides by the fourth power. With unit quaternions "
-        r"nobody notices.",
+        r"Q^*/\|Q\|^2$, the definition taken literally divides by the fourth power. With unit quaternions "
+        r"the slip does not show.",
         f"For $Q = (1, 2, 3, 4)$: $Q \\cdot Q^* = {square:.0f}$. Read literally, $Q \\cdot Q^{{-1}} = {literal:.4f}$, "
         f"which is $1/{1 / literal:.0f}$; with $\\|Q\\| = \\sqrt{{{square:.0f}}}$ it is {right:.0f}.",
     )

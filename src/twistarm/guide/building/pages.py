@@ -79,9 +79,9 @@ an arm of {n}.
 
 [Before you begin](before.html) lists what you should know, and the letters and words that the lessons use.
 
-A lesson takes ten to twenty minutes. It begins with a question that somebody has who builds an arm, states the law and
-where it comes from, and shows it on the arm. Where it asks you to **predict**, do so before you unfold the answer:
-what you got wrong is what you will remember. Work with a pencil, and with Python at hand."""
+A lesson takes ten to twenty minutes. It begins with a question of an arm builder, states the law and its origin, and
+shows it on the arm. Where it asks you to **predict**, do so before you unfold the answer:
+what you got wrong is what you will remember. Work with a pencil and with Python."""
 
 
 EXERCISES = f"""Each lesson ends with exercises: functions to write, which are graded on random instances and on the
@@ -119,8 +119,8 @@ def before_page(arm: Arm) -> str:
     return _page(kind="before", title="Before you begin", body=body, arm=arm)
 
 
-ERRATA = """For whoever has read the team's guide, the manual that this course finishes: where it slips, in our words,
-and for each slip the number that shows it. Nothing here is typed by hand: the numbers were computed when this page was
+ERRATA = """For readers of the team's guide, the manual that this course completes: its errors in our words, each with a
+number that shows it. Nothing here is typed by hand: the numbers were computed when this page was
 built."""
 
 

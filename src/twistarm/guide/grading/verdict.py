@@ -82,7 +82,7 @@ def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer] 
     wrong = next((k for k, (case, answer) in enumerate(pairs) if not _right(exercise, case, answer)), None)
     if wrong is None:
         if changed := sorted({exercise.parameters[i] for each in answers for i in each.changed}):
-            words = f"{' and '.join(changed)} is another after the call: whoever called finds it changed"
+            words = f"{' and '.join(changed)} is another after the call: the caller finds it changed"
             copied = "Work on a copy, as in `p = p.copy()`."
             return verdict("wrong", f"The answers are right, but {words}. {copied}", "argument changed")
         return verdict("right", f"right, in {len(cases)} case{'s' * (len(cases) != 1)}")

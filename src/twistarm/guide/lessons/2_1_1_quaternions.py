@@ -39,7 +39,7 @@
 # ## Your tool in four numbers
 #
 # Here is the orientation of the tool where the arm stands ready, as an axis with an angle and as a quaternion. Both come
-# from its matrix; SciPy computes the quaternion once more, from the same matrix.
+# from its matrix; SciPy computes the quaternion again, from the same matrix.
 
 # %%
 import numpy as np
@@ -99,7 +99,7 @@ guide.table(
 # %% [markdown]
 # ## Why half the angle
 #
-# $Q$ stands on both sides of the point, once as it is and once conjugated, and each side brings half of the turn. Try
+# $Q$ stands on both sides of the point, first plain, then conjugated, and each side brings half of the turn. Try
 # it with the axis $\mathbf{k}$, $Q = \cos\frac{\theta}{2} + \mathbf{k}\sin\frac{\theta}{2}$. For a point on the axis
 # the two sides cancel: $Q\,\mathbf{k}\,Q^* = \mathbf{k}\,Q\,Q^* = \mathbf{k}$. For one beside it they add up, because
 # $\mathbf{i}\,Q^* = Q\,\mathbf{i}$:
@@ -194,8 +194,8 @@ guide.table(
 #
 # $$\|Q\|^2 = Q\,Q^*, \qquad Q^{-1} = \frac{Q^*}{\|Q\|^2}$$
 #
-# The square is easily lost. Whoever takes $Q\,Q^*$ for the norm itself, and squares it once more for the inverse,
-# divides by the fourth power of the length.
+# The square is easily lost. If you take $Q\,Q^*$ for the norm itself, and square it again for the inverse, you
+# divide by the fourth power of the length.
 
 # %%
 four = np.array([1.0, 2.0, 3.0, 4.0])
@@ -230,7 +230,7 @@ guide.say(
 # %% [markdown]
 # ## The sign in your logs
 #
-# The arm has moved to a second orientation, and somebody turns the tool once about its own axis while you record. The
+# The arm has moved to a second orientation, and a teammate turns the tool once about its own axis while you record. The
 # program that turns matrices into quaternions has to choose between $Q$ and $-Q$, and like most of its kind it takes
 # the one with $w \geq 0$. Look at what this does.
 
@@ -312,8 +312,8 @@ guide.say(
 # update, not once a day.
 #
 # **The wrong side.** $Q_{ab}\,Q_{bc}$ has its inner letters meet. To turn about the tool's own axes, multiply from
-# the right; about the base's axes, from the left. The conjugate takes $Q_{ab}$ to $Q_{ba}$, and whoever confuses the
-# two sees a tool that tilts to the wrong side.
+# the right; about the base's axes, from the left. The conjugate takes $Q_{ab}$ to $Q_{ba}$, and if you confuse
+# the two, you see a tool that tilts to the wrong side.
 
 # %%
 turns = {name: rotations.exp(unit, np.radians(60)) for name, unit in zip("xyz", np.eye(3), strict=True)}

@@ -96,7 +96,7 @@ assert np.allclose(R.T @ there, ahead)
 # %% [markdown]
 # ## Three turns to build from
 #
-# Turn a frame about one of its own axes by an angle. That axis stays, and the columns for the other two follow from
+# Turn a frame about one of its axes by an angle. That axis stays, and the columns for the other two follow from
 # the sine and the cosine:
 #
 # $$R_x(\theta) = \begin{bmatrix} 1 & 0 & 0 \\ 0 & \cos\theta & -\sin\theta \\ 0 & \sin\theta & \cos\theta
@@ -149,8 +149,8 @@ guide.figure(
 # -\sin\beta \cos\gamma & \sin\beta \sin\gamma & \cos\beta \end{bmatrix}$$
 #
 # The way back is in the same matrix: the corner holds $\beta$, and as long as $\sin\beta$ is not 0, the third column
-# holds $\alpha$ and the third row $\gamma$. Other triples are in use too, and a file that says "Euler angles" has to
-# say which. *URDF*, the format in which arms are described, calls its own three `rpy`: roll, pitch and yaw.
+# holds $\alpha$ and the third row $\gamma$. Other triples are in use too, and a file that says "Euler angles" must say
+# which. *URDF*, the format in which arms are described, calls its own three `rpy`: roll, pitch and yaw.
 
 # %% tags=["hidden"]
 orders = {"ZYZ": "in MLS", "ZYX": "yaw, pitch, roll; `rpy` is the same three, listed backwards"}

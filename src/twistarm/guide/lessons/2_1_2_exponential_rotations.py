@@ -356,9 +356,9 @@ guide.table(
 )
 
 # %% [markdown]
-# Two habits keep you from the slip. Write the indices, and let the inner ones meet: $g_s = R_{st}\, g_t$. And test with
-# a turn whose answer you know, about an axis that is not the one in question: a turn about the vertical leaves gravity
-# as it is, and would hide the slip.
+# Two habits keep you from the slip. Write the indices, and let the inner ones meet: $g_s = R_{st}\, g_t$. Test with a
+# turn that you know the answer to, about an axis that is not the one in question: a turn about the vertical leaves gravity
+# unchanged and hides the slip.
 #
 # ## What goes wrong in practice
 #

@@ -3,7 +3,7 @@
 #
 # The driver moves all joints at once, and the gripper goes from one pose to another. Can you say in one sentence what
 # it did? You can: it turned about **one line** and slid along it, as a nut does on its bolt. A single joint of your
-# arm, whatever its type, does the same to everything beyond it.
+# arm, of any type, does the same to everything beyond it.
 #
 # ## What a joint does to a point
 #

@@ -217,8 +217,8 @@ guide.table(
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# **$v^s$ taken for the tool's speed.** A controller that limits its length slows down joints whose axes pass far from
-# the base's origin, and lets a joint whose axis passes through the origin turn at any speed. Limit $v^b$.
+# **$v^s$ taken for the tool's speed.** A controller that limits its length slows down joints with axes far from the
+# base's origin. A joint with an axis through the origin may turn at any speed. Limit $v^b$.
 #
 # **$(v, \omega)$ or $(\omega, v)$.** Lynch & Park write the second, and their Adjoint has its $\hat p R$ at the lower
 # left. A program from one book with a matrix from the other gives no error, only wrong numbers.

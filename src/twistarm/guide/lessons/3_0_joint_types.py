@@ -29,8 +29,8 @@ arm = guide.arm()
 #   \xi = \begin{bmatrix} v \\ 0 \end{bmatrix}, \qquad
 #   \xi = \begin{bmatrix} -\omega \times q + h\,\omega \\ \omega \end{bmatrix}$$
 #
-# The third is a screw (MLS, section 2.3.3). The first is a screw of pitch zero, and the second is the limit of one whose
-# pitch grows without bound.
+# The third is a screw (MLS, section 2.3.3). The first is a screw of pitch zero, and the second is the limit of a screw
+# with growing pitch.
 
 # %%
 axis, point = [0, 0, 1], [0.3, 0, 0]
@@ -198,7 +198,7 @@ guide.predict(
 # %% [markdown]
 # ## The ball and its coordinates
 #
-# A ball in its socket can turn in every direction, whatever its position. Its three coordinates are Euler angles, and you
+# A ball in its socket can turn in every direction, from every position. Its three coordinates are Euler angles, and you
 # have met the place where those fail: turn the middle one by 90°, and the first and the third axis lie on one line.
 
 # %%
@@ -224,8 +224,8 @@ guide.say(
 # %% [markdown]
 # ## Build all six
 #
-# Now build an arm of each, with one joint and a tool, and let somebody else judge it. Pinocchio, a library of robot
-# dynamics, has a model of its own for each of the six joints. `crosscheck` compares its poses and velocities with those
+# Now build an arm of each, with one joint and a tool, and let another program judge it. Pinocchio, a library of robot
+# dynamics, has a model for each of the six joints. `crosscheck` compares its poses and velocities with those
 # of the product of exponentials.
 
 # %%
@@ -264,8 +264,8 @@ guide.table(
 #
 # ## Your arm
 #
-# The other way round, a chain of turns and slides may contain joints that nobody named. A turn and a slide on one line
-# make a cylindrical joint. Three turns whose axes meet in a point make a spherical one.
+# The other way round, a chain of turns and slides may contain joints without a name. A turn and a slide on one line
+# make a cylindrical joint. Three turns with axes through one point make a spherical one.
 
 # %%
 pairs = lower_pairs(arm.screws, arm.coupling.A)

@@ -24,7 +24,7 @@ theta = arm.ready  # the posture in which the arm waits
 #
 # $$g_{st} = g_{s1}\, g_{12} \cdots g_{nt}$$
 #
-# There are as many frames as links, and somebody has chosen each. Many books write each factor by four numbers, the
+# There are as many frames as links, and a person has chosen each. Many books write each factor by four numbers, the
 # Denavit–Hartenberg parameters, for which the frames must be placed by rules. Your file needs no such rules, and the
 # second way needs no frames on the links at all.
 
@@ -109,7 +109,7 @@ guide.figure(
 # ## The formula at work
 #
 # It takes a short loop, and a library that knows $e^{\hat\xi\theta}$. A joint that follows another one (a mimic joint) has
-# an axis but no coordinate of its own: the matrix `coupling.A` turns the coordinates $\theta$ into one value $x$ for each
+# an axis but no coordinate: the matrix `coupling.A` turns the coordinates $\theta$ into one value $x$ for each
 # axis. Without mimics $x = \theta$.
 
 # %%
@@ -124,7 +124,7 @@ guide.say(
 )
 
 # %% [markdown]
-# Is it right? Ask somebody who does it the other way: the library Pinocchio reads your file by itself and goes link by
+# Is it right? Ask a program that does it the other way. The library Pinocchio reads your file by itself and goes link by
 # link.
 
 # %%
@@ -181,7 +181,7 @@ guide.predict(
 # ## The same from the tool's side
 #
 # You may look at the axes from the tool instead. Their twists are then $\xi^b_i = \mathrm{Ad}_{g_{st}(0)}^{-1}\,\xi_i$
-# (Lynch & Park write $B_i$), and the home pose stands in front:
+# (Lynch & Park write $B_i$), and the home pose comes first:
 #
 # $$g_{st}(\theta) = g_{st}(0)\, e^{\hat\xi^b_1\theta_1} \cdots e^{\hat\xi^b_n\theta_n}$$
 #

@@ -39,7 +39,7 @@ arm = guide.arm_with("a joint that turns", lambda a: len(turning(a)) > 0)
 # There is an answer only if $p$ and $q$ are equally far from the axis and equally far along it. If $p$ lies on the axis,
 # $u' = 0$, the joint does not move it, and every angle will do.
 #
-# **Subproblem 2.** Two joints whose axes meet in $r$ bring $p$ to $q$:
+# **Subproblem 2.** Two joints with axes that meet in $r$ bring $p$ to $q$:
 # $e^{\hat\xi_1\theta_1} e^{\hat\xi_2\theta_2}\, p = q$. The second joint moves $p$ along a circle about its axis. The
 # first one must arrive at $q$, so it can only start from the circle through $q$ about *its* axis. Where the circles cross
 # lies a point $c$: the second joint takes $p$ to $c$, the first one takes $c$ to $q$. Each of the two is subproblem 1.
@@ -329,7 +329,7 @@ draw_all(
 # ## Your arm
 #
 # What can be asked of an arm depends on how many joints it has. Six joints can be asked for a **pose**. Five cannot
-# meet every pose. They are asked for an **approach**: a position and the direction in which the tool points, five
+# meet every pose. Ask them for an **approach**: a position and the direction in which the tool points, five
 # numbers, with the roll about that direction left free. Fewer joints meet only the poses that they happen to make. So
 # let us take a posture of your arm, look where its tool is, and ask for all ways to bring it there.
 
@@ -397,7 +397,7 @@ guide.say("What the solver says of itself:\n\n```text\n" + found.explain() + "\n
 # %% [markdown]
 # The solver says *which* group of axes made it easy. Axes that meet in a point leave the point alone, and parallel axes
 # leave every plane across them alone: either way three unknowns are gone at once. That is how a UR5 has its eight ways
-# without a wrist whose axes meet. Six turning joints that have neither take heavier algebra, which ends in the
+# without a wrist with intersecting axes. Six turning joints that have neither take heavier algebra, which ends in the
 # eigenvalues of a matrix, and may have sixteen ways (MLS, section 3.3.4).
 #
 # ## The flips of a rover arm
@@ -440,13 +440,13 @@ else:
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **Whole turns counted as ways.** 190° and −170° are one posture. Wrap before you compare. But for the cable they are
+# - **Whole turns counted as ways.** 190° and −170° are one posture. Wrap before you compare. Apart from the cable they are
 #   not the same: `solve_ik_all(…, copies=True)` lists both.
 # - **The first of the list, every time.** Along a path, take the answer nearest to the last one, or the arm changes
 #   elbows on the way.
 # - **Limits forgotten.** A closed form knows no limits. What it returns may be outside all of them.
 # - **A wrist that does not quite meet.** The closed form believes that three axes meet in a point. If the bracket holds
-#   one of them a few millimetres away from it, the tool is off by about as much, and nobody reports an error.
+#   one of them a few millimetres away from it, the tool is off by about as much, and no error appears.
 # - **Ways that are no number.** With two wrist axes on one line, one joint may turn forward and the other one back. With
 #   the wrist point on the axis of the base joint, that joint may stand anywhere. An answer with `free` joints says so.
 

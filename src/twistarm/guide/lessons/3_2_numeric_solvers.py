@@ -31,7 +31,7 @@ planar = guide.bundled("rr_planar")  # the two-link arm
 # Such a matrix is called a **Jacobian**. It has a column for each joint: what that joint does alone, at a rate of one.
 #
 # For a whole arm the columns are twists. Column $i$ of the **body Jacobian** $J^b(\theta)$ is the twist $(v, \omega)$ of
-# joint $i$ as it is seen from the tool in that posture, and all rates together give the body twist of the tool:
+# joint $i$ seen from the tool in that posture, and all rates together give the body twist of the tool:
 # $V^b = J^b(\theta)\,\dot\theta$ (MLS, section 3.4.1). This is all that you need of it here, and `arm.body_jacobian`
 # computes it. [The lesson on the Jacobian](3_3_2_jacobian.html) shows how the columns come about.
 
@@ -276,7 +276,7 @@ assert best < len(dampings) - 1
 #
 # ## Out of reach
 #
-# The difference is plainest where there is no answer. Now the target lies beyond the stretched arm.
+# The difference is plainest where there is no answer. Now the target is farther than the stretched arm.
 
 # %%
 too_far = 1.15 * tip / np.linalg.norm(tip) * planar.reach
@@ -319,8 +319,8 @@ guide.figure(
 # independent columns, says how many. So with five joints ask for less. A **position** asks for three numbers. An
 # **approach** asks for five: the position, and where the tool points, with the roll about that direction left free.
 #
-# Leaving a number free means leaving its row out of $J$ and $e$. For that the rows must be written in axes of which one
-# is the free direction. Seen from a tool that points along its own $z$ axis, the roll is $\omega_z$, the last row.
+# Leaving a number free means leaving its row out of $J$ and $e$. For that the rows must be written in axes with the free
+# direction as one of them. Seen from a tool that points along its own $z$ axis, the roll is $\omega_z$, the last row.
 
 # %%
 few = guide.arm_with("three to five joints", lambda a: 3 <= a.n <= 5)

@@ -214,7 +214,7 @@ guide.slider(
 #
 # $$\left|l_1 - l_2\right| \le r \le l_1 + l_2$$
 #
-# Inside this ring there are two answers. On its edges there is one. Beyond there is none, and the cosine leaves
+# Inside this ring there are two answers. On its edges there is one. Beyond there is no angle, and the cosine leaves
 # $[-1, 1]$. If the links are equally long, the ring has no hole. Then $r = 0$ is reachable, and there $\theta_1$ may be
 # anything: the formula for $\beta$ divides by zero because the question has no single answer.
 #
@@ -275,8 +275,8 @@ guide.say(
 # %% [markdown]
 # ## The two links inside your arm
 #
-# Two joints whose axes are parallel, one after the other, are a two-link arm wherever they stand and wherever the maker
-# has put their zeros. The first link goes from the one axis to the other, the second from there to what the two carry:
+# Two successive joints with parallel axes are a two-link arm, at any place and with any
+# zero. The first link goes from the one axis to the other, the second from there to what the two carry:
 # the next joint, or the tool. To flip it you need no formula for $\theta$ at all. Take the posture that the arm has, and
 # measure two signed angles: $\beta$, from the line between the shoulder and what is carried to the first link, and
 # $\theta_2$, from the direction of the first link to the second. Then turn the shoulder by $-2\beta$ and the elbow by
@@ -393,7 +393,7 @@ guide.figure(
 # - **Mixed signs.** The distance is right and the direction is not. Test with the elbow at a right angle, where it
 #   shows most.
 # - **No clamp.** The arm works everywhere and sends `nan` when it is stretched out. Clip the cosine.
-# - **No wrap.** $\pi + \alpha$ is between half a turn and a whole one. A joint whose limits are ±150° refuses it,
+# - **No wrap.** $\pi + \alpha$ is between half a turn and a whole one. A joint with limits of ±150° refuses it,
 #   though the same posture, a turn less, is allowed.
 # - **`atan(y / x)`.** It cannot tell a cross in front of the arm from one behind it, and it divides by zero straight
 #   to the left. `atan2(y, x)` does neither.

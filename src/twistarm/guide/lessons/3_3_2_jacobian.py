@@ -20,7 +20,7 @@ p = g[:3, 3]  # the tool's origin, seen from the base
 # %% [markdown]
 # ## One joint, one column
 #
-# Hold every joint still but one, and let that one run at a rate of one. All that hangs on it, the tool included, then
+# Hold every joint still but one, and let that one run at a rate of one. Everything beyond it, the tool included, then
 # moves with the twist of its axis. But the axis is no longer where it was on the photograph at zero: the joints before
 # it have carried it along. An Adjoint says where it is now:
 #
@@ -265,7 +265,7 @@ guide.say(
 # ## The transpose holds the load
 #
 # The tool exerts a force $f$ and a torque $\tau$ on the world: a **wrench** $F_t = (f, \tau)$, in the tool's axes. Its
-# power is $F_t^T V^b$. No power is lost in the joints, so the motors must supply as much, whatever the rates are:
+# power is $F_t^T V^b$. No power is lost in the joints, so the motors must supply as much at all rates:
 #
 # $$\tau^T \dot\theta = F_t^T V^b = F_t^T J^b \dot\theta \quad\text{for every } \dot\theta, \qquad\text{hence}\qquad
 # \tau = (J^b)^T F_t$$

@@ -2,8 +2,8 @@
 # # Why does the arm get stuck when it is stretched out?
 #
 # You drive the tool outward with the joystick, slowly and straight. All is well until the arm is nearly straight. Then
-# the elbow motor runs away at full speed, and the tool hardly moves. You look for a loose wire. There is none: the arm
-# has come to a **singular configuration**, and the reason stands in its Jacobian.
+# the elbow motor runs away at full speed, and the tool hardly moves. You look for a loose wire. None exists: the arm has
+# come to a **singular configuration**, and its Jacobian shows the reason.
 
 # %%
 import numpy as np
@@ -58,7 +58,7 @@ guide.slider(
 )
 
 # %% [markdown]
-# ## What the elbow is asked for
+# ## What the elbow must do
 #
 # Let the tool go outward at five centimetres a second, along the line from the base. From the law of cosines,
 # $r^2 = l_1^2 + l_2^2 + 2 l_1 l_2 \cos\theta_2$, and therefore
@@ -205,7 +205,7 @@ is_singular = gone < 1e-4
 # Two columns tell what has happened. The last column of $W$ holds rates of the joints that cancel each other: the motors
 # run, and the tool stands still. The last column $u$ of $U$ belongs to the tool, and it is best read as a **wrench**
 # $F$, for it has $F^T J = 0$: no motor feels it, and $F$ is the same, up to a factor, in metres and in millimetres. It
-# is said to be *reciprocal* to every joint (MLS, section 2.5.3). Every motion $V$ with $F^T V \ne 0$ is lost. Both are
+# is called *reciprocal* to every joint (MLS, section 2.5.3). Every motion $V$ with $F^T V \ne 0$ is lost. Both are
 # read just beside the posture: in it, where several columns may be missing, rounding would mix them.
 
 # %%
@@ -282,7 +282,7 @@ guide.figure(
 #
 # You will meet three kinds again and again (MLS, section 3.4.3). Each is a statement about axes, and an eye can see it:
 #
-# - **two turning axes on one line**: the wrist whose first and last joint roll about the same line. Turning one against
+# - **two turning axes on one line**: a wrist with first and last joint rolling about the same line. Turning one against
 #   the other does nothing;
 # - **three parallel turning axes in one plane**: shoulder, elbow and wrist, stretched. Your two links above are that,
 #   with the tool's point for the third;

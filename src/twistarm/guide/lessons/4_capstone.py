@@ -1,7 +1,7 @@
 # %% [markdown]
 # # From a file to a motion: your own arm
 #
-# The mechanics are done, and somebody has exported a URDF from the CAD program. In two weeks the arm has to take a tool
+# The mechanics are done, and a teammate has exported a URDF from the CAD program. In two weeks the arm has to take a tool
 # from a rack. Between that file and a motor that turns, a dozen things can be wrong, and each costs an evening. So
 # you go in seven steps, and after each you *know* something.
 #
@@ -37,7 +37,7 @@ arm = guide.arm()
 #
 # `twistarm info my_arm.urdf.xacro`
 #
-# Read the table aloud beside the arm, with somebody who built it. A joint that turns where it should slide, a limit of
+# Read the table aloud beside the arm, with a teammate who built it. A joint that turns where it should slide, a limit of
 # 3.14 on a joint that can do 40°, a base that is not where you thought: this is the moment to see it.
 
 

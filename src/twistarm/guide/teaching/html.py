@@ -88,7 +88,7 @@ def scene(
         # No sandbox: opened from disk its scripts could not be read then. The scene's own policy lets it reach nothing.
         frame = (
             f'<iframe class="live" src="{file}" title="{escape(alt)}" loading="lazy"></iframe>'
-            f'<p class="live aside"><a href="{file}">Open it in a window of its own</a></p>'
+            f'<p class="live aside"><a href="{file}">Open it in a new window</a></p>'
         )
     still = f'<div class="still">{_picture(stills.arm(arm, theta), alt)}</div>'
     return f'<figure class="scene">{frame}{still}{_caption(caption)}</figure>'

@@ -80,7 +80,7 @@ class Method:
         if self.family is None:
             if self.rooted is None:
                 return self.reason
-            return f"{'five' if self.rooted.still else 'six'} joints that turn, whatever their axes"
+            return f"{'five' if self.rooted.still else 'six'} joints that turn, with any axes"
         axes, _ = self.chain.held(self.held, np.full(len(self.held), SAMPLE))
         fitted = self.family.fitted(axes)
         what = family_in_words(arm, fitted, self.chain.left(self.held))

@@ -34,7 +34,7 @@ def motion_of(arm: Arm, trajectory: Trajectory) -> Trajectory:
     wide = np.full(arm.n, np.inf)
     lower, upper = arm.limits.lower - BEYOND_LIMIT, arm.limits.upper + BEYOND_LIMIT
     positions = replace(arm.limits, lower=lower, upper=upper, velocity=wide, acceleration=wide, jerk=wide)
-    require_within(motion, positions, f"plan it for {arm.name} as it is now")
+    require_within(motion, positions, f"plan it for {arm.name} in its present state")
     return motion
 
 

@@ -74,7 +74,7 @@ class Receiver(Socket):
     def _text(self, sender: Any, datagram: bytes) -> bytes | None:
         try:
             if self._allowed and sender[0].partition("%")[0].removeprefix("::ffff:") not in self._allowed:
-                raise InputError("it is none of the allowed senders")
+                raise InputError("it is not an allowed sender")
             return datagram if self._verifier is None else self._verifier.verified(datagram)
         except InputError as error:
             self._left_out += 1
