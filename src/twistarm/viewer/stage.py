@@ -300,6 +300,5 @@ class Stage:
         return {"type": "frame", **placed, "time": self.player.time, "running": self.running}
 
     def servo(self) -> Message:
-        """Whether a servo drives the arm and takes commands of the pages, and its last status, null before the first.
-        """
+        """Whether a servo drives the arm and takes commands, and its last status, null before the first."""
         return {"type": "servo", "jog": self.jogging, "driven": self.driven, **self.report}
