@@ -42,7 +42,7 @@ def twist_of(message: Any) -> list[float]:
 
 
 def frame_of(arm: Arm, frame_id: str, unsaid: str) -> str:
-    """ "tool" or "base" for the frame_id of a stamped message, and `unsaid` for an empty one, as joystick tools send it.
+    """The frame "tool" or "base" for a frame_id, and `unsaid` for an empty one, as joystick tools send it.
 
     Raises InputError for any other.
     """
