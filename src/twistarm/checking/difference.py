@@ -52,8 +52,8 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
 
     Args:
         arm: The present arm.
-        against: A golden file of `freeze`, a baked arm.json, an `Arm`, or another source of `load_arm` (two designs side
-            by side). A description is loaded without options.
+        against: A golden file of `freeze`, a baked arm.json, an `Arm`, or another source of `load_arm` (two designs
+            side by side). A description is loaded without options.
 
     Returns:
         The `Difference`: names, types, limits, motors, axes, tool, and the mass, centre and inertia of each link.
