@@ -92,14 +92,20 @@ class Asked(NamedTuple):
 class ServoOutput(Brief):
     """The answer of one step.
 
-    theta_dot (n,) [rad/s, m/s]: the joint rates for the coming dt. scale: the executed share of the reachable command,
-    1 − ‖done − reachable‖ over the longer of the two, at least 0. It is below 1 while the arm changes its speed, and
-    where a limit or a singularity slows it. lost_twist (6,) [m/s, rad/s], in the axes of the command's frame: the part
-    that the arm cannot do here at any speed. The cause is a missing motion, a singularity, or a joint at its end or
-    braking toward it. At constant speed the tool moves by scale · (twist − lost_twist). If the tool must turn to move,
-    that rotation is in it with the opposite sign. lost_share: ‖lost_twist‖ / ‖twist‖, with metres divided by the
-    length. joint: the joint or motor most concerned by a limit or a singularity, or None. remaining: the distance of a
-    `PoseCommand` from its pose, [m] and [rad]; zeros for other commands.
+    theta_dot (n,) [rad/s, m/s]: the joint rates for the coming dt.
+
+    scale: the executed share of the reachable command, 1 − ‖done − reachable‖ over the longer of the two, at least 0.
+    It is below 1 while the arm changes its speed, and where a limit or a singularity slows it.
+
+    lost_twist (6,) [m/s, rad/s], in the axes of the command's frame: the part that the arm cannot do here at any speed.
+    The cause is a missing motion, a singularity, or a joint at its end or braking toward it. At constant speed the tool
+    moves by scale · (twist − lost_twist). If the tool must turn to move, that rotation is in it with the opposite sign.
+
+    lost_share: ‖lost_twist‖ / ‖twist‖, with metres divided by the length.
+
+    joint: the joint or motor most concerned by a limit or a singularity, or None.
+
+    remaining: the distance of a `PoseCommand` from its pose, [m] and [rad]; zeros for other commands.
     """
 
     theta_dot: Array

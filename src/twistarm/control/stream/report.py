@@ -38,12 +38,15 @@ class StreamReport:
     """The result of a stream.
 
     cycles: begun ones, and `missed` ones of the grid, at `rate` [Hz] over `duration` [s]. late_p50, late_p99, late_max
-    [s]: the lateness of cycles, the jitter. statuses, reasons: cycles of each. waited, blind, uncommanded [s]: time
-    before the first joint state, with a stale one after it, and without a command, with the last reason of each. barred
-    [s]: time without permission of the interlock, with the last reason. interlock: its final word. ending and reason:
-    why it ended. at_rest: whether the commanded arm was at rest at the end. undelivered: why setpoints were lost.
-    delivered: whether the last one arrived, as far as known. failures: errors while it came to rest. assumed: the
-    limits that the arm lacked and their replacements, or "".
+    [s]: the lateness of cycles, the jitter. statuses, reasons: cycles of each.
+
+    waited, blind, uncommanded [s]: time before the first joint state, with a stale one after it, and without a command,
+    with the last reason of each. barred [s]: time without permission of the interlock, with the last reason. interlock:
+    its final word.
+
+    ending and reason: why it ended. at_rest: whether the commanded arm was at rest at the end. undelivered: why
+    setpoints were lost. delivered: whether the last one arrived, as far as known. failures: errors while it came to
+    rest. assumed: the limits that the arm lacked and their replacements, or "".
     """
 
     cycles: int
