@@ -1,1 +1,1 @@
-"""The arm: its kinematics, compiled, by Pinocchio and by the product of exponentials; baked arms; arms from screws."""
+"""The arm and its kinematics: compiled, by Pinocchio, by the product of exponentials; baked arms; arms from screws."""

@@ -1,7 +1,7 @@
-"""Axes of an arm that are parallel, square or meeting, but not exactly: CAD exports round.
+"""Axes of an arm that are almost parallel, square or intersecting, because CAD exports round.
 
 The angle and the distance between neighbouring axes are constants of the arm. Closed forms of inverse kinematics need
-them exact: an arm with rpy="1.5708" has none of the special geometries it was drawn with.
+exact ones: an arm with rpy="1.5708" has none of the special geometries of its drawing.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ SHARE = 10.0
 
 @dataclass(frozen=True)
 class Near:
-    """Something that almost holds for some joints: what, by how much, and how far that moves the tool [m], roughly.
+    """An almost exact relation of some joints, its deviation, and the resulting error of the tool [m], roughly.
 
-    `apart`: it is a distance that misses, not an angle.
+    `apart`: the deviation is a distance, not an angle.
     """
 
     joints: str
@@ -45,9 +45,10 @@ class Near:
 
 
 def almost_exact(screws: Array, home: Array, joints: Sequence[str], reach: float) -> list[Near]:
-    """What almost holds for the axes of screws (6, m): neighbours base to tip, the wrist, then base and tool frame.
+    """The almost exact relations of the axes of screws (6, m): neighbours base to tip, the wrist, then base and tool
+    frame.
 
-    The first axis is compared with the axes of the base, the last one with those of the tool in `home` (4, 4).
+    The first axis is compared with the base's axes, the last one with those of the tool in `home` (4, 4).
     """
     v, w = screws[:3].T, screws[3:].T
     turning = np.linalg.norm(w, axis=1) > 0.5
@@ -66,7 +67,7 @@ def almost_exact(screws: Array, home: Array, joints: Sequence[str], reach: float
 
 
 def rounding_of(found: Sequence[Near], reach: float) -> tuple[float, float]:
-    """What an arm with such axes may miss a target by and still meet it: position [m] and orientation [rad]."""
+    """The allowed miss of such an arm: position [m] and orientation [rad]."""
     angle = sum(near.moves / reach for near in found if not near.apart and near.moves <= ROUNDED_ANGLE * reach)
     distance = sum(near.moves for near in found if near.apart and near.moves <= ROUNDED_DISTANCE)
     position, orientation = SHARE * (distance + angle * reach), SHARE * (angle + distance / reach)
@@ -74,7 +75,7 @@ def rounding_of(found: Sequence[Near], reach: float) -> tuple[float, float]:
 
 
 def _among(axis: Array, frame: Array, reach: float) -> list[tuple[str, float, bool]]:
-    """What almost holds for an axis and those of a frame (3, 3), row by row: parallel to one, else square to some."""
+    """The relation of an axis to those of a frame (3, 3): parallel to one, else square to some."""
     along = int(np.abs(frame @ axis).argmax())
     if np.linalg.norm(np.cross(axis, frame[along])) < ALMOST_ANGLE:
         return [*_pair(axis, frame[along], None, reach)]
@@ -82,9 +83,9 @@ def _among(axis: Array, frame: Array, reach: float) -> list[tuple[str, float, bo
 
 
 def _pair(a: Array, b: Array, offset: Array | None, reach: float) -> Iterator[tuple[str, float, bool]]:
-    """What almost holds for two axes, how far off the tool is if it is meant, and whether it is a distance.
+    """The relation of two axes, the tool's error, and whether the deviation is a distance.
 
-    `offset` lies between turning ones.
+    `offset` is between revolute ones.
     """
     sine, cosine = float(np.linalg.norm(np.cross(a, b))), abs(float(a @ b))
     for what, angle in (("parallel", math.atan2(sine, cosine)), ("square", math.atan2(cosine, sine))):
@@ -99,7 +100,7 @@ def _pair(a: Array, b: Array, offset: Array | None, reach: float) -> Iterator[tu
 
 
 def _wrist(joints: Sequence[str], axes: Array, points: Array, turning: Array) -> list[Near]:
-    """Whether the last three axes, all turning, meet in almost one point while each neighbouring pair meets exactly."""
+    """Whether the last three revolute axes almost meet in one point while each neighbouring pair meets exactly."""
     if len(axes) < 3 or not turning[-3:].all():
         return []
     across = np.eye(3) - axes[-3:, :, None] * axes[-3:, None, :]

@@ -79,18 +79,18 @@ class Proof(NamedTuple):
 @made_by("load_arm, ArmBuilder or arm_from_screws")
 @dataclass(frozen=True, eq=False, repr=False)
 class Arm:
-    """A robot arm with n independent joint coordinates `theta` (..., n) [rad or m], ordered base to tip.
+    """A robot arm with n independent joint coordinates `theta` (..., n) [rad or m], base to tip.
 
-    g_st(theta) = Π exp(ξ_i (A θ)_i) · home (MLS §3.2.2, the product of exponentials), with the columns ξ_i of
-    `screws` (6, m) and `home` (4, 4) at theta = 0, and the mimic coupling (A, b) in `coupling`. Poses are seen from
-    the base link. Every method accepts any finite theta, inside the limits or not, and any leading axes.
+    g_st(theta) = Π exp(ξ_i (A θ)_i) · home (MLS §3.2.2, the product of exponentials), with the columns ξ_i of `screws`
+    (6, m) and `home` (4, 4) at theta = 0, and the mimic coupling (A, b) in `coupling`. Poses are in the base frame.
+    Every method accepts any finite theta, inside the limits or not, and any leading axes.
 
-    `actuators` are the motors that an arm.toml describes; `disabled_pairs` the pairs of links, each sorted, that an
-    SRDF exempts from collision checks. `moving_names` are the moving joints of the chain, base to tip: one per column
-    of `screws`, followers included.
+    `actuators` are the motors of an arm.toml. `disabled_pairs` are the sorted pairs of links that an SRDF exempts from
+    collision checks. `moving_names` are the moving joints of the chain, base to tip, followers included: one per column
+    of `screws`.
 
-    Plain data, picklable, usable without Pinocchio. `fk` and the Jacobians are answered by the compiled core;
-    where there is none by Pinocchio (`pinocchio`), and by `poe` for an arm that has no description.
+    An arm is plain data, can be pickled, and works without Pinocchio. The compiled core answers `fk` and the Jacobians.
+    Without it Pinocchio (`pinocchio`) answers, or `poe` for an arm without a description.
     """
 
     name: str
@@ -171,35 +171,36 @@ class Arm:
 
     @cached_property
     def tool_axis(self) -> Array:
-        """The unit vector (3,), in tool axes, about which the last joint rolls the tool, outward; z where none does.
+        """The unit vector (3,) in tool axes about which the last joint rolls the tool, outward; z without a roll.
 
-        What an `Approach` points where it is not told otherwise; see `twistarm.arm.roll_axis` for the exact rule.
+        It is the default direction of an `Approach`; `twistarm.arm.roll_axis` has the exact rule.
         """
         return roll_axis(self.body_screws, self.coupling.A, self.reach)
 
     @property
     def frame_names(self) -> tuple[str, ...]:
-        """Every link of the description, and the tool; base and tool alone where there is no description."""
+        """Each link of the description and the tool, or base and tool without a description."""
         links = tuple(self.description.links) if self.description else (self.base,)
         return links if self.tip in links else (*links, self.tip)
 
     @property
     def configurations(self) -> Configurations:
-        """Configurations by name: `ready`, `zero`, `named_states`. A name stands for a theta wherever one is taken."""
+        """Configurations by name: `ready`, `zero`, `named_states`. Every theta argument accepts these names."""
         return Configurations(self.name, self.n, self.named_states, lambda: self.ready)
 
     @cached_property
     def ready(self) -> Array:
-        """The posture to start from, inside the limits, (n,): a named one, else `computed_ready`.
+        """The configuration to start from, inside the limits, (n,): a named one, else `computed_ready`.
 
-        Of the usual names (`ready`, `home`, `default`, `rest`, `stowed`) the first that there is, in any capitals.
+        The names are `ready`, `home`, `default`, `rest` and `stowed`, in this order and any capitals.
         """
         name = named_ready(self.named_states)
         return self.computed_ready if name is None else self.named_states[name]
 
     @cached_property
     def computed_ready(self) -> Array:
-        """A tidy posture, (n,): round numbers off the limits, well conditioned, the tool in front and above the base.
+        """A computed configuration (n,): round numbers off the limits, well conditioned, the tool in front and above
+        the base.
 
         No two links overlap in it, as far as the description has shapes.
         """
@@ -209,34 +210,33 @@ class Arm:
 
     @cached_property
     def middle(self) -> Array:
-        """The middle of the limits, (n,); as near to 0 as allowed for a joint that has not two."""
+        """The middle of the limits, (n,); as near to 0 as allowed for a joint without two limits."""
         return frozen(self.limits.middle())
 
     @cached_property
     def rounding(self) -> tuple[float, float]:
-        """What the arm may miss a target by and still meet it [m], [rad]: (0, 0) for exact axes.
+        """The allowed miss of a target due to rounded axes [m], [rad]: (0, 0) for exact axes.
 
-        Up to (5e-5, 1e-4) where axes are parallel, square or meeting but for a little, as CAD exports round them, and
-        no more than ten times what they are off.
+        It is at most (5e-5, 1e-4) and ten times the deviation of almost exact axes, as CAD exports round them.
         """
         return rounding_of(almost_exact(self.screws, self.home, self.moving_names, self.reach), self.reach)
 
     @cached_property
     def pinocchio(self) -> PinocchioModel:
-        """Pinocchio's model and data (per thread) of the whole description; TwistarmError for an arm without one."""
+        """Pinocchio's model and data (per thread) of the whole description. Raises TwistarmError without one."""
         if self.description is None:
             raise TwistarmError(f"{self.name} was {self._whence}: it has no Pinocchio model")
         return PinocchioModel(self.description, self.couplings, self.joint_names, self.moving_names)
 
     @cached_property
     def _compiled(self) -> engine.Chain | None:
-        """The arm in the compiled core; None where there is none (`engine.why_not()`), or for more than 32 joints."""
+        """The arm in the compiled core; None without a core (`engine.why_not()`) or beyond 32 joints."""
         bounds = self.limits.lower, self.limits.upper
         numbers = self.screws, self.home, self.coupling.A
         return engine.chain_of(*numbers, bounds, self.sampling_bounds, self.reach, self.rounding)
 
     def _core(self, what: str) -> engine.Chain:
-        """The arm in the compiled core; TwistarmError, which says that `what` needs it and how to get it."""
+        """The arm in the compiled core. Raises TwistarmError with the remedy if `what` cannot have it."""
         engine.need(what)
         if self._compiled is None:
             raise TwistarmError(f"{what} needs the compiled core: {self._why_not_compiled}")
@@ -263,7 +263,7 @@ class Arm:
         return self._readable if self._compiled is None else self._compiled
 
     def by_pinocchio(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
-        """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, whatever engine answers `fk`: what proofs compare."""
+        """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, for proofs."""
         kernels = ByPinocchio(self.pinocchio, self.base, self.tip_link, self.tool)
         return (
             self._each(kernels.fk, theta, (4, 4)),
@@ -305,7 +305,7 @@ class Arm:
         )
 
     def poses(self, theta: ArrayLike, others: Mapping[str, float] | None = None) -> dict[str, Array]:
-        """Pose (..., 4, 4) of every frame seen from the base, {frame: g}.
+        """Pose (..., 4, 4) of every frame in the base frame, {frame: g}.
 
         Args:
             theta: Configurations (..., n) [rad, m].
@@ -377,16 +377,16 @@ class Arm:
         )  # fmt: skip
 
     def _fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
-        """g_st (4, 4) and J^b (6, n) of one configuration in one pass, unchecked: for solvers' inner loops."""
+        """g_st (4, 4) and J^b (6, n) of one configuration, unchecked, for inner loops of solvers."""
         both = self._kinematics.fk_and_body_jacobian(theta)
         return self._readable.fk_and_body_jacobian(theta) if both is None else both
 
     # -- statics -------------------------------------------------------------------------------------------------
 
     def joint_torques(self, theta: ArrayLike, wrench_body: ArrayLike) -> Array:
-        """τ = J_bᵀ F (..., n) [N m or N]: what the joints supply when the tool exerts F = (f, τ) on the world.
+        """τ = J_bᵀ F (..., n) [N m or N]: the joint torques if the tool exerts F = (f, τ) on the world.
 
-        F (..., 6) in tool axes at the tool's origin. MLS §3.4.2.
+        F (..., 6) is in tool axes at the tool's origin. MLS §3.4.2.
 
         Args:
             theta: Configurations (..., n) [rad, m].
@@ -410,7 +410,7 @@ class Arm:
         payload: float = 0.0,
         payload_com: ArrayLike = (0.0, 0.0, 0.0),
     ) -> Array:
-        """The torques that hold the arm still against gravity, (..., n) [N m or N], mimic followers included.
+        """The torques that hold the arm against gravity, (..., n) [N m or N], mimic followers included.
 
         Args:
             theta: Configurations (..., n) [rad, m].
@@ -466,9 +466,9 @@ class Arm:
 
     @cached_property
     def usual_half(self) -> Array:
-        """Half the range (n,) that an unbounded coordinate is taken to have: π rad, 1 m.
+        """Half the assumed range (n,) of an unbounded coordinate: π rad, 1 m.
 
-        A thread is given the turn that advances it 1 m, if that is more: otherwise it would hardly move.
+        A helical joint gets the turn that advances it 1 m, if that is more.
         """
         half = np.array([usual_half(kind) for kind in self.joint_types])
         for pair in lower_pairs(self.screws, self.coupling.A):
@@ -529,7 +529,7 @@ class Arm:
         return {name: float(value) for name, value in zip(self.joint_names, x, strict=True)}
 
     def with_tool(self, g_tip_tool: ArrayLike, name: str) -> Arm:
-        """The same arm with a tool frame `name` at g_tip_tool (4, 4), seen from the present tip.
+        """The same arm with a tool frame `name` at g_tip_tool (4, 4) in the present tip frame.
 
         Args:
             g_tip_tool: The tool's pose (4, 4), seen from the present tip.
@@ -556,8 +556,8 @@ class Arm:
     def bake(self, path: str | os.PathLike[str]) -> Path:
         """Write the arm as numbers to an arm.json, which `load_arm` reads without Pinocchio and the description.
 
-        Kept is all that an arm is but its `description` and `findings`, so that everything about the chain is
-        answered as before. The same arm gives the same bytes; written whole or not at all. Returns the path written.
+        The file has everything but `description` and `findings`, so the chain answers as before. The same arm gives the
+        same bytes. The file is written whole or not at all. Returns its path.
         """
         return write_baked(self._baked, path)
 
@@ -574,7 +574,7 @@ class Arm:
         return tuple(joint.name for joint in self.description.chain(self.base, self.tip_link) if joint.moving)
 
     def _overlapping(self) -> Overlapping | None:
-        """Tells which links run into each other; None without a description, or where it has no shapes."""
+        """A test for overlapping links; None without a description or shapes."""
         if self.description is None or not self.description.has_shapes:
             return None
         return Bodies(
@@ -597,7 +597,7 @@ class Arm:
         return np.tile(np.eye(4), (*self.theta_from(theta).shape[:-1], 1, 1))
 
     def _asked(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
-        """`kernel` of theta: as it is where the core takes it so, else made float64 (N, n) first."""
+        """`kernel` of theta, converted to float64 (N, n) if the core does not accept it unchanged."""
         answer = kernel(theta) if self._compiled is not None else None
         return self._each(kernel, theta, shape) if answer is None else answer
 

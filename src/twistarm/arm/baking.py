@@ -1,4 +1,4 @@
-"""Baked arms: the chain alone as one file of numbers (arm.json), read without Pinocchio or the description."""
+"""Baked arms: the chain as one file of numbers (arm.json), read without Pinocchio or the description."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ _AGAIN = "bake it again from the description: twistarm bake ARM -o FILE --force"
 
 
 class Baked(NamedTuple):
-    """What is kept of an arm: all that it is but its description and the findings about that. SI, as in `Arm`.
+    """The stored data of an arm: everything but its description and findings, in SI units as in `Arm`.
 
-    `source` is the name of the file that it came from, without its folder.
+    `source` is the name of the original file, without its folder.
     """
 
     name: str
@@ -70,9 +70,9 @@ class Baked(NamedTuple):
 
 
 def write_baked(baked: Baked, path: str | os.PathLike[str]) -> Path:
-    """Write an arm.json, whole or not at all; the same arm gives the same bytes. Returns the path written.
+    """Write an arm.json, whole or not at all; the same arm gives the same bytes. Returns the path.
 
-    Raises InputError for a name that `load_arm` would not know as a baked arm's, and where `write_whole` does.
+    Raises InputError for a name that `load_arm` does not recognise as a baked arm, and as `write_whole` does.
     """
     target = writable(path)
     if target.suffix != SUFFIX:
@@ -81,14 +81,14 @@ def write_baked(baked: Baked, path: str | os.PathLike[str]) -> Path:
 
 
 def text_of(baked: Baked) -> str:
-    """The file's text: JSON in which every number reads back as the same bits, with a digest of all the rest."""
+    """The file's text: JSON with numbers that read back bit by bit, and a digest of the rest."""
     content = _content(baked)
     entries = {"format": FORMAT, "version": VERSION, "digest": _digest_of(content), **content}
     return "{\n" + ",\n".join(f"  {json.dumps(key)}: {_laid_out(value)}" for key, value in entries.items()) + "\n}\n"
 
 
 def digest_of(baked: Baked) -> str:
-    """`sha256:…` of everything that is kept: two arms with the same digest are the same to the last bit."""
+    """`sha256:…` of all stored data. Arms with the same digest are equal to the last bit."""
     return _digest_of(_content(baked))
 
 
@@ -120,7 +120,7 @@ _PROOF = ("pose_error", "jacobian_error", "samples")
 
 
 def joints_entry(names: Sequence[str], types: Sequence[str], limits: JointLimits) -> list[dict[str, Any]]:
-    """The joints as they stand in an arm.json and in a golden file."""
+    """The joints for an arm.json and a golden file."""
     bounds = _bounds(limits)
     return [
         {"name": name, "type": kind, "unit": unit_of(kind)} | {field: bounds[field][i] for field in FIELDS}
@@ -129,7 +129,7 @@ def joints_entry(names: Sequence[str], types: Sequence[str], limits: JointLimits
 
 
 def actuators_entry(motors: Actuators) -> dict[str, Any]:
-    """The motors as they stand in an arm.json and in a golden file."""
+    """The motors for an arm.json and a golden file."""
     return {
         "names": list(motors.names),
         "G": motors.G.tolist(),
@@ -145,12 +145,12 @@ def _bounds(limits: JointLimits) -> dict[str, list[float | None]]:
 
 
 def _or_null(values: Array) -> list[float | None]:
-    """JSON knows no infinity and no NaN: null stands for "not given"."""
+    """null for "not given", because JSON has no infinity and no NaN."""
     return [float(value) if np.isfinite(value) else None for value in values]
 
 
 def _digest_of(content: Mapping[str, Any]) -> str:
-    """Of the content in one form, whatever the file's layout and order. ValueError for what is no JSON number."""
+    """The digest of the content, independent of the file's layout and order. Raises ValueError for invalid numbers."""
     canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return f"sha256:{hashlib.sha256(canonical.encode('ascii')).hexdigest()}"
 
@@ -166,7 +166,7 @@ def _laid_out(value: Any) -> str:
 
 
 def read_baked(path: Path) -> Baked:
-    """The arm in an arm.json, everything checked; DescriptionError for what is none, or is one no longer."""
+    """The checked arm in an arm.json. Raises DescriptionError for an invalid or damaged one."""
     content = _content_of(path)
     try:
         return _checked(content)
@@ -278,7 +278,7 @@ def _given(values: list[float | None], name: str, absent: float) -> Array:
 
 
 def read_actuators(content: Mapping[str, Any] | None, joint_names: tuple[str, ...]) -> Actuators | None:
-    """The motors of such an entry; KeyError, TypeError or ValueError for what is none."""
+    """The motors of such an entry. Raises KeyError, TypeError or ValueError for an invalid one."""
     if content is None:
         return None
     return Actuators(

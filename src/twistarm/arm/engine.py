@@ -33,12 +33,12 @@ def core() -> ModuleType | None:
 
 
 def why_not() -> str:
-    """Why there is no compiled core and what to do, in one line; empty where there is one."""
+    """Why there is no compiled core and the remedy, in one line; empty with a core."""
     return _found()[1]
 
 
 def need(what: str) -> ModuleType:
-    """The compiled core. Raises TwistarmError where there is none: `what` needs it, and how to get it."""
+    """The compiled core. Raises TwistarmError with the remedy if `what` cannot have it."""
     module = core()
     if module is None:
         raise TwistarmError(f"{what} needs the compiled core: {why_not()}")
@@ -46,13 +46,13 @@ def need(what: str) -> ModuleType:
 
 
 def asked(name: str, *given: object) -> Any:
-    """The answer of a function of the core; None where there is no core or Python has to look at what was given."""
+    """The answer of a core function; None without a core, or if Python must check the arguments."""
     module = core()
     return None if module is None else getattr(module, name)(*given)
 
 
 def instruction_set() -> str:
-    """What the core's kernels run on here (avx512, avx2, baseline); empty where there is no core."""
+    """The instruction set of the core's kernels (avx512, avx2, baseline); empty without a core."""
     module = core()
     return "" if module is None else str(module.instruction_sets()[0])
 
@@ -66,11 +66,10 @@ def chain_of(
     reach: float,
     rounding: tuple[float, float],
 ) -> Chain | None:
-    """The chain of screws (6, m), home and A (m, n) in the core; None where there is no core, or more than it holds.
+    """The chain of screws (6, m), home and A (m, n) in the core; None without a core or beyond its size.
 
-    `limits` are the lower and upper bounds (n,), `starts` those of random starts, finite; `reach` [m] compares metres
-    with radians where a rank is asked for. `rounding` [m], [rad]: what rounded axes may miss a
-    target by.
+    `limits` are the lower and upper bounds (n,), `starts` the finite bounds of random starts. `reach` [m] compares
+    metres with radians in a rank. `rounding` [m], [rad] is the allowed miss due to rounded axes.
     """
     module = core()
     if module is None:
@@ -94,7 +93,7 @@ def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: fl
 
 @cache
 def _say_once() -> None:
-    """That everything is slower than it could be, on the log, whose default is a line on stderr."""
+    """Log once that everything is slower without the core; the default log is stderr."""
     lost = "takes milliseconds instead of microseconds and gives neither the nearest configuration nor the reason"
     _LOG.warning("no compiled core, so inverse kinematics %s: %s", lost, why_not())
 

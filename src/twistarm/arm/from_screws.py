@@ -27,7 +27,7 @@ def arm_from_screws(
 ) -> Arm:
     """An arm from its space twists (6, n) and home pose (4, 4), both at theta = 0; MLS §3.2.2.
 
-    Columns with w = 0 are prismatic [m], the others turn [rad]: revolute, or helical where the pitch is not 0.
+    Columns with w = 0 are prismatic [m]. The others turn [rad]: revolute, or helical with a pitch.
 
     Args:
         screws: Space twists (6, n), (v, w) in each column, linear part first.
@@ -74,13 +74,13 @@ def arm_from_screws(
 
 
 def _turning(xi: Array) -> str:
-    """Revolute or helical, by the pitch of this twist (6,) alone, whatever it makes with its neighbours."""
+    """Revolute or helical, by the pitch of this twist (6,) alone."""
     (pair,) = lower_pairs(xi[:, None], np.eye(1))
     return pair.kind
 
 
 def _reach(turning: Array, tool: Array) -> float:
-    """Distances between successive axes, each point taken nearest to the one before, out to the tool's origin."""
+    """Distances between successive axes, each point nearest to the one before, out to the tool's origin."""
     if turning.shape[1] == 0:
         return 0.0
     screws = [to_screw(xi) for xi in turning.T]

@@ -1,4 +1,4 @@
-"""Motions that an arm cannot make, in words: the same from the servo, from inverse kinematics and on the page."""
+"""Motions that an arm cannot make, in words, for the servo, inverse kinematics and the page."""
 
 from __future__ import annotations
 
@@ -44,11 +44,11 @@ class Lack(Enum):
 
 
 def lack(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, before: Sequence[int] = ()) -> Lack:
-    """Whether the tool moves along, or turns about, the unit vector (3,) at theta (n,), or at any posture.
+    """Whether the tool moves along, or turns about, the unit vector (3,) at theta (n,), or anywhere.
 
-    The motions counted are those that leave the components `before` as they are: J_half N, N the null space of
-    J_before, metres measured in the reach, in axes of `frame`. Where their rank is less than at random postures (an
-    analytic Jacobian has its largest rank almost everywhere), this posture lacks some that those beside it have.
+    It considers motions that keep the components `before`: J_half N, with N the null space of J_before, metres divided
+    by the reach, in axes of `frame`. If their rank is below that at random configurations, this configuration lacks
+    motions that its neighbours have. (An analytic Jacobian has its largest rank almost everywhere.)
     """
     span = _span(arm, theta, half, before, frame)[0]
     if _holds(span, direction):
@@ -64,12 +64,12 @@ def lack(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, befor
 
 
 def cannot_move(axis: Array, frame: str, held: str = "") -> str:
-    """For a unit vector (3,) along which no joint moves the tool while what is `held` stays."""
+    """Words for a unit vector (3,) along which no joint moves the tool while `held` stays."""
     return f"{CANNOT_MOVE}: {_while(held)}no joint moves its tool along {axis_in_words(axis, frame)}"
 
 
 def cannot_turn(axis: Array, frame: str, held: str = "") -> str:
-    """For a unit vector (3,) about which no joint turns the tool while what is `held` stays."""
+    """Words for a unit vector (3,) about which no joint turns the tool while `held` stays."""
     return f"{CANNOT_TURN}: {_while(held)}no joint turns its tool about {axis_in_words(axis, frame)}"
 
 
@@ -79,9 +79,9 @@ def must_turn(axis: Array, frame: str) -> str:
 
 
 def singular(what: str, share: float, joint: str | None, axis: str = "") -> str:
-    """For a posture near a singularity: `what` is "move" or "turn", of which a share is done.
+    """Words for a configuration near a singularity: `what` is "move" or "turn", and a share of it is done.
 
-    joint: the one that would have to move most for it, if that is known; axis: along or about which it is lost.
+    joint: the one that would have to move most, if known; axis: along or about which the motion is lost.
     """
     if share >= 0.5:
         return f"near a singularity: this arm does not {what} quite that way from here"
@@ -103,7 +103,7 @@ _RANKS: weakref.WeakKeyDictionary[Arm, dict[tuple[object, ...], int]] = weakref.
 
 
 def _rank(arm: Arm, half: Half, before: Sequence[int], frame: str) -> int:
-    """The largest rank of `_span` among random postures, kept for as long as the arm lives."""
+    """The largest rank of `_span` at random configurations, cached for the arm."""
     kept = _RANKS.setdefault(arm, {})
     key = (half, tuple(before), frame)
     if key not in kept:
@@ -112,7 +112,7 @@ def _rank(arm: Arm, half: Half, before: Sequence[int], frame: str) -> int:
 
 
 def _span(arm: Arm, theta: Array, half: Half, before: Sequence[int], frame: str) -> tuple[Array, Array]:
-    """Orthonormal U (3, k) and σ (k,): in which directions of one half the tool moves with `before` at rest."""
+    """Orthonormal U (3, k) and σ (k,): the directions of one half in which the tool moves with `before` fixed."""
     g, J = arm._fk_and_body_jacobian(theta)
     turned = J if frame == "tool" else np.kron(np.eye(2), g[:3, :3]) @ J
     rows = scaled_jacobian(turned, np.array(arm.units) == "m", arm.reach)

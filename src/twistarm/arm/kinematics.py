@@ -1,4 +1,4 @@
-"""Kinematics of a chain where the compiled core has it not: by Pinocchio, and by exponentials without a description.
+"""Kinematics without the compiled core: by Pinocchio, or by exponentials without a description.
 
 Both answer as `_core.Chain` does, for configurations (N, n).
 """
@@ -41,7 +41,7 @@ class ByExponentials:
 
 
 class ByPinocchio:
-    """The same by Pinocchio, which takes one configuration at a time; `tool` (4, 4) is the tip seen from its link."""
+    """The same by Pinocchio, one configuration at a time; `tool` (4, 4) is the tip in its link's frame."""
 
     def __init__(self, model: PinocchioModel, base: str, link: str, tool: Array) -> None:
         self._model, self._links = model, (base, link)

@@ -31,9 +31,9 @@ _STDERR = threading.Lock()
 class PinocchioModel:
     """Pinocchio's model of a whole description, with data for each thread.
 
-    `coordinates` are theta's joints, `chain` the moving joints from base to tip. `q(theta)` gives the value of every
-    joint of the tree: the chain's from theta, mimic followers by their coupling, the others from `others` or 0.
-    Continuous joints are revolute here, so q is one number per joint.
+    `coordinates` are theta's joints, `chain` the moving joints from base to tip. `q(theta)` gives every joint's value:
+    the chain's from theta, mimic followers by their coupling, the others from `others` or 0. Continuous joints are
+    revolute here, so q is one number per joint.
     """
 
     def __init__(
@@ -106,7 +106,7 @@ class PinocchioModel:
         return spatial
 
     def gravity_torques(self, theta: Array, base: str, gravity: Array) -> Array:
-        """Joint efforts (n,) that hold every body of the description still; `gravity` (3,) in axes of `base`."""
+        """Joint efforts (n,) that hold every body of the description; `gravity` (3,) in axes of `base`."""
         q = self._A @ theta + self._b
         model, data = self._own_model(), self.data
         self._pin.forwardKinematics(self.model, data, q)
@@ -133,12 +133,12 @@ class PinocchioModel:
 
 
 def import_pinocchio() -> Any:
-    """The module of the `pin` wheel, or a TwistarmError that says what stands before it and how to start."""
+    """The module of the `pin` wheel. Raises TwistarmError with the remedy if another one hides it."""
     return wheels.load(_WHEEL)
 
 
 def model_of(text: str) -> tuple[Any, str]:
-    """The model of a URDF text as it is and nothing, or None and what Pinocchio's own parser says to it."""
+    """The model of a URDF text and nothing, or None and the error of Pinocchio's parser."""
     pin = import_pinocchio()
     with _captured_stderr() as complaint:
         try:
@@ -162,7 +162,7 @@ def _build(description: Description) -> Any:
 
 @contextmanager
 def _captured_stderr() -> Iterator[Callable[[], str]]:
-    """Pinocchio's parser tells the cause only on the C++ stderr: keep it, as a text, while the context lasts."""
+    """Capture the C++ stderr inside the block, because Pinocchio's parser gives its reason only there."""
     with _STDERR, tempfile.TemporaryFile() as file:
         try:
             saved = os.dup(2)

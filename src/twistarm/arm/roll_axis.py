@@ -1,4 +1,4 @@
-"""The tool's own axis: the one about which an arm's last joint rolls it, and which it points at things."""
+"""The tool axis: the axis about which the last joint rolls the tool."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ DECISIVE = 0.5
 
 
 def roll_axis(body_screws: Array, coupling: Array, reach: float) -> Array:
-    """The unit vector (3,), in tool axes, about which the last joint that turns rolls the tool; z where none does.
+    """The unit vector (3,) in tool axes about which the last turning joint rolls the tool; z without a roll.
 
-    From the columns (v, w) of `body_screws` (6, m) at rest and the rows of `coupling` (m, n), of which a locked joint's
-    is zero. Joints beyond the last that turns only slide, so its axis w is fixed in the tool. It is a roll where the
-    joint before it that turns is not parallel to it and the tool stands out along it: seen from the wrist, the point
-    of the axis nearest to that joint's axis, the tool's origin lies within 45° of ±w, or at the wrist itself. Without
-    a joint before it, it is a roll where the tool's origin lies on its axis. A last joint that pitches is none.
+    It follows from the columns (v, w) of `body_screws` (6, m) at rest and the rows of `coupling` (m, n); a locked
+    joint's row is zero. Joints beyond the last turning one only slide, so its axis w is fixed in the tool. It is a roll
+    if the turning joint before it is not parallel and the tool is ahead along it: seen from the wrist (the point of the
+    axis nearest to that joint's axis), the tool's origin is within 45° of ±w, or at the wrist. Without a joint before
+    it, the tool's origin must be on its axis. A last joint that pitches is no roll.
 
-    Its sense is outward, from the wrist to the tool's origin; where the two coincide, or nothing turns before it, the
-    one in which the first component that is decisive, of z, x and y in this order, is positive.
+    Its sense is outward, from the wrist to the tool's origin. If both coincide, or nothing turns before it, the first
+    decisive component of z, x, y is positive.
     """
     turning = np.flatnonzero((np.linalg.norm(body_screws[3:], axis=0) > 0.5) & coupling.any(axis=1))
     if not len(turning):

@@ -1,4 +1,4 @@
-"""Velocity and acceleration limits for arms that give none: what a stream or a plan on the page takes instead."""
+"""Assumed velocity and acceleration limits for arms that give none."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ POWERS = {"velocity": "s", "acceleration": "s²"}
 
 
 def with_defaults(arm: Arm, limits: JointLimits | None = None) -> JointLimits:
-    """`limits`, the arm's own where not given, and `DEFAULTS` where they have no velocity or acceleration.
+    """`limits`, by default the arm's, with `DEFAULTS` where they have no velocity or acceleration.
 
-    A number from `AS_GOOD_AS_UNBOUNDED` on is none: files write it where they mean no limit.
+    A number from `AS_GOOD_AS_UNBOUNDED` on counts as missing, because files write it for "no limit".
     """
     given = arm.limits if limits is None else limits
     changes = {}
@@ -38,7 +38,7 @@ def usually_limited(arm: Arm) -> Arm:
 
 
 def defaults_line(arm: Arm, limits: JointLimits | None = None) -> str:
-    """Which of the limits were not given and what stands in for them, "" where all were."""
+    """The missing limits and their assumed values, or ""."""
     parts = [
         f"{name} {DEFAULTS[name][unit]:g} {unit}/{POWERS[name]} for {', '.join(joints)}"
         for name, unit, joints in _missing(arm, arm.limits if limits is None else limits)

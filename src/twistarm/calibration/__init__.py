@@ -1,4 +1,4 @@
-"""The wiring check: do signs, ratios and zeros of the motors fit what the tool was measured to do?"""
+"""The wiring check: do signs, ratios and zeros of the motors fit the measured tool?"""
 
 from .base import BaseOffset
 from .check import check_wiring

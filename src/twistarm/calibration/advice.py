@@ -1,4 +1,4 @@
-"""In words: what a log does not show, and what to log so that it does."""
+"""What a log does not show, and what to log, in words."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def not_shown(unseen: Sequence[str], swapped_with: Sequence[str]) -> str:
 def not_shown_of_all(
     names: Sequence[str], unseen: Sequence[Sequence[str]], swaps: Sequence[tuple[int, int]]
 ) -> tuple[str, bool]:
-    """Of the whole arm, motors with the same gaps together; and whether there is anything else that it does show."""
+    """The gaps of the whole arm, motors with the same gaps together, and whether the log shows anything else."""
     if all(tuple(each) == ALL for each in unseen):
         return "the log does not show the sign, ratio or zero of any motor", False
     alike: dict[tuple[str, ...], list[str]] = {}

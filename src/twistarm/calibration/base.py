@@ -1,4 +1,4 @@
-"""The base as a source of error: it stands a little beside where it was measured to be, in every row alike."""
+"""The base as a source of error: a constant offset of its measured pose."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ USUAL = (0.01, float(np.radians(2.0)))
 
 @dataclass(frozen=True)
 class BaseOffset:
-    """Where the base seems to stand, seen from where it was measured to be: `position` [m], `rotation` vector [rad]."""
+    """The estimated base in the frame of the measured one: `position` [m], `rotation` vector [rad]."""
 
     position: tuple[float, float, float]
     rotation: tuple[float, float, float]
@@ -25,13 +25,13 @@ class BaseOffset:
 
 
 class BaseError:
-    """The base's offset as a random effect: r = A z + noise, with z (6,) and the noise of standard deviation 1.
+    """The base's offset as a random effect: r = A z + noise, with z (6,) and noise of standard deviation 1.
 
-    A (N, 6) is what the base's translations and rotations, each by its standard deviation, do to the residuals. Then
-    r has the covariance C = 1 + A Aᵀ, and generalised least squares (Aitken 1935) minimise rᵀ C⁻¹ r = ‖C^(−1/2) r‖²;
-    with A = U D Vᵀ is C^(−1/2) = 1 − U (1 − (1 + D²)^(−1/2)) Uᵀ, ln det C = Σ ln (1 + D²), and the z to be expected
-    is V D (1 + D²)⁻¹ Uᵀ r (Laird, Ware 1982, eq. 3.3). What the base explains thus weighs nothing for or against a
-    motor. The offset is taken to first order.
+    A (N, 6) maps the base's translations and rotations, each by its standard deviation, to the residuals. r then has
+    the covariance C = 1 + A Aᵀ. Generalised least squares (Aitken 1935) minimise rᵀ C⁻¹ r = ‖C^(−1/2) r‖². With A = U D
+    Vᵀ, C^(−1/2) = 1 − U (1 − (1 + D²)^(−1/2)) Uᵀ and ln det C = Σ ln (1 + D²). The expected z is V D (1 + D²)⁻¹ Uᵀ r
+    (Laird, Ware 1982, eq. 3.3). What the base explains counts neither for nor against a motor. The offset enters to
+    first order.
     """
 
     def __init__(self, A: Array) -> None:
@@ -53,7 +53,7 @@ class BaseError:
 def moved_by_base(position: Array, rotation: Array | None) -> tuple[Array, Array]:
     """d(measured)/d(translation, rotation of the base): of positions (K, 3, 6), and of tool axes (K, 3, 6).
 
-    dx = v + ω × x, and dw = Rᵀ ω in the axes of the tool.
+    dx = v + ω × x, and dw = Rᵀ ω in tool axes.
     """
     K, eye = len(position), np.broadcast_to(np.eye(3), (len(position), 3, 3))
     turned = np.swapaxes(np.cross(np.eye(3), position[:, None, :]), 1, 2)

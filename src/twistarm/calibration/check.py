@@ -39,22 +39,21 @@ def check_wiring(
     base_orientation_noise: float | None = None,
     progress: Progress | None = None,
 ) -> WiringReport:
-    """Whether the signs, ratios and zeros of the arm's motors fit a log of their counts and of measured tool poses.
+    """Check the signs, ratios and zeros of the arm's motors against a log of counts and tool poses.
 
-    theta = G⁻¹ (s y + e) is fitted to the poses, y being what the motors read from their configured zeros; faults are
-    the fewest deviations from s = 1, e = 0 that explain the log, of those that are clear from the noise and more than
-    1°, 5 mm or 2 %. Where others explain it as well, all are named and none is corrected. Where the log cannot show a
-    motor's sign, scale or offset, or whether two are swapped, the verdict is "cannot tell", and what to move or
-    measure. A fault that the base's pose explains as well, as an offset of the first joint is, is "possible" beside it
-    (`base.BaseError` gives the law). A log that nothing explains takes seconds.
+    theta = G⁻¹ (s y + e) is fitted to the poses, with y the motors' readings from their configured zeros. Faults are
+    the fewest deviations from s = 1, e = 0 that explain the log. They must be clear from the noise and above 1°, 5 mm
+    or 2 %. If other faults explain it as well, all are named and none is corrected. If the log does not determine a
+    sign, scale, offset or swap, the verdict is "cannot tell", with what to move or measure. A fault that the base's
+    pose explains as well is "possible" (`base.BaseError` has the law). An unexplained log takes seconds.
 
     Args:
         arm: The arm, with actuators.
         log: A `WiringLog`, or the path of a CSV file with the motors' counts and measured tool poses.
         position_noise: Standard deviation of the measured position [m].
         orientation_noise: Standard deviation of the measured orientation [rad].
-        base_position_noise: Standard deviation of the base's position [m]. By default 0, or, for a log that is not
-            sound with it, that of a tape measure.
+        base_position_noise: Standard deviation of the base's position [m]. By default 0, or that of a tape measure for
+            a log that is not sound.
         base_orientation_noise: The same of the base's orientation [rad].
         progress: Called with the fraction done, or None.
 
@@ -117,7 +116,7 @@ def _wiring(arm: Arm, motors: Actuators, counts: Array, measured: Array, noise: 
 def _explained(
     wiring: Wiring, motors: Actuators, doubted: tuple[float, float], progress: Progress
 ) -> tuple[str, Wiring, Found]:
-    """What was found, in which unit the positions were logged if not in metres, and the wiring with them in metres."""
+    """The explanation, the logged unit if not metres, and the wiring in metres."""
     if _still(wiring):
         return "", wiring, as_sound(_thinned(wiring))
     units = plausible_units(wiring)
@@ -144,7 +143,7 @@ def _thinned(wiring: Wiring) -> Wiring:
 
 
 def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progress: Progress) -> str:
-    """The row without which the log can be explained, if there is one, or the noise with which it can."""
+    """The row without which the log can be explained, or the noise that would explain it."""
     wiring = found.wiring
     K, odd = len(wiring.y), _worst_row(wiring, found.explanation.p)
     if 3 < K <= MOST_ROWS:

@@ -1,4 +1,4 @@
-"""Faults of a motor that an explanation implies: their names, their words, and the corrected entries of an arm.toml."""
+"""The faults of a motor: their names, their words, and the corrected entries of an arm.toml."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def joint_offset(found: Found, motors: Actuators, i: int) -> dict[str, float]:
 
 
 def entries(found: Found, motors: Actuators, i: int) -> tuple[dict[str, float], float]:
-    """`ratio` and `offset` that [actuators] should have for motor i as it is wired."""
+    """`ratio` and `offset` that [actuators] should have for motor i as wired."""
     s = float(found.explanation.p[i])
     ratio = {joint: float(g / s) for joint, g in zip(motors.joint_names, motors.G[i], strict=True) if g}
     return ratio, float(motors.offset[i] - offset_of(found, i) / s)

@@ -1,4 +1,4 @@
-"""The scales and zeros that fit a log best: many starts, the best of them refined by damped Gauss-Newton steps."""
+"""The best fit of scales and zeros: many starts, the best refined by damped Gauss–Newton steps."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ FEW = 30
 
 
 def refine(wiring: Wiring, p: Array, free: Array) -> tuple[Array, float]:
-    """The parameters (2k,) near p with the least sum of squared residuals, only the `free` (2k,) moved; and that sum.
+    """The parameters (2k,) near p with the least squares of the residuals, moving only the `free` (2k,); and that sum.
 
     Levenberg–Marquardt with the columns scaled to length 1: (AᵀA + λ I) step = Aᵀ r.
     """
@@ -65,15 +65,15 @@ def refine(wiring: Wiring, p: Array, free: Array) -> tuple[Array, float]:
 
 
 def from_sound(wiring: Wiring) -> tuple[Array, float]:
-    """The parameters (2k,) that fit the log, all of them moved from the sound ones, and the sum of squares."""
+    """The parameters (2k,) fitted from the sound ones, and the sum of squares."""
     return refine(wiring, wiring.sound, np.ones(2 * wiring.k, dtype=bool))
 
 
 def best_fit(wiring: Wiring, progress: Callable[[float], object]) -> tuple[Array, float]:
-    """The parameters (2k,) that fit the log best, from wherever they are found, and the sum of squares.
+    """The parameters (2k,) with the best fit from all starts, and the sum of squares.
 
-    The reversed motors that come nearest, as they are; then a beam from the sound ones, and one from the reversed: in
-    each round one more motor gets whichever scale and offset helps. `progress(fraction)` is called along the way.
+    Starts are the best patterns of reversed motors, a beam from the sound parameters, and one from the reversed. Each
+    round gives one more motor its best scale and offset. `progress(fraction)` is called on the way.
     """
     rows = np.unique(np.linspace(0, len(wiring.y) - 1, min(FEW, len(wiring.y))).astype(int))
     few, every = wiring.of_rows(rows), np.ones(2 * wiring.k, dtype=bool)
@@ -98,7 +98,7 @@ def _most_promising(wiring: Wiring, starts: Array, count: int) -> Array:
 
 
 def sign_patterns(k: int) -> Array:
-    """Every pattern of reversed motors as parameters (M, 2k), few first; of many motors, one or two of them."""
+    """Patterns of reversed motors as parameters (M, 2k), few first; with many motors one or two reversed."""
     patterns = [flips for count in range(1, k + 1 if k <= MOST_SIGNS else 3) for flips in combinations(range(k), count)]
     starts = np.tile(np.repeat([1.0, 0.0], k), (len(patterns), 1))
     for start, flips in zip(starts, patterns, strict=True):

@@ -1,4 +1,4 @@
-"""The verdict on the whole arm, in a sentence that begins with what is wrong or what is not known."""
+"""The verdict on the whole arm in a sentence, with the fault or the gap first."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Judgement = tuple[str, str, tuple[MotorVerdict, ...]]
 
 
 def judged(found: Found, motors: Actuators) -> Judgement:
-    """Of an explanation that fits the log, and of the base that it takes for that."""
+    """The verdict for an explanation that fits the log, and for its base."""
     verdict, what, each = _of_motors(found, motors)
     offset = found.wiring.base_offset(found.explanation.p)
     return verdict, what if offset is None else f"with the base {offset}, {what}", each

@@ -1,4 +1,4 @@
-"""Positions that were not logged in metres: by how large they are, and by what explains them."""
+"""Positions in other units than metres: by their size, and by the explanation."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ POSTURES = 200
 
 
 def plausible_units(wiring: Wiring) -> list[str]:
-    """The `UNITS` in which the measured positions are as far from the base as the arm's are; none if in metres.
+    """The `UNITS` that put the measured positions at the arm's distances; none for metres.
 
-    The arm's are those of random postures: what the motors read may be wrong.
+    The distances come from random configurations, because the motors' readings may be wrong.
     """
     usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(0, POSTURES))[:, :3, 3])
     measured = _mean_distance(wiring.position)

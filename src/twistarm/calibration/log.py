@@ -1,4 +1,4 @@
-"""The log of a wiring check: the counts of every drive, and the tool's measured place at the same moment."""
+"""The log of a wiring check: the counts of each drive and the measured tool at the same moment."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ UNIT_LENGTH_TOL = 0.01
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WiringLog(Brief):
-    """K moments: `counts` (K, k) as the drives of `names` count, `measured` the tool seen from the base link.
+    """K moments: `counts` (K, k) as the drives of `names` count, `measured` the tool in base coordinates.
 
     `measured` (K, 3) are positions of the tool's origin [m], or (K, 4, 4) poses. Raises InputError for anything else.
     """
@@ -56,7 +56,7 @@ class WiringLog(Brief):
         self.__post_init__()
 
     def of(self, motors: Actuators) -> Array:
-        """The counts (K, k) in the order of `motors`; InputError where one is missing or there is another."""
+        """The counts (K, k) in the order of `motors`. Raises InputError for a missing or unknown motor."""
         for name in self.names:
             if name not in motors.names:
                 raise InputError(
@@ -69,11 +69,10 @@ class WiringLog(Brief):
 
 
 def read_log(path: str | os.PathLike[str], motors: Actuators) -> WiringLog:
-    """Read a log from CSV: a column for each motor, then x, y, z [m], and where measured qx, qy, qz, qw.
+    """Read a log from CSV: a column for each motor, then x, y, z [m], and optionally qx, qy, qz, qw.
 
-    The first line names the columns, in any order; a unit may follow in brackets, `left [tick]`, and must be the one
-    that the motor's drive counts in. A line that begins with # is a comment. Raises InputError with the line's number
-    for whatever is not a number, missing or too much.
+    The first line names the columns in any order. A unit in brackets, `left [tick]`, must be that of the motor's drive.
+    A line with # is a comment. Raises InputError with the line's number for an invalid, missing or surplus value.
     """
     file = as_path(path)
     require(motors, Actuators, "motors", "as arm.actuators is")
@@ -103,7 +102,7 @@ def _poses(position: Array, quaternions: Array) -> Array:
 
 
 def _columns(header: Sequence[str], motors: Actuators, place: str) -> tuple[str, ...]:
-    """The columns' names, their units checked: every motor, x, y, z, and all or none of the quaternion."""
+    """The columns' names with checked units: every motor, x, y, z, and all or none of the quaternion."""
     units = (
         dict(zip(motors.names, motors.units, strict=True)) | dict.fromkeys(POSITION, "m") | dict.fromkeys(ROTATION, "1")
     )

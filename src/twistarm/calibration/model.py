@@ -18,12 +18,12 @@ SLACK = np.radians(1.0)
 
 @dataclass(frozen=True, eq=False)
 class Wiring:
-    """theta = P (s y + e): y (K, k) what the motors read from their configured zeros, P (n, k) the inverse of G.
+    """theta = P (s y + e): y (K, k) are the motors' readings from their configured zeros, P (n, k) the inverse of G.
 
-    The parameters p (2k,) are the scales s, and the offsets e over `unit` (k,), which makes them the rad (or m) of the
-    joint that the motor turns most. Configuration and arm agree where s = 1 and e = 0; a reversed motor has s = −1.
-    `surplus` (k, k) is what motors of which there are more than joints must not read: I − G P. `base` is one standard
-    deviation of where the base is [m, rad], 0 where it is exactly known.
+    The parameters p (2k,) are the scales s, and the offsets e over `unit` (k,). The latter makes them rad (or m) of the
+    joint that the motor turns most. Configuration and arm agree at s = 1, e = 0; a reversed motor has s = −1. `surplus`
+    (k, k) is I − G P: the readings that surplus motors must not have. `base` is the standard deviation of the base [m,
+    rad], 0 if exactly known.
     """
 
     arm: Arm
@@ -75,7 +75,7 @@ class Wiring:
         return BaseError(np.concatenate([A, np.zeros((none, 6))]))
 
     def base_offset(self, p: Array) -> BaseOffset | None:
-        """Where the base is to be expected, of parameters (2k,); None where it is exactly known."""
+        """The expected base for parameters (2k,); None if exactly known."""
         if self.base_error is None:
             return None
         moved = self.base_error.expected(self._measured_residual(p)) * np.repeat(self.base, 3)
@@ -92,7 +92,7 @@ class Wiring:
         return replace(self, position=(self.position - offset.position) @ R, rotation=rotation)
 
     def residual(self, p: Array) -> Array:
-        """`misses` in standard deviations, (..., N); of a base that is not known without what it explains."""
+        """`misses` in standard deviations, (..., N), without the part that an uncertain base explains."""
         r = self._measured_residual(p)
         return r if self.base_error is None else self.base_error.whitened(r)
 
@@ -109,7 +109,7 @@ class Wiring:
         """d(computed, in standard deviations)/dp, (N, 2k), for one set of parameters.
 
         dp = R J_v dtheta and dw = J_w dtheta of the body Jacobian (MLS §3.4.1), with dtheta/ds_i = P_i y_i and
-        dtheta/de_i = P_i; of a large rotation's logarithm it is the first term.
+        dtheta/de_i = P_i. For large rotations it is the first term of the logarithm.
         """
         theta = self.theta(p)
         R, J = self.arm.fk(theta)[:, :3, :3], self.arm.body_jacobian(theta)

@@ -13,7 +13,7 @@ from .base import BaseOffset
 
 
 class Residual(NamedTuple):
-    """Root mean square of measured against computed: position [m], rotation [rad], None where it was not measured."""
+    """Root mean square of measured against computed: position [m], rotation [rad] or None."""
 
     position: float
     rotation: float | None
@@ -21,15 +21,14 @@ class Residual(NamedTuple):
 
 @dataclass(frozen=True)
 class MotorVerdict:
-    """What the log says of one motor; by default, nothing.
+    """The log's verdict on one motor; by default none.
 
-    `verdict` is "sound", "fault", "possible fault" or "cannot tell", with `faults` out of "flipped sign", "wrong
-    ratio", "zero offset", "swapped"; of a possible fault the log does not tell whether it is this one or another that
-    is named. `unseen` is what the log does not show, out of "sign", "ratio", "zero" and "swapped with NAME".
-    The motor's readings y from its zero fit as `scale` y + `offset` [rad or m, motor side], each with its standard
-    deviation where all parameters are fitted (inf where the log says nothing); `joint_offset` is what the offset makes
-    of the joints [rad or m]. `ratio` and `zero` are what the arm.toml should say, for the motors as they are wired;
-    None where the log does not tell. `what` and `remedy` tell it in words.
+    `verdict` is "sound", "fault", "possible fault" or "cannot tell". `faults` are out of "flipped sign", "wrong ratio",
+    "zero offset", "swapped"; a possible fault has a named alternative. `unseen` lists what the log does not show, out
+    of "sign", "ratio", "zero" and "swapped with NAME". The motor's readings y from its zero fit as `scale` y + `offset`
+    [rad or m, motor side], each with its standard deviation for a fit of all parameters (inf if undetermined).
+    `joint_offset` is the offset at the joints [rad or m]. `ratio` and `zero` are the entries for the arm.toml as wired,
+    or None. `what` and `remedy` are words.
     """
 
     name: str
@@ -49,12 +48,12 @@ class MotorVerdict:
 
 @dataclass(frozen=True, repr=False)
 class WiringReport:
-    """The verdict on the whole ("sound", "fault", "cannot tell", "unexplained"), and on each motor.
+    """The verdict on the whole arm ("sound", "fault", "cannot tell", "unexplained"), and on each motor.
 
-    `before` is the residual of the arm as its arm.toml says, `after` that with the scales and offsets found. `rows`
-    moments were logged; `worst_row`, counted from 1, fits least. A log in another unit than metres is "unexplained";
-    where `what` names the unit, all else is said of the positions in metres. `base` is where the base seems to stand
-    where the log is not explained without that; None where it is taken to be as measured.
+    `before` is the residual with the arm.toml's values, `after` that with the found scales and offsets. `rows` moments
+    were logged; `worst_row`, counted from 1, fits least. A log in another unit than metres is "unexplained"; if `what`
+    names the unit, the rest refers to the positions in metres. `base` is the estimated base if the log needs it, else
+    None.
     """
 
     arm: str

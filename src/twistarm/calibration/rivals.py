@@ -1,4 +1,4 @@
-"""Rival explanations that a log leaves open: other faults that explain it as well, signs and swaps it does not show."""
+"""Rival explanations of a log: other faults, signs and swaps that fit as well."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from .search import Found, may_fit, swapped
 
 
 def rivals(found: Found, i: int) -> list[tuple[int, Found]]:
-    """What may be wrong instead of the faults of motor i, as a motor and the explanation that blames it.
+    """The alternatives to the faults of motor i, as a motor and its explanation.
 
-    No rival claims more faults, and each fits the log as well: another account for motor i, or less of it and
-    something else of another motor.
+    A rival claims no more faults and fits as well: another account for motor i, or less of it and a fault of another
+    motor.
     """
     wiring, best = found.wiring, found.explanation
     faults, claimed = set(named_faults(found, i)), claims(best.accounts[i])
@@ -43,7 +43,7 @@ def _added(best: Explanation, other: Explanation, j: int) -> int:
 
 
 def unseen_signs(found: Found) -> set[int]:
-    """Motors that may as well turn the other way: alone with a zero of their own, or several at once."""
+    """Motors that may also turn the other way: alone with another zero, or several at once."""
     wiring, p, k = found.wiring, found.explanation.p, found.wiring.k
     unseen = {i for i in range(k) if found.as_well(_reversed(wiring, p, i))}
     patterns = sign_patterns(k)[:, :k]
@@ -63,7 +63,7 @@ def _reversed(wiring: Wiring, p: Array, i: int) -> float:
 
 
 def unseen_swaps(found: Found, motors: Actuators) -> list[tuple[int, int]]:
-    """Pairs of motors that may as well be swapped, all else being as it was found."""
+    """Pairs of motors that may also be swapped, with everything else as found."""
     pairs = [pair for pair in combinations(range(found.wiring.k), 2) if not set(pair) & set(found.swapped)]
     return [pair for pair in pairs if _as_well_swapped(found, swapped(found.wiring, motors, pair))]
 

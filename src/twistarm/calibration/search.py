@@ -1,4 +1,4 @@
-"""The search for what explains a log: sound motors, two of them swapped, or the fewest faults."""
+"""The search for an explanation of a log: sound motors, a swap, or the fewest faults."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Progress = Callable[[float], object]
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """An explanation of a log, and the two motors (or none) that have to be swapped for it.
+    """An explanation of a log, and the swapped motors, if any.
 
-    `wiring` has them swapped already. `as_good` are others, which claim as many faults and fit as well; `or_base` is
-    what is left to claim if the base may stand beside where it was measured.
+    `wiring` has them swapped. `as_good` are others with as many faults and as good a fit. `or_base` are the remaining
+    claims if the base may be off.
     """
 
     wiring: Wiring
@@ -72,10 +72,10 @@ def as_sound(wiring: Wiring) -> Found:
 
 
 def search(wiring: Wiring, motors: Actuators, doubted: tuple[float, float], progress: Progress) -> Found:
-    """What explains the log, or comes nearest to it; `progress(fraction)` is called where that takes long.
+    """The explanation of the log, or the nearest to one; `progress(fraction)` is called in long searches.
 
-    Unless the log is sound as it stands, it is looked at again with a base that is known as well as `doubted` only,
-    [m, rad]. Near the sound arm first, with either base; far from it where neither explains the log.
+    A log that is not sound is examined again with a base known only to `doubted`, [m, rad]. Both searches begin near
+    the sound arm and go far only if neither explains the log.
     """
     exact = _nearest(wiring, motors)
     if exact.fits and exact.explanation.sound and not exact.swapped:
@@ -96,7 +96,7 @@ def search(wiring: Wiring, motors: Actuators, doubted: tuple[float, float], prog
 
 
 def _nearest(wiring: Wiring, motors: Actuators) -> Found:
-    """The fewest faults near the sound arm, perhaps with two motors swapped; `fits` says whether they explain it."""
+    """The fewest faults near the sound arm, perhaps with a swap; `fits`: they explain the log."""
     plain = _near(wiring, ())
     if plain.fits and plain.explanation.sound:
         return plain
@@ -111,7 +111,7 @@ def _nearest(wiring: Wiring, motors: Actuators) -> Found:
 
 
 def _far(wiring: Wiring, motors: Actuators, progress: Progress) -> Found:
-    """What fits best of all that is tried; any two motors may be swapped where nothing else explains the log."""
+    """The best fit of all tries; any two motors may be swapped if nothing else explains the log."""
     far = Found(wiring, fewest_faults(wiring, *best_fit(wiring, progress)))
     if far.fits:
         return far
@@ -121,18 +121,17 @@ def _far(wiring: Wiring, motors: Actuators, progress: Progress) -> Found:
 
 
 def _beside(exact: Found, loose: Wiring, motors: Actuators) -> Found:
-    """What is claimed if the base may stand elsewhere: near the sound arm, or near what was found for the exact one."""
+    """The claims if the base may be off: near the sound arm, or near the result for the exact base."""
     other, every = swapped(loose, motors, exact.swapped), np.ones(2 * loose.k, dtype=bool)
     start = Found(other, fewest_faults(other, *refine(other, exact.explanation.p, every)), exact.swapped)
     return min([start, _nearest(loose, motors)], key=lambda found: (not found.fits, found.cost))
 
 
 def likelier(exact: Found, doubted: Found) -> Found:
-    """Of what is found with the base as said, and with one that may stand elsewhere: the one that explains more.
+    """The better of two explanations: with the stated base, and with an uncertain one.
 
-    The costs are −2 ln of the marginal likelihood, ln det C of the base's random effect included, beside `CLEAR` for
-    what is claimed of the motors, and of the base. Where both explain the log, what the base may be to blame for
-    instead stays open.
+    Costs are −2 ln of the marginal likelihood, with ln det C of the base's random effect, plus `CLEAR` for each claim
+    about motors or base. If both explain the log, faults that the base could explain stay open.
     """
     if not doubted.fits or doubted.wiring.base_error is None:
         return exact
@@ -149,6 +148,6 @@ def _near(wiring: Wiring, pair: tuple[int, ...]) -> Found:
 
 
 def may_fit(wiring: Wiring, p: Array) -> bool:
-    """Whether a look at the residual near p leaves it open that the log is explained; a fit takes much longer."""
+    """Whether the residual near p may explain the log; a full fit takes much longer."""
     r = wiring.residual(p)
     return float(r @ r) <= UNEXPLAINED * (len(r) + CLEAR)

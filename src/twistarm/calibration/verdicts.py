@@ -1,4 +1,4 @@
-"""From what was found to a verdict on each motor: what to correct, or what to log so that one can be given."""
+"""The verdict on each motor: what to correct, or what to log."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Suspect = tuple[int, Found]
 
 
 def standard_deviations(found: Found) -> Array:
-    """Of all parameters (2k,), were all of them fitted: √ diag (AᵀA)⁻¹, inf along what A does not see."""
+    """Standard deviations of a fit of all parameters (2k,): √ diag (AᵀA)⁻¹, inf along what A does not see."""
     _, values, Vt = np.linalg.svd(found.wiring.slope(found.explanation.p), full_matrices=False)
     values = np.where(values > NOTHING * values[0], values, 0.0)
     # Fewer equations than parameters leave rows of Vt out: those directions are not seen either.
@@ -74,14 +74,14 @@ class Evidence:
         return groups
 
     def or_base(self, i: int) -> str:
-        """Where the base stands if it is to blame for what looks like a fault of motor i; nothing if it is not."""
+        """The base's pose if it explains the apparent fault of motor i, or nothing."""
         other = self.found.or_base
         if other is None or named_faults(other, i) == named_faults(self.found, i):
             return ""
         return f"the base is {other.wiring.base_offset(other.explanation.p)}"
 
     def _with_base(self, i: int) -> list[Suspect]:
-        """Who else may be to blame for the fault of motor i, if the base may stand elsewhere."""
+        """The alternatives to the fault of motor i with an uncertain base."""
         other = self.found.or_base
         if other is None:
             return []
@@ -102,7 +102,7 @@ class Evidence:
 
     @cached_property
     def unseen_swaps(self) -> list[tuple[int, int]]:
-        """Pairs of motors that may as well be swapped, but for those that have to be moved first."""
+        """Pairs of motors that may also be swapped, without those that must move first."""
         pairs = unseen_swaps(self.found, self.motors)
         return [pair for pair in pairs if any(moved(self.found.wiring, i) for i in pair)]
 
@@ -147,7 +147,7 @@ class Evidence:
         return "sound", "sign, ratio and zero fit the log", ""
 
     def _hidden_by_base(self, i: int) -> bool:
-        """Whether all that the log does not show of motor i is its zero, and it would were the base exactly known."""
+        """Whether the log misses only the zero of motor i, and only because of the base."""
         if self.unseen[i] != ["zero"] or self._swapped_with(i) or self.found.wiring.base_error is None:
             return False
         exact = replace(self.found, wiring=replace(self.found.wiring, base=(0.0, 0.0)))

@@ -1,1 +1,1 @@
-"""Proof: an arm compared with other engines, and with what it was when it was frozen."""
+"""an arm compared with other engines and with its golden file."""

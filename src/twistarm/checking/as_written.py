@@ -1,4 +1,4 @@
-"""The description as its author wrote it, read by Pinocchio: what our own reading changes cannot hide from it."""
+"""The unmodified description, read by Pinocchio, so our repairs cannot hide from the check."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..support.errors import InputError
 
 
 class AsWritten:
-    """Pinocchio's model of a text as it is; InputError, with the reason, where it has none that can be compared."""
+    """Pinocchio's model of an unchanged text. Raises InputError with the reason if it cannot be compared."""
 
     def __init__(self, description: Description) -> None:
         planar = next((joint.part_of for joint in description.joints.values() if joint.part_of), None)

@@ -31,7 +31,7 @@ def name_changes(kind: str, before: Sequence[str], now: Sequence[str]) -> list[s
 
 
 def limit_changes(name: str, unit: str, then: JointLimits, i: int, now: JointLimits, j: int) -> Iterator[str]:
-    """How the limits of one joint or motor have changed, number `i` of those then and `j` of those now."""
+    """Changes in the limits of one joint or motor, number `i` before and `j` now."""
     before, after = ((float(one.lower[k]), float(one.upper[k])) for one, k in ((then, i), (now, j)))
     if not all(map(_same, before, after)):
         lower, upper = map(_pair, before, after)
@@ -67,7 +67,7 @@ def _same_share(before: Array | float, after: Array | float, whole: float) -> bo
 
 
 def motor_changes(then: Actuators | None, now: Actuators | None) -> list[str]:
-    """How the motors of an arm have changed: their names, what their drives count, ratios, offsets and limits."""
+    """Changes of an arm's motors: names, units, ratios, offsets and limits."""
     before, after = (() if motors is None else motors.names for motors in (then, now))
     changes = name_changes("motor", before, after)
     if then is not None and now is not None:

@@ -1,4 +1,4 @@
-"""The cross-check at length: product of exponentials, Pinocchio, yourdfpy and finite differences against each other."""
+"""The cross-check: product of exponentials, Pinocchio, yourdfpy and finite differences."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ Progress = Callable[[float], object]
 
 @dataclass(frozen=True, repr=False)
 class EngineComparison(Brief):
-    """One quantity in two engines: the worst difference, where it was found, what is allowed; or why not compared."""
+    """One quantity in two engines: the worst difference, its place, the allowed one; or why it was not compared."""
 
     quantity: str
     engines: tuple[str, str]
@@ -128,15 +128,14 @@ def crosscheck(
 ) -> CrossCheck:
     """Compare the kinematics of independent engines at random configurations inside the limits.
 
-    Pose, J^s and J^b of the product of exponentials against Pinocchio's model of the description, against the compiled
-    core, whose answers are the arm's, and against a chain
-    of its own joint models, one per lower pair, which an arm made from screws has too (a spherical joint both by Euler
-    angles and by a quaternion); J^s = Ad(g) J^b; J^b against fourth-order central differences of Pinocchio's pose;
-    every link's pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the text as it is written, without
-    a repair: the file's, or what xacro writes when it handles its documents by itself. Both give every link's pose,
-    Pinocchio the position limits too; masses are not compared. What an engine cannot do is "not compared", with the
-    reason. Absolute errors, in metres and radians (entries of R); allowed are `POSE_TOL` times the arm's size where
-    that exceeds 1 m, and more for the text as it is written.
+    The product of exponentials gives pose, J^s and J^b. They are compared with Pinocchio's model of the description,
+    with the compiled core, and with a chain of Pinocchio's joint models, one per lower pair. Arms made from screws have
+    that chain too; a spherical joint is compared by Euler angles and by a quaternion. Further checks are J^s = Ad(g)
+    J^b, J^b against fourth-order central differences of Pinocchio's pose, and every link's pose. Pinocchio and yourdfpy
+    also read the unmodified text, the file's or xacro's own output. Both give every link's pose, and Pinocchio the
+    position limits. Masses are not compared. What an engine cannot do is "not compared", with the reason. Errors are
+    absolute, in metres and radians (entries of R). `POSE_TOL` times the arm's size (at least 1 m) is allowed, and more
+    for the unmodified text.
 
     Args:
         arm: The arm.
@@ -172,16 +171,16 @@ def crosscheck(
 def _compared(
     quantity: str, engines: tuple[str, str], difference: Array, theta: Array, tolerance: float
 ) -> EngineComparison:
-    """The worst entry of `difference` (samples, …) and the configuration it belongs to; NaN counts as infinite."""
+    """The worst entry of `difference` (samples, …) and its configuration; NaN counts as infinite."""
     errors = np.abs(np.nan_to_num(difference, nan=np.inf)).reshape(len(theta), -1).max(axis=1)
     worst = int(errors.argmax())
     return EngineComparison(quantity, engines, len(theta), float(errors[worst]), tolerance, frozen(theta[worst]))
 
 
 def _size(arm: Arm) -> float:
-    """The arm's size [m] at least 1: its reach, where its links stand, and the stroke of its slides.
+    """The arm's size [m], at least 1: its reach, link positions, and strokes of its slides.
 
-    Multiplied where joints turn so far, or so much faster than their masters, that rounding exceeds what is allowed.
+    It is larger for joints that turn so far or so fast that rounding exceeds the allowance.
     """
     furthest = np.abs(np.array(arm.sampling_bounds)).max(axis=0)
     values = np.abs(arm.coupling.A) @ furthest + np.abs(arm.coupling.b)
@@ -208,7 +207,7 @@ def _pinocchio(arm: Arm, theta: Array) -> list[EngineComparison]:
 
 
 def _core(arm: Arm, theta: Array) -> list[EngineComparison]:
-    """The compiled core, whose answers are the arm's wherever it was built."""
+    """The compiled core, if it was built."""
     if arm._compiled is None:
         return [_skipped("pose, J^s, J^b", "core", arm._why_not_compiled)]
     answers = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
@@ -230,7 +229,7 @@ def _kinematics(
 
 
 def by_exponentials(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
-    """g_st (..., 4, 4), J^s and J^b (..., 6, n) by product of exponentials, whatever engine the arm has."""
+    """g_st (..., 4, 4), J^s and J^b (..., 6, n) by product of exponentials, for any engine of the arm."""
     x, A = theta @ arm.coupling.A.T, arm.coupling.A
     g, spatial = poe.fk(arm.screws, arm.home, x), poe.spatial_jacobian(arm.screws, x) @ A
     return g, spatial, poe.body_jacobian(arm.screws, arm.home, x) @ A
@@ -432,7 +431,7 @@ def _load_yourdfpy(text: str) -> Any:
 
 @contextmanager
 def _quiet_yourdfpy() -> Iterator[None]:
-    """What it logs, and what its shapes make NumPy warn of, is said by our own findings."""
+    """Silence yourdfpy's log and NumPy's warnings about shapes, which our findings cover."""
     import logging
 
     logger = logging.getLogger("yourdfpy.urdf")

@@ -1,4 +1,4 @@
-"""Difference of two arms in words: an arm and its golden file, a baked arm or another description."""
+"""The difference of two arms in words: an arm and its golden file, a baked arm or another description."""
 
 from __future__ import annotations
 
@@ -48,17 +48,17 @@ class Difference:
 
 
 def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
-    """The differences of an arm from what it is compared with, in words: "was" is the other one, "is" the arm.
+    """The differences between an arm and another one in words: "was" is the other one, "is" the arm.
 
     Args:
-        arm: The arm as it is now.
-        against: A golden file that `freeze` wrote, a baked arm.json, or another arm: an `Arm`, or whatever `load_arm`
-            takes (two designs side by side). A description is loaded as it stands, without options.
+        arm: The present arm.
+        against: A golden file of `freeze`, a baked arm.json, an `Arm`, or another source of `load_arm` (two designs
+            side by side). A description is loaded without options.
 
     Returns:
         The `Difference`: names, types, limits, motors, axes, tool, and the mass, centre and inertia of each link.
-        Shapes, meshes, named poses and the SRDF are not compared. Numbers that differ by less than 1 µm or 1e-6 rad, or
-        of masses 1e-5 of them, are the same: that much comes from rounding in an export.
+        Shapes, meshes, named poses and the SRDF are not compared. Differences below 1 µm or 1e-6 rad, or 1e-5 of a
+        mass, are rounding of an export and do not count.
 
     Raises:
         DescriptionError: `against` cannot be read, or is no golden file, no baked arm and no description.

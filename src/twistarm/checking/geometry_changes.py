@@ -1,4 +1,4 @@
-"""Changes of an arm's geometry in words: which axes have moved or turned, and how the tool has moved on its own."""
+"""Changes of an arm's geometry in words: moved or turned axes, and the tool."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ OPPOSITE = 1e-9
 
 
 def geometry_changes(arm: Arm, screws: Array, home: Array) -> list[str]:
-    """Which axes have moved, seen base to tip: what merely rides on a moved joint is not named again.
+    """The moved axes from base to tip, without those that a moved joint only carries.
 
-    `carried` is the rigid motion that the changes so far have given to everything beyond them.
+    `carried` is the rigid motion that the changes so far give to everything beyond.
     """
     changes = []
     carried = np.eye(4)
@@ -33,11 +33,10 @@ def geometry_changes(arm: Arm, screws: Array, home: Array) -> list[str]:
 
 
 def _axis_change(before: Array, now: Array, tool: Array, new_tool: Array) -> tuple[list[str], Array]:
-    """How the first of the axes (6, k) has changed, in words, and the rigid motion of what lies beyond it.
+    """The change of the first of the axes (6, k) in words, and the rigid motion of what is beyond it.
 
-    That is the least one that carries the old line to the new; for a line that has turned, the motion of the tool
-    where every axis beyond has made it too. Of a turned line each point has moved by another length: told is that of
-    the point nearest the tool, wherever the base is.
+    It is the least motion from the old line to the new one. For a turned line it is the tool's motion if every later
+    axis has made it too. The reported length is that of the line's point nearest to the tool.
     """
     if np.abs(now[:, 0] - before[:, 0]).max() <= SAME_TOL:
         return [], np.eye(4)
@@ -81,7 +80,7 @@ def _turn(a: Array, b: Array) -> Array:
 
 
 def _motion_words(motion: Array, anchor: Array) -> list[str]:
-    """How a line has turned, and how far it has moved at `anchor`, its point nearest the tool."""
+    """The turn of a line, and its motion at `anchor`, the point nearest to the tool."""
     turned = _turn_words(motion[:3, :3])
     moved = _shift_words(motion[:3, :3] @ anchor + motion[:3, 3] - anchor)
     return turned + [f"{word} where it is nearest the tool" if turned else word for word in moved]

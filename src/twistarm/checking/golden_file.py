@@ -40,14 +40,13 @@ _FREEZE = "twistarm freeze writes one"
 
 
 def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
-    """Write the arm as numbers (JSON, SI): names, screws, home, limits, motors, each link's mass, centre and inertia,
-    and FK and Jacobians at 100 seeded postures.
+    """Write the arm as numbers (JSON, SI): names, screws, home, limits, motors, masses, and FK and Jacobians.
 
-    Shapes and meshes, named poses, the SRDF, limits of joints beside the chain, damping and friction are not covered;
-    the file says so itself.
+    Each link has its mass, centre and inertia; FK and Jacobians are at 100 seeded configurations. Shapes and meshes,
+    named poses, the SRDF, limits of joints beside the chain, damping and friction are not covered; the file says so.
 
-    All of it comes from the product of exponentials, so that the file depends on no engine. The file is written whole
-    or not at all.
+    The numbers come from the product of exponentials, so the file depends on no engine. It is written whole or not at
+    all.
 
     Args:
         arm: The arm.
@@ -95,9 +94,9 @@ def golden_content(arm: Arm) -> dict[str, Any]:
 
 
 def read_golden(path: Path) -> dict[str, Any] | None:
-    """A golden file's content, its arrays checked; None for a baked arm, which is an arm and no golden file.
+    """A golden file's checked content; None for a baked arm.
 
-    Raises DescriptionError where the file is neither, or damaged.
+    Raises DescriptionError for other or damaged files.
     """
     try:
         content = parsed(read_text(path, MAX_BYTES))
@@ -117,7 +116,7 @@ def read_golden(path: Path) -> dict[str, Any] | None:
 
 
 def _checked(content: dict[str, Any]) -> dict[str, Any]:
-    """The arrays, limits and motors of a golden file, of the shapes that its joints ask for; ValueError otherwise."""
+    """The arrays, limits and motors of a golden file, checked against its joints. Raises ValueError otherwise."""
     n, m = len(content["joints"]), len(content["coupling"]["b"])
     N = len(content["theta"])
     shapes = {

@@ -1,4 +1,4 @@
-"""A chain of Pinocchio's own joint models, one per lower pair: the second account of joints that URDF cannot write."""
+"""A chain of Pinocchio's joint models, one per lower pair, also for joints that URDF lacks."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ Ball = Literal["ZYX", "quaternion"]
 class NativeChain:
     """A serial chain of Pinocchio's joint models from the base to the tool at `home` (4, 4), at rest.
 
-    Pinocchio numbers a ball by its quaternion and a planar joint by (x, y, cos, sin), and moves both by velocities in
-    the moved frame. With the joint values x, each pair's q(x) and the map N(x) from ẋ to those velocities give
-    g_st = g(q(x)), J = J_native N(x).
+    Pinocchio's coordinates are a quaternion for a ball and (x, y, cos, sin) for a planar joint, with velocities in the
+    moved frame. At joint values x, q(x) and the map N(x) from ẋ to those velocities give g_st = g(q(x)), J = J_native
+    N(x).
 
-    Raises InputError for more moving joints than Pinocchio's data has room for.
+    Raises InputError for more moving joints than Pinocchio's data holds.
     """
 
     def __init__(self, pairs: Sequence[LowerPair], home: Array, ball: Ball = "ZYX") -> None:
@@ -102,6 +102,6 @@ def _planar(x: Array) -> tuple[Array, Array]:
 
 
 def _quaternion(x: Array) -> tuple[Array, Array]:
-    """(x, y, z, w) of R = R_z R_y R_x; its velocity is ω in body axes, Rᵀ B(x) ẋ with the Euler-rate map B of ZYX."""
+    """(x, y, z, w) of R = R_z R_y R_x. Its velocity is ω in body axes, Rᵀ B(x) ẋ with the ZYX Euler-rate map B."""
     R = from_euler("ZYX", x)
     return to_xyzw(R), R.T @ euler_rate_map("ZYX", x)

@@ -55,9 +55,9 @@ def _as_json(solutions: IKSolutions) -> dict[str, Any]:
 
 
 def all_csv(solutions: IKSolutions) -> str:
-    """All configurations as CSV, those outside the limits too: theta, which joints may go on moving, within or not.
+    """All configurations as CSV, also outside the limits: theta, free joints, inside or not.
 
-    Members of one family have one number.
+    Members of one family share a number.
     """
     arm = solutions.arm
     joints = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)]

@@ -86,7 +86,7 @@ def _program(context: typer.Context, show_version: Version = False, debug: Debug
 
 
 def program() -> None:
-    """Run what was typed, and end with its exit code or by the signal that ended it."""
+    """Run the command line, and end with its exit code or by the received signal."""
     for stream in (sys.stdout, sys.stderr):
         # A terminal that lacks ° or ξ shows a question mark instead of stopping the program.
         if isinstance(stream, io.TextIOWrapper):
@@ -99,9 +99,11 @@ def program() -> None:
 
 
 def run(arguments: Sequence[str], sent: Sequence[int] = ()) -> int:
-    """Run the program and return its exit code; every error is one line on stderr, unless --debug asks for more.
+    """Run the program and return its exit code.
 
-    What fails after a signal was `sent` fails for it: imports and other people's code take the interruption so.
+    Errors are one line on stderr, unless --debug.
+
+    A failure after a signal was `sent` counts as the interruption, because imports and libraries turn it into errors.
     """
     debug = "--debug" in arguments
     # --debug may stand anywhere, not only before the command.
@@ -139,5 +141,5 @@ def _report(error: Exception) -> int:
 
 
 def _say(message: str) -> None:
-    """One line, whatever the message holds."""
+    """Print an error as one line."""
     say(f"error: {' '.join(message.split())}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""A motion as it is asked for on the command line: options that fit each other, goals as typed, and their plan."""
+"""A motion from the command line: consistent options, typed goals, and their plan."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Planned = tuple[Trajectory, list[Segment]]
 
 @dataclass(frozen=True)
 class Asked:
-    """The arm, where the motion starts as typed, and the options: None and False where they were not."""
+    """The arm, the typed start, and the options: None and False if not given."""
 
     arm: Arm
     start: str | None = None
@@ -70,18 +70,18 @@ class Asked:
             raise InputError(f"--kind {self.kind} leads through the poses of --to alone; on other motions: {laws}")
 
     def origin(self, file: MotionFile | None = None) -> Any:
-        """Where the motion starts as it was typed, or as its file says; None: in the pose ready."""
+        """The typed start, or the file's; None for the pose ready."""
         return self.start if self.start is not None or file is None else file.start
 
     def poses(self, typed: Sequence[str] | None) -> list[Array]:
-        """The start and the poses as typed; a joint that one leaves out stays where the pose before it has it."""
+        """The start and the typed poses. A joint that one leaves out keeps its value of the pose before."""
         poses = [parse_theta(self.arm, "ready" if self.start is None else self.start, self.radians)]
         for text in typed or ():
             poses.append(parse_theta(self.arm, text, self.radians, ("the pose before", poses[-1])))
         return poses
 
     def of_file(self, content: MotionFile, limits: JointLimits, progress: Progress) -> Planned:
-        """The motion of a motion.toml; what is typed beside it goes before what it says."""
+        """The motion of a motion.toml; options precede its entries."""
         start: Any = content.start if self.start is None else self.poses(())[0]
         speed = content.tool_speed if self.tool_speed is None else self.tool_speed
         met = {"position_tol": content.position_tol, "orientation_tol": content.orientation_tol, **self.tolerances}
@@ -104,7 +104,7 @@ class Asked:
 def typed_targets(
     xyz: Sequence[str], rpy: Sequence[str], direction: Sequence[str], axis: str | None, radians: bool
 ) -> list[Target]:
-    """The targets at positions: one orientation holds at all of them, or each has its own."""
+    """The targets at positions, with one orientation for all or one each."""
     if (rpy or direction or axis) and not xyz:
         raise InputError("--rpy, --direction and --axis turn the tool at the positions of --xyz: give --xyz too")
     option, turned = ("--rpy", rpy) if rpy else ("--direction", direction)
@@ -122,7 +122,7 @@ def typed_targets(
 
 
 def motion_of_file(arm: Arm, path: Path, caps: Caps) -> tuple[Arm, Trajectory]:
-    """The motion that a file holds, or that its segments describe (*.toml), and the arm with the limits it keeps."""
+    """The motion of a file, or of its segments (*.toml), and the arm with its limits."""
     if path.suffix.lower() != ".toml":
         driven = replace(arm, limits=capped(arm, caps))
         return driven, load_trajectory(driven, path)
@@ -134,7 +134,7 @@ def motion_of_file(arm: Arm, path: Path, caps: Caps) -> tuple[Arm, Trajectory]:
 
 
 def capped(arm: Arm, caps: Caps, changes: Mapping[str, Any] | None = None) -> JointLimits:
-    """The arm's limits with `changes`, none above what was typed; a limit that was not given takes the typed value."""
+    """The arm's limits capped by `changes`. A missing limit takes the typed value."""
     limits = arm.limits.with_(changes or {}, arm.joint_names)
     for name, cap in caps.items():
         if cap is not None:

@@ -1,4 +1,4 @@
-"""Rows of numbers in CSV as people have them: with a header or without, by commas, semicolons, tabs or spaces."""
+"""Rows of numbers in CSV, with or without a header, by commas, semicolons, tabs or spaces."""
 
 from __future__ import annotations
 
@@ -55,16 +55,16 @@ class Column:
 
 @dataclass(frozen=True)
 class Sheet:
-    """A CSV file; `header` is None where the first line holds numbers already."""
+    """A CSV file; `header` is None if the first line holds numbers."""
 
     file: str
     header: tuple[str, ...] | None
     rows: tuple[Row, ...]
 
     def columns(self, known: Mapping[str, str], units: Mapping[str, str]) -> dict[str, Column]:
-        """Where the quantities of `units` [m, rad, 1] stand that the header names in one of the ways of `known`.
+        """The columns of the quantities in `units` [m, rad, 1] by the header's names in `known`.
 
-        The unit may follow a name; else it is SI. What is not known is passed over with a note.
+        A unit may follow a name; the default is SI. Unknown columns are ignored with a note.
         """
         assert self.header is not None, "a sheet without one was refused, or got its names"
         found: dict[str, Column] = {}
@@ -90,7 +90,7 @@ class Sheet:
         return np.multiply(values, [column.factor for column in columns])
 
     def each(self, make: Callable[[Row], T]) -> list[T]:
-        """What `make` makes of every row. Raises InputError with the numbers of all lines of which it makes nothing."""
+        """`make` of every row. Raises InputError with the line numbers of all bad rows."""
         made = [_attempt(make, row) for row in self.rows]
         bad = [(row.line, one) for row, one in zip(self.rows, made, strict=True) if isinstance(one, InputError)]
         if bad:
@@ -114,9 +114,9 @@ def few(lines: Sequence[int]) -> str:
 
 
 def read_sheet(path: str, names: str | None) -> Sheet:
-    """The sheet in a file, or on standard input for -; `names` [a,b,c] take the place of its header.
+    """The sheet in a file, or on standard input for -; `names` [a,b,c] replace its header.
 
-    Lines that begin with # are comments, but for one before the first row that is a header for as many columns.
+    Lines with # are comments, except one before the first row that is a header for as many columns.
     """
     file = "standard input" if path == STDIN else path
     lines = list(_from_stdin(file) if path == STDIN else csv_lines(path, BOUNDS))

@@ -1,4 +1,4 @@
-"""Tables that fit a terminal: numbers and names stay whole, and what is too wide goes on below."""
+"""Tables that fit a terminal: numbers and names stay whole, wide ones continue below."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Column:
 
     @property
     def least(self) -> int:
-        """The least width in which nothing is broken but between words, and the head also behind underscores."""
+        """The least width that breaks only between words, in the head also after underscores."""
         widths = [cell_len(part.rstrip()) for part in _parts(self.head)]
         if self.wraps:
             widths += [min(cell_len(word), LONGEST_WORD) for cell in self.cells for word in cell.split()]
@@ -88,9 +88,9 @@ def _blocks(columns: Sequence[Column], width: int) -> list[list[Column]]:
 
 
 def _widths(columns: Sequence[Column], width: int) -> list[int]:
-    """How wide each column is: at least what it needs, and what is left to the narrowest wishes first.
+    """The width of each column: what it needs, then the rest to the narrowest wishes first.
 
-    Where even two columns do not fit, the wider one is broken.
+    If even two columns do not fit, the wider one is broken.
     """
     widths = [column.least for column in columns]
     spare = width - GAP * (len(columns) - 1) - sum(widths)

@@ -16,8 +16,9 @@ AT_ONCE = 64
 
 @contextmanager
 def typed_keys() -> Iterator[Callable[[], str] | None]:
-    """A function that gives what was typed since it was last asked, without waiting; None where nobody can type: stdin
-    is no terminal, or belongs to another program in the foreground. The terminal is left as it was; Ctrl-C still works.
+    """A function that returns the keys typed since its last call, without waiting.
+
+    It is None if stdin is no terminal or belongs to another program. The terminal is restored, and Ctrl-C still works.
     """
     try:
         terminal = sys.stdin.fileno()
@@ -36,7 +37,7 @@ def typed_keys() -> Iterator[Callable[[], str] | None]:
 
 
 def _is_ours(terminal: int) -> bool:
-    """Whether it is a terminal that this program is in the foreground of: else asking it would stop the program."""
+    """Whether this program is in the terminal's foreground; reading would stop it otherwise."""
     return os.isatty(terminal) and os.tcgetpgrp(terminal) == os.getpgrp()
 
 

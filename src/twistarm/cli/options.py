@@ -24,7 +24,7 @@ ENDINGS = (".urdf", ".xacro", ".toml", ".json")
 
 
 def arms_like(typed: str) -> list[str]:
-    """Completions of ARM: names of the catalogue and descriptions here; none leave the shell its own."""
+    """Completions of ARM: names of the catalogue and descriptions here; none lets the shell complete."""
     names = [name for name in (*own_arms(), *model_arms()) if name.startswith(typed)]
     files = [path.name for path in Path().glob("*") if _fits(path.name, typed)]
     return names + files if names else []
@@ -91,7 +91,7 @@ Theta = Annotated[str, POSTURE]
 
 
 def takes_arm(command: Callable[..., Any]) -> Callable[..., Any]:
-    """A command whose first parameter is an Arm gets ARM and the options of `load_arm` in its place."""
+    """Replace a command's first parameter, an Arm, by ARM and the options of `load_arm`."""
     return _with_load_options(command, 1, lambda source, load: (load_arm(source, **load),))
 
 
@@ -101,12 +101,12 @@ def takes_arm_or_none(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def takes_source(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The same for a command that loads by itself: its first two parameters get ARM and the keywords of `load_arm`."""
+    """The same for a command that loads the arm: its first two parameters become ARM and keywords of `load_arm`."""
     return _with_load_options(command, 2, lambda source, load: (source, load))
 
 
 def takes_arm_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The same as `takes_source`, with `--arm ARM` in place of ARM; the first parameter is None without it."""
+    """As `takes_source`, with `--arm ARM` in place of ARM; the first parameter is None without it."""
     return _with_load_options(command, 2, lambda source, load: (source, load), ARM_OPTION)
 
 

@@ -37,7 +37,7 @@ def console(words: TextIO | None = None) -> Console:
 
 
 def literal(text: object) -> str:
-    """A name or any other text in a console's markup, to be shown as it is and on its line."""
+    """A text in console markup that is shown unchanged on its line."""
     return escape(printable(str(text)))
 
 
@@ -47,7 +47,7 @@ def as_written(text: str) -> str:
 
 
 def say(*lines: object, file: TextIO | None = None) -> None:
-    """Print lines, each in one: whatever names it holds, none becomes a line, a colour or an order to the terminal."""
+    """Print lines. Names in them cannot start a line, a colour or a terminal command."""
     print(*(printable(str(line)) for line in lines), sep="\n", file=file or sys.stdout, flush=True)
 
 
@@ -71,12 +71,12 @@ _UNUSUAL = re.compile(r"[^\n -~]")
 
 
 def _in_json(found: re.Match[str]) -> str:
-    """A character of a JSON text that a terminal would not just show, as JSON escapes it."""
+    """A character of a JSON text, escaped if a terminal would interpret it."""
     return found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1]
 
 
 def finding_json(finding: Finding) -> dict[str, Any]:
-    """A finding for programs, which may pass it on: its place in parts, and no folder of this machine."""
+    """A finding for programs: its place in parts, without folders of this machine."""
     place = finding.place
     here = Path(place.file)
     return {
@@ -110,7 +110,7 @@ def plain(value: Any) -> Any:
 def table(
     title: str, columns: Sequence[str], rows: Sequence[Sequence[object]], text: Sequence[str] = (), caption: str = ""
 ) -> Grid:
-    """A table of numbers, aligned to the right, but for names in its first column and the columns named in `text`."""
+    """A table of numbers, right-aligned except the first column of names and the columns in `text`."""
     cells = zip(*(map(printable, map(str, row)) for row in rows), strict=True) if rows else ((),) * len(columns)
     return Grid(
         printable(title),
@@ -180,7 +180,7 @@ def jacobian_table(arm: Arm, title: str, J: Array) -> Grid:
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], object]]:
-    """A bar on stderr, drawn only on a terminal, as a callback that takes the fraction done."""
+    """A progress bar on stderr, only on a terminal, as a callback with the fraction done."""
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
         task = bar.add_task(label, total=1.0)
         yield lambda fraction: bar.update(task, completed=fraction)

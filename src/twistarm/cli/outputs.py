@@ -1,4 +1,4 @@
-"""Output files of a command: `-o FILE`, its kind by the ending; `-` is standard output; no file is replaced unasked."""
+"""Output files of a command: `-o FILE` by its ending, `-` for standard output; no silent replacement."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Kinds = Mapping[str, tuple[str, ...]]
 
 @dataclass(frozen=True)
 class Outputs:
-    """The files that a command was told to write, as kind and name, seen to be possible before it begins."""
+    """The requested files as kind and name, checked before the command begins."""
 
     files: tuple[tuple[str, str], ...] = ()
     over_description: bool = False
@@ -39,7 +39,7 @@ class Outputs:
         return sys.stderr if any(name == STDOUT for _, name in self.files) else sys.stdout
 
     def write(self, contents: Mapping[str, Callable[[], str | bytes]]) -> list[str]:
-        """Write every file, each whole or not at all, with what the function of its kind returns; the names."""
+        """Write every file, whole or not at all, with the text of its kind's function. Returns the names."""
         made = [(name, contents[kind]()) for kind, name in self.files]
         for name, content in made:
             if name == STDOUT:
@@ -56,7 +56,7 @@ class Outputs:
 
 
 def _to_stdout(content: str | bytes) -> None:
-    """As it is into a pipe or a file; a terminal shows it."""
+    """Write unchanged into a pipe or a file, and readably on a terminal."""
     if isinstance(content, str) and sys.stdout.isatty():
         say(*content.splitlines())
     else:
@@ -72,9 +72,11 @@ def outputs_of(
     json: bool = False,
     over_description: bool = False,
 ) -> Outputs:
-    """The outputs of a command as typed, and InputError for one that cannot be written or would replace a file.
+    """The outputs of a command.
 
-    The kind is that of the ending, else `form`, else the only one, or for standard output the first, of `kinds`.
+    Raises InputError for a file that cannot be written or would be replaced.
+
+    The kind is that of the ending, else `form`, else the only one of `kinds` (the first for standard output).
     """
     names = [typed] if isinstance(typed, str) else list(typed or ())
     if form is not None and form not in kinds:

@@ -18,9 +18,9 @@ from .outputs import Outputs
 
 
 def postures_in(arm: Arm, sheet: Sheet) -> Array:
-    """theta (N, n) of a CSV's rows: a column for each joint, by names or, without, base to tip [rad, m].
+    """theta (N, n) of a CSV's rows: a column for each joint, by names or base to tip [rad, m].
 
-    Joints without a column stand as in ready, with a note.
+    Joints without a column take their value in ready, with a note.
     """
     if sheet.header is None:
         width = len(sheet.rows[0].cells)

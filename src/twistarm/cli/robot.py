@@ -45,7 +45,7 @@ Tolerance = Annotated[float, typer.Option(help="How far a joint may be from wher
 def require_robot(
     udp: str | None, listen: str | None, serial: str | None, units: str, velocity_mode: bool, admitted: bool
 ) -> None:
-    """InputError where options for a robot do not go together; `admitted`: it was said whose datagrams count."""
+    """Raise InputError for conflicting robot options; `admitted`: --from or --key was given."""
     if (udp is None) != (listen is None):
         raise InputError("--udp HOST:PORT and --listen HOST:PORT go together: setpoints out, joint states in")
     if serial is not None and udp is not None:
@@ -76,7 +76,7 @@ def require_inside(arm: Arm, theta: Array, radians: bool) -> None:
 
 
 class Admitted(NamedTuple):
-    """Whose datagrams count: the hosts and the key that were typed."""
+    """The allowed senders: the typed hosts and the key."""
 
     senders: tuple[str, ...]
     key: bytes | None
@@ -93,7 +93,7 @@ def joints_of(
     admitted: Admitted,
     stack: ExitStack,
 ) -> tuple[Sink, Feedback]:
-    """Where setpoints go and joint states come from: a robot, or simulated joints at theta (n,)."""
+    """The sink and the feedback: a robot, or simulated joints at theta (n,)."""
     if serial is not None:
         robot = stack.enter_context(SerialRobot(arm, *port_of(serial), timeout=timeout, units=units))
         return robot, robot
@@ -117,7 +117,7 @@ def port_of(text: str) -> tuple[str, int]:
 
 
 def announce(viewer: Viewer, line: str, browser: bool, out: TextIO) -> None:
-    """Print which limits were not given and where the arm is, and open the page if wanted and there is a browser."""
+    """Print assumed limits and the page's address, and open the page if wanted."""
     if line:
         say(f"{line} (--velocity, --acceleration)", file=out)
     for note in viewer.notes:

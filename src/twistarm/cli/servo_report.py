@@ -1,4 +1,4 @@
-"""The reports of `twistarm servo` and `follow`: cycles and how they ended, for people and for programs."""
+"""The reports of `twistarm servo` and `follow` for people and for programs."""
 
 from __future__ import annotations
 

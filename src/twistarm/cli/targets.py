@@ -1,4 +1,4 @@
-"""Targets for inverse kinematics as they are typed and as they stand in a CSV file."""
+"""Targets for inverse kinematics from options and from CSV files."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ TWO_MEANINGS = {"rx", "ry", "rz"}
 
 @dataclass(frozen=True)
 class Orientation:
-    """What is asked of the tool beside its position: a rotation, a direction for an axis, or nothing."""
+    """The requested orientation: a rotation, a direction for an axis, or nothing."""
 
     rotation: Array | None = None
     direction: Array | None = None
@@ -89,7 +89,7 @@ class Orientation:
 
     @property
     def is_given(self) -> bool:
-        """Whether something is asked."""
+        """Whether an orientation is requested."""
         return self.rotation is not None or self.direction is not None
 
     def at(self, p: Array) -> Target:
@@ -140,7 +140,7 @@ def typed_tolerances(position: float | None, orientation: float | None, radians:
 
 
 def _axis(text: str) -> Array:
-    """A typed axis of the tool: a letter with or without a sign, or three numbers."""
+    """A typed axis of the tool: a letter with an optional sign, or three numbers."""
     letter = text.strip().lstrip("+-−")
     if letter in ("x", "y", "z"):
         axis = np.zeros(3)
@@ -153,7 +153,7 @@ def _axis(text: str) -> Array:
 
 
 def targets_in(sheet: Sheet, orientation: Orientation) -> list[Target]:
-    """The targets of a CSV's rows: positions with what else the header names, or with the orientation typed."""
+    """The targets of a CSV's rows: positions with the header's orientation or the typed one."""
     if sheet.header is None:
         width = len(sheet.rows[0].cells)
         if width != 3:

@@ -46,10 +46,10 @@ class Group(_Flags, TyperGroup):
 
 
 class Command(_Flags, TyperCommand):
-    """A command whose options of several numbers need no quotes: `--theta 0.1 -30 60`, `--xyz 0.8 -0.1 0.7`."""
+    """A command with options of several numbers without quotes: `--theta 0.1 -30 60`, `--xyz 0.8 -0.1 0.7`."""
 
     def __init__(self, *args: Any, **keywords: Any) -> None:
-        """Typer's; in its help, which Rich shows, a word in brackets is a word and no style."""
+        """Typer's; Rich shows words in brackets in its help unchanged."""
         super().__init__(*args, **keywords)
         for param in self.params:
             param.help = as_written(getattr(param, "help", None) or "")  # type: ignore[attr-defined]
@@ -61,7 +61,7 @@ class Command(_Flags, TyperCommand):
 
 
 def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
-    """`words` with what follows one of `options` made one word, as far as it is numbers or joint=value pairs."""
+    """`words` with the numbers or joint=value pairs after one of `options` joined to one word."""
     made: list[str] = []
     goes_on = False
     for i, word in enumerate(words):
@@ -87,15 +87,15 @@ def _is_part(word: str) -> bool:
 
 
 def _plain(text: str) -> str:
-    """`text` without the brackets and commas around numbers, and with the minus that a computer reads."""
+    """`text` without brackets and commas around numbers, and with ASCII minus signs."""
     return text.translate({ord(sign): " " for sign in _AROUND} | {ord("−"): "-"}).strip()
 
 
 def parse_theta(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None = None) -> Array:
     """A typed configuration: numbers base to tip, `joint=value` pairs, or the name of a pose.
 
-    Joints that pairs leave out are as in `rest`, a name and its theta, by default the pose ready; a note says so. What
-    lies outside a limit by rounding is put onto it.
+    Missing joints of pairs are as in `rest`, a name and its theta, by default the pose ready, with a note. Values
+    beyond a limit by rounding are moved onto it.
     """
     if text.strip() in arm.configurations:
         return arm.theta_from(text.strip())

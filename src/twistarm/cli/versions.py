@@ -46,7 +46,7 @@ def engine_here() -> str:
 
 
 def libraries() -> list[tuple[str, str]]:
-    """Name and extra ("" for the base install) of what twistarm's own package says that it needs."""
+    """Name and extra ("" for the base installation) of each library that twistarm requires."""
     pattern = re.compile(r"([\w.-]+)[^;]*(?:;.*extra == ['\"](\w+)['\"])?")
     here = [text for text in metadata.requires("twistarm") or () if "python_version" not in text]
     found = [pattern.match(text) for text in here]

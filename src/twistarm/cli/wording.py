@@ -1,4 +1,4 @@
-"""Messages in the words of the command line: options instead of arguments, and degrees where they were typed."""
+"""Messages in the words of the command line: options for arguments, and degrees if typed."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _typed(option: str, metavar: str, value: Any) -> str:
 
 
 def _posture(found: re.Match[str]) -> str:
-    """`"28.65 0.2" (° and m)`, as it is typed."""
+    """`"28.65 0.2" (° and m)`, as one types it."""
     values = [each.split(" ") for each in found[0][1:-1].split(", ")]
     angle = math.degrees if DEGREES.get() else float
     typed = " ".join(f"{angle(float(value)) if unit == 'rad' else float(value):.4g}" for value, unit in values)
@@ -91,7 +91,7 @@ def _in_degrees(found: re.Match[str]) -> str:
 
 
 def told(error: Exception) -> str:
-    """What an error is told as: ours in the words of the command line, the system's as they are, any other as ours."""
+    """The text of an error: ours in the command line's words, the system's unchanged."""
     if isinstance(error, TwistarmError):
         return in_options(str(error))
     if isinstance(error, OSError):

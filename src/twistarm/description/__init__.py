@@ -1,1 +1,1 @@
-"""Robot descriptions: reading URDF and xacro without ROS into a tree of links and joints, with findings."""
+"""Robot descriptions: URDF and xacro, read without ROS into a tree of links and joints."""

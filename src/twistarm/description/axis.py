@@ -1,4 +1,4 @@
-"""A joint's axis as the description gives it: a unit vector, or the reason why there is none."""
+"""A joint's axis: a unit vector, or the reason why there is none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The limits of one joint as its description writes them: `<limit>`, and inside it the soft ones of a controller."""
+"""The limits of one joint: `<limit>`, and the soft limits of a controller inside it."""
 
 from __future__ import annotations
 
@@ -30,9 +30,11 @@ def limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:
 
 
 def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], reading: Reading) -> Bounds:
-    """lower, upper, with a finding where one was due: of one alone the other is 0, without any they are infinite.
+    """lower, upper, with a finding for one missing bound, which is 0.
 
-    URDF 1.0 and 1.1 have 0 for a bound that is not written; 1.2 wants both.
+    Without bounds they are infinite.
+
+    URDF 1.0 and 1.1 have 0 for a missing bound; 1.2 requires both.
     """
     if kind not in ("revolute", "prismatic"):
         return -np.inf, np.inf
@@ -85,7 +87,7 @@ def softened(element: ET.Element, kind: str, hard: Bounds, reading: Reading) -> 
 
 
 def note_softened(joints: Iterable[Joint], reading: Reading) -> None:
-    """One finding for all joints whose range is that of a controller."""
+    """One finding for all joints with a controller's range."""
     narrower = [joint for joint in joints if (joint.lower, joint.upper) != joint.hard]
     if narrower:
         shown = [f"{one.name} [{one.lower:g}, {one.upper:g}]" for one in narrower[:MOST_SHOWN]]

@@ -1,4 +1,4 @@
-"""Arms by name: our own, installed with the package, and those of the example-robot-data wheel."""
+"""Arms by name: ours in the package, and those of the example-robot-data wheel."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..support.errors import missing_extra
 
 
 class ModelsEntry(NamedTuple):
-    """An arm of the example-robot-data wheel: its file there, and the base and tip that make it an arm."""
+    """An arm of the example-robot-data wheel: its file, base and tip."""
 
     file: str
     base: str
@@ -30,7 +30,7 @@ _MODELS = {
 
 
 def robots_dir() -> Path:
-    """The folder of our own arms: inside the installed package, or beside `src` in a checkout."""
+    """The folder of our arms: in the installed package, or beside `src` in a checkout."""
     package = Path(__file__).resolve().parents[1]
     installed = package / "robots"
     return installed if installed.is_dir() else package.parents[1] / "robots"
@@ -42,7 +42,7 @@ def own_arms() -> tuple[str, ...]:
 
 
 def model_arms() -> tuple[str, ...]:
-    """Names of the arms that the example-robot-data wheel adds, whether it is installed or not."""
+    """Names of the arms in the example-robot-data wheel, installed or not."""
     return tuple(_MODELS)
 
 
@@ -53,7 +53,7 @@ def own_arm_file(name: str) -> Path | None:
 
 
 def models_share() -> Path | None:
-    """The folder `share` of the example-robot-data wheel, which has no Python module; None if not installed."""
+    """The folder `share` of the example-robot-data wheel, or None if not installed. The wheel has no Python module."""
     from importlib.metadata import PackageNotFoundError, distribution
 
     try:
@@ -65,7 +65,7 @@ def models_share() -> Path | None:
 
 
 def model_entry(name: str) -> tuple[Path, ModelsEntry] | None:
-    """File and entry of an arm of the wheel, or None for another name; MissingExtraError if it is not installed."""
+    """File and entry of an arm of the wheel, or None. Raises MissingExtraError if it is not installed."""
     entry = _MODELS.get(name)
     if entry is None:
         return None

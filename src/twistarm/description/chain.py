@@ -21,11 +21,11 @@ from .tree import Description, Joint
 
 @dataclass(frozen=True)
 class Chain:
-    """What the walk from base to tip gives; `coordinates` are the independent joints, `moving` all moving ones.
+    """The result of the walk from base to tip; `coordinates` are the independent joints, `moving` all moving ones.
 
-    `screws` (6, m) and `home` (4, 4) are those of the moving joints with every coordinate at 0; joint values are
-    A @ theta + b with `coupling` = (A, b); `reach` [m] is the stretch from the first turning joint out to the tip.
-    `couplings` covers the whole tree.
+    `screws` (6, m) and `home` (4, 4) are those of the moving joints at coordinates 0. Joint values are A @ theta + b
+    with `coupling` = (A, b). `reach` [m] is the length from the first revolute joint to the tip. `couplings` covers the
+    tree.
     """
 
     coordinates: tuple[str, ...]
@@ -41,7 +41,7 @@ class Chain:
 
 
 def walk_chain(description: Description, base: str, tip: str, tool: Array, locked: Mapping[str, float]) -> Chain:
-    """Walk from `base` to `tip` and on by the fixed pose `tool` (4, 4) of the tool seen from the tip link.
+    """Walk from `base` to `tip` and on by the pose `tool` (4, 4) of the tool in the tip frame.
 
     Raises DescriptionError for a floating joint on the way, or if nothing moves between base and tip.
     """
@@ -82,7 +82,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
 
 
 def _walk(joints: tuple[Joint, ...], values: Mapping[str, float]) -> tuple[Array, Array, list[Array]]:
-    """Space twists (6, m), the tip's pose, and the origins of the turning joints, in the base frame."""
+    """Space twists (6, m), the tip's pose, and the origins of the revolute joints, in the base frame."""
     g = np.eye(4)
     twists: list[Array] = []
     points: list[Array] = []
@@ -108,9 +108,9 @@ def _limits(masters: list[Joint]) -> JointLimits:
 def _narrowed(
     limits: JointLimits, coordinates: tuple[str, ...], description: Description, name: str, affine: Affine
 ) -> tuple[JointLimits, list[Finding]]:
-    """The limits with the master kept where its follower stays inside its own, and what that changed.
+    """The limits, with each master limited so that its follower stays inside its range, and the changes.
 
-    A follower without a range of its own (exports write 0, 0) narrows nothing, but is reported.
+    A follower without a range (exports write 0, 0) limits nothing, but is reported.
     """
     i, follower = coordinates.index(str(affine.master)), description.joints[name]
     ends = sorted((bound - affine.offset) / affine.multiplier for bound in (follower.lower, follower.upper))

@@ -1,4 +1,4 @@
-"""Copies of packages out of a workspace: folders that bear a package's name and have no package.xml."""
+"""Copies of packages: folders with a package's name but without package.xml."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _OF_ZIP = re.compile(
 
 
 def find_copy(package: str, folders: Iterable[Path], file: Path, *, marked: bool) -> Path | None:
-    """The first of `folders` that may stand for `package`: it has that name and is the folder itself, no link to one.
+    """The first of `folders` that is a copy of `package`: a real folder with that name, not a link.
 
-    Or that name with a branch or a version behind it, as the folder of a ZIP has; above `file`, with anything.
+    A branch or a version may follow the name, as in the folder of a ZIP; above `file`, any text may.
 
-    The home folder and those that hold it never do, and beside them (`/etc`) only what `file` lies in. `marked`: it
-    must hold what packages of robots hold, because what is found is opened and may be quoted.
+    The home folder and its parents never count. Beside them (`/etc`) only the folder of `file` does. `marked`: it must
+    hold the usual content of robot packages, because its files may be opened and quoted.
     """
     if package.startswith("."):
         return None

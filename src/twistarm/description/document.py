@@ -1,4 +1,4 @@
-"""XML text to elements that know their line, and the context in which a description is read."""
+"""XML text to elements with line numbers, and the context of a reading."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ CHUNK = 1_000_000
 
 @dataclass
 class Reading:
-    """What one reading of a description carries along: the elements' lines, the packages, the findings so far."""
+    """The state of one reading: lines of elements, packages, findings."""
 
     path: Path
     packages: PackageIndex
@@ -76,7 +76,7 @@ _NOTED: ContextVar[set[Path] | None] = ContextVar("noted", default=None)
 
 @contextmanager
 def noted_files() -> Iterator[set[Path]]:
-    """The files of descriptions that are read inside, in this thread, as they become known; those missing too."""
+    """The description files read inside the block, in this thread, missing ones included."""
     files: set[Path] = set()
     before = _NOTED.set(files)
     try:
@@ -93,7 +93,7 @@ def note_file(path: Path) -> None:
 
 
 def existing_file(path: str | os.PathLike[str], wanted: str) -> Path:
-    """The path of a regular file; DescriptionError where it is none, with what to give."""
+    """The path of a regular file. Raises DescriptionError with a remedy."""
     file = as_path(path)
     if why := why_no_file(file):
         raise refusal("file-not-found", Place(str(file)), why, f"give {wanted}")
@@ -103,7 +103,7 @@ def existing_file(path: str | os.PathLike[str], wanted: str) -> Path:
 def read_text(path: Path, most: int = MAX_BYTES) -> str:
     """The file's text, by `decoded`.
 
-    Raises DescriptionError for a file of more than `most` bytes, and for one that cannot be read.
+    Raises DescriptionError for a file of more than `most` bytes or an unreadable one.
     """
     note_file(path)
     try:
@@ -121,7 +121,7 @@ def read_text(path: Path, most: int = MAX_BYTES) -> str:
 
 
 def decoded(data: bytes) -> str:
-    """Bytes as text: UTF-16 by its byte-order mark, UTF-8 with or without one, else Latin-1."""
+    """Decode bytes: UTF-16 with a byte-order mark, UTF-8, else Latin-1."""
     wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         return data.decode("utf-16" if wide else "utf-8-sig")
@@ -130,11 +130,11 @@ def decoded(data: bytes) -> str:
 
 
 def parse_xml(text: str, reading: Reading) -> ET.Element:
-    """The root element of `text`; every element's line goes into `reading.lines`.
+    """The root element of `text`; the line of each element goes into `reading.lines`.
 
-    Plain expat without namespaces: leftovers such as `xacro:` prefixes or `<gazebo>` blocks with undeclared ones do
-    not matter. A document type (the door to entities and external files) is refused, and so are more than `MAX_PARTS`
-    elements and attributes.
+    It uses plain expat without namespaces, so `xacro:` prefixes or undeclared ones in `<gazebo>` do not matter. It
+    refuses a document type, because that allows entities and external files, and more than `MAX_PARTS` elements and
+    attributes.
     """
     if text.count("=") > MAX_PARTS:  # expat collects all attributes of an element before it can be stopped
         raise _too_many(reading)

@@ -167,7 +167,7 @@ LONGEST_PLACE, LONGEST_WHAT = 300, 1000
 
 @dataclass(frozen=True)
 class Place:
-    """Where in a description: the file, the line where it is known, and the element with its name."""
+    """A place in a description: the file, the line if known, and the element with its name."""
 
     file: str = ""
     line: int | None = None
@@ -185,9 +185,8 @@ class Place:
 class Finding:
     """One observation about a description.
 
-    `code` is stable and machine-readable (see `CODES`); `place` names the file, its line and the element; `what` says
-    what is there and what it means; `remedy` what its owner can do. `repaired` tells whether twistarm already works on
-    a mended copy.
+    `code` is stable and machine-readable (see `CODES`). `place` names the file, line and element. `what` describes the
+    observation and its meaning, `remedy` what the owner can do. `repaired`: twistarm works on a repaired copy.
     """
 
     code: str
@@ -203,7 +202,7 @@ class Finding:
 
 @dataclass
 class Findings:
-    """What is noticed in the course of a reading: of one code the first are kept, all counted."""
+    """The findings of a reading. Of one code the first are kept and all counted."""
 
     kept: list[Finding] = field(default_factory=list)
     _counts: Counter[str] = field(default_factory=Counter)
@@ -216,7 +215,7 @@ class Findings:
                 self.kept.append(one)
 
     def told(self, place: Place) -> tuple[Finding, ...]:
-        """Those that are kept, and for each code with more how many, in the file that is `place`."""
+        """The kept findings, and for each code with more the number, in the file `place`."""
         more = {code: count - MOST_OF_A_KIND for code, count in self._counts.items() if count > MOST_OF_A_KIND}
         remedy = "correct the listed ones: this may cure the others too"
         rest = (finding(code, place, f"the same is so {many} times more", remedy) for code, many in more.items())
@@ -234,7 +233,7 @@ def refusal(code: str, place: Place, what: str, remedy: str = "") -> Description
 
 
 def refused(findings: Iterable[Finding]) -> DescriptionError:
-    """One error for everything found: the first in full, the others counted; `.findings` holds them all."""
+    """One error for everything found: the first in full, the others counted; `.findings` holds all."""
     every = tuple(findings)
     first, *others = [one for one in every if one.severity == "error"]
     text = "; ".join(part for part in (f"{first.place}: {first.what}", first.remedy) if part)

@@ -32,7 +32,7 @@ class Geometries:
         return tuple(shape for element in link.findall(kind) if (shape := self._read(link, element)) is not None)
 
     def note_odd(self) -> None:
-        """What is odd about colours, and a finding for all meshes that were not found, or one for each remedy."""
+        """Note odd colours, and missing meshes by their remedy."""
         self._materials.note_odd()
         causes: dict[tuple[str, str], list[str]] = {}
         for uri in dict.fromkeys(self._missing):
@@ -85,7 +85,7 @@ class Geometries:
         return Geometry(shape.tag, origin, tuple(map(abs, size)), None, colour)  # type: ignore[arg-type]
 
     def _seen(self, link: ET.Element, shape: str, size: tuple[float, ...]) -> bool:
-        """Whether anything of a shape is to be seen: a box may be flat, a cylinder a disc, a capsule a ball."""
+        """Whether a shape is visible: a box may be flat, a cylinder a disc, a capsule a ball."""
         if min(size) > 0.0:
             return True
         numbers = " ".join(f"{x:g}" for x in size)
@@ -115,7 +115,7 @@ def read_origin(element: ET.Element) -> Array:
 
 
 def _rotation(origin: ET.Element) -> Array:
-    """R (3, 3) from rpy, or from the quaternion that URDF has from version 1.1 on, whatever its length."""
+    """R (3, 3) from rpy, or from URDF 1.1's quaternion of any length."""
     quaternion = origin.get("quat_xyzw")
     if quaternion is None:
         return from_rpy(floats(origin.get("rpy", "0 0 0"), 3))

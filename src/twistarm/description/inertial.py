@@ -1,4 +1,4 @@
-"""Masses and inertias: those that are no numbers are noted and dropped before Pinocchio drops them in silence."""
+"""Masses and inertias. Invalid ones are noted and dropped before Pinocchio drops them silently."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def bodies(description: Description) -> dict[str, Body]:
-    """Every link with a mass or an inertia, from the text in which the unusable ones are gone."""
+    """Each link with a mass or an inertia, from the text without invalid ones."""
     robot = ET.fromstring(description.repaired)
     inertials = {link.get("name", ""): link.find("inertial") for link in robot.findall("link")}
     read = {name: _body(inertial) for name, inertial in inertials.items() if inertial is not None}
@@ -80,7 +80,7 @@ def inertial_problem(inertial: ET.Element) -> str:
 
 
 def _write_plainly(inertial: ET.Element) -> None:
-    """For Pinocchio, which takes " 1 " for no mass, and all of an inertia for zero if one of the six is missing."""
+    """For Pinocchio, which reads " 1 " as no mass, and the whole inertia as zero if one number is missing."""
     for element in (*inertial.findall("mass"), *inertial.findall("inertia")):
         for name in ("value",) if element.tag == "mass" else INERTIA:
             element.set(name, element.get(name, "0").strip())

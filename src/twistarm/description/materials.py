@@ -17,10 +17,12 @@ BYTE = 255.0
 
 
 class Materials:
-    """The colours of one robot; what is odd about them is noted by `note_odd`.
+    """The colours of one robot.
 
-    A name belongs to its first colour: the robot's own, else the first visual's in the order of the file. Whoever
-    gives the name another colour later gets the first. A material without a name has its own colour.
+    `note_odd` reports faults.
+
+    A name belongs to its first colour: the robot's, else that of the first visual in the file. Later colours of the
+    name are ignored. A material without a name has a separate colour.
     """
 
     def __init__(self, robot: ET.Element, reading: Reading) -> None:
@@ -48,7 +50,7 @@ class Materials:
         return known
 
     def note_odd(self) -> None:
-        """One finding for all names of two colours, and one for each colour that is none."""
+        """One finding for all names with two colours, and one for each invalid colour."""
         if self._twice:
             names = listed(self._twice, 3)
             what = f"{len(self._twice)} material{'s' * (len(self._twice) > 1)} with several colours: {names}"

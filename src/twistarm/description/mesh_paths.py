@@ -1,4 +1,4 @@
-"""Paths of meshes: every kind of URI resolved, and of a file that is not there, where to look or what to write."""
+"""Paths of meshes: URIs resolved, and remedies for missing files."""
 
 from __future__ import annotations
 
@@ -54,8 +54,8 @@ def plain(uri: str) -> str:
 def resolve_uri(uri: str, file: Path, packages: PackageIndex) -> Path | None:
     """The mesh file of a URI: `package://`, `model://`, `file://`, `$(find p)/…`, absolute, or beside the file.
 
-    Without a package's name, `package://` begins at the file's folder, at those above, or at the caller's. None where
-    there is no such file.
+    Without a package name, `package://` starts at the file's folder, its parents, or the caller's folders. None if
+    missing.
     """
     found = (folder / path for folder in _folders(parsed(uri), file, packages) for path in _spellings(parsed(uri).path))
     path = next((path for path in found if is_file(path)), None)
@@ -63,7 +63,7 @@ def resolve_uri(uri: str, file: Path, packages: PackageIndex) -> Path | None:
 
 
 def why_missing(uri: str, file: Path, packages: PackageIndex) -> tuple[str, str]:
-    """Why there is no file at a URI, and what to do, in words; the same for all that go by one remedy."""
+    """Why a URI has no file, and the remedy; the same text for all with one remedy."""
     head, package, path = parsed(uri)
     folders = list(_folders(parsed(uri), file, packages))
     if package and not folders:
@@ -86,7 +86,7 @@ def _folders(uri: MeshUri, file: Path, packages: PackageIndex) -> Iterator[Path]
 
 
 def _spellings(path: str) -> list[str]:
-    """The path as it is written, without its %20, and with slashes for backslashes."""
+    """The path as written, with %20 decoded, and with slashes for backslashes."""
     decoded = unquote(path)
     return list(dict.fromkeys((path, decoded, path.replace("\\", "/"), decoded.replace("\\", "/"))))
 
@@ -102,7 +102,7 @@ def _package_missing(package: str, path: str, file: Path, packages: PackageIndex
 
 
 def _near(folder: Path, path: str) -> str | None:
-    """The path of a mesh below the folder that differs in the case of its letters, or in a slip of its last name."""
+    """A mesh below the folder with a similar path: other case, or a slip in the last name."""
     *parents, name = path.split("/")
     done: list[str] = []
     for part in parents:

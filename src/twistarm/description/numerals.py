@@ -21,7 +21,7 @@ def floats(text: str, count: int) -> list[float]:
 
 
 def number(word: str) -> float:
-    """A number as every reader of URDF takes it: not Python's 1_000, nor digits of another script."""
+    """A number as every reader of URDF takes it, without Python's 1_000 or other scripts' digits."""
     if not word.isascii() or "_" in word or len(word) > MAX_NUMBER:
         raise ValueError(f"no number: {word[:60]!r}")
     return float(word)

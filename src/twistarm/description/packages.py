@@ -44,12 +44,11 @@ INSTALLED, SHARE = "install", "share"
 
 @dataclass(frozen=True)
 class PackageIndex:
-    """Packages found near a description, by the `<name>` in their package.xml (folder names may differ).
+    """Packages near a description, by the `<name>` in their package.xml (folder names may differ).
 
-    Searched in this order: the folders the user names, each parent of the description with its children, those of its
-    `src` and what is installed below it, `<prefix>/share/*` of AMENT_PREFIX_PATH, and ROS_PACKAGE_PATH. Where no
-    package.xml has the name, a copy in the first two places may bear it (`find_copy`). `mesh_dirs`, last, hold packages
-    for meshes alone.
+    The search order is: the user's folders, each parent of the description with its children, `src` and installed
+    packages below it, `<prefix>/share/*` of AMENT_PREFIX_PATH, and ROS_PACKAGE_PATH. Without a package.xml of the name,
+    a copy in the first two places counts (`find_copy`). `mesh_dirs`, last, serve meshes only.
     """
 
     file: Path
@@ -66,7 +65,7 @@ class PackageIndex:
         return self._by_manifest(package) or self._copy(package, marked=True)
 
     def find_for_mesh(self, package: str) -> Path | None:
-        """As `find`, and a folder of that name whatever it holds: a mesh is drawn, it cannot be quoted."""
+        """As `find`, or any folder of that name: a mesh is drawn and cannot be quoted."""
         return self.find(package) or self._copy(package, marked=False) or self.find_for_mesh_alone(package)
 
     def find_for_mesh_alone(self, package: str) -> Path | None:
@@ -75,7 +74,7 @@ class PackageIndex:
 
     @functools.cached_property
     def _in_mesh_dirs(self) -> dict[str, Path]:
-        """Packages by the name in their package.xml, and folders by their own where no package has it."""
+        """Packages by their package.xml, and folders by their name where no package has it."""
         walk = self._walk("package_dirs")
         folders = [folder for top in self.mesh_dirs for folder in walk.through(top, MAX_DEPTH)]
         named = [(name, folder) for folder in folders if (name := package_name(folder))]
@@ -155,9 +154,9 @@ class PackageIndex:
 
 @dataclass
 class Walk:
-    """A walk through folders, breadth first, that looks at no more than `left`; `ended` is called where it stops.
+    """A breadth-first walk through at most `left` folders; `ended` is called at the limit.
 
-    Hidden and unreadable ones are left out. A link to a folder that it has come through leads nowhere new.
+    It skips hidden and unreadable folders, and links to visited ones.
     """
 
     ended: Callable[[], None]
@@ -199,7 +198,7 @@ class Walk:
         yield from self.children(folder / SHARE)
 
     def _leads_on(self, entry: os.DirEntry[str]) -> bool:
-        """Whether it is a folder, and if by a link, one that was not met before."""
+        """Whether it is a folder, and not a link to a visited one."""
         try:
             if not entry.is_dir():
                 return False
@@ -236,7 +235,7 @@ def _users_folder(folder: Path) -> Path:
 
 
 def package_names(without: object) -> tuple[str, ...]:
-    """The packages to do without, one or several; InputError for what is no name of a package."""
+    """The packages to leave out, one or several. Raises InputError for an invalid name."""
     names = (without,) if isinstance(without, str) else require_names(without, "without")
     for name in names:
         if not is_package_name(name):
@@ -250,7 +249,7 @@ def is_package_name(name: str) -> bool:
 
 
 def variable_names(env: object) -> tuple[str, ...]:
-    """The environment variables that a file may know, one or several; InputError for what is no name of one."""
+    """The environment variables that a file may read, one or several. Raises InputError for an invalid name."""
     names = (env,) if isinstance(env, str) else require_names(env, "env")
     for name in names:
         if not _VARIABLE.fullmatch(name):
@@ -271,7 +270,7 @@ def package_name(folder: Path) -> str | None:
 
 
 def _name_in(head: bytes) -> str | None:
-    """The text of the first `<name>` in the root element; a file with a document type, hence entities, has none."""
+    """The text of the first `<name>` in the root element; "" for a file with a document type."""
     if b"<!DOCTYPE" in head.replace(b"\0", b""):
         return None
     depth = 0

@@ -1,7 +1,7 @@
-"""Planar joints as what they are made of: two slides in the plane, then a turn about its normal.
+"""Planar joints as two slides in the plane and a turn about its normal.
 
-URDF gives a planar joint its normal only. The slides go along the first two columns of `joints.plane_axes(normal)`.
-Split before links and joints are read, a planar joint is three of one degree of freedom to everything behind.
+URDF gives only the normal. The slides go along the first two columns of `joints.plane_axes(normal)`. The joint is split
+before links and joints are read, so later code sees joints of one degree of freedom.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ def coordinate_names(joint: str) -> tuple[str, str, str]:
 
 
 def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
-    """Replace every planar joint by its three, and say which joint each is part of, {"p_x": "p", …}.
+    """Replace every planar joint by its three parts and return the origin of each part, {"p_x": "p", …}.
 
-    Raises DescriptionError where a coordinate's name is taken, and for a planar joint that mimics or is mimicked. One
-    whose axis cannot be read stays as it is, to be refused with the other joints.
+    Raises DescriptionError for a taken coordinate name, and for a planar joint in a mimic. A joint with an unreadable
+    axis stays and is refused with the other joints.
     """
     planar = [joint for joint in robot.findall("joint") if joint.get("type") == "planar"]
     _refuse_mimics(robot, {joint.get("name", "") for joint in planar}, reading)
@@ -92,7 +92,7 @@ def _free(name: str, taken: set[str]) -> str:
 
 
 def _same_line(made: Iterable[ET.Element], joint: ET.Element, reading: Reading) -> None:
-    """Whatever is said of the parts is found at the joint as written."""
+    """Give the parts the line of the written joint."""
     if joint in reading.lines:
         reading.lines |= dict.fromkeys(made, reading.lines[joint])
 

@@ -1,4 +1,4 @@
-"""Words in a joint that nobody reads: misspelt, doubled or empty, they would change the arm in silence."""
+"""Ignored words in a joint: misspelt, doubled or empty ones would change the arm silently."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ MOST_WORDS, LONGEST, MOST_ATTRIBUTES = 1_000, 40, 10
 
 
 def note_unread_words(robot: ET.Element, reading: Reading) -> None:
-    """Note what no reader of URDF takes up in a moving or fixed joint's place, axis, limits and mimic.
+    """Note what URDF readers ignore in a joint's origin, axis, limits and mimic.
 
-    An attribute that the element does not have, an element whose name is nearly one of `ATTRIBUTES`, a second one of
-    a kind (the first counts), and an `<axis>` without its numbers, which then is x.
+    These are unknown attributes, elements with a name similar to one of `ATTRIBUTES`, a second element of a kind (the
+    first counts), and an `<axis>` without numbers, which is x.
     """
     slips: dict[str, bool] = {}
     for joint in robot.findall("joint"):

@@ -1,4 +1,4 @@
-"""Is it a tree? One root, every link defined once and reached once: checked before any engine sees the file."""
+"""Checks that the description is a tree: one root, each link defined and reached once."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MOST_HINTS = 10
 
 
 def check_structure(robot: ET.Element, reading: Reading) -> None:
-    """Raise DescriptionError for whatever keeps the description from being a tree of named links and joints."""
+    """Raise DescriptionError unless the description is a tree of named links and joints."""
     links, joints = robot.findall("link"), robot.findall("joint")
     _check_counts(robot, reading)
     if not links:
@@ -52,7 +52,7 @@ def _check_counts(robot: ET.Element, reading: Reading) -> None:
 
 
 def root_link(robot: ET.Element) -> str:
-    """The one link that is nobody's child."""
+    """The one link without a parent."""
     return _roots(robot)[0]
 
 

@@ -24,7 +24,7 @@ class Geometry:
     """A shape on a link: `origin` (4, 4) in the link frame.
 
     `size`: box (x, y, z) [m]; cylinder and capsule (radius, length) along z [m]; sphere (radius,) [m]; mesh its scale.
-    `mesh` is an absolute path, or None where the file was not found. `colour` is (r, g, b, a) in 0…1.
+    `mesh` is an absolute path, or None if missing. `colour` is (r, g, b, a) in 0…1.
     """
 
     shape: Shape
@@ -55,11 +55,11 @@ class Mimic:
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint of the tree: `axis` a unit vector, `axis_length` its length as written; limits ∓inf where not given.
+    """A joint of the tree: `axis` is a unit vector, `axis_length` its written length; missing limits are ∓inf.
 
-    `lower` and `upper` lie inside the soft limits of a `<safety_controller>`; `hard` are those of `<limit>` alone.
-    `acceleration` is the smaller one where URDF 1.2 gives a deceleration too.
-    `line` is where it stands in a file that was not expanded from xacro; `part_of` the planar joint it was split from.
+    `lower` and `upper` are inside the soft limits of a `<safety_controller>`; `hard` are those of `<limit>`.
+    `acceleration` is the smaller one if URDF 1.2 gives a deceleration too. `line` is its place in a file without xacro;
+    `part_of` the planar joint of which it is a part.
     """
 
     name: str
@@ -99,10 +99,10 @@ class Joint:
 
 @dataclass(frozen=True, repr=False)
 class Description:
-    """Links and joints as read, repaired, with the findings of the reading.
+    """Links and joints of a repaired description, with the findings.
 
-    `text` is the expanded description as it was written, `repaired` the same with every repair made and mesh paths
-    absolute: the first goes to the engines that check us, the second to Pinocchio.
+    `text` is the expanded description as written, for the engines that check us. `repaired` has all repairs and
+    absolute mesh paths, for Pinocchio.
     """
 
     name: str
@@ -130,7 +130,7 @@ class Description:
         return any(link.collisions or link.visuals for link in self.links.values())
 
     def place(self, part: Joint | Link | None = None) -> Place:
-        """Where a joint or link stands in the file; without one, the file."""
+        """The place of a joint or link in the file, or the file."""
         file = self.path.name if self.path else self.name
         if part is None:
             return Place(file)
@@ -160,7 +160,7 @@ class Description:
         return tuple(reversed(path))
 
     def link_poses(self, values: Mapping[str, Array | float]) -> dict[str, Array]:
-        """Pose of every link in the root frame, {link: g (..., 4, 4)}; joints without a value stand at 0."""
+        """Pose of every link in the root frame, {link: g (..., 4, 4)}; joints without a value are at 0."""
         poses: dict[str, Array] = {self.root: np.eye(4)}
         for joint in self.outward_joints():
             g = poses[joint.parent] @ joint.origin
@@ -171,7 +171,7 @@ class Description:
 
     @property
     def extent(self) -> float:
-        """The largest coordinate [m] of any link in the root frame, joints at 0: what rounding is measured by."""
+        """The largest coordinate [m] of any link in the root frame at joint values 0, a scale for rounding."""
         return max(float(np.abs(g[..., :3, 3]).max()) for g in self.link_poses({}).values())
 
     def beyond(self, joint: str) -> frozenset[str]:

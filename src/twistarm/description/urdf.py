@@ -1,4 +1,4 @@
-"""URDF into the tree: links and joints read, what can be repaired repaired and said, the rest refused in one line."""
+"""URDF to a tree: links and joints are read, repaired with a finding, or refused in one line."""
 
 from __future__ import annotations
 
@@ -52,11 +52,13 @@ def read_description(
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> Description:
-    """The description in a URDF or xacro file; `mesh_dirs`: folders with packages of which meshes alone are read;
-    `without`: packages whose parts are left out; `env`: the environment variables that it may know (`expand_xacro`).
+    """The description in a URDF or xacro file.
+
+    `mesh_dirs`: folders for meshes only; `without`: packages to leave out; `env`: the readable environment variables
+    (`expand_xacro`).
 
     Raises DescriptionError (file, element, remedy) for what cannot be a robot: not XML, two roots, a cycle, an
-    undefined link, a duplicate name, a zero axis on a moving joint, a number that is none.
+    undefined link, a duplicate name, a zero axis on a moving joint, an invalid number.
     """
     file = existing_file(path, "a URDF or xacro file, an arm.toml or a catalogue name").resolve()
     packages = package_index(file, package_dirs, mesh_dirs)
@@ -204,7 +206,7 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
 
 
 def _note_degrees(element: ET.Element, reading: Reading) -> None:
-    """Nobody writes a whole turn and more into an origin, but in degrees."""
+    """Note origins with more than a whole turn, which must be degrees."""
     origin = element.find("origin")
     angles = [] if origin is None else floats(origin.get("rpy", "0 0 0"), 3)
     if any(abs(angle) > MOST_TURNED for angle in angles):
@@ -228,7 +230,7 @@ def _read_mimic(element: ET.Element, reading: Reading) -> Mimic | None:
 
 
 def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading) -> None:
-    """One finding per kind of rate, naming the joints that do not give it, and what stood there instead."""
+    """One finding for each kind of rate: the joints without it, and the values in its place."""
     moving = [joint.name for joint in joints if joint.type in MOVING_ALONE and joint.mimic is None]
     for kind in ("velocity", "effort"):
         absent = {name: given[name].get(kind, 0.0) for name in moving if given[name].get(kind, 0.0) <= 0}
@@ -246,8 +248,8 @@ def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading)
 def _make_loadable(element: ET.Element, axis: Array, bounds: tuple[float, float]) -> None:
     """Rewrite one joint so that Pinocchio reads what was meant.
 
-    A continuous joint becomes revolute with very wide limits, so that q is one number per joint; floating joints
-    outside the chain stand still; limits are complete and finite; axes are unit vectors.
+    A continuous joint becomes revolute with very wide limits, so q is one number per joint. Floating joints outside the
+    chain become fixed. Limits are complete and finite, axes are unit vectors.
     """
     kind = element.get("type")
     if kind == "floating":

@@ -1,4 +1,4 @@
-"""URDF's versions: what a newer one adds counts from there on, as urdfdom reads it; in an older one it is told."""
+"""URDF's versions: additions count from their version on, as in urdfdom, and get a finding in older ones."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ ADDED = {
 
 
 def settle_version(robot: ET.Element, reading: Reading) -> None:
-    """Take out the attributes that the robot's version does not have, and its version where Pinocchio needs none.
+    """Remove attributes that the robot's version does not have, and its version if Pinocchio needs none.
 
-    A version that is not known is read as the newest, which has everything.
+    An unknown version counts as the newest.
     """
     written = robot.attrib.pop("version", "1.0")
     version = _known(written, reading)

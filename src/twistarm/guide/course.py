@@ -1,4 +1,4 @@
-"""The course: its lessons in order, and where each section of the team's guide is taught."""
+"""The course: its lessons in order, and the lesson for each section of the team's guide."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def lesson_file(name: str) -> Path:
 
 
 def lesson_named(typed: str) -> str:
-    """The lesson that a person means by its name or its file; UnknownNameError with the closest names."""
+    """The lesson of a name or a file. Raises UnknownNameError with the closest names."""
     name = Path(typed).name.removesuffix(".py").removesuffix(".html")
     if name not in lessons():
         listing = f"{len(lessons())} lessons: {', '.join(lessons())}"

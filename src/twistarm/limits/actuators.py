@@ -30,24 +30,24 @@ NOT_GIVEN = JointLimits.unbounded(0)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Actuators:
-    """k motors that drive n joint coordinates: motor = G theta + o, both sides in rad, or m where they slide.
+    """k motors that drive n joint coordinates: motor = G theta + o, both sides in rad, or m for slides.
 
     `G` (k, n) holds motor rad per joint rad (rad per m for a slide), `offset` (k,) the motors at theta = 0. A motor on
-    one joint has one entry in its row; the two motors of a differential wrist have two each. `units` says what each
-    drive counts in (`UNITS`) and `ticks_per_turn` (k,) how fine, NaN where that was not given: see `to_counts`.
-    `limits` are those of the k motors, on the motors' side of the gears.
+    one joint has one entry in its row; the two motors of a differential wrist have two each. `units` are the units of
+    the drives' counts (`UNITS`) and `ticks_per_turn` (k,) their number, NaN if not given: see `to_counts`. `limits` are
+    those of the k motors, on the motors' side of the gears.
 
     - Positions [rad, m]: `to_motor` is G theta + o, `to_theta` is P (motor − o).
     - Velocities and accelerations [per s, s²]: `velocity_to_motor` is G theta_dot, `velocity_to_theta` is P motor_dot.
     - Torques [N m, N]: `torque_to_motor` is Pᵀ tau, `torque_to_theta` is Gᵀ tau_motor.
 
-    Torques follow from the power, tau_motor · motor_dot = tau · theta_dot, in gears without friction. P = G⁻¹ where
-    there are as many motors as joints. With more motors P is the pseudo-inverse: positions and velocities are the
-    least squares of all motors' [rad, m], and torques the least ‖tau_motor‖ that give the joints theirs. Where
-    the motors leave a joint `undriven`, what needs P is refused. All take leading axes: (..., n), (..., k).
+    Torques follow from the power balance tau_motor · motor_dot = tau · theta_dot without friction. P = G⁻¹ for as many
+    motors as joints. With more motors P is the pseudo-inverse: positions and velocities are least squares [rad, m], and
+    torques have the least ‖tau_motor‖. If a joint is `undriven`, what needs P raises. All accept leading axes: (...,
+    n), (..., k).
 
     Raises InputError for shapes that do not fit, numbers that are not finite, an unknown unit, ticks that are not
-    positive, a unit of ticks without them, or position limits that leave a joint no place.
+    positive, a unit of ticks without them, or position limits that leave a joint no room.
     """
 
     names: tuple[str, ...]
@@ -115,8 +115,8 @@ class Actuators:
     def to_theta(self, motor: ArrayLike) -> Array:
         """theta (..., n) with G theta + o = motor, from motors (..., k) [rad or m].
 
-        With more motors than joints the least squares: the theta that least ‖G theta + o − motor‖ [rad, m] leaves.
-        Raises InputError naming the joints that the motors do not determine (G has not full column rank).
+        With more motors than joints it minimises ‖G theta + o − motor‖ [rad, m]. Raises InputError with the joints that
+        the motors do not determine (G lacks full column rank).
         """
         theta: Array = (self._motors(motor, "motor") - self.offset) @ self.P.T
         return theta
@@ -127,20 +127,22 @@ class Actuators:
         return motor_dot
 
     def velocity_to_theta(self, motor_dot: ArrayLike) -> Array:
-        """theta_dot (..., n) with G theta_dot = motor_dot (..., k) [rad/s or m/s]; refused and solved as `to_theta`."""
+        """theta_dot (..., n) with G theta_dot = motor_dot (..., k) [rad/s or m/s]; errors and least squares as in
+        `to_theta`.
+        """
         theta_dot: Array = self._motors(motor_dot, "motor_dot") @ self.P.T
         return theta_dot
 
     def torque_to_motor(self, tau: ArrayLike) -> Array:
-        """tau_motor (..., k) with Gᵀ tau_motor = tau (..., n) [N m or N]; of several the one of least ‖tau_motor‖.
+        """tau_motor (..., k) with Gᵀ tau_motor = tau (..., n) [N m or N] and the least ‖tau_motor‖.
 
-        Raises InputError naming the joints that the motors do not determine.
+        Raises InputError with the joints that the motors do not determine.
         """
         tau_motor: Array = self._joints(tau, "tau") @ self.P
         return tau_motor
 
     def torque_to_theta(self, tau_motor: ArrayLike) -> Array:
-        """tau = Gᵀ tau_motor: what the motors' torques (..., k) do at the joints, (..., n) [N m or N]."""
+        """tau = Gᵀ tau_motor: the joint torques (..., n) [N m or N] of the motors' torques (..., k)."""
         tau: Array = self._motors(tau_motor, "tau_motor") @ self.G
         return tau
 
@@ -157,9 +159,9 @@ class Actuators:
     # -- limits ------------------------------------------------------------------------------------------------------
 
     def motion_limits(self, joints: JointLimits | None = None) -> MotionLimits:
-        """The motors' limits for whoever commands velocities, with those of the n joints beside them where given.
+        """The motors' limits for velocity commands, with those of the n joints if given.
 
-        Made once; its `velocity_scale` and `within` are asked in every cycle.
+        Make it once, and call its `velocity_scale` and `within` in every cycle.
         """
         if joints is None:
             return MotionLimits(self.names, self.G, self.offset, self.limits)
@@ -172,11 +174,11 @@ class Actuators:
 
     @cached_property
     def joint_limits(self) -> JointLimits:
-        """What the motors allow each joint alone, the others standing still: limits of n joints, ∓inf where nothing.
+        """The limits that the motors leave each joint while the others rest; ∓inf for none.
 
         velocity_j = min_i velocity_i / abs(G_ij), acceleration alike; effort_j = min_i effort_i / abs(P_ij) holds a
-        torque at joint j and none elsewhere. Positions come from motors that drive joint j and no other: where a motor
-        drives several, a bound for one would hang on the rest.
+        torque at joint j only. Positions come from motors of one joint, because with several joints a bound depends on
+        the others.
         """
         n = len(self.joint_names)
         alone = np.where((self.G != 0).sum(axis=1, keepdims=True) == 1, self.G, 0.0)
@@ -207,7 +209,7 @@ class Actuators:
 
     @cached_property
     def counts_per_unit(self) -> Array:
-        """How many of its `units` a drive counts for one rad (or one m) of its motor, (k,)."""
+        """The counts of each drive in its `units` for one rad (or one m) of its motor, (k,)."""
         ticks = self.ticks_per_turn / (2 * np.pi)
         return frozen([t if unit == "tick" else UNITS[unit] for unit, t in zip(self.units, ticks, strict=True)])
 
@@ -233,7 +235,7 @@ def _require_countable(name: str, unit: str, ticks: float) -> None:
 
 
 def _factors(G: Array, axis: int) -> Array:
-    """What makes rows (axis 1) or columns (axis 0) of G unit vectors: rad and m stand side by side in it."""
+    """Factors that make rows (axis 1) or columns (axis 0) of G unit vectors, because rad and m are mixed in it."""
     size = np.linalg.norm(G, axis=axis, keepdims=True)
     factors: Array = 1.0 / np.where(size == 0, 1.0, size)
     return factors
@@ -247,5 +249,5 @@ def _least(limit: Array, ratio: Array) -> Array:
 
 
 def _divisor(ratio: Array) -> Array:
-    """The ratios, 1 where there is none."""
+    """The ratios, 1 if there is none."""
     return np.where(ratio, ratio, 1.0)

@@ -1,4 +1,4 @@
-"""Joint limits: what each degree of freedom may do, with infinity for whatever was not given."""
+"""Joint limits for each degree of freedom, infinite if not given."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ AS_GOOD_AS_UNBOUNDED = 1e4
 class JointLimits:
     """Limits of n degrees of freedom, each an (n,) array: rad or m, and their rates; N m or N for effort.
 
-    `lower`, `upper` are ∓inf where not given; `velocity`, `acceleration`, `jerk`, `effort` are inf where not given
-    and never 0: descriptions write a zero where they mean "not given", and so it is read.
+    Missing `lower`, `upper` are ∓inf; missing `velocity`, `acceleration`, `jerk`, `effort` are inf. They are never 0,
+    because descriptions write zero for "not given".
 
     Raises InputError for unequal lengths, NaN, a negative rate or `lower > upper`.
     """
@@ -131,9 +131,9 @@ def usual_half(kind: str) -> float:
 
 
 def usual_range(lower: ArrayLike, upper: ArrayLike, half: ArrayLike) -> tuple[Array, Array]:
-    """The bounds where they are given, and where not ±`half` about zero, or that far from the other bound.
+    """The bounds, with missing ones at ±`half` about zero, or that far from the other bound.
 
-    A bound beyond `AS_GOOD_AS_UNBOUNDED` counts as not given, but is kept.
+    A bound beyond `AS_GOOD_AS_UNBOUNDED` counts as missing, but is kept.
     """
     least, most, span = (np.asarray(values, dtype=np.float64) for values in (lower, upper, half))
     low = np.where(least > -AS_GOOD_AS_UNBOUNDED, least, np.minimum(-span, most - span))

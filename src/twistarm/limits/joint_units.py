@@ -1,4 +1,4 @@
-"""Unit of a joint's coordinate by the joint's type: metres where it slides, radians where it turns."""
+"""Unit of a joint's coordinate by its type: metres for slides, radians for turns."""
 
 from __future__ import annotations
 

@@ -26,18 +26,18 @@ _PLAIN = re.compile(r"[A-Za-z0-9 _.,:;+\-=@#%&()\[\]<>{}|~^!$']")
 
 
 def identifier_of(name: str, kind: str) -> str:
-    """An identifier after a name: what none may hold becomes one underscore; what is taken gets `kind` before it."""
+    """An identifier for a name: invalid characters become one underscore, a taken one gets `kind` in front."""
     identifier = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or kind
     return f"{kind}_{identifier}" if identifier[0].isdigit() or identifier in _TAKEN.split() else identifier
 
 
 def c_number(value: float) -> str:
-    """A number that reads back as the same double; `infinite` stands for infinity."""
+    """A number that reads back as the same double; `infinite` is the text of infinity."""
     return repr(float(value)) if np.isfinite(value) else "-infinite" if value < 0 else "infinite"
 
 
 def c_string(text: str) -> str:
-    """A C string of plain characters, which cannot end a comment either; others as octal escapes of their UTF-8."""
+    """A C string of plain characters that cannot end a comment; others are octal escapes of their UTF-8."""
     return '"' + "".join(c if _PLAIN.fullmatch(c) else _octal(c) for c in text) + '"'
 
 

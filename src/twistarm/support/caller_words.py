@@ -1,4 +1,4 @@
-"""How messages name arguments and give quantities: as Python does, in forms that another program can find again."""
+"""The forms of arguments and quantities in messages, as in Python, which another program can find."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def argument(name: str, value: Any = ...) -> str:
 
 
 def package_folder(held: str) -> str:
-    """The argument that names a folder in which packages are looked for, one that holds `held`."""
+    """The argument for a package folder that holds `held`."""
     return f"{argument('package_dirs', [...])} (the folder that holds {held})"
 
 

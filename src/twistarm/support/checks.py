@@ -109,7 +109,7 @@ def as_whole(value: Any, name: str, least: int, most: int) -> int:
 
 
 def as_shape(value: Any, name: str) -> tuple[int, ...]:
-    """`value`, how many or a tuple of that along several axes, as a shape; None is the shape of one."""
+    """`value`, a number or a tuple of lengths, as a shape; None is the shape of one."""
     lengths = () if value is None else value if isinstance(value, tuple) else (value,)
     return tuple(as_whole(length, name, 0, LARGEST_ARRAY) for length in lengths)
 
@@ -144,7 +144,7 @@ def require(value: Any, kind: type[T], name: str, how: str) -> T:
 
 
 def require_choice(value: Any, choices: Collection[str], name: str) -> str:
-    """`value`, or InputError where it is none of the texts `choices`."""
+    """`value`. Raises InputError unless it is one of the texts `choices`."""
     if not isinstance(value, str) or value not in choices:
         *others, last = map(repr, choices)
         raise InputError(f"{name} must be {', '.join(others)} or {last}; got {shown(value)}{closest(value, choices)}")
@@ -159,7 +159,7 @@ def require_mapping(value: Any, name: str, example: str) -> Mapping[str, Any]:
 
 
 def require_names(values: Any, name: str) -> tuple[str, ...]:
-    """`values`, a sequence of texts, as a tuple; InputError for a single text or anything else."""
+    """`values`, a sequence of texts, as a tuple. Raises InputError for a single text or anything else."""
     try:
         names = (None,) if isinstance(values, str) else tuple(values)
     except TypeError:
@@ -276,7 +276,7 @@ def as_pose(value: Given, name: str = "pose") -> Array:
 
 
 def as_frame(value: Given, name: str = "g") -> Array:
-    """`value` as one matrix (4, 4) of finite numbers; whether it is a pose is not looked at."""
+    """`value` as one matrix (4, 4) of finite numbers, which need not be a pose."""
     g = as_floats(value, name)
     if g.shape != (4, 4):
         raise InputError(f"{name} must be one pose of shape (4, 4); got {g.shape}")
@@ -302,7 +302,7 @@ def require_broadcast(**leading: tuple[int, ...]) -> None:
 
 
 def made_by(calls: str) -> Callable[[type[T]], type[T]]:
-    """Word what the constructor of a class stumbles over: its objects come from `calls`, and nothing checks them."""
+    """Word the errors of a class's constructor; `calls` return its objects unchecked."""
 
     def worded(kind: type[T]) -> type[T]:
         construct = kind.__init__

@@ -1,4 +1,4 @@
-"""Rows of a CSV file that somebody else wrote, one after the other and within bounds; and CSV that we write."""
+"""Rows of a CSV file, read one by one and within bounds; and our CSV text."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Bounds(NamedTuple):
 
 
 def csv_lines(path: str | os.PathLike[str], bounds: Bounds) -> Iterator[str]:
-    """The lines of the regular file at `path`, as `lines_in`; InputError where it cannot be read."""
+    """The lines of the regular file at `path`, as `lines_in`. Raises InputError if unreadable."""
     file = as_path(path)
     try:
         opened = open_regular(file)
@@ -44,10 +44,9 @@ def csv_lines(path: str | os.PathLike[str], bounds: Bounds) -> Iterator[str]:
 
 
 def lines_in(file: BinaryIO, name: str, bounds: Bounds) -> Iterator[str]:
-    """The lines of an opened file or a pipe, with their ends: UTF-16 by its byte-order mark, else UTF-8 with or
-    without one, or Latin-1.
+    """The lines of an open file or pipe, with their ends: UTF-16 with a byte-order mark, UTF-8, or Latin-1.
 
-    Raises InputError for a line of more than `MAX_LINE` characters and beyond the bounds, having read little more.
+    Raises InputError for a line of more than `MAX_LINE` characters and beyond the bounds.
     """
     size = 0
     try:
@@ -97,8 +96,9 @@ class Row(NamedTuple):
     cells: list[str]
 
     def numbers(self, columns: Sequence[int], width: int, file: str = "") -> list[float]:
-        """The finite numbers in some columns. InputError, with the line where `file` is named, for a cell that holds
-        none, and for a row of another width.
+        """The finite numbers in some columns.
+
+        Raises InputError, with the line if `file` is named, for a cell without a number and a row of another width.
         """
         try:
             return self._numbers(columns, width)
@@ -122,10 +122,10 @@ class Row(NamedTuple):
 
 
 def csv_rows(lines: Iterable[str], file: str) -> Iterator[Row]:
-    """The rows of the lines of a file: blank lines and those that begin with # are left out.
+    """The rows of a file's lines, without blank lines and lines with #.
 
-    Columns are separated as in the first row: by tabs, semicolons or commas, or where it has none of these by spaces.
-    In a row with words it is the sign that stands there most often, in one of numbers the first of these.
+    The first row decides the separator: tabs, semicolons or commas, else spaces. In a row with words it is the most
+    frequent of them, in a row of numbers the first.
     """
     count = 0
 
@@ -163,7 +163,7 @@ def is_number(cell: str) -> bool:
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """A table as CSV. No text in it begins a formula in a spreadsheet: such a name gets an apostrophe before it."""
+    """A table as CSV. A text that a spreadsheet would take for a formula gets an apostrophe in front."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(map(_as_text, header))
@@ -172,7 +172,7 @@ def csv_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 
 def name_in(cell: str) -> str:
-    """The name that stands in a header's cell, without the apostrophe of `csv_text`."""
+    """The name in a header's cell, without the apostrophe of `csv_text`."""
     return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
 
 

@@ -1,4 +1,4 @@
-"""Directions chosen by a rule where rounding would choose: equal singular values, signs, equally large components."""
+"""Directions by a rule instead of rounding: equal singular values, signs, equal components."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ EQUAL = 1e-6
 
 
 def leading(sizes: Array) -> int:
-    """The index of the largest number of (k,): the first of those that are equally large."""
+    """The index of the largest number of (k,), the first of equally large ones."""
     return int(np.argmax(sizes >= sizes.max() - EQUAL))
 
 
 def signed(U: Array) -> Array:
-    """The columns of (..., m, k), the largest component of each positive; of equally large ones the first."""
+    """The columns of (..., m, k) with the largest component of each positive, the first of equal ones."""
     sizes = np.abs(U)
     largest = np.argmax(sizes >= sizes.max(axis=-2, keepdims=True) - EQUAL, axis=-2, keepdims=True)
     turned: Array = U * np.where(np.take_along_axis(U, largest, axis=-2) < 0.0, -1.0, 1.0)
@@ -24,10 +24,10 @@ def signed(U: Array) -> Array:
 
 
 def nearest_axes(P: Array, count: int) -> Array:
-    """Orthonormal columns (m, count) in the range of a projector P (m, m), which its eigenvectors leave open.
+    """Orthonormal columns (m, count) in the range of a projector P (m, m), independent of its eigenvectors.
 
-    The first is the projection of the coordinate axis that is nearest to the range; of equally near axes the first
-    counts. The next ones come alike from what is left of the range.
+    The first is the projection of the coordinate axis nearest to the range, the first of equally near ones. The next
+    follow from the rest of the range.
     """
     axes = np.zeros((len(P), count))
     for i in range(count):

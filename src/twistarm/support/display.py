@@ -1,4 +1,4 @@
-"""Displays of objects: a line or three at a prompt, and a table in a notebook."""
+"""Displays of objects: short lines at a prompt, a table in a notebook."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ CELL = "padding: 0.15em 0.8em; text-align: {}; border-bottom: 1px solid rgba(128
 
 
 class _Public(type):
-    """A class whose `help` lists its public members, without what a dataclass makes."""
+    """A class with only its public members in `help`, without those of a dataclass."""
 
     def __dir__(cls) -> list[str]:
         return [name for name in super().__dir__() if not name.startswith("_")]
 
 
 class Brief(metaclass=_Public):
-    """A dataclass whose repr fits a prompt: numbers with four digits, of larger arrays the shape alone."""
+    """A dataclass with a short repr: four digits, and shapes for large arrays."""
 
     def __repr__(self) -> str:
         named = {each.name: getattr(self, each.name) for each in fields(self) if each.repr}  # type: ignore[arg-type]
@@ -56,7 +56,7 @@ def in_brief(value: Any) -> str:
 
 
 def html_table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table for a notebook: texts to the left, numbers to the right; every text is escaped."""
+    """A table for a notebook: texts left, numbers right, all escaped."""
     titles = "".join(f'<th style="{CELL.format("left")}">{escape(title)}</th>' for title in head)
     lines = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows)
     return (

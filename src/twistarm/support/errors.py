@@ -1,4 +1,4 @@
-"""The exception tree, and the helpers that word a message: what was given, what is allowed, what to do."""
+"""The exceptions, and helpers to word a message: what was given, what is allowed, what to do."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ LONGEST_COMPARED = 200
 
 
 class TwistarmError(Exception):
-    """Whatever twistarm raises on purpose. Its text is one line that any terminal can show."""
+    """The base of all exceptions of twistarm. Its text is one line for any terminal."""
 
     def __str__(self) -> str:
         return one_line(super().__str__())
@@ -32,9 +32,11 @@ class InputError(TwistarmError, ValueError):
 
 
 class DescriptionError(TwistarmError):
-    """A robot description cannot be used; the message names the file, the element and the remedy.
+    """A robot description cannot be used.
 
-    `.findings` holds the same as a `Finding`, with whatever else was noticed before it.
+    The message names the file, the element and the remedy.
+
+    `.findings` holds the same as a `Finding`, with earlier ones.
     """
 
     def __init__(self, message: str, findings: tuple[Any, ...] = ()) -> None:
@@ -65,7 +67,7 @@ class NotConvergedError(TwistarmError):
 
 
 class NoClosedFormError(TwistarmError):
-    """An arm has no closed form for such a target, and one was asked for; the message says what it misses."""
+    """An arm has no closed form for a target. The message says what it lacks."""
 
 
 class MissingExtraError(TwistarmError, ImportError):
@@ -73,7 +75,7 @@ class MissingExtraError(TwistarmError, ImportError):
 
 
 class RoundedPoseWarning(UserWarning):
-    """A pose or rotation was rounded, as printed numbers are, and the nearest rotation was taken in its place."""
+    """A pose or rotation was rounded, and the nearest rotation replaces it."""
 
 
 class UnitsWarning(UserWarning):
@@ -85,8 +87,8 @@ class ComparisonError(TwistarmError):
 
 
 def printable(text: str) -> str:
-    """`text` with line ends and other characters escaped that a terminal would obey or not show: C0 and C1, escapes,
-    marks of direction and of no width, half characters. A space that does not break is one that can be seen.
+    """`text` with escaped characters that a terminal would obey or hide: C0 and C1, escapes, marks of direction and of
+    no width, half characters. A non-breaking space becomes a visible one.
     """
     if text.isprintable():
         return text
@@ -127,7 +129,7 @@ def listed(names: Iterable[str], limit: int = 12) -> str:
 
 
 def shown(value: Any) -> str:
-    """What was given, as a message repeats it: on one line and short, of a larger array the shape alone."""
+    """A given value for a message: on one line and short, with the shape only for a larger array."""
     shape = getattr(value, "shape", ())
     if isinstance(shape, tuple) and len(shape) > 1:
         return f"{type(value).__name__} of shape {shape}"

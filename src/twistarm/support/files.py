@@ -31,7 +31,7 @@ TEMPORARY = ".twistarm.part"
 
 
 def is_file(path: Path) -> bool:
-    """Whether `path` is a regular file that can be seen; a name too long or malformed is none."""
+    """Whether `path` is a visible regular file; False for a too long or malformed name."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -53,8 +53,8 @@ def why_no_file(path: Path) -> str:
 def open_regular(path: str | os.PathLike[str]) -> BinaryIO:
     """The regular file at `path`, opened to read, links followed.
 
-    Opened first and looked at then, so that nothing can be put in its place in between; a FIFO or a device neither
-    blocks nor is read. OSError where there is none that can be opened, its `strerror` in words.
+    It is opened first and then checked, so nothing can be swapped in between. A FIFO or a device neither blocks nor is
+    read. Raises OSError, with `strerror` in words, if it cannot be opened.
     """
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
     try:
@@ -67,10 +67,9 @@ def open_regular(path: str | os.PathLike[str]) -> BinaryIO:
 
 
 def opened_path(file: BinaryIO | int) -> Path:
-    """Where the opened file or folder (or its descriptor) lies, as the system knows it: without links, and whatever
-    has taken the place of its name since.
+    """The real path of an opened file or folder (or descriptor), without links.
 
-    OSError where the system does not tell: /proc is not mounted, or the file was deleted.
+    Raises OSError if the system does not tell: /proc is not mounted, or the file was deleted.
     """
     descriptor = file if isinstance(file, int) else file.fileno()
     if os.fstat(descriptor).st_nlink == 0:
@@ -81,7 +80,7 @@ def opened_path(file: BinaryIO | int) -> Path:
 
 
 def read_bounded(path: str | os.PathLike[str], most: int) -> bytes:
-    """What the regular file at `path` holds; OSError as `open_regular`, with EFBIG for more than `most` bytes."""
+    """The content of the regular file at `path`. Raises OSError as `open_regular`, with EFBIG above `most` bytes."""
     with open_regular(path) as file:
         size = os.fstat(file.fileno()).st_size
         data = b"" if size > most else file.read(most + 1)
@@ -92,8 +91,8 @@ def read_bounded(path: str | os.PathLike[str], most: int) -> bytes:
 
 
 def stamp(path: Path) -> tuple[int, ...] | None:
-    """What tells one content of a file from another: when it was changed, its length, and which file it is, as an
-    editor may put another in its place. None where there is no file.
+    """The identity of a file's content: its time of change, its length, and its inode, because editors replace files.
+    None if missing.
     """
     try:
         found = path.stat()
@@ -103,7 +102,7 @@ def stamp(path: Path) -> tuple[int, ...] | None:
 
 
 def as_path(path: str | os.PathLike[str]) -> Path:
-    """The path with a leading `~` resolved; as it is where there is no such user. InputError for what is no path."""
+    """The path with a leading `~` resolved, if the user exists. Raises InputError for an invalid path."""
     try:
         given = Path(path)
     except TypeError as error:
@@ -123,15 +122,14 @@ def as_paths(paths: Iterable[str | os.PathLike[str]], name: str) -> tuple[Path, 
 
 
 def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_description: bool = False) -> Path:
-    """Write `content` to `path` so that a reader sees the old file or the new one, never a part of either.
+    """Write `content` to `path` so that a reader sees the old file or the new one, never a part.
 
-    Text is written as UTF-8, line ends as they are. The content goes into a temporary file in the same
-    folder, which then takes the name in one step (POSIX `rename`); on any error it is removed and what stood
-    at `path` stays. A process that is killed leaves it, under a name that ends with `.twistarm.part`. A link is
-    followed. An existing file keeps its permissions, which the temporary one has from its first byte. Returns the path.
+    Text is UTF-8 with unchanged line ends. A temporary file in the same folder takes the name in one step (POSIX
+    `rename`). On any error it is removed and the old file stays. A killed process leaves it, with a name that ends with
+    `.twistarm.part`. A link is followed. The file keeps the permissions of the one it replaces. Returns the path.
 
-    Raises InputError where the folder does not exist or is not writable, where `path` is a folder or a device, and
-    where a description stands there (`DESCRIPTIONS`), unless `over_description` lets it be replaced.
+    Raises InputError if the folder is missing or not writable, if `path` is a folder or a device, and for a description
+    (`DESCRIPTIONS`) unless `over_description`.
     """
     target = writable(path, over_description=over_description)
     data = content.encode("utf-8") if isinstance(content, str) else content
@@ -143,10 +141,12 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_desc
 
 
 def _replace_whole(target: Path, data: bytes) -> None:
-    """Put `data` at `target` in one step; OSError where that fails, and then nothing has changed.
+    """Put `data` at `target` in one step.
 
-    The temporary file in the same folder is for this user alone until it has the group and the permissions of what it
-    replaces, and that before its first byte: for whom the content is not, that file is not either.
+    Raises OSError, and then nothing has changed.
+
+    The temporary file belongs to this user alone until it has the group and permissions of the file it replaces. It
+    receives them before its first byte.
     """
     found = target.stat() if target.exists() else None
     mode = 0o666 if found is None else 0o600
@@ -166,7 +166,7 @@ def _replace_whole(target: Path, data: bytes) -> None:
 
 
 def _give(descriptor: int, found: os.stat_result) -> None:
-    """Give a file the group and the permissions of another, or none for the group where it may not have that one."""
+    """Give a file the group and the permissions of another, without those of the group if that is forbidden."""
     mode = found.st_mode & 0o777
     try:
         os.fchown(descriptor, -1, found.st_gid)
@@ -176,7 +176,7 @@ def _give(descriptor: int, found: os.stat_result) -> None:
 
 
 def writable(path: str | os.PathLike[str], *, over_description: bool = False) -> Path:
-    """The file that `path` means, links followed; InputError if it cannot be replaced as a whole."""
+    """The file of `path`, links followed. Raises InputError if it cannot be replaced as a whole."""
     try:
         target = Path(os.path.realpath(os.fspath(path)))
         target.exists()
@@ -196,7 +196,7 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False) ->
 
 
 def _is_description(file: Path) -> bool:
-    """Whether it is one by its name, or by the element that its text begins with."""
+    """Whether it is a description, by its name or its first element."""
     named = file.suffix.lower() in DESCRIPTIONS
     try:
         with open_regular(file) as opened:

@@ -15,13 +15,12 @@ USUAL = (signal.SIG_DFL, signal.default_int_handler)
 
 @contextmanager
 def ended_like_ctrl_c() -> Iterator[list[int]]:
-    """A closed terminal and `kill` end what runs as Ctrl-C does, by KeyboardInterrupt with the signal's name: the
-    cursor comes back, the arm is brought to rest, the poses are kept, no part of a file is left.
+    """Treat a closed terminal and `kill` as Ctrl-C, by KeyboardInterrupt with the signal's name.
 
-    The context gives the list of the signals that were sent: who handles the interruption then ends by `end_by`, as
-    whoever sent it expects. Only signals whose usual effect stands are taken, and given it back behind the context: one
-    that is ignored, as a closed terminal is under `nohup`, stays so, and a handler of somebody's own (a program's, an
-    outer context's) is left alone. Outside the main thread, where Python sets no handlers, nothing is taken.
+    The cursor then returns, the arm comes to rest, the poses are kept, and no part of a file remains. The context gives
+    the list of received signals; the handler of the interruption then calls `end_by`. Only signals with their default
+    action are taken, and restored afterwards. An ignored one, as under `nohup`, and another handler stay. Outside the
+    main thread, where Python sets no handlers, nothing is taken.
     """
     sent: list[int] = []
 

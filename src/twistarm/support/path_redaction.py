@@ -1,4 +1,4 @@
-"""Redaction of paths: texts that are passed on do not say where on this machine a file lies."""
+"""Redaction of paths: shared texts do not reveal folders of this machine."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ _ABSOLUTE = re.compile(r"(?<![\w.:/~)}>-])(?:file://(?:localhost)?)?/(?:[^\s/'\"
 
 
 def without_places(text: str, *files: Path | None) -> str:
-    """`text` with the path of a file reduced to its name, or to the way from a folder that need not be told.
+    """`text` with file paths reduced to the name, or to the path from a known folder.
 
-    Those are the folders above `files`, the home folder and the working one, whatever their names hold; any other
-    path that begins at the root is known by its slashes.
+    Known are the folders above `files`, the home folder and the working one. Other absolute paths are found by their
+    slashes.
     """
     for folder in _folders(files):
         text = re.sub(rf"(?<![\w.:~)}}>-])(?:file://(?:localhost)?)?{re.escape(folder)}(?:/|(?![\w.-]))", "", text)

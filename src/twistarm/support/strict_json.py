@@ -52,8 +52,9 @@ def decoded(text: str | bytes) -> dict[str, Any]:
 
 
 def parsed(text: str) -> Any:
-    """What a JSON text of any kind holds. Raises ValueError, in one line, for what is none, for a name that stands
-    twice in an object, for numbers beyond the floats, and where it nests too deep.
+    """The value of a JSON text.
+
+    Raises ValueError, in one line, for invalid JSON, duplicate names, numbers beyond floats, and deep nesting.
     """
     try:
         return json.loads(text, parse_constant=_no_constant, parse_int=_whole, object_pairs_hook=_once)
@@ -64,7 +65,7 @@ def parsed(text: str) -> Any:
 def fields(
     message: Any, what: str, needed: Mapping[str, Check], optional: Mapping[str, Check] | None = None
 ) -> dict[str, Any]:
-    """The fields of a message, each as its check makes it: all that are needed, none beyond the optional ones."""
+    """The checked fields of a message: all required ones, and no unknown ones."""
     known = {**needed, **(optional or {})}
     if not isinstance(message, Mapping) or not needed.keys() <= message.keys() <= known.keys():
         also = f" and may have {', '.join(optional)}" if optional else ""
@@ -85,7 +86,7 @@ def one_of(words: Sequence[str]) -> Check:
 
 
 def list_of(each: Check) -> Check:
-    """The check of a list of which every entry is one."""
+    """A check for a list by the check of its entries."""
 
     def check(value: Any, name: str) -> list[Any]:
         if not isinstance(value, list):
@@ -96,7 +97,7 @@ def list_of(each: Check) -> Check:
 
 
 def numbers(value: Any, name: str, size: int | None = None, largest: float = LARGEST_NUMBER) -> list[float]:
-    """A list of numbers, `size` of them where it is given, each at most `largest` in size."""
+    """A list of numbers, `size` of them if given, each at most `largest` in size."""
     if not isinstance(value, list) or (size is not None and len(value) != size):
         raise InputError(f"{name} must be a list of {'' if size is None else f'{size} '}numbers; got {short(value)}")
     return [number(each, f"{name}[{k}]", largest) for k, each in enumerate(value)]

@@ -14,12 +14,12 @@ ALONG_AXIS = 0.995
 
 
 def axis_in_words(axis: Array, frame: str) -> str:
-    """The line of a unit vector (3,) by the name of the axis it lies along, of the "base" or the "tool", or numbers."""
+    """The line of a unit vector (3,) by the name of its axis, of the "base" or the "tool", or numbers."""
     return direction_in_words(axis * np.sign(axis[leading(np.abs(axis))]), frame)
 
 
 def direction_in_words(direction: Array, frame: str) -> str:
-    """A unit vector (3,) by the name of the axis it lies along, with its sign, or in numbers."""
+    """A unit vector (3,) by the signed name of its axis, or in numbers."""
     largest = int(np.argmax(np.abs(direction)))
     if abs(direction[largest]) >= ALONG_AXIS:
         owner = "its" if frame == "tool" else "the base's"

@@ -1,4 +1,4 @@
-"""Modules that wheels install. Where another one stands before it, as in a ROS shell, one line says how to start."""
+"""Modules of wheels. If another one hides it, as in a ROS shell, one line gives the remedy."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PATHS = ("PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH")
 
 @dataclass(frozen=True)
 class Wheel:
-    """A module, the distribution that installs it, a name that no namesake has, and the oldest version."""
+    """A module, its distribution, a name that no namesake has, and the oldest version."""
 
     module: str
     distribution: str
@@ -28,7 +28,7 @@ class Wheel:
 
 
 def load(wheel: Wheel) -> Any:
-    """The module; TwistarmError, in one line, with its file and the remedy, where it cannot serve."""
+    """The module. Raises TwistarmError in one line with its file and the remedy if unusable."""
     try:
         module = import_module(wheel.module)
     except Exception as error:  # a foreign package may raise whatever it likes

@@ -11,7 +11,7 @@ ON_A_LINE = 2
 
 
 def block(value: Mapping[str, Any], indent: str = "") -> Iterator[str]:
-    """The lines of a mapping, an entry on each: what is long or nests below its name, other values on one line."""
+    """The lines of a mapping, one entry each: long and nested values below the name, others beside it."""
     for key, entry in value.items():
         if isinstance(entry, Mapping) and (len(entry) > ON_A_LINE or any(map(_nests, entry.values()))):
             yield f"{indent}{scalar(key)}:"
@@ -40,7 +40,7 @@ def flow(value: Any) -> str:
 
 
 def scalar(value: bool | int | float | str) -> str:
-    """A truth, a number or a text: a text in quotes unless it is a plain word that means nothing else."""
+    """A boolean, number or text; a text in quotes unless it is an unambiguous word."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):

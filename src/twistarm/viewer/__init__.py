@@ -1,4 +1,4 @@
-"""The view: an arm in the browser, live, as a stand-alone page or as a picture, drawn by Meshcat."""
+"""The view: an arm in the browser, live, as a saved page or as a picture. Meshcat draws it."""
 
 from .files.inline import Inline
 from .files.page_export import page_html, save_html

@@ -24,7 +24,7 @@ def meshcat_bundle() -> str:
 
 
 def page_files() -> dict[str, tuple[str, bytes]]:
-    """Every file by its name under the token: (content type, content); '' is the page itself."""
+    """Each file by its name under the token: (content type, content). '' is the page."""
     folder = files(__package__).joinpath("page")
     own = {item.name: item.read_bytes() for item in folder.iterdir() if item.name.rpartition(".")[2] in TYPES}
     served = {name: (TYPES[name.rpartition(".")[2]], content) for name, content in own.items()}

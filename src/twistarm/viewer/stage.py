@@ -1,4 +1,4 @@
-"""State on show: an arm at a configuration, the trajectory that it plays, the layers that are on."""
+"""The state on show: an arm at a configuration, its trajectory, and the visible layers."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ LAYERS = {"screws": True, "frames": True, "path": True, **dict.fromkeys((*SHOWN,
 
 
 class Stage:
-    """The state that every page shows; each change is a method, each message about it a dict."""
+    """The state that all pages show. Each change is a method, each message a dict."""
 
     def __init__(self, arm: Arm, theta: ArrayLike | None = None) -> None:
         self.arm = require_arm(arm)
@@ -87,12 +87,12 @@ class Stage:
         self._before_drive = self.theta
 
     def show(self, theta: Array) -> None:
-        """Stand at theta (n,); whatever moves the arm stops."""
+        """Show theta (n,) and stop any motion."""
         self._stop()
         self.theta = theta
 
     def go(self, theta: Array, ease: bool, now: float) -> None:
-        """Stand at theta (n,), with `ease` in half a second; whatever else moves the arm stops."""
+        """Go to theta (n,), with `ease` in half a second, and stop any other motion."""
         self.show(self.theta if ease else theta)
         if not np.array_equal(self.theta, theta):
             self._glide = Glide(self.theta, theta, now)
@@ -117,7 +117,7 @@ class Stage:
         self.theta = self.player.stand_by(trajectory, limits)
 
     def show_solutions(self, answer: Answer | None) -> None:
-        """Hold these configurations for the pages, the arm at the nearest; None lets go of them."""
+        """Keep these configurations for the pages, with the arm at the nearest. None releases them."""
         if answer is None:
             self.solutions.release()
             return
@@ -129,7 +129,7 @@ class Stage:
         self.path = {"type": "path", **path}
 
     def advance(self, now: float) -> None:
-        """Follow what moves the arm up to `now` [s]; a trajectory that raises stops where it is."""
+        """Advance motions to `now` [s]. A trajectory that raises stops there."""
         if self._glide is not None:
             self.theta = self._glide.at(now)
             self._glide = None if self.theta is self._glide.goal else self._glide
@@ -149,16 +149,16 @@ class Stage:
 
     @property
     def playback(self) -> Playback | None:
-        """The trajectory that is loaded, None where there is none."""
+        """The loaded trajectory or None."""
         return self.player.playback
 
     @property
     def moving(self) -> bool:
-        """Whether the arm moves by itself: a trajectory runs, or it is on its way to a pose."""
+        """Whether the arm moves by itself: a trajectory plays, or it is on its way to a pose."""
         return self.running or self._glide is not None
 
     def handle(self, request: Request, now: float) -> Job | None:
-        """Do what a page asks for, or return the job that will; TwistarmError, and nothing changed, where it cannot."""
+        """Handle a page's request or return a job for it. Raises TwistarmError without any change."""
         if self._drives(request):
             self.require_free()
         before, glide = self.seen(), self._glide
@@ -207,11 +207,11 @@ class Stage:
         self.driven = self.jogging = True
 
     def show_choice(self, beyond: str, free: bool) -> None:
-        """What a servo does where the arm cannot follow; `free`: one of the program heeds what pages choose."""
+        """The servo's behaviour at limits. `free`: a servo of the program follows the pages' choice."""
         self.drive = {**self.drive, "beyond": beyond, "free": free}
 
     def begin_drive(self, note: str) -> None:
-        """A servo of the pages' own drives the arm; `note`: the limits that it had to choose."""
+        """A servo of the pages drives the arm. `note` lists the assumed limits."""
         self._stop()
         self._before_drive = self.theta
         self.take_commands()
@@ -238,7 +238,7 @@ class Stage:
         self.visible = {**self.visible, what: visible}
 
     def unwatch(self) -> None:
-        """No page is left: nobody reads the numbers, which a page asks for while its panel is open."""
+        """No page is left, so the theory numbers stop."""
         self.set_visible("numbers", False)
 
     def _drives(self, request: Request) -> bool:
@@ -278,7 +278,7 @@ class Stage:
     # messages -----------------------------------------------------------------------------------------
 
     def hello(self, links: Mapping[str, str]) -> Message:
-        """What never changes: names, joints with units and slider ranges, poses, the node of every link."""
+        """Constant data: names, joints with units and slider ranges, poses, the node of each link."""
         return {"type": "hello", "arm": describe_arm(self.arm), "links": dict(links)}
 
     def messages(self) -> list[Message]:
@@ -286,7 +286,7 @@ class Stage:
         return [message for source in self.sources() for message in source()]
 
     def sources(self) -> list[Source]:
-        """Whatever says what is on show: one that raises leaves the others alone."""
+        """The sources of messages. An error in one does not affect the others."""
         return [
             lambda: [{"type": "visible", **self.visible}, self.path],
             *(partial(part.messages, self) for part in self.parts),
@@ -300,7 +300,5 @@ class Stage:
         return {"type": "frame", **placed, "time": self.player.time, "running": self.running}
 
     def servo(self) -> Message:
-        """Whether a servo drives the arm and takes commands of the pages, and what it last said: status null before it
-        said anything.
-        """
+        """Whether a servo drives the arm and takes commands, and its last status, null before the first."""
         return {"type": "servo", "jog": self.jogging, "driven": self.driven, **self.report}

@@ -1,4 +1,4 @@
-"""State transfer: what was on show stays when another arm takes the place of one, by the names of its joints."""
+"""State transfer between arms by joint names."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ from .stage import Stage
 
 
 def carry(old: Stage, new: Stage) -> list[str]:
-    """Give `new` what `old` shows; what was changed or left out, in words.
+    """Give `new` the state of `old`.
 
-    Each joint that both have stands where it stood, or at its limit; one that is new stands as in the ready pose.
-    Layers stay. A pose, or the motion that is loaded, is left out where the arm's joints or limits do not allow it any
-    more; poses come back with an arm that does.
+    Returns the changes and omissions in words.
+
+    Common joints keep their values, or their limits. New joints take the ready pose. Layers stay. Poses and the motion
+    stay if they fit the arm; omitted poses return with an arm that allows them.
     """
     new.visible, new.tolerances = old.visible, old.tolerances
     return [*_posture(old, new), *_poses(old, new), *_motion(old, new)]
@@ -75,7 +76,7 @@ def _motion(old: Stage, new: Stage) -> Iterator[str]:
 
 
 def _fits(motion: Trajectory, old: Stage, new: Stage) -> bool:
-    """Whether it moves the joints of the new arm, inside the limits unless it left those of the old one too."""
+    """Whether it fits the new arm's joints and limits. Limits that it broke before do not count."""
     if tuple(motion.joint_names) != tuple(new.arm.joint_names):
         return False
     return _within(motion, new.arm.limits) or not _within(motion, old.arm.limits)

@@ -40,18 +40,19 @@ MOVED = "the program moves the arm: Drive was switched off"
 
 
 class Viewer(Closeable):
-    """A view of `arm` at `theta` (ready where not given), served to the browser until `close`.
+    """A view of `arm` at `theta`, by default the ready pose, served to the browser until `close`.
 
-    host: the interface to listen on; anything but the default opens the view to a network, the token still required.
-    port: 0 takes a free one. open_browser: show the page at once; where no browser is found, `url` is there to open.
-    keep: keep the recorded poses of this port in a file of this user's, for the next view at that port. Without `theta`
-    the arm then stands where it stood last. `notes` says what could not be kept or taken.
-    A context manager. Every method may be called from any thread. Those that move or show something return at once;
-    `theta` and `recorded` wait for what was shown before, a frame at most; `save_html`, `save_png` and
-    `inline(static=True)` until all is written, every mesh read; `close` until all has ended; `wait` until then.
+    host: the interface. Any other than the default opens the view to a network, with the token still required. port: 0
+    takes a free one. open_browser: show the page at once; without a browser, open `url` yourself. keep: store the
+    recorded poses of this port for the next view at that port. Without `theta` the arm then returns to its last
+    configuration. `notes` lists what could not be stored or used.
 
-    Raises InputError for a theta of the wrong shape or a port in use, MissingExtraError without Meshcat. What moves or
-    shows something raises InputError once the view is closed.
+    The view is a context manager. Every method may be called from any thread. Methods that move or show something
+    return at once. `theta` and `recorded` wait at most a frame. `save_html`, `save_png` and `inline(static=True)` wait
+    for the file and the meshes, `close` for the end.
+
+    Raises InputError for a theta of the wrong shape, a port in use or a closed view, and MissingExtraError without
+    Meshcat.
     """
 
     def __init__(
@@ -84,16 +85,18 @@ class Viewer(Closeable):
 
     @property
     def url(self) -> str:
-        """The page's address with its secret token, new at each start: whoever knows it can move the view."""
+        """The page's address with its secret token, new at each start. With it, anyone can move the view."""
         name = {"": "127.0.0.1", "0.0.0.0": "127.0.0.1", "::": "::1"}.get(self._host, self._host)
         authority = f"{f'[{name}]' if ':' in name else name}:{self._server.port}"
         return f"http://{authority}/{self._server.authentication.token}/"
 
     def open_page(self) -> bool:
-        """Open the page in this user's browser; whether there is one with a window.
+        """Open the page in this user's browser.
 
-        The browser is started with `url`. Other users of a shared computer can read the arguments of programs: there,
-        paste `url` into the browser instead.
+        Returns whether a graphical browser exists.
+
+        The browser starts with `url` as an argument. Other users of a shared computer can read arguments; paste `url`
+        there.
         """
         return _started_browser(self.url)
 
@@ -104,7 +107,7 @@ class Viewer(Closeable):
 
     @property
     def theta(self) -> Array:
-        """The configuration (n,) on show [rad, m], whoever set it: Python, a slider, or a trajectory that plays."""
+        """The configuration (n,) on show [rad, m], set by Python, a page or a playing trajectory."""
         return self._server.ask(lambda stage: stage.theta.copy())
 
     def show(self, theta: ArrayLike) -> None:
@@ -123,7 +126,9 @@ class Viewer(Closeable):
             raise InputError("the viewer was closed: there is nothing to show it in; Viewer(arm) opens another")
 
     def play(self, trajectory: Trajectory, speed: float = 1.0, loop: bool = False) -> None:
-        """Play `trajectory` from its start, `speed` times as fast, again and again with `loop`; returns at once.
+        """Play `trajectory` from its start, `speed` times as fast, repeated with `loop`.
+
+        Returns at once.
 
         Args:
             trajectory: A motion of the arm on show.
@@ -141,28 +146,26 @@ class Viewer(Closeable):
         self._post("play", arm, lambda stage: stage.load(trajectory, times, again, time.monotonic()))
 
     def _post(self, key: str, arm: Arm, change: Callable[[Stage], None]) -> None:
-        """Change what is on show, unless another arm has taken the place of `arm` meanwhile."""
+        """Change what is on show, unless another arm has replaced `arm`."""
         self._server.post(key, lambda stage: change(stage) if stage.arm is arm else None)
 
     def load(self, arm: Arm) -> tuple[str, ...]:
-        """Show `arm` in place of the one on show, on the pages that are open; returns once that is so.
+        """Show `arm` in place of the present one on all open pages, then return.
 
-        Each joint stands where the joint of its name stood, layers and camera stay, and so do the poses and the motion
-        as far as they fit; what was changed or left out is returned, in words. Poses left out come back with an arm
-        that allows them.
+        Joints keep their values by name. Layers, camera, poses and the motion stay if they fit. Returns the changes and
+        omissions in words. Omitted poses return with an arm that allows them.
 
-        Raises InputError while a servo drives the arm, and of a view that was closed.
+        Raises InputError while a servo drives the arm, or if the view is closed.
         """
         return tuple(self._server.exchange(Stage(arm), self._server.scene.successor(arm)))
 
     def watch(
         self, load: Callable[[], Arm], files: Iterable[Path], say: Callable[[str], None] = lambda _: None
     ) -> None:
-        """Show what `load` returns whenever one of `files`, or of those that it read the last time, has changed.
+        """Show what `load` returns each time one of `files`, or a file that it read, changes.
 
-        `twistarm.viewer.server.watching.loaded` finds the files of an arm. The pages say when it was loaded again, and
-        why not where it cannot be: the last one that could stays on show. `say` gets the same text, from another
-        thread.
+        `twistarm.viewer.server.watching.loaded` finds the files of an arm. The pages show each load, or the reason of a
+        failure while the last good arm stays. `say` receives the same text, from another thread.
 
         Args:
             load: A function that returns the arm.
@@ -173,15 +176,15 @@ class Viewer(Closeable):
 
     @property
     def recorded(self) -> dict[str, Array]:
-        """The poses recorded on the pages: theta (n,) [rad, m] by name, in the order of their list."""
+        """The poses recorded on the pages: theta (n,) [rad, m] by name, in list order."""
         return self._server.ask(lambda stage: stage.program.list.named())
 
     @property
     def commands(self) -> Inbox:
-        """What the pages command by keyboard and gamepad, as a source for a stream; once asked for, they may.
+        """Keyboard and gamepad commands of the pages, as a source for a stream.
 
-        Each page is a commander of its own, and two at once bring the arm to rest. Until `show_servo(None)`, sliders,
-        poses and trajectories of the pages are refused. A drive that a page had switched on ends.
+        Each page is a separate sender, and two at once bring the arm to rest. Until `show_servo(None)`, sliders, poses
+        and trajectories of the pages are refused, and a page's drive ends.
         """
         self._server.driver.drop()
         self._server.commands.open = True
@@ -201,11 +204,11 @@ class Viewer(Closeable):
         return commands.servo_settings(given)
 
     def show_servo(self, answer: Cycle | ServoOutput | None) -> None:
-        """Show what a cycle of `stream.run` came to: where the joints are, and the servo's status and reason.
+        """Show a cycle of `stream.run`: joint values, status and reason.
 
-        An answer of `servo_step` gives status and reason alone; None: the servo has ended, and sliders work again.
-        Called at any rate, the latest is shown, at most 60 times a second. Harmless once the view is closed: a loop
-        that drives an arm does not end for that.
+        An output of `servo_step` shows only status and reason. None ends the servo and enables the sliders. Call it at
+        any rate; the view shows the latest, at most 60 times a second. After the view is closed it does nothing, so a
+        control loop can continue.
         """
         if answer is None and self._server.driver.on:  # no servo of the program's
             return
@@ -219,7 +222,7 @@ class Viewer(Closeable):
         self._server.post("servo", lambda stage: stage.set_servo_status(report))
 
     def show_screws(self, visible: bool = True) -> None:
-        """Draw each joint's screw axis where it lies at the configuration on show, or draw none."""
+        """Draw each joint's screw axis at the present configuration, or none."""
         self._set_visible("screws", visible)
 
     def show_frames(self, visible: bool = True) -> None:
@@ -232,15 +235,17 @@ class Viewer(Closeable):
         self._server.post(layer, lambda stage: stage.set_visible(layer, flag))
 
     def show_path(self, motion: Trajectory | ArrayLike | None) -> None:
-        """Draw the way of the tool's origin along a trajectory, or through configurations (k, n); None draws none."""
+        """Draw the path of the tool's origin along a trajectory or through configurations (k, n). None draws none."""
         self._require_open()
         path = NO_PATH if motion is None else tool_path(self.arm, motion)
         self._server.post("path", lambda stage: stage.draw_path(path))
 
     def show_solutions(self, solutions: IKSolutions | None) -> None:
-        """Draw every configuration of `solve_ik_all` faintly, for the pages to step through; None draws none.
+        """Draw each configuration of `solve_ik_all` faintly, for stepping through on the pages.
 
-        The arm stands at the nearest; those outside the limits are red. They are let go once the arm is moved.
+        None draws none.
+
+        The arm goes to the nearest. Those outside the limits are red. Moving the arm releases them.
         """
         self._require_open()
         arm = self.arm
@@ -255,7 +260,7 @@ class Viewer(Closeable):
         self._post("show", arm, lambda stage: stage.show_solutions(answer))
 
     def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
-        """Write a stand-alone page of what is on show, every joint, layer and finding, and the loaded trajectory.
+        """Write a saved page of the present state: joints, layers, findings and the loaded trajectory.
 
         See `twistarm.viewer.save_html`.
 
@@ -273,13 +278,12 @@ class Viewer(Closeable):
         return write_whole(target, stand_alone(self._exhibit(trajectory)))
 
     def inline(self, height: float = HEIGHT, *, static: bool = False) -> Inline:
-        """The view for a notebook, `height` pixels high: as the last line of a cell it is shown there.
+        """The view for a notebook, `height` pixels high, shown as the last line of a cell.
 
-        The frame holds the live page, for a notebook that the browser has from localhost or 127.0.0.1; the notebook
-        keeps its address, at which nothing answers once the view is closed. With `static` the frame holds what is on
-        show now as a stand-alone page, which the notebook keeps: for exported notebooks and nbviewer, for a remote
-        JupyterHub, and for VS Code, whose notebooks stand in frames of schemes of its own (`vscode-webview:`, shared by
-        all its extensions) that the live page does not admit.
+        The frame holds the live page, for notebooks on localhost or 127.0.0.1. The notebook keeps its address, which is
+        dead after the view closes. With `static` the frame holds a saved page. Use it for exported notebooks, nbviewer,
+        a remote JupyterHub, and VS Code. VS Code frames notebooks in `vscode-webview:`, shared by all its extensions,
+        and the live page refuses it.
 
         Args:
             height: Height of the frame [pixels].
@@ -319,7 +323,7 @@ class Viewer(Closeable):
         return write_picture(path, size, self._exhibit)
 
     def wait(self) -> None:
-        """Serve until Ctrl-C or until `close` is called elsewhere; Ctrl-C closes the view and returns."""
+        """Serve until Ctrl-C or a call of `close`. Ctrl-C closes the view and returns."""
         try:
             while not self._closed.wait(0.5):
                 pass
@@ -335,7 +339,7 @@ class Viewer(Closeable):
 
 
 def _started_browser(url: str) -> bool:
-    """Whether there is a browser with a window, which opens `url` then: one in the terminal would take it over."""
+    """Whether a graphical browser opened `url`. A terminal browser would take over the terminal."""
     windowless = sys.platform.startswith("linux") and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
     if windowless and not os.environ.get("BROWSER"):
         return False

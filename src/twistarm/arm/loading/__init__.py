@@ -1,1 +1,1 @@
-"""Loading: from a description and the files beside it to a proven arm; arms built joint by joint; a first arm.toml."""
+"""from a description and its companions to a proven arm; arms built in Python; a first arm.toml."""

@@ -1,4 +1,4 @@
-"""Arms described joint by joint in Python, from the six lower pairs; read and proven like any arm from a file."""
+"""Arms built joint by joint in Python from the six lower pairs, then read and proven like a file."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ BASE = "base"
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """One `<joint>`: its frame (4, 4) in the base frame at rest, its unit axis (3,) in that frame, what bounds it."""
+    """One `<joint>`: its frame (4, 4) in the base frame at rest, its unit axis (3,) there, its limits."""
 
     name: str
     kind: str
@@ -49,12 +49,12 @@ class _Part:
 class ArmBuilder:
     """An arm joint by joint, base to tip: `ArmBuilder("arm").revolute(…).cylindrical(…).tool(home).build()`.
 
-    Every axis, normal and point (3,) [m] is given in base axes with the arm at rest, theta = 0, as in MLS §3.2. Each
-    method returns a new builder; a joint `j` with several coordinates names them `j_rz, j_z` (cylindrical), `j_rz,
-    j_ry, j_rx` (spherical), `j_x, j_y, j_rz` (planar). What bounds a joint is given with it [rad or m, /s, N m or N],
-    or coordinate by coordinate in `build(limits=…)`; what is left out is unbounded.
+    Axes, normals and points (3,) [m] are in base axes with the arm at theta = 0, as in MLS §3.2. Each method returns a
+    new builder. A joint `j` with several coordinates names them `j_rz, j_z` (cylindrical), `j_rz, j_ry, j_rx`
+    (spherical), `j_x, j_y, j_rz` (planar). Give limits with a joint [rad or m, /s, N m or N] or by coordinate in
+    `build(limits=…)`; missing ones are infinite.
 
-    Raises InputError in the call that is wrong: a name used twice, a zero axis, numbers that are none, swapped limits.
+    Raises InputError in the wrong call: a repeated name, a zero axis, invalid numbers, swapped limits.
     """
 
     name: str
@@ -77,7 +77,7 @@ class ArmBuilder:
         velocity: float | None = None,
         effort: float | None = None,
     ) -> ArmBuilder:
-        """A turn [rad] about the line along `axis` through `point`; continuous where neither bound is given.
+        """Add a turn [rad] about the line along `axis` through `point`; continuous without bounds.
 
         Args:
             name: The joint's name.
@@ -108,7 +108,7 @@ class ArmBuilder:
         velocity: float | None = None,
         effort: float | None = None,
     ) -> ArmBuilder:
-        """A slide [m] along `axis`, drawn at the previous joint.
+        """Add a slide [m] along `axis`, drawn at the previous joint.
 
         Args:
             name: The joint's name.
@@ -141,7 +141,7 @@ class ArmBuilder:
         velocity: float | None = None,
         effort: float | None = None,
     ) -> ArmBuilder:
-        """A turn [rad] about a line with `pitch` [m/rad] of slide along it: a thread of lead l has the pitch l/2π.
+        """Add a turn [rad] about a line with `pitch` [m/rad] of slide along it; a lead l has the pitch l/2π.
 
         URDF has no helical joint: the file gets a turn, and a slide `name_z` that mimics it.
 
@@ -168,7 +168,7 @@ class ArmBuilder:
             return self._with(name, turn, slide)
 
     def cylindrical(self, name: str, axis: ArrayLike, point: ArrayLike) -> ArmBuilder:
-        """A turn `name_rz` [rad] about a line and a slide `name_z` [m] along it.
+        """Add a turn `name_rz` [rad] about a line and a slide `name_z` [m] along it.
 
         Args:
             name: The joint's name.
@@ -188,10 +188,10 @@ class ArmBuilder:
             )
 
     def spherical(self, name: str, point: ArrayLike, axes: ArrayLike | None = None) -> ArmBuilder:
-        """A ball at `point`, as ZYX Euler angles `name_rz, name_ry, name_rx` [rad].
+        """Add a ball at `point`, as ZYX Euler angles `name_rz, name_ry, name_rx` [rad].
 
-        `axes` (3, 3) is the rotation whose columns are the joint's x, y, z at rest; the identity by default. The ball
-        has no singularity, but these coordinates have: name_ry = ±π/2.
+        `axes` (3, 3) is the rotation with the joint's x, y, z at rest as columns, by default the identity. These
+        coordinates are singular at name_ry = ±π/2; the ball is not.
 
         Args:
             name: The joint's name.
@@ -214,10 +214,10 @@ class ArmBuilder:
     def planar(
         self, name: str, normal: ArrayLike, point: ArrayLike = (0.0, 0.0, 0.0), x_axis: ArrayLike | None = None
     ) -> ArmBuilder:
-        """Slides `name_x, name_y` [m] in a plane, then the turn `name_rz` [rad] about its normal through `point`.
+        """Add slides `name_x, name_y` [m] in a plane, then the turn `name_rz` [rad] about its normal through `point`.
 
-        The slides go along the columns of `joints.plane_axes(normal, x_axis)`. Written with its normal along z, where
-        readers that ignore the axis of a planar joint take it to be.
+        The slides go along the columns of `joints.plane_axes(normal, x_axis)`. The file has the normal along z, because
+        some readers ignore the axis of a planar joint.
 
         Args:
             name: The joint's name.
@@ -259,7 +259,7 @@ class ArmBuilder:
         return replace(self, _home=frozen(g), _tool=name)._checked()
 
     def urdf(self) -> str:
-        """The arm as URDF: the file that `load_arm`, and any other reader, makes the same arm of."""
+        """The arm as URDF. `load_arm` and other readers make the same arm of it."""
         if self._home is None:
             raise InputError(f"{self.name} has no tool: say where it is with .tool(home)")
         if not self._parts:
@@ -275,7 +275,7 @@ class ArmBuilder:
         return ET.tostring(robot, encoding="unicode") + "\n"
 
     def build(self, *, limits: JointLimits | Mapping[str, Any] | None = None) -> Arm:
-        """The arm, read from `urdf()` as from a file and proven against Pinocchio; `limits` as in `load_arm`."""
+        """The arm, read from `urdf()` and proven against Pinocchio; `limits` as in `load_arm`."""
         source = Path(self.name)
         description = build_description(self.urdf(), Reading(source, PackageIndex(source)))
         specification = ArmSpecification(source, "ArmBuilder", base=BASE, tip=self._tool)
@@ -293,7 +293,7 @@ class ArmBuilder:
         return replace(self, _parts=(*self._parts, *parts), _names=(*self._names, *names))._checked()
 
     def _checked(self) -> ArmBuilder:
-        """Itself; InputError where the tool has the name of a link, or its mount that of a joint."""
+        """Check this builder. Raises InputError if the tool has a link's name, or its mount a joint's."""
         links = [BASE, *(f"{name}_link" for name in self._names)]
         if self._tool in links or f"{self._tool}_mount" in self._names:
             raise InputError(f"the tool's name {self._tool!r} clashes with a joint's or its link's; rename the tool")
@@ -359,7 +359,7 @@ def _number(value: float, name: str) -> float:
 
 
 def _write(robot: ET.Element, part: _Part, parent: str, child: str, origin: Array) -> str:
-    """Add the joint and its child link, whose name is returned."""
+    """Add the joint and its child link. Returns the link's name."""
     ET.SubElement(robot, "link", name=child)
     joint = ET.SubElement(robot, "joint", name=part.name, type=part.kind)
     ET.SubElement(joint, "parent", link=parent)
@@ -388,7 +388,7 @@ def _check_name(name: object, what: str) -> None:
 
 @contextmanager
 def _told_of(joint: str) -> Iterator[None]:
-    """Put the joint's name before whatever is wrong with it."""
+    """Put the joint's name before an error."""
     _check_name(joint, "a joint's name")
     try:
         yield

@@ -1,4 +1,4 @@
-"""From a file or a catalogue name to an arm: base and tip chosen, limits applied, the two accounts proven equal."""
+"""From a file or a catalogue name to a proven arm: base and tip chosen, limits applied, engines compared."""
 
 from __future__ import annotations
 
@@ -55,12 +55,11 @@ def load_arm(
 ) -> Arm:
     """Load an arm from a URDF or xacro file, an arm.toml, or by its name in the catalogue (`available_arms()`).
 
-    An arm.json that `Arm.bake` wrote is read as it is, without Pinocchio; of the options it takes only `limits`.
+    An arm.json of `Arm.bake` loads without Pinocchio and accepts only `limits`. Arguments precede the arm.toml, and the
+    arm.toml precedes the SRDF.
 
-    Arguments win over the arm.toml, and the arm.toml over the SRDF.
-
-    The screws and the home pose come from twistarm's own reading of the description. Pinocchio's model is built
-    independently, and the two are compared at five random configurations (`arm.proof`).
+    Screws and home pose come from twistarm's reading of the description. Pinocchio's model is built independently, and
+    both are compared at five random configurations (`arm.proof`).
 
     Args:
         source: A URDF or xacro file, an arm.toml, a baked arm.json, or a name of `available_arms()`.
@@ -117,7 +116,7 @@ def is_baked(source: str | os.PathLike[str]) -> bool:
 
 
 def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -> Arm:
-    """The arm of an arm.json, with the caller's limits; InputError for a wish that only a description can meet."""
+    """The arm of an arm.json, with the caller's limits. Raises InputError for options that need a description."""
     kept = read_baked(path)._asdict()
     ready, proof = kept.pop("ready"), kept.pop("proof")
     arm = Arm(**kept, proof=None if proof is None else Proof(*proof))
@@ -199,7 +198,7 @@ def read(specification: ArmSpecification) -> Description:
 
 
 def available_arms() -> tuple[str, ...]:
-    """Names that `load_arm` knows: our own arms, and those of the example-robot-data wheel (`models` extra)."""
+    """Names that `load_arm` knows: our arms, and those of the example-robot-data wheel (`models` extra)."""
     return (*catalog.own_arms(), *catalog.model_arms())
 
 
@@ -255,7 +254,7 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
 
 
 def assemble(description: Description, specification: ArmSpecification, changes: Changes) -> Arm:
-    """The arm that a specification makes of its description, `changes` being the caller's limits; not yet proven."""
+    """The unproven arm of a specification; `changes` are the caller's limits."""
     semantics, noted = _semantics(description, specification)
     base, tip, group, chosen = _ends(description, specification, semantics)
     tool = _tool(description, specification, tip)
@@ -285,7 +284,7 @@ def assemble(description: Description, specification: ArmSpecification, changes:
 def _semantics(
     description: Description, specification: ArmSpecification
 ) -> tuple[Semantics | None, tuple[Finding, ...]]:
-    """The SRDF that is named, or the one beside the description, and what was noticed about it."""
+    """The named SRDF, or the one beside the description, and its findings."""
     if specification.srdf is None:
         semantics, noted = srdf_beside(description)
     else:
@@ -303,7 +302,7 @@ def _semantics(
 def _ends(
     description: Description, specification: ArmSpecification, semantics: Semantics | None
 ) -> tuple[str, str, ArmGroup | None, Sequence[Finding]]:
-    """Base and tip: as said, else those of the SRDF's one arm group, else chosen; the group of that tip, and why."""
+    """Base and tip as given, else from the SRDF's arm group, else chosen; the group of that tip, and why."""
     groups = arm_groups(semantics, description) if semantics else ()
     base = description.require_link(specification.base, "base") if specification.base else None
     if specification.tip:
@@ -326,7 +325,7 @@ def _tool(description: Description, specification: ArmSpecification, tip: str) -
 def _with_what_is_said(
     arm: Arm, specification: ArmSpecification, semantics: Semantics | None, group: ArmGroup | None
 ) -> Arm:
-    """The arm with its actuators, the arm.toml's poses, and the SRDF's states and pairs that need no check."""
+    """The arm with actuators, poses of the arm.toml, and the SRDF's states and disabled pairs."""
     poses, posing = fitted_poses(arm, specification)
     actuators, driving = fitted_actuators(arm, specification)
     arm = replace(arm, named_states=poses, actuators=actuators, findings=(*arm.findings, *posing, *driving))
@@ -350,7 +349,7 @@ def _with_what_is_said(
 
 
 def _with_ready_said(arm: Arm, specification: ArmSpecification, semantics: Semantics | None) -> Arm:
-    """The arm with a finding that says which named pose is its `ready`, unless the arm.toml says so by that name."""
+    """The arm with a finding that names its `ready`, unless the arm.toml has that pose."""
     name = named_ready(arm.named_states)
     own = name in specification.poses
     if name is None or (own and name == "ready"):

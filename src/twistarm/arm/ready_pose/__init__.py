@@ -1,4 +1,4 @@
-"""The posture that one would put an arm in: one that its description names, else a tidy one that is computed."""
+"""The configuration to start from: a named one of the description, else a computed one."""
 
 from .bodies import Bodies
 from .merit import Mechanism

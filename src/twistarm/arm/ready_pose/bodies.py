@@ -1,4 +1,4 @@
-"""Bodies of an arm's links, to find those that run into each other or through the base plane."""
+"""Bodies of an arm's links, to find overlaps between them and with the base plane."""
 
 from __future__ import annotations
 
@@ -22,11 +22,10 @@ Pair = tuple[str, str]
 
 
 class Bodies:
-    """The shapes of the links that an arm moves, beside all others, for Pinocchio and its collision library.
+    """The shapes of an arm's moved links and all others, for Pinocchio's collision library.
 
-    Of each link its collision shapes, where there are none what is drawn; meshes by `outer_points`. What the joint
-    `first` carries is held against all else and the base plane, but for links that one joint connects or that are
-    `exempt` (sorted pairs).
+    A link has its collision shapes, or else its visuals; meshes by `outer_points`. What the joint `first` carries is
+    tested against the rest and the base plane, except links of one joint and `exempt` (sorted) pairs.
     """
 
     def __init__(
@@ -45,7 +44,7 @@ class Bodies:
         self._data = self._geometry.createData()
 
     def overlapping(self, theta: Array) -> frozenset[Pair]:
-        """Pairs of links that run into each other at theta (n,), and links that reach below the base plane."""
+        """Pairs of links that overlap at theta (n,), and links below the base plane."""
         model, data, geometry = self._model.model, self._model.data, self._geometry
         self._pin.computeCollisions(model, data, geometry, self._data, self._model.q(theta), False)
         hits = np.flatnonzero([result.isCollision() for result in self._data.collisionResults])

@@ -1,4 +1,4 @@
-"""The tidy values that each coordinate of a computed posture may take, and what each costs."""
+"""The round values of each coordinate of a computed configuration, and their costs."""
 
 from __future__ import annotations
 
@@ -31,10 +31,9 @@ BENT, LESS_ROUND, NEAR = 0.25, 0.05, 1.0
 
 @dataclass(frozen=True)
 class Grid:
-    """For n coordinates up to k values: `values` and `cost` (n, k), how many there are (n,), and which is rest (n,).
+    """For n coordinates up to k values: `values` and `cost` (n, k), their number (n,), and the index of rest (n,).
 
-    A posture is a row of n indices. At rest a coordinate is 0 where that keeps off its bounds, else a round number
-    near the middle of its range.
+    A configuration is a row of n indices. Rest is 0 if that is off the bounds, else a round number near the middle.
     """
 
     values: Array
@@ -53,7 +52,7 @@ class Grid:
 
 
 def grid_of(limits: JointLimits, bounds: tuple[Array, Array], units: tuple[str, ...]) -> Grid:
-    """The tidy values inside `limits`, of which `bounds` (n,) are the lower and upper made finite."""
+    """The round values inside `limits`; `bounds` (n,) are the lower and upper limits made finite."""
     span = bounds[1] - bounds[0]
     lower = np.where((limits.lower > -AS_GOOD_AS_UNBOUNDED) | (span == 0.0), bounds[0], -np.inf)
     upper = np.where((limits.upper < AS_GOOD_AS_UNBOUNDED) | (span == 0.0), bounds[1], np.inf)
@@ -67,7 +66,7 @@ def grid_of(limits: JointLimits, bounds: tuple[Array, Array], units: tuple[str, 
 
 
 def _column(lower: float, upper: float, span: float, unit: str) -> tuple[Array, Array, int]:
-    """Values and costs of one coordinate, and which of them is rest; `lower` and `upper` are ∓inf without a bound."""
+    """Values and costs of one coordinate, and its rest; a missing `lower` or `upper` is ∓inf."""
     low, high = lower + MARGIN * span, upper - MARGIN * span
     middle = (
         0.0 if low <= 0.0 <= high else float(np.clip(0.5 * (low + high) if high - low < np.inf else 0.0, low, high))
@@ -83,7 +82,7 @@ def _column(lower: float, upper: float, span: float, unit: str) -> tuple[Array, 
 
 
 def _multiples(low: float, high: float, unit: str) -> tuple[Array, Array]:
-    """Multiples of the coarsest step that leaves enough of them, and their roundness lost; none in a tiny range."""
+    """Multiples of the coarsest sufficient step, and their cost; none in a tiny range."""
     degrees = unit == "rad"
     if degrees:
         low, high = np.degrees(low), np.degrees(high)

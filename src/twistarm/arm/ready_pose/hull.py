@@ -1,4 +1,4 @@
-"""A mesh as few points: those of a binary STL that lie farthest out, one for each of fixed directions."""
+"""A mesh as few points: those of a binary STL that are outermost in fixed directions."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ DIRECTIONS = np.array([d for d in np.ndindex(5, 5, 5) if 0 < np.abs(np.subtract(
 
 
 def outer_points(path: Path, scale: tuple[float, ...]) -> Array | None:
-    """The outermost points (k, 3), of a mesh scaled by `scale` (3,); None for what is not read.
+    """The outermost points (k, 3) of a mesh scaled by `scale` (3,), or None.
 
-    Other formats than binary STL, which is a plain array of triangles, are left alone, and so is what has no volume.
+    It reads only binary STL, a plain array of triangles, with a volume.
     """
     vertices = _vertices(path)
     if vertices is None or not np.isfinite(vertices).all():

@@ -1,4 +1,4 @@
-"""The merit of a posture: a sum of penalties, 0 at best, in which no term can make up for another."""
+"""The merit of a configuration: a sum of penalties, 0 at best."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ HOPELESS = 1e-6
 
 
 class Mechanism(NamedTuple):
-    """A chain as numbers: screws (6, m), home (4, 4), A (m, n), reach [m]; of its coordinates limits, bounds, units."""
+    """A chain as numbers: screws (6, m), home (4, 4), A (m, n), reach [m]; limits, bounds, units of its coordinates."""
 
     screws: Array
     home: Array
@@ -51,7 +51,7 @@ class Mechanism(NamedTuple):
     def conditioning(self, motions: Array, tool: Array) -> tuple[Array, ...]:
         """σ_k/σ_1 (N, k), descending, of the Jacobian of a tool at (N, 3), scaled by the reach.
 
-        With fewer than six joints also of its linear half: an arm of three, stretched, still turns in three ways.
+        Below six joints also of its linear half, because a stretched arm of three still turns in three ways.
         """
         J = poe.columns(motions[:, 1:], self.screws) @ self.A
         J[:, :3] += np.swapaxes(cross(np.swapaxes(J[:, 3:], 1, 2), tool[:, None]), 1, 2)
@@ -78,9 +78,9 @@ class Merit:
     ranks: tuple[int, ...]
 
     def costs(self, rows: Rows, beaten: Array) -> Array:
-        """Costs (N,) of rows (N, n); inf where they reach `beaten` (N,), or for others than the `MOST` best so far.
+        """Costs (N,) of rows (N, n); inf from `beaten` (N,) on, and for rows outside the `MOST` best so far.
 
-        The terms are added up from the cheap to the dear, and those of a row that is out already are spared.
+        Cheap terms come first, and rows that are out skip the expensive ones.
         """
         answer = np.full(len(rows), np.inf)
         costs = self.grid.costs(rows)
@@ -101,7 +101,7 @@ class Merit:
 
 
 def merit_of(mechanism: Mechanism, grid: Grid, rows: Rows) -> Merit:
-    """The merit; what the arm can do at all is seen from the postures of some rows (N, n)."""
+    """The merit; some rows (N, n) show what the arm can do at all."""
     sketch = sketched(mechanism.screws, mechanism.home[:3, 3])
     motions = mechanism.motions(grid.theta(rows))
     placed = sketch.at(motions)

@@ -9,7 +9,7 @@ USUAL_NAMES = ("ready", "home", "default", "rest", "stowed")
 
 
 def named_ready(names: Iterable[str]) -> str | None:
-    """The name that stands first in `USUAL_NAMES`, whatever its capitals (as written there before others), or None."""
+    """The first name of `USUAL_NAMES` in any capitals (exact ones first), or None."""
     given = sorted(names, key=lambda name: name not in USUAL_NAMES)
     for usual in USUAL_NAMES:
         for name in given:

@@ -1,4 +1,4 @@
-"""The tidy posture of least cost: seeded postures of which many coordinates rest, the best improved step by step."""
+"""The search for the best round configuration: seeded ones with many coordinates at rest, improved step by step."""
 
 from __future__ import annotations
 
@@ -46,11 +46,10 @@ _Found = dict[bytes, tuple[Rows, float]]
 
 
 def computed_ready(mechanism: Mechanism, overlapping: Overlapping | None = None) -> Array:
-    """A tidy posture (n,) off the bounds, well conditioned, above the base plane with the tool in front.
+    """A computed configuration (n,) off the bounds, well conditioned, above the base plane with the tool in front.
 
-    `overlapping` tells which pairs of links run into each other at a posture: none should, but for those that nearly
-    always do. The same numbers and shapes give the same posture, whatever engine the arm has: it is found by products
-    of exponentials in NumPy.
+    `overlapping` finds overlapping links; pairs that nearly always overlap do not count. Products of exponentials in
+    NumPy make the result independent of the engine.
     """
     grid = grid_of(mechanism.limits, mechanism.bounds, mechanism.units)
     moving = np.flatnonzero((grid.count > 1) & ~_base_turn(mechanism, grid))
@@ -70,7 +69,7 @@ def _free(grid: Grid, rows: Rows, overlapping: Overlapping | None) -> Callable[[
 
 
 def _base_turn(mechanism: Mechanism, grid: Grid) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Marks (n,) the coordinate that turns the arm as a whole about a vertical axis: 0 says where its front is."""
+    """Mark (n,) the coordinate that turns the arm about a vertical axis; 0 defines its front."""
     marks = np.zeros(len(grid.count), dtype=bool)
     first = next((i for i, unit in enumerate(mechanism.units) if unit == "rad"), None)
     if first is not None and grid.theta(grid.rest)[first] == 0.0:

@@ -1,4 +1,4 @@
-"""An arm drawn as a line from axis to axis: where its corners stand, and how near its strokes come to each other."""
+"""An arm as a polyline from axis to axis: its corners, and the distances between strokes."""
 
 from __future__ import annotations
 
@@ -29,9 +29,8 @@ APART, OF_WAY = 0.1, 0.8
 class Sketch:
     """Corners at theta = 0, (k, 3), base to tool, and the moving joint that carries each (0: none), (k,).
 
-    A turning joint has its corner where its axis passes nearest to the corner before; a slide has the corner
-    before once more, carried along. Strokes lead from corner to corner, from the `first` that turns on: what stands
-    before it is the mount.
+    A revolute joint's corner is the point of its axis nearest to the corner before. A slide repeats that corner.
+    Strokes connect corners from the `first` revolute joint on; the rest is the mount.
     """
 
     corners: Array
@@ -58,11 +57,11 @@ class Sketch:
 
     @cached_property
     def size(self) -> float:
-        """The arm stretched out, from its first axis to the tool [m]; 1 m where it has no length."""
+        """The stretched length from the first axis to the tool [m]; 1 m for no length."""
         return float(self.lengths[self.first :].sum()) or 1.0
 
     def crowding(self, placed: Array) -> Array:
-        """From 0, where no two strokes are near, to 1, where two touch or one is folded onto the next, (...)."""
+        """From 0, where no two strokes are near, to 1, where two touch or fold, (...)."""
         pairs = [(a, b) for i, a in enumerate(self.strokes) for b in self.strokes[i + 1 :]]
         touching = [(a, b) for a, b in pairs if self.lengths[a + 1 : b].sum() < SHORT * self.size]
         apart = [pair for pair in pairs if pair not in touching]
@@ -89,7 +88,7 @@ class Sketch:
 
 
 def sketched(screws: Array, tool: Array) -> Sketch:
-    """The sketch of a chain of `screws` (6, m) to a tool whose origin is `tool` (3,) at theta = 0."""
+    """The sketch of a chain of `screws` (6, m) to a tool with origin `tool` (3,) at theta = 0."""
     corners, carriers = [np.zeros(3)], [0]
     turning = np.sum(screws[3:] ** 2, axis=0) > PARALLEL
     for i, (v, w) in enumerate(screws.T.reshape(-1, 2, 3)):

@@ -1,4 +1,4 @@
-"""The stance of an arm seen from the side: above its base plane, the tool in front, the elbow up."""
+"""The stance of an arm from the side: above its base plane, tool in front, elbow up."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ TOOL_UP, TOOL_BACK, TOOL_ASKEW = 1.0, 1.5, 0.6
 
 @dataclass(frozen=True)
 class Stance:
-    """What speaks against the places of a sketch's corners; `rising` (k,) marks those whose height the arm changes."""
+    """The penalties of corner positions; `rising` (k,) marks those with a height that the arm changes."""
 
     sketch: Sketch
     rising: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
 
     def cost(self, placed: Array) -> Array:
-        """0 for nothing, (N,), for corners (N, k, 3) in base axes, of which z counts as up."""
+        """The penalty (N,), 0 for none, of corners (N, k, 3) in base axes with z up."""
         out = (placed - placed[:, self.sketch.first, None])[..., :2]
         distance = np.linalg.norm(out[:, -1], axis=-1)
         nowhere = distance < CLEAR * self.sketch.size
@@ -43,7 +43,7 @@ class Stance:
         return cost
 
     def _heights(self, placed: Array) -> Array:
-        """Of corners and tool above the base plane, and of the elbow above the line from shoulder to tool."""
+        """Heights of corners and tool above the base plane, and of the elbow above the line from shoulder to tool."""
         z = placed[..., 2] / self.sketch.size
         cost: Array = SINKING * np.maximum(0.0, CLEAR - z[:, self.rising].min(-1))
         if self.rising[-1]:

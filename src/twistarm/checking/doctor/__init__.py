@@ -1,4 +1,4 @@
-"""The arm doctor: findings about a description, each with its remedy, and a copy with the safe repairs made."""
+"""The doctor: findings about a description with remedies, and a repaired copy."""
 
 from .diagnosis import Diagnosis, diagnose, examine, examine_arm
 

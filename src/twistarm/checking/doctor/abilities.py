@@ -1,7 +1,7 @@
-"""Motions that an arm's tool has at almost every posture, and those it has at none: ranks and common null spaces.
+"""Motions that an arm's tool has almost everywhere, and those it never has: ranks and common null spaces.
 
-Statements about "every posture" come from random ones: the ranks of an analytic Jacobian are the largest almost
-everywhere, and a direction that is missing at many random postures is missing at all.
+Random configurations decide. The ranks of an analytic Jacobian are largest almost everywhere, and a direction that is
+missing at many random configurations is missing at all.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ TOL = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """Rotations R (k, 3, 3) of the tool and its scaled body Jacobians `body` (k, 6, n) at random postures."""
+    """Rotations R (k, 3, 3) of the tool and its scaled body Jacobians `body` (k, 6, n) at random configurations."""
 
     R: Array
     body: Array
@@ -39,12 +39,14 @@ class Motions:
 
 @dataclass(frozen=True, eq=False)
 class Abilities:
-    """In how many directions the tool moves, and which are missing everywhere. Axes are unit vectors, one a row.
+    """The number of directions in which the tool moves, and the missing ones.
 
-    `position`, `rotation`: ranks of the two halves of the Jacobian; `turning`: rank of the rotations that hold the
-    position, so that position + turning is the rank of the whole. `immovable`, `unturned`: directions in base axes
-    along and about which nothing ever moves the tool. With the position held: `turned_base`, `turned_tool` are axes
-    in base or in the tool about which it can always turn; `free` (k, 3, turning) spans all of them, in base axes.
+    Axes are unit vectors in rows.
+
+    `position`, `rotation`: ranks of the two halves of the Jacobian. `turning`: rank of the rotations that hold the
+    position, so position + turning is the whole rank. `immovable`, `unturned`: directions in base axes along and about
+    which the tool never moves. With the position held, `turned_base` and `turned_tool` are axes about which it can
+    always turn. `free` (k, 3, turning) spans all of them, in base axes.
     """
 
     position: int
@@ -111,7 +113,7 @@ def _common(spans: Array) -> Array:
 
 
 def _smallest(gram: Array) -> Array:
-    """Eigenvectors (j, 3) of a Gram matrix to eigenvalues that are zero, being squares: those nearest to an axis."""
+    """Eigenvectors (j, 3) of a Gram matrix to zero eigenvalues, nearest to the axes."""
     values, vectors = np.linalg.eigh(gram)
     zero = vectors[:, values <= TOL**2]
     return nearest_axes(zero @ zero.T, zero.shape[1]).T

@@ -1,4 +1,4 @@
-"""Axes that are almost exact (arm/almost_exact.py) as a finding, with the rounded numbers of the file."""
+"""Almost exact axes (arm/almost_exact.py) as a finding, with the rounded numbers of the file."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SHOWN_WORDS = 3
 
 
 def check_axes(arm: Arm) -> Iterator[Finding]:
-    """One finding for all neighbouring axes, and the three of a wrist, that are almost but not quite special."""
+    """One finding for all neighbouring axes, and the three of a wrist, that are almost special."""
     found = almost_exact(arm.screws, arm.home, arm.moving_names, arm.reach)
     if not found:
         return
@@ -52,7 +52,7 @@ def _listed(found: list[Near]) -> str:
 
 
 def rewriting(arm: Arm, *, apart: bool) -> str:
-    """The rounded angles of the chain's origins, as they are written, with what to write instead, if there are such."""
+    """The rounded angles in the chain's origins and their exact text, if any."""
     rounded: dict[str, list[str]] = {}
     for word in _rounded_words(arm):
         exact = abs(_quarter_turns(float(word)) or 0.0)
@@ -70,7 +70,7 @@ def _shown(words: list[str]) -> str:
 
 
 def _rounded_words(arm: Arm) -> list[str]:
-    """Each word of the chain's rpy that is a multiple of a quarter turn but for rounding, once and without its sign."""
+    """Each rpy word of the chain that is a rounded multiple of a quarter turn, once and without its sign."""
     if arm.description is None:
         return []
     chain = {joint.name for joint in arm.description.chain(arm.base, arm.tip_link)}
@@ -81,6 +81,6 @@ def _rounded_words(arm: Arm) -> list[str]:
 
 
 def _quarter_turns(angle: float) -> float | None:
-    """The multiple of a quarter turn that `angle` is but for rounding."""
+    """The multiple of a quarter turn that `angle` rounds."""
     near = round(angle / (math.pi / 2)) * (math.pi / 2)
     return near if EXACT_ANGLE < abs(angle - near) < ALMOST_ANGLE else None

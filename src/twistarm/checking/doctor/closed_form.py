@@ -1,4 +1,4 @@
-"""Arms whose axes nearly have a closed form of inverse kinematics, and miss it by what looks like rounding."""
+"""Arms that almost have a closed form of inverse kinematics, off by rounding."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .wording import place_of
 
 
 def check_closed_form(arm: Arm) -> Iterator[Finding]:
-    """One finding where the axes just miss a family; none for arms that are simply of another build."""
+    """One finding if the axes narrowly miss a family; none for arms of another build."""
     report = closed_form_of(arm)
     if not report.nearly or report.held:
         return

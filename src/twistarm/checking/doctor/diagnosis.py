@@ -1,4 +1,4 @@
-"""`diagnose`: what the reading of a description noted, and what every check of the doctor adds."""
+"""`diagnose`: the findings of the reading and of all checks of the doctor."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _MEND = "correct what stands there"
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """The findings, gravest first, and how far the reading came: arm and abilities are None where it was refused."""
+    """The findings, gravest first; arm and abilities are None if the description was refused."""
 
     findings: tuple[Finding, ...]
     description: Description | None = None
@@ -49,12 +49,12 @@ class Diagnosis:
 
 
 def diagnose(source: str | os.PathLike[str] | Arm, **load: Any) -> tuple[Finding, ...]:
-    """Everything worth knowing about a description: errors, then warnings, then remarks, each with its remedy.
+    """All findings about a description: errors, then warnings, then remarks, each with its remedy.
 
-    In addition to the findings of `load_arm`: limits that look like degrees, singular postures, impossible inertias,
-    meshes out of scale, a missing tool frame, idle joints, what the arm cannot do with its tool, axes that are almost
-    exact, and a closed form of inverse kinematics that they miss. A description that `load_arm` refuses is an answer
-    here: its errors are findings, and what can be read of it is looked at all the same.
+    In addition to the findings of `load_arm`: limits that look like degrees, singular configurations, impossible
+    inertias, meshes out of scale, a missing tool frame, idle joints, motions that the arm lacks, almost exact axes, and
+    a narrowly missed closed form. For a description that `load_arm` refuses, the errors are findings, and the readable
+    parts are still checked.
 
     Args:
         source: As in `load_arm`, or an `Arm`.
@@ -104,7 +104,7 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
 def _of_arm_file(
     error: InputError | UnknownNameError, source: str | os.PathLike[str], load: Mapping[str, Any]
 ) -> Finding:
-    """A wrong name or value in an arm.toml as a finding; one that the caller typed is raised again."""
+    """A wrong name or value in an arm.toml as a finding; the caller's is raised again."""
     if any(load.values()) or not str(source).endswith(".toml"):
         raise error
     return finding("arm-file-unusable", Place(str(source)), str(error), "correct it there")
@@ -116,7 +116,7 @@ def _told_by(error: DescriptionError, place: Place) -> list[Finding]:
 
 
 def examine_arm(arm: Arm, reader: MeshReader | None = None) -> Diagnosis:
-    """`examine` for an arm, whose meshes `reader` reads, or has read."""
+    """`examine` for an arm; `reader` reads its meshes."""
     if reader is None:
         with MeshReader() as own:
             if has_meshes(arm.description):

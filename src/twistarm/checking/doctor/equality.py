@@ -14,7 +14,7 @@ SAME = 1e-12
 
 
 def difference(one: Description, other: Description) -> str:
-    """The first difference in links, joints, limits, couplings or poses, in words; empty if there is none."""
+    """The first difference in links, joints, limits, couplings or poses, in words; empty without one."""
     for what in ("links", "joints"):
         ours, theirs = getattr(one, what), getattr(other, what)
         if list(ours) != list(theirs):
@@ -32,7 +32,7 @@ def difference(one: Description, other: Description) -> str:
 
 
 def _joint_difference(one: Joint, other: Joint) -> str:
-    """The field in which two joints differ; a turning joint without bounds is one kind, whatever it is called."""
+    """The field in which two joints differ; turning joints without bounds count as one type."""
     names = ("parent", "child", "lower", "upper", "velocity", "effort", "acceleration", "jerk", "mimic")
     for name in names:
         if getattr(one, name) != getattr(other, name):

@@ -1,4 +1,4 @@
-"""The robot descriptions in a folder, and what is no robot on its own among them."""
+"""The robot descriptions in a folder, without files that only serve others."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _SUFFIXES = (".urdf", ".xacro")
 
 
 def descriptions_in(folder: str | os.PathLike[str]) -> tuple[Path, ...]:
-    """Every URDF and xacro file and every arm.toml below a folder, hidden folders left out, in order.
+    """Each URDF, xacro file and arm.toml below a folder in order, without hidden folders.
 
-    What bears such a name and is no file, as a link to itself, is told when its turn comes. A file that an arm.toml
-    names as its source is looked at through it, with its arguments. Raises InputError where there is none, or too many.
+    Names that are no file, such as a link to itself, are reported in their turn. A source of an arm.toml is examined
+    through it, with its arguments. Raises InputError for none or too many.
     """
     root = Path(folder)
     found = sorted(_walk(root))
@@ -36,12 +36,12 @@ def descriptions_in(folder: str | os.PathLike[str]) -> tuple[Path, ...]:
 
 
 def is_part(path: Path, findings: Iterable[Finding]) -> bool:
-    """Whether a file was refused for holding macros only, for other files to include: xacro without links."""
+    """Whether a file was refused because it holds only macros for other files."""
     return path.suffix == ".xacro" and any(one.code == "no-robot" for one in findings)
 
 
 def _walk(root: Path) -> Iterator[Path]:
-    """A folder that may not be opened holds nothing for us; one that is a link is not entered."""
+    """Walk the folders, without links and unreadable ones."""
     left = MOST_ENTRIES
     for folder, folders, files in os.walk(root):
         left -= len(folders) + len(files)

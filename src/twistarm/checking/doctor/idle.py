@@ -37,7 +37,7 @@ def check_off_the_chain(arm: Arm, description: Description) -> Iterator[Finding]
 
 
 def check_without_effect(arm: Arm, motions: Motions) -> Iterator[Finding]:
-    """Coordinates whose column of the Jacobian is zero at every posture."""
+    """Coordinates with a zero column of the Jacobian everywhere."""
     sizes = np.abs(motions.body).max(axis=(0, 1))
     for name, size in zip(arm.joint_names, sizes, strict=True):
         if size <= NO_MOTION:

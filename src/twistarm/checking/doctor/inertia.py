@@ -1,4 +1,4 @@
-"""Masses and inertias that no body can have, or that nobody measured. Kinematics does not need them, torques do."""
+"""Masses and inertias that no body has. Torques need them; kinematics does not."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Body:
 
     @property
     def possible(self) -> bool:
-        """Moments of some distribution of mass: none negative, none above the sum of the two others."""
+        """Whether some distribution of mass has these moments: none negative, none above the sum of the others."""
         slack = max(SHARE * float(np.abs(self.moments).max()), SMALLEST)
         return bool(self.moments[0] >= -slack and self.moments[:2].sum() >= self.moments[2] - slack)
 

@@ -1,4 +1,4 @@
-"""Limits that look like degrees or millimetres, leave no room to move, or leave the zero pose out."""
+"""Limits that look like degrees or millimetres, leave no room, or exclude the zero pose."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def _with_given(description: Description, arm: Arm | None) -> list[Joint]:
 
 
 def _given_in(description: Description, arm: Arm | None, joint: Joint, fields: tuple[str, ...]) -> Place | None:
-    """What gave these limits beside the description (an arm.toml, the caller); None where the description did."""
+    """The source of these limits beside the description (an arm.toml, the caller), or None."""
     written = description.joints[joint.name]
     differ = [field for field in fields if getattr(joint, field) != getattr(written, field)]
     if arm is None or not differ:
@@ -135,7 +135,7 @@ def _range(description: Description, joint: Joint, given: Place | None, lengths:
 
 
 def _turns(joint: Joint, largest: float) -> float:
-    """How often the joint turns round from bound to bound; from zero to the one bound where there are not two."""
+    """The number of turns between the bounds, or from zero to the only one."""
     width = joint.upper - joint.lower
     return (width if width < AS_GOOD_AS_UNBOUNDED else largest) / math.tau
 
@@ -145,7 +145,7 @@ def _bounds_remedy(joint: Joint, given: Place | None, bounds: np.ndarray) -> str
 
 
 def _remedy(joint: Joint, given: Place | None, values: Mapping[str, float]) -> str:
-    """What to write, in the words of the file it stands in."""
+    """The text to write, in the words of its file."""
     if given is None:
         return "write " + " ".join(f'{name}="{x:.6g}"' for name, x in values.items())
     entries = ", ".join(f"{name} = {x:.6g}" for name, x in values.items())

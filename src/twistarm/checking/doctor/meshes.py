@@ -1,4 +1,4 @@
-"""Meshes a thousand times too large or too small, pointers in their place, and files that cannot be read."""
+"""Meshes a thousand times too large or too small, pointer files, and unreadable files."""
 
 from __future__ import annotations
 
@@ -113,13 +113,13 @@ def _out_of_scale(description: Description, lengths: dict[Use, float]) -> Iterat
 
 
 def _likely_unit(length: float, size: float) -> tuple[str, str]:
-    """The largest unit in which the longest mesh is no longer than the arm, and the smaller ones, not ruled out."""
+    """The largest unit in which the longest mesh is no longer than the arm, and the smaller ones."""
     fitting = [unit for unit, metres in UNITS.items() if length * metres <= size] or list(UNITS)[-1:]
     return fitting[0], " or ".join(fitting[1:])
 
 
 def _rescaled(uses: Sequence[Use], factor: float) -> str:
-    """The scale to write for meshes used at one scale, and what to multiply it by where there are several."""
+    """The scale to write for meshes with one scale, or the factor for several."""
     scales = {use.scale for use in uses}
     if len(scales) > 1:
         return f"multiply their scales in <mesh> by {factor:g}"
@@ -150,7 +150,7 @@ def _is_pointer(path: Path) -> bool:
 
 
 def _size(description: Description) -> float:
-    """How far apart the links' frames are at zero [m]; 1 where they are all in one place."""
+    """The largest distance between link frames at zero [m]; 1 if all coincide."""
     points: Array = np.stack([g[:3, 3] for g in description.link_poses({}).values()])
     return float(np.ptp(points, axis=0).max()) or 1.0
 

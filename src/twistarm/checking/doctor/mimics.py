@@ -15,7 +15,7 @@ SLACK = 1e-3
 def check_mimics(
     description: Description, couplings: Mapping[str, Affine], chain: tuple[str, ...]
 ) -> Iterator[Finding]:
-    """A follower's range of motion against its own limits; those in the chain were looked at when it was walked."""
+    """A follower's range of motion against its limits; the walk has checked those in the chain."""
     for name, affine in couplings.items():
         follower = description.joints[name]
         if name in chain or affine.master in (None, name):

@@ -20,9 +20,9 @@ POOR = 100.0
 
 
 def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
-    """Zero, home and ready pose: the condition number of the `rank` directions that the arm can move its tool in.
+    """Zero, home and ready pose: the condition number of the `rank` directions of the arm's tool.
 
-    A singular home that is the ready pose too is one remark, not also a warning: so most arms are delivered.
+    A singular home that is also the ready pose is a remark, not a warning, because most arms are delivered so.
     """
     at_ready = _condition(arm, arm.ready, rank)
     place = place_of(arm.description, arm.name)

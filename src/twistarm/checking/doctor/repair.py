@@ -1,6 +1,6 @@
-"""A repaired copy of a description: only what changes nothing about the arm, each change listed, the copy proven.
+"""A repaired copy of a description: only changes that leave the arm unchanged, each listed and proven.
 
-Comments and formatting stay. Swapped limits, limits in degrees and names are for the owner to decide on.
+Comments and formatting stay. The owner decides on swapped limits, limits in degrees and names.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _SCHEME = re.compile(r"^\w+://")
 
 @dataclass(frozen=True)
 class Repair:
-    """The text of the copy, what was changed in words, and what Pinocchio's own parser says to it (nothing is good)."""
+    """The text of the copy, its changes in words, and the message of Pinocchio's parser (empty is good)."""
 
     text: str
     changes: tuple[str, ...]
@@ -48,8 +48,8 @@ class Repair:
 def repair(description: Description, output: str | os.PathLike[str]) -> Repair:
     """The repaired text of a description, for the file `output`; a xacro source is expanded.
 
-    It is read again and must be the same robot: names, types, limits, and every link's pose at random joint values;
-    else InputError, as for an output that is no .urdf file, or is the source.
+    It is read again and must be the same robot: names, types, limits, and every link's pose at random joint values.
+    Raises InputError otherwise, and for an output that is no .urdf file or is the source.
     """
     target = writable(output, over_description=True)
     if target.suffix != ".urdf":
@@ -139,7 +139,7 @@ def _mesh(source: SourceText, mesh: ET.Element, description: Description, folder
 
 
 def _moved_uri(uri: str, description: Description, folder: Path) -> str:
-    """The URI as a package's, or seen from the copy's folder where it is a path beside the original."""
+    """The URI as a package's, or relative to the copy's folder for a path beside the original."""
     found = _FIND.match(uri)
     if found:
         return f"package://{found.group(1)}/{uri[found.end() :]}"
@@ -152,9 +152,7 @@ def _moved_uri(uri: str, description: Description, folder: Path) -> str:
 
 
 def _without_root(file: Path, folder: Path) -> str:
-    """A mesh that was named from the root of this machine: its package's, else seen from `folder`; one that is not
-    there by its name alone.
-    """
+    """A mesh with an absolute path: its package's URI, a path relative to `folder`, or its name if missing."""
     if not is_file(file):
         return file.name
     for package in file.parents:

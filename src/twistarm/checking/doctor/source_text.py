@@ -1,4 +1,4 @@
-"""A description's text with every element's place in it: edits that leave comments and formatting as they are."""
+"""A description's text with the place of each element, for edits that keep comments and formatting."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ class Span(NamedTuple):
 
 
 class SourceText:
-    """An XML text that has been read before without complaint, its elements, and edits to it.
+    """A well-formed XML text, its elements, and edits to it.
 
-    `robot` is the root element as it was; edits are collected and made all at once by `edited`, and one element takes
-    one change of its start tag.
+    `robot` is the original root element. `edited` makes all collected edits at once; one element takes one change of
+    its start tag.
     """
 
     def __init__(self, text: str) -> None:
@@ -30,7 +30,7 @@ class SourceText:
         self.robot = self._parse()
 
     def set(self, element: ET.Element, **attributes: str | None) -> None:
-        """Give the element these attributes, None taking one away; the others stay as they are written."""
+        """Give the element these attributes; None removes one. The others stay as written."""
         span = self._spans[element]
         tag = self._data[span.start : span.opened].decode("utf-8")
         for name, value in attributes.items():

@@ -61,7 +61,7 @@ def cannot_move(able: Abilities) -> str:
 
 
 def cannot_turn(able: Abilities) -> str:
-    """The sentence for rotations that are missing whatever else moves."""
+    """The sentence for rotations that are always missing."""
     missing = able.unturned
     if len(missing) == 3:
         return "cannot turn its tool at all: it keeps its orientation"
@@ -88,7 +88,7 @@ def _one_axis(able: Abilities) -> str:
 
 
 def _two_axes(able: Abilities) -> str:
-    """Two of three rotations: roll is the one about an axis of the tool, pitch the one about a horizontal axis."""
+    """Two of three rotations: roll is about an axis of the tool, pitch about a horizontal axis."""
     if len(able.turned_tool) != 1:
         known = f", one of them {_base(able.turned_base[0])}" if len(able.turned_base) == 1 else ""
         return f"with its position held, turns its tool about two axes only{known}; the third changes with the posture"
@@ -105,7 +105,7 @@ def _two_axes(able: Abilities) -> str:
 
 
 def _pitches(able: Abilities) -> bool:
-    """Whether its two rotations are a roll about an axis of the tool and a pitch about one that stays horizontal."""
+    """Whether its two rotations are a roll about a tool axis and a pitch about a horizontal one."""
     if able.turning != 2 or len(able.turned_tool) != 1:
         return False
     return bool(np.abs(_other_axes(able, able.turned_tool[0]) @ UP).max() <= TOL)
@@ -116,7 +116,7 @@ def _roll_name(able: Abilities) -> str:
 
 
 def _other_axes(able: Abilities, roll: Array) -> Array:
-    """The second axis (k, 3) in base axes at each posture: in the span of the free ones, across the roll."""
+    """The second axis (k, 3) in base axes at each configuration: in the span of the free ones, across the roll."""
     rolls = able.R @ roll
     missing = np.cross(able.free[:, :, 0], able.free[:, :, 1])
     axes: Array = np.cross(missing, rolls)
@@ -137,7 +137,7 @@ def _instead(able: Abilities, tool_axis: Array) -> str:
 
 
 def _points_anywhere(able: Abilities, tool_axis: Array) -> bool:
-    """Whether the free rotations turn the axis that an `Approach` points in both directions across it, as a rule."""
+    """Whether the free rotations usually turn the axis of an `Approach` in both directions across it."""
     pointed = able.R @ tool_axis
     turning = np.cross(np.swapaxes(able.free, 1, 2), pointed[:, None, :])
     return bool(np.median(np.linalg.svd(turning, compute_uv=False)[:, 1]) > TOL)

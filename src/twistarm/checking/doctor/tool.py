@@ -19,7 +19,7 @@ OUT = 0.1
 
 
 def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:
-    """A tip that is the last joint's own link, and is not called a tool: its origin lies on that joint's axis."""
+    """A tip that is the last joint's link without a tool's name: its origin is on that joint's axis."""
     last = description.chain(arm.base, arm.tip_link)[-1]
     named = tool_rank(arm.tip_link) is not None
     if last.moving and not slides(last.type) and not named and np.array_equal(arm.tool, np.eye(4)):

@@ -26,9 +26,9 @@ ROUND = 5e-3
 
 
 def likely_units(description: Description, reach: float) -> list[str]:
-    """The units that an arm's lengths may be in, the likeliest first; none where they may be metres.
+    """The likely units of an arm's lengths, likeliest first; none if they may be metres.
 
-    Those that give a usual reach; of them the one in which most of its numbers are round.
+    They give a usual reach; the unit with most round numbers comes first.
     """
     lengths = np.abs([x for joint in description.joints.values() for x in joint.origin[:3, 3] if x])
     rounds = {unit: _rounds(lengths, unit) for unit in USUAL}

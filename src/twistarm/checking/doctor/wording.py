@@ -1,4 +1,4 @@
-"""Wording of the doctor's findings: several parts in one finding, numbers, and snippets for an arm.toml."""
+"""Wording of the doctor's findings: several parts in one, numbers, and snippets for an arm.toml."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SHOWN = 6
 
 
 def grouped(code: str, description: Description, parts: Sequence[Joint | Link], what: str, remedy: str) -> Finding:
-    """One finding about several joints or links: at its place if it is one, else at the file, named in front."""
+    """One finding about several joints or links: at its place for one, else at the file with their names."""
     if len(parts) == 1:
         return finding(code, description.place(parts[0]), what, remedy)
     names = listed([part.name for part in parts], SHOWN)
@@ -22,7 +22,7 @@ def grouped(code: str, description: Description, parts: Sequence[Joint | Link], 
 
 
 def place_of(description: Description | None, name: str) -> Place:
-    """The file, or the arm's name where there is none."""
+    """The file, or the arm's name without one."""
     return Place(name) if description is None else description.place()
 
 

@@ -1,4 +1,4 @@
-"""`bake`: the arm as one file of numbers, for Python without Pinocchio, C++, MATLAB and MoveIt."""
+"""`bake`: the arm as a file of numbers, for Python without Pinocchio, C++, MATLAB and MoveIt."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Output = Annotated[
 
 @takes_arm
 def bake(arm: Arm, output: Output = None, form: Format = None, force: Force = False, json: Json = False) -> None:
-    """Write the arm as numbers: arm.json, read without Pinocchio, a C++17 header, a MATLAB function, joint limits."""
+    """Write the arm as numbers: arm.json, a C++17 header, a MATLAB function, or joint limits."""
     kinds = {"json": (SUFFIX,), "hpp": SUFFIXES, "m": (matlab.SUFFIX,), "yaml": limits_yaml.SUFFIXES}
     outputs = outputs_of(output or f"{Path(arm.name).name}.{form or 'json'}", kinds, form, force=force, json=json)
     include = core_headers() if any(kind == "hpp" for kind, _ in outputs.files) else None

@@ -35,7 +35,7 @@ Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configu
 def check(
     source: str, load: dict[str, Any], samples: Samples = 1000, against: Against = None, json: Json = False
 ) -> int:
-    """Prove product of exponentials = Pinocchio = yourdfpy, for an arm or a folder; --against says what has changed."""
+    """Compare product of exponentials, Pinocchio and yourdfpy on an arm or a folder; --against lists changes."""
     if Path(source).is_dir():
         if against is not None:
             raise InputError("--against compares one arm; name that arm instead of a folder")

@@ -29,7 +29,7 @@ View = Annotated[bool, typer.Option("--view/--no-view", help="Open the view, or 
 
 
 def demo(view: View = True, port: Port = 0, browser: Browser = True) -> None:
-    """Load the bundled rover arm from xacro; FK, Jacobians, cross-check, IK, a trajectory, and the view playing it."""
+    """Load the bundled rover arm and show FK, Jacobians, cross-check, IK, a trajectory, and the view."""
     out = console()
     arm = load_arm("rover_arm")
     _show_arm(out, arm)

@@ -1,4 +1,4 @@
-"""`doctor`: what is wrong with a description, what it means, and what to do about it."""
+"""`doctor`: faults of a description, their meaning and remedies."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def doctor(
     codes: Codes = False,
     json: Json = False,
 ) -> int:
-    """Say what is wrong with a description or an arm, what it means and the remedy; ARM may be a folder of them."""
+    """List faults of a description or an arm, their meaning and remedies. ARM may be a folder."""
     if fix != (output is not None):
         raise InputError("--fix and -o FILE.urdf go together: the repaired copy gets that name")
     if Path(source).is_dir():

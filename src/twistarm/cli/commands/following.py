@@ -1,4 +1,4 @@
-"""`follow`: a motion from a file on simulated joints or on a robot, paused and stopped by keys."""
+"""`follow`: a motion file on simulated joints or on a robot, paused and stopped by keys."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def follow(
     rad: Radians = False,
     json: Json = False,
 ) -> int:
-    """Follow a motion on simulated joints (--theta says where they stand), or on a robot by --udp or --serial."""
+    """Follow a motion on simulated joints (start: --theta), or on a robot by --udp or --serial."""
     require_robot(udp, listen, serial, units, velocity_mode, admitted=bool(senders) or key is not None)
     if theta is not None and (udp or serial):
         raise InputError("--theta is where simulated joints stand; a robot says where it is")
@@ -148,7 +148,7 @@ def _standing(arm: Arm, theta: str | None, motion: Trajectory, radians: bool) ->
 
 
 def obey(typed: Callable[[], str] | None, control: FollowControl, interlock: Interlock) -> None:
-    """Do what the keys say that were typed since the last cycle: whoever resumes enables what a robot had stopped."""
+    """Obey the keys typed since the last cycle. Resuming enables a robot that stopped itself."""
     for pressed in typed() if typed is not None else "":
         if pressed in "qQ":
             control.stop()

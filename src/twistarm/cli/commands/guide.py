@@ -1,4 +1,4 @@
-"""`guide`: the course, built on an arm, served or printed; its exercises are commands of the same group."""
+"""`guide`: the course on an arm, served or printed, with its exercises as commands."""
 
 from __future__ import annotations
 
@@ -60,10 +60,10 @@ def course(
     port: Port = 0,
     browser: Browser = True,
 ) -> None:
-    """Build the course on your own arm and read it in the browser; served on this machine until Ctrl-C.
+    """Build the course on your arm and read it in the browser; served on this machine until Ctrl-C.
 
-    Every lesson is run on the arm, two at a time, unless nothing has changed since. With -o DIR it is a site of files
-    that opens from disk, offline.
+    Every lesson runs on the arm, two at a time, unless nothing has changed. With -o DIR it becomes a site that opens
+    from disk, offline.
     """
     if context.invoked_subcommand is not None:
         _require_no_options(context)
@@ -110,7 +110,7 @@ def _require_no_options(context: typer.Context) -> None:
 def _built(
     source: str | None, load: Mapping[str, Any], folder: Path | None, names: Sequence[str] | None = None
 ) -> Built:
-    """The course on the arm that was typed; what failed is said."""
+    """The course on the typed arm, with its failures."""
     arm = as_keywords(source or "rover_arm", load)
     place = folder or _kept_in(arm, names)
     try:
@@ -125,7 +125,7 @@ def _built(
 
 
 def _kept_in(arm: Mapping[str, Any], names: Sequence[str] | None) -> Path:
-    """The folder of this user's cache for the course on this arm; single lessons for printing lie apart."""
+    """The cache folder for the course on this arm; printed lessons are separate."""
     given = os.environ.get("XDG_CACHE_HOME", "")
     home = Path.home() / ("Library/Caches" if sys.platform == "darwin" else ".cache")
     root = Path(given) if os.path.isabs(given) and sys.platform != "darwin" else home

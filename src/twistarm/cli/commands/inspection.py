@@ -37,7 +37,7 @@ def arms(json: Json = False) -> None:
 
 @takes_arm_or_none
 def info(arm: Arm | None, rad: Radians = False, json: Json = False) -> None:
-    """Show what was loaded: joints, limits, base, tip, named poses, findings, proof; without ARM what is installed."""
+    """Show the loaded arm: joints, limits, base, tip, poses, findings, proof; without ARM the installation."""
     if json:
         print_json(versions_json() if arm is None else info_json(arm))
     elif arm is None:
@@ -76,7 +76,7 @@ def info_json(arm: Arm) -> dict[str, Any]:
 
 
 def actuators_json(motors: Actuators) -> dict[str, Any]:
-    """The motors for programs: SI on either side of the gears, null for a limit that was not given."""
+    """The motors for programs: SI on either side of the gears, null for a missing limit."""
     return {field.name: getattr(motors, field.name) for field in fields(motors)} | {
         "limits": vars(motors.limits),
         "joint_limits": vars(motors.joint_limits),

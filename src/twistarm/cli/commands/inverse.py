@@ -1,4 +1,4 @@
-"""`ik`: joint values for a target, all of them, or those for each target of a CSV file."""
+"""`ik`: joint values for a target, all of them, or for each target of a CSV file."""
 
 from __future__ import annotations
 

@@ -121,7 +121,7 @@ def jacobian(
 
 
 def warn_outside(arm: Arm, theta: Array, radians: bool) -> None:
-    """fk and the Jacobians accept any theta; a person should know when it lies outside the limits."""
+    """Warn of a theta outside the limits, which fk and the Jacobians accept."""
     rows = (shown(arm, values, radians) for values in (theta, arm.limits.lower, arm.limits.upper))
     outside = (theta < arm.limits.lower) | (theta > arm.limits.upper)
     for name, unit, value, lower, upper, out in zip(arm.joint_names, units(arm, radians), *rows, outside, strict=True):

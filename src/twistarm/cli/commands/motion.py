@@ -159,7 +159,7 @@ def plan(
     rad: Radians = False,
     json: Json = False,
 ) -> None:
-    """Plan the fastest motion through poses, targets or the segments of a file, under the limits or the usual ones."""
+    """Plan the fastest motion through poses, targets or the segments of a file, within the limits."""
     if [motion is not None, bool(to), bool(xyz)].count(True) != 1:
         raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
     as_positive(dt, "--dt")
@@ -222,7 +222,7 @@ def plan(
 
 
 def _start(arm: Arm, radians: bool) -> str:
-    """Where a plan starts that was not told: which pose `ready` is, as it would be typed."""
+    """The default start of a plan: the pose `ready` as one would type it."""
     name = named_ready(arm.named_states)
     which = "computed" if name is None else f"the pose named {name!r}"
     return f'starts at ready ({which}): --from "{theta_values(arm, arm.ready, radians)}"'
@@ -247,7 +247,7 @@ def plan_table(arm: Arm, planned: Trajectory, radians: bool, limits: JointLimits
 
 
 def binding_table(binding: Sequence[Binding]) -> Any:
-    """The limit that each stretch of a motion uses most; of many, the longest in the order of time."""
+    """The limit that each stretch of a motion uses most; of many the longest stretches, in time order."""
     longest = sorted(binding, key=lambda each: each.begin - each.end)[:MOST_STRETCHES]
     rows = [
         [number(each.begin, 3), number(each.end, 3), each.describe(), f"{100.0 * each.share:.0f} %"]

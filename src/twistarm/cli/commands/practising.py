@@ -30,7 +30,7 @@ def check(
 ) -> int:
     """Grade the exercises in FILE, on random instances and on the screws of the arm.
 
-    The exit code is 0 where all is right, 1 where something is not, or is not written yet, 2 where FILE cannot be used.
+    The exit code is 0 if all is right, 1 if something is wrong or missing, 2 if FILE cannot be used.
     """
     path = as_path(file)
     report = check_file(path, _arm(source, load), seed)
@@ -61,7 +61,7 @@ def progress(
 
 
 def _row(lesson: str, states: dict[str, dict[str, Any]]) -> list[str]:
-    """A lesson's line: how many are right, a sign for each, and what was said of those that were tried."""
+    """A lesson's line: the number of right ones, a sign for each, and the last verdicts."""
     tried = {name: each for name, each in states.items() if each["state"] != "right" and each["tries"]}
     words = ", ".join(f"{name} ({each['slip']})" if each["slip"] else name for name, each in tried.items())
     signs = "".join(SIGNS[each["state"]] for each in states.values())
@@ -77,7 +77,7 @@ def exercises(
         Path, typer.Option("--output", "-o", metavar="DIR", help="The folder to write them into.")
     ] = HERE,
 ) -> None:
-    """Write the files to fill in, a Python file for each lesson and the Octave and MATLAB ones; no file is replaced."""
+    """Write the files to fill in: Python for each lesson, and Octave and MATLAB. No file is replaced."""
     written, stayed = write_exercises(folder, _arm(source, load))
     begun(folder)
     left = f", {len(stayed)} that were there left as they are" if stayed else ""

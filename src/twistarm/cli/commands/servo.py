@@ -86,7 +86,7 @@ def servo(
     rad: Radians = False,
     json: Json = False,
 ) -> int:
-    """Drive the arm by keyboard or gamepad in the browser: on simulated joints, or on a robot by --udp or --serial."""
+    """Drive the arm by keyboard or gamepad in the browser: simulated, or on a robot by --udp or --serial."""
     if (senders or key is not None) and udp is None and commands is None:
         raise InputError("--from and --key are for datagrams: they need --commands or --udp")
     require_robot(udp, listen, serial, units, velocity_mode, admitted=False)

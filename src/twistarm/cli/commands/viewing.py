@@ -73,7 +73,7 @@ def view(
     size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels of the picture; 1280x720.")] = None,
     rad: Radians = False,
 ) -> None:
-    """Show the arm in the browser: move, drag, jog, record poses, see its screws; serves until Ctrl-C."""
+    """Show the arm in the browser: move, drag, jog, record poses, see its screws. Serves until Ctrl-C."""
     outputs = outputs_of(output, {"html": (".html", ".htm"), "png": (".png",)}, form, force=force)
     if size is not None and all(kind != "png" for kind, _ in outputs.files):
         raise InputError("--size is that of the picture: it goes with -o FILE.png")
@@ -113,7 +113,7 @@ def _pixels(text: str) -> tuple[int, int]:
 
 
 def serve(viewer: Viewer, what: str, browser: bool) -> None:
-    """Print the page's address, open it in a browser if wanted and there is one, and serve until Ctrl-C."""
+    """Print the page's address, open it in a browser if wanted, and serve until Ctrl-C."""
     for note in viewer.notes:
         warn(note)
     say(f"{what} {viewer.url}  (Ctrl-C ends it)")

@@ -37,7 +37,7 @@ def wiring(
     base_orientation_noise: BaseOrientationNoise = None,
     json: Json = False,
 ) -> int:
-    """Check signs, ratios and zeros of the motors against logged counts and measured positions of the tool."""
+    """Check signs, ratios and zeros of the motors against logged counts and measured tool positions."""
     turned = base_orientation_noise
     with progress_bar("wiring") as progress:
         report = check_wiring(

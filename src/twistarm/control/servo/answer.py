@@ -23,9 +23,9 @@ class Cause(IntEnum):
 
 @dataclass(eq=False)
 class Answer:
-    """theta, theta_dot (n,): where the step leads and at which rates. period [s]: what steps take, after this one.
+    """theta, theta_dot (n,): the state after the step. period [s]: the mean step time after this one.
 
-    row: whose limit it is, of the rows of `Bounds.motion`, or which joint a singularity concerns; −1 for none.
+    row: the row of `Bounds.motion` at its limit, or the joint of a singularity; −1 for none.
     """
 
     theta: Array

@@ -1,4 +1,4 @@
-"""Bounds of the servo: the limits of an arm's joints and motors, prepared once for each arm."""
+"""Bounds of the servo: the limits of joints and motors, prepared once for each arm."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from .settings import STOP, ServoSettings
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """What a step of the servo needs to know of an arm.
+    """The data of an arm for a servo step.
 
-    motion: the limits of motors, if the arm has any with limits, and of joints, the position margin taken off; the
-    joints are its last n rows. unit (n,): what a coordinate's scaled number, in rad, is multiplied by: 1, or `length`
-    for a slide. ready (n,): where an exactly singular arm looks for the way out. The rest as in `ServoSettings`.
+    motion: the limits of motors with limits and of joints, less the position margin. The joints are its last n rows.
+    unit (n,): the factor of a coordinate's scaled number in rad, 1 or `length` for a slide. ready (n,): the
+    configuration that shows an exactly singular arm the way out. The rest as in `ServoSettings`.
     """
 
     motion: MotionLimits

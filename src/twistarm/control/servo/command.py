@@ -1,4 +1,4 @@
-"""Commands of the servo: a twist of the tool, rates of joints, or a pose to reach and hold."""
+"""Commands of the servo: a tool twist, joint rates, or a pose to reach and hold."""
 
 from __future__ import annotations
 
@@ -44,14 +44,13 @@ class TwistCommand(Brief):
     """Move the tool: twist (v, w) (6,) [m/s, rad/s] of the tool's origin, in tool axes or in base axes.
 
     frame="tool": the body twist V^b = (g⁻¹ ġ)^∨. frame="base": (ṗ, ω), the velocity of the tool's origin and the
-    angular velocity, both in base axes; not the spatial twist, whose v is the velocity of the point that passes the
-    base's origin.
+    angular velocity, both in base axes. This is not the spatial twist; its v is the velocity of the point at the base's
+    origin.
 
-    hold: components that stay where they were when they were first held, "position", "orientation" or six booleans in
-    the order of the twist, along the axes of `frame`. They go before everything else, drift is taken back, and their
-    twist must be 0.
+    hold: components that keep the tool where the hold began: "position", "orientation" or six booleans in the order of
+    the twist, along the axes of `frame`. They have priority, drift is corrected, and their twist must be 0.
 
-    Raises InputError for a twist that is not six finite numbers, an unknown frame, a held component that is commanded.
+    Raises InputError for a twist that is not six finite numbers, an unknown frame, or a held component with a twist.
     """
 
     twist: Array
@@ -110,12 +109,14 @@ class JogCommand(Brief):
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class PoseCommand(Brief):
-    """Bring the tool to the pose g (4, 4), seen from the base, straight and turning about one axis, and hold it there.
+    """Bring the tool to the pose g (4, 4) in base coordinates and hold it.
 
-    Where acceleration limits are tight for the speeds, the tool may pass the pose by millimetres and come back.
+    The way is straight and turns about one axis.
 
-    `velocity` (6,) [m/s, rad/s]: how the pose itself moves, (ṗ, ω) in base axes, where it does: it is then followed
-    without lag, else some hundredths of a second behind. The speeds [m/s, rad/s] bound the approach.
+    With tight acceleration limits the tool may pass the pose by millimetres and come back.
+
+    `velocity` (6,) [m/s, rad/s]: the velocity (ṗ, ω) of the pose in base axes. With it the tool follows without lag,
+    otherwise some hundredths of a second behind. The speeds [m/s, rad/s] bound the approach.
     """
 
     g: Array

@@ -1,4 +1,4 @@
-"""The output of one servo step: joint rates, a status and its reason, and the part of the command that is lost."""
+"""The output of one servo step: joint rates, a status with its reason, and the lost part of the command."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ _NOTHING_LOST = frozen(np.zeros(6))
 
 
 class Asked(NamedTuple):
-    """What a step was asked for: a command, of an arm at theta (n,); whether it stops where it cannot follow."""
+    """A command to an arm at theta (n,), and whether the arm stops where it cannot follow."""
 
     arm: Arm
     theta: Array
@@ -90,18 +90,22 @@ class Asked(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ServoOutput(Brief):
-    """What one step answers.
+    """The answer of one step.
 
     theta_dot (n,) [rad/s, m/s]: the joint rates for the coming dt.
-    scale: how much of the reachable part of the command is done, 1 − ‖done − reachable‖ over the longer of the two, at
-    least 0: less than 1 while the arm speeds up or still moves otherwise, and where a limit or a singularity slows it.
-    lost_twist (6,) [m/s, rad/s]: the part of the command that the arm cannot do here at any speed, because it has no
-    motion for it, is near a singularity, or a joint is at its end or brakes toward it, in the axes of the
-    command's frame: at an even speed the tool moves by scale · (twist − lost_twist). Where the tool must turn so that
-    it can go where it is told, that rotation stands in it too, with the opposite sign.
-    lost_share: ‖lost_twist‖ / ‖twist‖, metres measured in the length.
-    joint: the one, or the motor, that a limit or a singularity concerns most, if any.
-    remaining: how far a `PoseCommand` still is from its pose, [m] and [rad]; zeros for any other command.
+
+    scale: the executed share of the reachable command, 1 − ‖done − reachable‖ over the longer of the two, at least 0.
+    It is below 1 while the arm changes its speed, and where a limit or a singularity slows it.
+
+    lost_twist (6,) [m/s, rad/s], in the axes of the command's frame: the part that the arm cannot do here at any speed.
+    The cause is a missing motion, a singularity, or a joint at its end or braking toward it. At constant speed the tool
+    moves by scale · (twist − lost_twist). If the tool must turn to move, that rotation is in it with the opposite sign.
+
+    lost_share: ‖lost_twist‖ / ‖twist‖, with metres divided by the length.
+
+    joint: the joint or motor most concerned by a limit or a singularity, or None.
+
+    remaining: the distance of a `PoseCommand` from its pose, [m] and [rad]; zeros for other commands.
     """
 
     theta_dot: Array
@@ -116,7 +120,7 @@ class ServoOutput(Brief):
 
     @property
     def reason(self) -> ServoReason:
-        """Why the arm stands, or does less than commanded: a code that changes only where the cause does."""
+        """A code for why the arm rests or does less than commanded. It changes only with the cause."""
         if self.status in _OF_STATUS:
             return _OF_STATUS[self.status]
         if isinstance(self._why, Cause) and self._why is not Cause.NONE:
@@ -126,10 +130,10 @@ class ServoOutput(Brief):
         return ServoReason.CHANGING_SPEED if self.scale < ALL else ServoReason.MOVING
 
     def explain(self) -> str:
-        """Why the arm stands, or does less than commanded, in a sentence that is made when it is asked for.
+        """Why the arm rests or does less than commanded, in one sentence, made on demand.
 
-        It names the joint or motor that binds, and its limit; or the motion that the arm lacks at this posture, or at
-        any; or what was wrong with the command. "stopped on its course" stands before it where settings.beyond did it.
+        It names the joint or motor and its limit, the motion that the arm lacks here or everywhere, or the error in the
+        command. "stopped on its course" precedes it if settings.beyond stopped the arm.
         """
         on_course = self._asked is not None and self._asked.stops and self.scale * (1.0 - self.lost_share) < STANDING
         if on_course and self._words != self.status.value and self.status is not ServoStatus.IMPOSSIBLE_DIRECTION:
@@ -156,7 +160,7 @@ class ServoOutput(Brief):
 
     @property
     def share(self) -> float:
-        """How much of the command is done, 0 … 1; a rotation that the tool does on its way counts for nothing."""
+        """The executed share of the command, 0 … 1. Rotations that only serve the way do not count."""
         return self.scale * (1.0 - self._missing_share)
 
     @property
@@ -178,7 +182,7 @@ class ServoOutput(Brief):
 
     @classmethod
     def of(cls, answer: Answer, bounds: Bounds, asked: Asked) -> ServoOutput:
-        """The output that stands for an answer of the compiled step.
+        """The output for an answer of the compiled step.
 
         Args:
             answer: The step's answer as plain numbers.
@@ -211,7 +215,7 @@ def _missing_share(asked: Asked | None, lost: Array, lost_share: float) -> float
 
 
 def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tuple[Lack, str]:
-    """Of the twist (6,) that is lost the graver half: whether the arm has it elsewhere, and that in words."""
+    """The graver half of the lost twist (6,): whether the arm has it elsewhere, and its words."""
     turned = np.linalg.norm(lost[3:]) * asked.arm.reach >= np.linalg.norm(lost[:3])
     half, way = (ANGULAR, "turn") if turned else (LINEAR, "move")
     part = lost[list(half)]

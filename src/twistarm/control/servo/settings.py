@@ -16,15 +16,19 @@ BEYOND = (SLIDE, STOP)
 class ServoSettings:
     """Settings of `servo_step`.
 
-    length [m]: what makes a metre comparable with a radian in singular values; None: the arm's `reach`.
-    damping [s]: the τ of the servo's law (docs/servo.md). A twist of size V, in rad/s, is done exactly where the
-    Jacobian's singular values are above √(τ V); it is at least three steps. More is calmer near singularities.
-    beyond: "slide" or "stop", what becomes of a twist that the arm cannot follow, because a joint is at its limit or
-    the reach ends: the tool slides along as far as it can, or slows down and stops on its course.
-    singular_below: singular values of the Jacobian below this (rad per rad, see `Manipulability`) are said to be
-    singular.
-    position_margin [rad or m]: how far inside their position limits joints are kept.
-    longest_dt [s]: a step longer than this is refused, because nobody has looked for so long.
+    length [m]: makes a metre comparable with a radian in singular values; None: the arm's `reach`.
+
+    damping [s]: the τ of the servo's law (docs/servo.md), at least three steps. A twist of size V, in rad/s, is exact
+    where the Jacobian's singular values are above √(τ V). More damping is calmer near singularities.
+
+    beyond: "slide" or "stop", at a joint limit or the end of the reach. The tool slides along as far as it can, or
+    slows down and stops on its course.
+
+    singular_below: singular values below this (rad per rad, see `Manipulability`) count as singular.
+
+    position_margin [rad or m]: distance that joints keep from their position limits.
+
+    longest_dt [s]: longer steps are refused, because the arm was not watched for so long.
 
     Raises InputError for numbers that are not positive (the margin may be 0).
     """

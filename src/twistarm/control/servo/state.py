@@ -18,11 +18,11 @@ MOST = 1e6
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ServoState(Brief):
-    """Where the commanded arm is, theta (n,) [rad, m], how it moves, theta_dot (n,), and the pose it holds.
+    """The commanded arm: theta (n,) [rad, m], its rates theta_dot (n,), and the pose it holds.
 
-    theta is integrated from what was commanded, never read back from the arm: measured noise cannot make it drift.
-    `held` (4, 4) is the pose of which components are held, None where none are; `holding` says which, as the flags of
-    the command that holds them. `period` [s] is a slow mean of what steps took, 0 before the first.
+    theta integrates the commands and never the measurements, so noise cannot make it drift. `held` (4, 4) is the pose
+    with held components, or None. `holding` are the flags of the command that holds them. `period` [s] is a slow mean
+    of the steps, 0 before the first.
     """
 
     theta: Array

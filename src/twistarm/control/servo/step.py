@@ -26,20 +26,19 @@ def servo_step(
 ) -> tuple[ServoState, ServoOutput]:
     """One step of the servo: the state after `dt` [s] under `command`, and the joint rates that lead there.
 
-    An unusable command raises no error, because a loop that raises lets go of the arm: the arm comes to rest along its
-    acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.longest_dt], or a state that
-    is not finite, is refused the same way, with rates of 0 at once.
+    An unusable command raises no error, because a loop that raises loses the arm. The arm comes to rest within its
+    acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.longest_dt] or a state that
+    is not finite gives STALE with zero rates.
 
-    The rates are the least of one strictly convex function, continuous in posture and command (docs/servo.md).
-    Away from singularities a twist is done exactly. Where the arm lacks directions (below six joints, at a limit), what
-    matters more comes first: held components, then the linear part, then the angular part; what the arm cannot do is
-    lost and reported. Near a singularity a direction that would take fast joints is damped where the motion approaches
-    it, not where it leaves it. Velocity and acceleration limits, those of the motors of an arm.toml too, slow the
-    motion as a whole; a joint comes to its position limit ever slower, and the others keep what is left of the motion,
-    or all of them stop on the way there (settings.beyond).
+    The rates minimise a strictly convex function, continuous in configuration and command (docs/servo.md). Away from
+    singularities a twist is exact. If the arm lacks directions (below six joints, at a limit), held components come
+    first, then the linear part, then the angular part. The rest is lost and reported. Near a singularity the law damps
+    fast directions on the way in, not on the way out. Velocity and acceleration limits of joints and motors slow the
+    motion as a whole. A joint slows down toward its position limit. The others continue, or all stop on the course
+    (settings.beyond).
 
-    A limit that the arm does not give is none: without acceleration limits rates jump, without velocity limits they are
-    whatever the command asks for. `stream.run` takes the usual ones there.
+    A missing limit is no limit: without acceleration limits rates jump, without velocity limits they follow the
+    command. `stream.run` assumes limits there.
 
     Args:
         arm: The arm.

@@ -1,4 +1,4 @@
-"""A cycle of every loop, whatever moves the arm: look at the joints, hand a setpoint on, come to rest."""
+"""The cycle that all loops share: read the joints, send a setpoint, come to rest."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ BRAKING_SPARE = 0.5
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Cycle(Brief):
-    """What happened in one cycle.
+    """The events of one cycle.
 
-    theta (n,): the joint state where it can be used. setpoint: what was computed, None before the first joint state.
-    reason: why there was no command, or the setpoint did not get through, which `delivered` says. ending: why the
-    stream cannot go on, None where it can. interlock: the `Interlock`'s word, by which the arm may move or not.
+    theta (n,): the usable joint state. setpoint: the computed one, None before the first joint state. reason: why there
+    was no command, or why the setpoint was not delivered (`delivered`). ending: why the stream ends, or None.
+    interlock: the word of the `Interlock`.
     """
 
     time: float
@@ -50,11 +50,10 @@ C = TypeVar("C", bound=Cycle)
 
 
 class Cycles(ABC, Generic[C]):
-    """A loop, cycle by cycle, for programs that have a timer of their own.
+    """A loop, cycle by cycle, for programs with a timer.
 
-    Call `cycle` at `rate` [Hz] until it says an ending, then `brake` at the same rate until it answers True, then
-    `halt`, whatever went wrong before. `arm` has the usual limits where the one given has none, and `assumed` says
-    which.
+    Call `cycle` at `rate` [Hz] until it returns an ending. Then call `brake` at the same rate until it returns True,
+    then `halt` in any case. `arm` has assumed limits where the given one has none; `assumed` lists them.
     """
 
     def __init__(
@@ -92,10 +91,10 @@ class Cycles(ABC, Generic[C]):
         self._stepped: float | None = None  # when the last step was made [s]
 
     def cycle(self, now: float, periods: int = 1) -> C:
-        """One cycle: look at the joints, take the command, step the servo, write the setpoint.
+        """One cycle: read the joints, take the command, step the servo, write the setpoint.
 
-        A device that fails is an ending, nothing is raised for it, and so is a setpoint that is not finite, which is
-        not sent; whatever else is raised is an error in a program.
+        A device that fails, or a setpoint that is not finite, is an ending and raises nothing. Such a setpoint is not
+        sent. Other exceptions are errors of a program.
 
         Args:
             now: The clock's time [s].
@@ -113,9 +112,11 @@ class Cycles(ABC, Generic[C]):
             return self._failed(now, str(failed), failed.ending)
 
     def brake(self, now: float) -> bool:
-        """One step toward rest, which reads neither commands nor joints. A sink's failure is noted.
+        """One step toward rest without reading commands or joints.
 
-        Where the servo itself fails, the arm stands at once: rates of 0 where it was last.
+        A failure of the sink is recorded.
+
+        If the servo fails, the arm stops at once with zero rates at its last position.
 
         Args:
             now: The clock's time [s].
@@ -133,7 +134,9 @@ class Cycles(ABC, Generic[C]):
         return self.at_rest
 
     def change_clock(self, now: float) -> None:
-        """Take times from another clock from here on: the next step is over what passes from this moment.
+        """Use times of another clock from now on.
+
+        The next step covers the time from this moment.
 
         Args:
             now: The other clock's time [s].
@@ -141,7 +144,7 @@ class Cycles(ABC, Generic[C]):
         self._stepped = require_time(now)
 
     def halt(self, now: float) -> None:
-        """Rates of 0 where the commanded arm is, at once; nothing where no joint state ever arrived."""
+        """Send zero rates at the commanded position at once; nothing before the first joint state."""
         if self.state is None:
             return
         still = frozen(np.zeros(self.arm.n))
@@ -189,7 +192,7 @@ class Cycles(ABC, Generic[C]):
         """A cycle in which something failed."""
 
     def _interlock(self, device: object) -> None:
-        """What its messages say to an interlock is said to this one."""
+        """Pass the interlock messages of a device to this interlock."""
         if isinstance(device, Interlocked):
             device.interlock = self.interlock
 
@@ -201,7 +204,7 @@ class Cycles(ABC, Generic[C]):
         return measured, theta, blind
 
     def _hear(self, measured: Measured | None, now: float) -> None:
-        """In velocity mode, the drives' filter learns from a joint state that can be used; None where there is none."""
+        """In velocity mode, update the drives' filter with a usable joint state; None without one."""
         if self._observer is not None and self.state is not None:
             self._observer.hear(measured, now)
 
@@ -211,7 +214,7 @@ class Cycles(ABC, Generic[C]):
             self._observer.start(self.state.theta, now)
 
     def _untimely(self, now: float) -> str:
-        """Why the time since the last step cannot be one step's, "" where it can: a period may be late by one."""
+        """Why the time since the last step is not usable, or "". A period may be late by one."""
         elapsed = self.period if self._stepped is None else now - self._stepped
         if elapsed <= 0.0:
             return "time went back"
@@ -220,15 +223,15 @@ class Cycles(ABC, Generic[C]):
         return ""
 
     def _elapsed(self, now: float) -> float:
-        """Seconds that a step is over: as many as have passed since the last one, so that a cycle that is late or soon
-        after a late one moves nothing faster than its rate; one period at first and where that cannot be.
+        """Seconds of this step: the time since the last one, so a late cycle moves nothing faster than its rate. It is
+        one period at first, and if that time is unusable.
         """
         if self._stepped is None or self._untimely(now):
             return self.period
         return min(max(now - self._stepped, ROUNDING * self.period), self.settings.longest_dt)
 
     def _braked(self, now: float, reason: str) -> Setpoint:
-        """A step toward rest of each joint by itself, as fast as its acceleration limit allows."""
+        """One step toward rest of each joint alone, as fast as its acceleration limit allows."""
         assert self.state is not None  # whoever steps has asked
         state, output = servo_step(self.arm, self.state, None, self._elapsed(now), settings=self.settings)
         return self._moved(state, ServoOutput.stale(output.theta_dot, reason), now, follow=False)
@@ -253,13 +256,13 @@ class Cycles(ABC, Generic[C]):
         return setpoint
 
     def _send(self, setpoint: Setpoint) -> str:
-        """Hand the setpoint on and count it; why nobody took it. StreamError where the sink fails."""
+        """Send the setpoint and count it. Returns why it was not delivered. Raises StreamError if the sink fails."""
         self.tally.statuses[setpoint.output.status] += 1
         self.tally.reasons[setpoint.output.reason] += 1
         return call_device(Ending.SINK_FAILED, self._write, setpoint)
 
     def _write(self, setpoint: Setpoint) -> str:
-        """Hand the setpoint on; why nobody took it, "" where somebody did as far as is known."""
+        """Send the setpoint. Returns why it was not delivered, or "" as far as is known."""
         self.tally.delivered = False
         try:
             self.sink.write(setpoint)
@@ -277,7 +280,7 @@ class Cycles(ABC, Generic[C]):
 
 
 def checked_rate(rate: float, settings: ServoSettings) -> float:
-    """`rate` [Hz]; InputError where it is not positive, or so low that the servo's longest step is under a period."""
+    """`rate` [Hz]. Raises InputError if it is not positive, or if a period exceeds the servo's longest step."""
     checked = as_positive(rate, "rate")
     if 1.0 / checked > settings.longest_dt:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Cycles on the clock, ended as asked or by trouble, and the arm at rest on every way out."""
+"""Cycles on a clock until the end or a failure, then the arm at rest."""
 
 from __future__ import annotations
 
@@ -26,8 +26,9 @@ def drive(
     until: Callable[[], bool] | None = None,
     before: Callable[[], object] | None = None,
 ) -> StreamReport:
-    """Cycles until one says an ending, `longest` [s] are over, `until` answers True or the program is interrupted; the
-    arm then comes to rest. `before` is called before each cycle, and may raise `StreamError`.
+    """Run cycles until one returns an ending, `longest` [s] are over, `until` returns True, or an interrupt.
+
+    Then bring the arm to rest. `before` runs before each cycle and may raise `StreamError`.
     """
     time = MonotonicClock() if clock is None else require_method(clock, "clock", "sleep_until")
     metronome = Metronome(cycles.period)
@@ -52,9 +53,9 @@ def drive(
 
 
 def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
-    """Brake cycle by cycle, then rates of 0, written even when Ctrl-C cuts the braking short.
+    """Brake cycle by cycle, then send zero rates, also when Ctrl-C shortens the braking.
 
-    A clock that leaps ahead ends the braking no sooner: the cycles that it takes in time are made in any case.
+    A clock that jumps ahead does not shorten the braking, because the needed cycles run in any case.
 
     Args:
         cycles: The loop.
@@ -116,7 +117,7 @@ def _drive(
 
 
 def _wait(clock: Clock, metronome: Metronome, end: float) -> None:
-    """Sleep until the next cycle or the end; never longer than a period, though a clock may go back."""
+    """Sleep until the next cycle or the end, at most a period, because a clock may run backwards."""
     clock.sleep_until(min(metronome.next, end, clock.now() + metronome.period))
 
 

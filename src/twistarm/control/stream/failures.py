@@ -1,4 +1,4 @@
-"""Failures that end a stream: of a device or of the servo; and their errors in words."""
+"""Failures of devices or of the servo that end a stream, and their texts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def call_device(ending: Ending, call: Callable[P, T], *args: P.args, **kwargs: P
 
 
 def worded(error: Exception) -> str:
-    """An error as a reason: what is raised on purpose speaks for itself, others are named."""
+    """An error as a reason. Errors of other programs are named with their type."""
     if isinstance(error, (TwistarmError, StreamError)):
         return str(error)
     return f"{type(error).__name__}: {error}"

@@ -1,4 +1,4 @@
-"""Enable, stop and emergency stop: whether a stream may move its arm, whoever says so."""
+"""Enable, stop and emergency stop: whether a stream may move its arm."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ LONGEST_REASON = 200
 
 
 class Permission(NamedTuple):
-    """Whether the arm may move: `word` is "enabled", "stopped" or "emergency stop", `reason` why it is no other."""
+    """Whether the arm may move.
+
+    `word` is "enabled", "stopped" or "emergency stop"; `reason` says why it is not enabled.
+    """
 
     word: str
     reason: str
@@ -33,12 +36,13 @@ class Permission(NamedTuple):
 
 
 class Interlock:
-    """Whether an arm may move, as operators, messages and programs have last said. Thread-safe.
+    """Whether an arm may move, set by operators, messages and programs.
 
-    Enabled at the start unless `enabled` is False. Where it does not allow motion, `run` brings the arm to rest as fast
-    as its acceleration limits allow, and holds it there whatever is commanded; the stream goes on. An emergency stop
-    is latched: `enable` does nothing until `clear` was said, which moves nothing by itself (ISO 13850, 4.1.4). This is
-    a mechanism of software, and takes no hardware's place.
+    Thread-safe.
+
+    It starts enabled unless `enabled` is False. If it forbids motion, `run` brings the arm to rest within its
+    acceleration limits and keeps it there; the stream continues. An emergency stop is latched: `enable` has no effect
+    before `clear`, which moves nothing (ISO 13850, 4.1.4). This is software and does not replace hardware.
     """
 
     def __init__(self, *, enabled: bool = True) -> None:
@@ -48,7 +52,7 @@ class Interlock:
         )
 
     def enable(self) -> bool:
-        """Let the arm move. Whether it may now: not after an emergency stop that nobody has cleared."""
+        """Let the arm move. Returns whether it may now; an emergency stop must be cleared first."""
         with self._lock:
             if self._now.word == STOPPED:
                 self._now = Permission(ENABLED, "")
@@ -59,7 +63,7 @@ class Interlock:
         self._bar(STOPPED, reason)
 
     def emergency_stop(self, reason: str = "") -> None:
-        """Bring the arm to rest until `clear` and then `enable`; the first reason stands until then."""
+        """Bring the arm to rest until `clear` and then `enable`. The first reason stays until then."""
         self._bar(EMERGENCY_STOP, reason)
 
     def _bar(self, word: str, reason: str) -> None:
@@ -68,7 +72,7 @@ class Interlock:
                 self._now = Permission(word, one_line(require(reason, str, "reason", "in words"), LONGEST_REASON))
 
     def clear(self) -> None:
-        """End an emergency stop: the arm is stopped, and waits for `enable`. Nothing where there is none."""
+        """End an emergency stop. The arm is then stopped and waits for `enable`."""
         with self._lock:
             if self._now.word == EMERGENCY_STOP:
                 self._now = Permission(STOPPED, "the emergency stop was cleared; it waits to be enabled")
@@ -89,7 +93,9 @@ class Interlock:
             self.clear() if word == "clear" else self.enable()
 
     def follow(self, word: str | None, who: str) -> None:
-        """Stop where a robot reports that it is stopped; a robot that reports itself enabled changes nothing.
+        """Stop if a robot reports that it is stopped.
+
+        A robot that reports itself enabled changes nothing.
 
         Args:
             word: The robot's own state, or None where it reports none.
@@ -116,12 +122,12 @@ class Interlock:
 
     @property
     def reason(self) -> str:
-        """Why it is stopped, "" where nobody said and where it is enabled."""
+        """Why it is stopped; "" without a reason or if enabled."""
         return self._now.reason
 
 
 @runtime_checkable
 class Interlocked(Protocol):
-    """A source or feedback whose messages say words to an interlock: the stream's, which is put here when it begins."""
+    """A source or feedback with interlock messages. The stream sets its interlock here."""
 
     interlock: Interlock

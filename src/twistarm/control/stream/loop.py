@@ -1,4 +1,4 @@
-"""The loop around the servo, on the clock: commands in, setpoints out, until it is told to end."""
+"""The loop around the servo on a clock: commands in, setpoints out, until it ends."""
 
 from __future__ import annotations
 
@@ -43,27 +43,27 @@ def run(
 ) -> StreamReport:
     """Stream `source`'s commands through the servo to `sink` at `rate` [Hz] until something ends it.
 
-    Velocity and acceleration limits that the arm does not give are the usual ones (1 rad/s, 3 rad/s²; 0.25 m/s,
-    1 m/s²), and the report says so.
+    Missing velocity and acceleration limits are assumed (1 rad/s, 3 rad/s²; 0.25 m/s, 1 m/s²), and the report says so.
 
-    The servo starts where `feedback` says that the arm is, and waits for that. A command older than `command_timeout`
-    [s] does not count, nor does any while the joint state is older than `feedback_timeout` [s] or a cycle came later
-    than the servo's longest step: the arm comes to rest along its acceleration limits and goes on once all is well,
-    from where it is measured if it had come to rest while the joint state was missing.
-    A joint farther than `tolerance` (one number or (n,)) [rad, m] from all that was commanded within the last
-    `feedback_timeout` ends the stream. While `interlock` does not allow motion, the arm comes to rest in the same way
-    and stands; what it says is in every cycle, every setpoint and the report. Once it is enabled, a command that goes
-    on from before counts as none until the controls were released: a cycle had no command, or a twist or jog of zeros.
+    The servo waits for the first joint state of `feedback` and starts there. A command is valid for `command_timeout`
+    [s]. No command counts while the joint state is older than `feedback_timeout` [s] or after a cycle later than the
+    servo's longest step. The arm then comes to rest within its acceleration limits and continues when all is well. If
+    it came to rest without a joint state, it restarts at the measured position.
 
-    What robots that take rates alone are told is the servo's rates and a correction toward where the servo is, by a
-    filter that learns each drive's gain and delay from the measured state (`RateObserver`); the servo leaves 15 % of
-    the velocity limits and 10 % of the acceleration limits to it. While nobody commands nothing is corrected, and once
-    the arm stands the servo starts anew where it is measured.
+    A joint farther than `tolerance` (one number or (n,)) [rad, m] from all setpoints within the last `feedback_timeout`
+    ends the stream. While `interlock` forbids motion, the arm comes to rest and waits. Each cycle, each setpoint and
+    the report have its word. After it is enabled, the controls must be released first: a cycle without a command, or
+    with a zero twist or jog.
 
-    However it ends (time, Ctrl-C, a device that fails, an exception of `on_cycle`), the arm comes to rest along its
-    limits and the last setpoint has rates of 0; Ctrl-C once more stops it at once. What devices cannot do (OSError,
-    TwistarmError) stands in the report; other exceptions are raised after that. A setpoint that did not get through
-    (`UndeliveredError`) is counted, and ends nothing.
+    Robots that accept only rates receive the servo's rates plus a correction toward the servo's position. A filter
+    learns each drive's gain and delay (`RateObserver`). The servo reserves 15 % of the velocity and 10 % of the
+    acceleration limits for it. Without a command nothing is corrected, and at rest the servo restarts at the measured
+    position.
+
+    At every end (time, Ctrl-C, a failing device, an exception of `on_cycle`) the arm comes to rest within its limits,
+    and the last setpoint has zero rates. A second Ctrl-C stops at once. The report has the errors of devices (OSError,
+    TwistarmError); other exceptions are raised at the end. An undelivered setpoint (`UndeliveredError`) is counted and
+    ends nothing.
 
     Args:
         arm: The arm.
@@ -111,7 +111,7 @@ def run(
 
 
 def _current(settings: ServoSettings | Callable[[], ServoSettings] | None) -> Callable[[], ServoSettings]:
-    """What gives them at any time, and raises InputError where they are none."""
+    """A function for the present settings, which raises InputError if they are invalid."""
     how = "as ServoSettings() is, or a function of nothing that returns one"
     if not callable(settings):
         given = ServoSettings() if settings is None else settings

@@ -1,4 +1,4 @@
-"""Cycles on a fixed grid of time: no drift, the missed ones counted, lateness without a list that grows."""
+"""Cycles on a fixed time grid: no drift, missed cycles counted, lateness in bounded memory."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ class MonotonicClock:
 
 
 class Metronome:
-    """The grid t₀ + k · period [s], t₀ the first tick; `next` is the time of the next one.
+    """The grid t₀ + k · period [s], with t₀ the first tick; `next` is the next time.
 
-    early: a tick this part of a period before its time belongs to it, for timers of others, which swing about theirs.
+    early: the part of a period by which a tick may be early, for external timers with jitter.
     """
 
     def __init__(self, period: float, early: float = ROUNDING) -> None:
@@ -56,11 +56,11 @@ class Metronome:
         self._index = 0
 
     def tick(self, now: float) -> int:
-        """How many periods this cycle stands for: 1 in time, more where some were missed, 0 where it came too early.
+        """The number of periods of this cycle: 1 on time, more after missed ones, 0 if too early.
 
-        −1 where time went back by a period or more: the grid begins anew.
+        −1 if time ran backwards by a period or more; the grid then restarts.
 
-        Raises InputError for a time that is not finite or 1e12 s and more; the grid stays as it is.
+        Raises InputError for a time that is not finite or at least 1e12 s; the grid stays unchanged.
         """
         if not abs(require_time(now)) < LATEST:
             raise InputError(f"now must be seconds of a clock, below {LATEST:g}; got {shown(now)}")

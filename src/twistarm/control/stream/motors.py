@@ -1,4 +1,4 @@
-"""Setpoints and joint states on the motors' side, in rad and m or as the drives count, by the arm's actuators."""
+"""Setpoints and joint states on the motors' side, in rad and m or in counts."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ UNITS = ("joint", "motor", "counts")
 class MotorSide:
     """The arm as its drives see it, motor = G theta + o, differentials included.
 
-    units: "motor", in rad and m on the motors' side of the gears, or "counts", what each drive counts, not rounded.
+    units: "motor", in rad and m on the motors' side of the gears, or "counts" of the drives, not rounded.
 
-    Raises InputError where the arm has no actuators, or joints that no motor determines.
+    Raises InputError if the arm has no actuators, or joints that no motor determines.
     """
 
     def __init__(self, arm: Arm, units: str) -> None:

@@ -1,4 +1,4 @@
-"""The observer of drives that take rates alone: where the joints really are, and what rates lead where they should."""
+"""The observer of rate drives: the real joint positions, and the rates that correct them."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ NOISE, JITTER = 0.7e-3, 0.006
 
 
 def with_reserve(arm: Arm) -> Arm:
-    """The arm with limits that the servo's rates, divided by the gains, keep within those of `arm`."""
+    """The arm with reduced limits, so the servo's rates divided by the gains stay within those of `arm`."""
     given = arm.limits
     velocity, acceleration = VELOCITY_SHARE * given.velocity, ACCELERATION_SHARE * given.acceleration
     limits = JointLimits(given.lower, given.upper, velocity, acceleration, given.jerk, given.effort)
@@ -58,14 +58,14 @@ def with_reserve(arm: Arm) -> Arm:
 
 
 class RateObserver:
-    """A Kalman filter for each joint of its position θ, its drive's gain g and the loop's delay D, one for all joints.
+    """A Kalman filter for each joint's position θ and drive gain g, and one loop delay D for all joints.
 
-    Rates u were sent, h(t) is their integral. θ is where all of them lead, θ' = g u, and what is heard at t shows
-    the joint as θ − g (h(now) − h(t − D)): the delay is in the prediction (a Smith predictor) and not in the loop.
-    A wrong gain leaves an error that stays, a wrong delay one that vanishes at rest, which tells them apart.
+    h(t) is the integral of the sent rates u, and θ' = g u. The state heard at t shows the joint as θ − g (h(now) − h(t
+    − D)). The delay is in the prediction (a Smith predictor) and not in the loop. A wrong gain leaves a lasting error,
+    a wrong delay one that vanishes at rest; this tells them apart.
 
-    `rates` closes a position loop over it: what the servo wants, and STIFFNESS times how far θ is from where the servo
-    is, divided by the gain, within the arm's velocity and acceleration limits.
+    `rates` closes a position loop: the servo's rate plus STIFFNESS times the distance to the servo's position, divided
+    by the gain, within the arm's velocity and acceleration limits.
     """
 
     def __init__(self, arm: Arm) -> None:
@@ -81,7 +81,7 @@ class RateObserver:
 
     @property
     def at_rest(self) -> bool:
-        """Whether the drives are told to stand."""
+        """Whether the drives have zero rates."""
         return not self._u.any()
 
     def start(self, theta: Array, now: float) -> None:
@@ -94,17 +94,17 @@ class RateObserver:
         self._history.append((now, self._travel))
 
     def hear(self, measured: Measured | None, now: float) -> None:
-        """The cycle at `now` [s] begins; `measured` where there is a joint state that can be used."""
+        """Begin the cycle at `now` [s] with a usable joint state `measured`, if any."""
         self._predict(now)
         if measured is not None and measured.theta is not None and measured.time > self._heard:
             self._heard = measured.time
             self._update(measured.theta, min(measured.time, now))
 
     def rates(self, theta: Array, theta_dot: Array, elapsed: float, follow: bool = True) -> Array:
-        """The rates u (n,) for drives whose joints should be at theta (n,) now and move at theta_dot (n,) from now on,
-        `elapsed` [s] after those before.
+        """The rates u (n,) for joints that should be at theta (n,) now and move at theta_dot (n,), `elapsed` [s] after
+        the last.
 
-        Where they should not `follow`, theta does not matter: they come to rest as the servo does.
+        Unless `follow`, theta is ignored and the joints come to rest as the servo does.
         """
         error = theta - self._x[:, 0] if follow else np.zeros_like(theta)
         resting = np.abs(theta_dot) < STILL
@@ -155,9 +155,9 @@ class RateObserver:
         self._share_delay()
 
     def _share_delay(self) -> None:
-        """One delay for all joints, their mean weighted by what each knows of it, and what follows from it for θ and g.
+        """One delay for all joints, the mean weighted by certainty, and the resulting θ and g.
 
-        Joints that are thought to be late by different times would leave the path; a common error only shifts time.
+        Different delays would leave the path; a common error only shifts time.
         """
         variance = self._covariance[:, 2, 2]
         common = (self._x[:, 2] / variance).sum() / (1.0 / variance).sum()

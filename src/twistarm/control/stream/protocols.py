@@ -1,7 +1,7 @@
 """Interfaces of the loop: a source of commands, a sink for setpoints, feedback from the joints, a clock.
 
-Whatever has these methods serves; what must be closed is a context manager as well, and whoever opened it closes it.
-A device that fails raises OSError or a TwistarmError; a sink that nobody hears for now raises `UndeliveredError`.
+Any object with these methods works. An object that must be closed is a context manager, closed by its opener. A device
+that fails raises OSError or a TwistarmError. A sink without a listener raises `UndeliveredError`.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from .interlock import ENABLED
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reading(Brief):
-    """What a source has at this moment: a command and its age [s], or None and the reason why there is none.
+    """The state of a source: a command and its age [s], or None and the reason.
 
-    `idle`: nobody wants anything, for nobody ever commanded, or the last word was a stop; then silence is no trouble.
+    `idle`: there was never a command, or the last one was a stop, so silence is normal.
     """
 
     command: AnyCommand | None
@@ -31,7 +31,7 @@ class Reading(Brief):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Measured(Brief):
-    """Where the joints are, theta (n,) [rad, m], and when that was heard [s]; None and a reason where it is unknown."""
+    """The joint positions theta (n,) [rad, m] and their time [s]; None and a reason if unknown."""
 
     theta: Array | None
     time: float
@@ -40,9 +40,9 @@ class Measured(Brief):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Setpoint(Brief):
-    """What the joints are told: rates theta_dot (n,) until the next one, and theta (n,) where they are by then.
+    """Rates theta_dot (n,) until the next setpoint, and the positions theta (n,) at that time.
 
-    `time` [s] is the clock's when it was computed, `number` counts from 0, `interlock` is the `Interlock`'s word.
+    `time` [s] is the clock's at the computation, `number` counts from 0, `interlock` is the `Interlock`'s word.
     """
 
     number: int
@@ -54,14 +54,14 @@ class Setpoint(Brief):
 
 
 class UndeliveredError(TwistarmError):
-    """A setpoint did not get through, but a later one may: it is counted, and the stream goes on."""
+    """A setpoint was not delivered, but a later one may be. It is counted, and the stream continues."""
 
 
 class Source(Protocol):
     """Where commands come from."""
 
     def read(self, now: float, state: ServoState | None) -> Reading:
-        """The command at `now` [s], without waiting; `state` is where the commanded arm is, None before it is known.
+        """The command at `now` [s], without waiting.
 
         Args:
             now: The clock's time [s].
@@ -76,7 +76,7 @@ class Sink(Protocol):
     """Where setpoints go."""
 
     def write(self, setpoint: Setpoint) -> None:
-        """Hand the setpoint on, without waiting. Raises `UndeliveredError` where nobody takes it for now."""
+        """Send the setpoint without waiting. Raises `UndeliveredError` without a listener."""
 
 
 class Feedback(Protocol):

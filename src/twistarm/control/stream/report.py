@@ -1,4 +1,4 @@
-"""The report of a stream: cycles and jitter, stale inputs and for how long, and why it ended."""
+"""The report of a stream: cycles and jitter, stale inputs, and why it ended."""
 
 from __future__ import annotations
 
@@ -35,17 +35,18 @@ AS_ASKED = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED, Ending.ARRIVED, En
 
 @dataclass(frozen=True, repr=False)
 class StreamReport:
-    """What a stream did.
+    """The result of a stream.
 
-    cycles that were begun and `missed` ones of the grid, at `rate` [Hz] over `duration` [s]. late_p50, late_p99,
-    late_max [s]: how long after their time cycles began, the jitter. statuses, reasons: cycles of each of the
-    servo's.
-    waited, blind, uncommanded [s]: before the first joint state, with a stale joint state after it, and without a
-    command, with the last reason of each; barred [s]: while the interlock did not allow motion, and why at last;
-    interlock: its word at the end. ending and reason: why it ended. at_rest: whether the commanded arm stood
-    still at the end. undelivered: why setpoints did not get through. delivered: whether the last one did, as far as is
-    known. failures: what went wrong while it came to rest. assumed: which limits the arm did not give and what stood
-    in for them, "" where it gave all.
+    cycles: begun ones, and `missed` ones of the grid, at `rate` [Hz] over `duration` [s]. late_p50, late_p99, late_max
+    [s]: the lateness of cycles, the jitter. statuses, reasons: cycles of each.
+
+    waited, blind, uncommanded [s]: time before the first joint state, with a stale one after it, and without a command,
+    with the last reason of each. barred [s]: time without permission of the interlock, with the last reason. interlock:
+    its final word.
+
+    ending and reason: why it ended. at_rest: whether the commanded arm was at rest at the end. undelivered: why
+    setpoints were lost. delivered: whether the last one arrived, as far as known. failures: errors while it came to
+    rest. assumed: the limits that the arm lacked and their replacements, or "".
     """
 
     cycles: int
@@ -79,7 +80,7 @@ class StreamReport:
 
     @property
     def ok(self) -> bool:
-        """Whether it ended as somebody asked, with the arm moved at least once under watch, and told to rest."""
+        """Whether it ended on request, with the arm moved at least once under watch and at rest."""
         return self.ending in AS_ASKED and self.started and self.at_rest and self.delivered and not self.failures
 
     @property
@@ -130,7 +131,7 @@ class StreamReport:
 
 
 class Tally:
-    """The counts of a stream that runs, from which its report is made; they do not grow."""
+    """The counts of a running stream for its report, in bounded memory."""
 
     def __init__(self, rate: float, assumed: str = "") -> None:
         self.rate, self.assumed = rate, assumed
@@ -145,7 +146,7 @@ class Tally:
         self.failures: Counter[str] = Counter()
 
     def count(self, *, blind: str = "", uncommanded: str = "", barred: str = "") -> None:
-        """One cycle that had no fresh joint state, no command, or was not allowed to move, each with its reason."""
+        """Count a cycle, with the reasons if it had no fresh joint state, no command or no permission."""
         self.blind += bool(blind)
         self.uncommanded += bool(uncommanded)
         self.uncommanded_reason = uncommanded or self.uncommanded_reason

@@ -1,4 +1,4 @@
-"""ROS 2's messages as plain data, without ROS: whatever has their fields serves; see examples/ros2/twistarm_servo."""
+"""ROS 2's messages as plain data, without ROS, for any object with their fields; see examples/ros2/twistarm_servo."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ WAITING = "WAITING"
 
 
 def positions_of(arm: Arm, message: Any) -> dict[str, float]:
-    """Positions by name of a sensor_msgs/JointState, in any order, of some joints or of others too.
+    """Positions by name of a sensor_msgs/JointState, in any order.
 
-    A message without positions, which may tell of velocities or efforts, tells of none.
+    A message without positions, with velocities or efforts only, gives none.
     """
     if not len(message.position):
         return {}
@@ -42,8 +42,9 @@ def twist_of(message: Any) -> list[float]:
 
 
 def frame_of(arm: Arm, frame_id: str, unsaid: str) -> str:
-    """Whether the frame_id of a stamped message means "tool" or "base", `unsaid` where it is empty, as the tools for
-    joysticks and keyboards leave it; InputError for any other.
+    """The frame "tool" or "base" for a frame_id, and `unsaid` for an empty one, as joystick tools send it.
+
+    Raises InputError for any other.
     """
     frames = {"": unsaid, arm.tip: "tool", arm.base: "base"}
     if frame_id not in frames:
@@ -60,8 +61,9 @@ def number_of(stamp: Any) -> int | None:
 
 
 def jog_of(arm: Arm, message: Any, scale: float = 1.0) -> AnyCommand:
-    """The command of a control_msgs/JointJog, whose velocities times `scale` are rates [rad/s, m/s] by name; the other
-    joints at rest.
+    """The command of a control_msgs/JointJog.
+
+    Its velocities times `scale` are rates [rad/s, m/s] by name; other joints rest.
     """
     names, rates = list(message.joint_names), [scale * rate for rate in message.velocities]
     if len(message.displacements):
@@ -91,12 +93,11 @@ class TrajectoryPoint(NamedTuple):
 
 
 def trajectory_points(arm: Arm, setpoint: Setpoint, ahead: float) -> list[TrajectoryPoint]:
-    """The setpoint as a point `ahead` [s] from now, and where it moves then, one at which the arm has come to rest.
+    """The setpoint as a point `ahead` [s] from now, and, if it moves then, a point where the arm is at rest.
 
-    All joints brake evenly over the time T that the slowest of them needs, Δθ = θ̇ T / 2, which is the stop that the
-    servo's rates leave room for. Controllers refuse a trajectory that ends with a velocity, and every setpoint is an
-    end; and where no other trajectory follows, the arm comes to rest along its limits by itself, the usual ones where
-    it has none.
+    All joints brake evenly over the time T of the slowest, Δθ = θ̇ T / 2; the servo's rates leave room for this.
+    Controllers refuse a trajectory that ends with a velocity, and each setpoint is an end. Without another trajectory
+    the arm comes to rest within its limits, or the assumed ones.
     """
     if not ahead * NANOSECONDS >= 1.0:
         raise InputError(f"a trajectory's point lies ahead in time; got {ahead!r} s")
@@ -114,7 +115,7 @@ def _point(theta: Array, rates: Array, time: float) -> TrajectoryPoint:
 
 
 def status_of(cycle: Cycle) -> tuple[str, str | None, Ending | None, str]:
-    """What is worth a diagnosis at once where it changes: status, joint concerned, ending, the interlock's word."""
+    """The values that give a diagnosis at each change: status, joint, ending, interlock."""
     if cycle.setpoint is None:
         return WAITING, None, cycle.ending, cycle.interlock
     return cycle.setpoint.output.status.name, cycle.setpoint.output.joint, cycle.ending, cycle.interlock
@@ -129,7 +130,7 @@ class Diagnosis(NamedTuple):
 
 
 def diagnosis_of(cycle: Cycle, tally: Tally) -> Diagnosis:
-    """How the stream is at this cycle: an error where the joint state is missing or it has ended."""
+    """The state of the stream at this cycle: an error without a joint state or after its end."""
     output = cycle.setpoint.output if cycle.setpoint is not None else None
     late = tally.lateness
     status, joint, *_ = status_of(cycle)

@@ -1,4 +1,4 @@
-"""Joints that follow setpoints as drives do: late, with limits of velocity and acceleration, and hard stops."""
+"""Simulated joints: late, with limits of velocity and acceleration, and hard stops."""
 
 from __future__ import annotations
 
@@ -41,14 +41,13 @@ LONGEST_QUEUE = 10_000
 class SimulatedJoints:
     """The joints of `arm`, at rest at `theta` (n,): a sink and a feedback.
 
-    What is written takes effect `latency` [s] later. Each joint then moves with the setpoint's rate and 40 1/s times
-    its position error, within `velocity` and `acceleration` (n,) [rad/s, m/s, and per s²]; where these are not given,
-    within the arm's limits, the usual ones where it has none, and the reserve that drives have. `assumed` says which
-    limits were neither given nor the arm's. At a position limit it stops dead. `step` advances time by hand; `write`
-    and `read` first advance it to now.
-    With a clock of your own, the same calls give the same motion.
+    A setpoint takes effect `latency` [s] later. Each joint then moves at the setpoint's rate plus 40 1/s times its
+    position error, within `velocity` and `acceleration` (n,) [rad/s, m/s, and per s²]. By default these are the arm's
+    limits or the assumed ones, plus the usual reserve of drives. `assumed` lists assumed limits. At a position limit a
+    joint stops dead. `step` advances time by hand; `write` and `read` first advance it to now. With your own clock the
+    same calls give the same motion.
 
-    Raises InputError for a latency that is negative, limits that are not positive, a theta of another shape.
+    Raises InputError for a negative latency, limits that are not positive, a theta of another shape.
     """
 
     def __init__(

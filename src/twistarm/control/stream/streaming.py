@@ -1,4 +1,4 @@
-"""One cycle of the loop around the servo: take the command, step the servo, hand the setpoint on."""
+"""One cycle of the servo loop: take the command, step the servo, send the setpoint."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ RELEASE_FIRST = "release the controls first: they were held when the arm was ena
 
 
 class Streaming(Cycles[Cycle]):
-    """A stream, cycle by cycle (see `Cycles`), for loops that have a timer of their own; the arguments are `run`'s."""
+    """A stream, cycle by cycle (see `Cycles`), for loops with a timer; the arguments are those of `run`."""
 
     def __init__(
         self,
@@ -82,9 +82,9 @@ class Streaming(Cycles[Cycle]):
         return Cycle(now, None, None, None, reason, ending, interlock=self.interlock.word)
 
     def _start(self, theta: Array | None, now: float) -> None:
-        """From the measured theta: the first one, and one that comes back while the commanded arm stands.
+        """Start at the measured theta: the first one, or one that returns while the commanded arm rests.
 
-        Nobody knows where the arm went meanwhile: it is not held to where it was, nor told to jump back there.
+        The arm may have moved meanwhile, so it is not sent back.
         """
         if theta is not None and (self.state is None or (self._watch.returned and self.at_rest)):
             self._start_at(theta, now)
@@ -106,7 +106,7 @@ class Streaming(Cycles[Cycle]):
         return self._moved(state, output, now, follow=True)
 
     def _restart_at_rest(self, theta: Array | None, now: float, released: bool) -> None:
-        """In velocity mode, measured positions count again once the arm was left alone and stood for a while."""
+        """In velocity mode, restart at the measured position after the arm has rested for a while without a command."""
         if not (self.velocity_mode and released and self.at_rest and theta is not None):
             self._released = inf
             return

@@ -1,4 +1,4 @@
-"""The watch on the joint state: fresh, plausible, and where the arm was commanded to be."""
+"""The watch on the joint state: fresh, plausible, and near the setpoints."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .protocols import Measured
 
 
 def one_or_each(given: ArrayLike, n: int, name: str) -> Array:
-    """Positive numbers (n,), one for each joint in its unit, from one or n; InputError for anything else."""
+    """Positive numbers (n,), one for each joint in its unit, from one number or n. Raises InputError otherwise."""
     values = as_floats(given, name)
     if values.shape not in ((), (n,)) or not (values > 0.0).all():
         raise InputError(f"{name} must be one positive number or {n}; got {shown(given)}")
@@ -23,11 +23,11 @@ def one_or_each(given: ArrayLike, n: int, name: str) -> Array:
 
 
 class FeedbackWatch:
-    """Whether what is measured can be used, and whether the arm follows.
+    """Whether the measurement is usable and the arm follows.
 
-    timeout [s]: an older joint state is stale. tolerance (n,) or one number [rad, m]: how far a joint may be from all
-    that was commanded within the last `timeout`; what lags behind by less than that time is no deviation.
-    `returned`: whether the joint state seen last was the first one after a gap longer than `timeout`.
+    timeout [s]: older joint states are stale. tolerance (n,) or one number [rad, m]: the allowed distance of a joint
+    from all setpoints within the last `timeout`; a shorter lag is no deviation. `returned`: whether the last joint
+    state was the first after a gap longer than `timeout`.
     """
 
     def __init__(self, arm: Arm, timeout: float, tolerance: ArrayLike) -> None:
@@ -62,7 +62,7 @@ class FeedbackWatch:
         return self._plausible(measured.theta)
 
     def forget(self) -> None:
-        """Whatever was commanded counts no more: the servo starts anew from the measured state."""
+        """Forget all setpoints, because the servo restarts at the measured position."""
         self._before = self._now = None
 
     def follow(self, theta: Array, now: float) -> None:
@@ -74,7 +74,7 @@ class FeedbackWatch:
             self._now = np.minimum(lower, theta), np.maximum(upper, theta)
 
     def error(self, theta: Array) -> Array | None:
-        """How far each joint (n,) is from all that was commanded within the last timeout; None before anything was."""
+        """The distance of each joint (n,) from all setpoints within the last timeout; None before the first."""
         if self._now is None:
             return None
         lower, upper = self._now
@@ -84,7 +84,7 @@ class FeedbackWatch:
         return away
 
     def deviation(self, theta: Array) -> str:
-        """Which joint is how far from where it was commanded to be, "" where none is farther than allowed."""
+        """The joint that is too far from its setpoints and its distance; "" for none."""
         away = self.error(theta)
         if away is None or not (away > self._tolerance).any():
             return ""

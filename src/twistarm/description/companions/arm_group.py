@@ -1,4 +1,4 @@
-"""The arm's group in an SRDF: the choice among its groups, and the group's base and tip."""
+"""The arm's group of an SRDF, with its base and tip."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .srdf import EndEffector, Group, Semantics
 
 @dataclass(frozen=True)
 class ArmGroup:
-    """A group whose moving `joints` lie on one path out to `tip`; `base` is given where the group is a chain."""
+    """A group with moving `joints` on one path to `tip`; `base` is given if the group is a chain."""
 
     name: str
     base: str | None
@@ -25,8 +25,8 @@ class ArmGroup:
 def arm_groups(semantics: Semantics, description: Description) -> tuple[ArmGroup, ...]:
     """The groups that could be the arm; a single one is the arm.
 
-    A group with a gripper's joints is none, unless there is no other. Chains win over lists of joints, then groups
-    that an end effector hangs on over others.
+    Groups with a gripper's joints count only without another. Chains precede lists of joints; groups with an end
+    effector precede others.
     """
     tree = _Tree(description)
     own = {name: _own_joints(group, description, tree) for name, group in semantics.groups.items()}
@@ -57,13 +57,13 @@ class _Tree:
             free[joint.child] = self._first[joint.child] + 1
 
     def above(self, link: str, other: str) -> bool:
-        """Whether `other` is `link` or hangs on it."""
+        """Whether `other` is `link` or beyond it."""
         if link not in self._first or other not in self._first:
             return False
         return self._first[link] <= self._first[other] < self._first[link] + self._size[link]
 
     def chain(self, base: str, tip: str) -> list[str]:
-        """The joints from `base` to `tip`; none where they are no such links, or not above each other."""
+        """The joints from `base` to `tip`; empty if there is no such chain."""
         path: list[str] = []
         while self.above(base, tip) and tip != base:
             path.append(self.joint_to[tip].name)
@@ -76,7 +76,7 @@ def _preferred(groups: list[ArmGroup], better: Callable[[ArmGroup], bool]) -> li
 
 
 def _path(group: Group, members: list[Joint], tree: _Tree) -> ArmGroup | None:
-    """The group as a path of joints; None where its moving joints branch, or there are none."""
+    """The group as a path of joints, or None if its moving joints branch or are missing."""
     moving = [joint for joint in members if joint.moving]
     # Fixed joints beyond the last moving one lead on to the tip only where they do not branch.
     for joints in (members, moving) if moving else ():
@@ -110,7 +110,7 @@ def _members(group: Group, semantics: Semantics, own: dict[str, set[str]], tree:
 
 
 def _gripping(effector: EndEffector, members: dict[str, list[Joint]], tree: _Tree) -> tuple[str, ...]:
-    """The moving joints of an end effector's group, if they lie beyond the link that it hangs on."""
+    """The moving joints of an end effector's group beyond its link."""
     joints = [joint for joint in members.get(effector.group, ()) if joint.moving]
     beyond = all(tree.above(effector.parent_link, joint.parent) for joint in joints)
     return tuple(joint.name for joint in joints) if beyond else ()

@@ -25,18 +25,18 @@ MOST_BYTES, FILE_BYTES = 3_000_000, 10_000
 
 
 def files_beside(file: Path, pattern: str) -> tuple[Path, ...]:
-    """Files named like `pattern` (`*.srdf`) in the description's folder and where packages keep them beside it.
+    """Files with a name like `pattern` (`*.srdf`) in the description's folder and the usual places of packages.
 
-    What is there through a link lies elsewhere, and nobody has asked for it.
+    Files behind links are ignored, because nobody named them.
     """
     found = (path for folder in _folders(file) for path in _glob(folder, pattern))
     return tuple(path for path in dict.fromkeys(found) if is_file(path) and path.resolve() == path)
 
 
 def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Finding, ...]]:
-    """The one SRDF beside the description that is for a robot of its name, and what was noticed.
+    """The one SRDF beside the description with the robot's name, and the findings.
 
-    Where several are, none is used. A xacro'd SRDF is a program that nobody named, and is not looked for.
+    Of several none is used. A xacro SRDF is a program and is not looked for.
     """
     if description.path is None:
         return None, ()

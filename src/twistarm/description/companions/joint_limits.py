@@ -37,7 +37,9 @@ _OTHER = re.compile(r"(has|max)_deceleration(_limits)?|has_soft_limits|k_(positi
 
 @dataclass(frozen=True)
 class LimitsFile:
-    """Limits by joint and field, {"elbow": {"velocity": 1.0}}, only what the file gives; rad or m and their rates."""
+    """Limits by joint and field, {"elbow": {"velocity": 1.0}}, as far as the file gives them, in rad, m and their
+    rates.
+    """
 
     path: Path
     joints: Mapping[str, Mapping[str, float]]
@@ -46,9 +48,11 @@ class LimitsFile:
     def of(
         self, names: tuple[str, ...], every: Iterable[str]
     ) -> tuple[dict[str, dict[str, float]], tuple[Finding, ...]]:
-        """What it gives for these coordinates, by field and joint, and what was noticed; `every` joint there is.
+        """The limits for these coordinates by field and joint, and the findings.
 
-        Raises DescriptionError if it names none of them.
+        `every`: all joints.
+
+        Raises DescriptionError if the file names none of them.
         """
         others = [joint for joint in self.joints if joint not in names]
         place = Place(self.path.name)
@@ -77,8 +81,8 @@ class LimitsFile:
 def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
     """Read a joint_limits.yaml: `joint_limits: {joint: {has_velocity_limits: true, max_velocity: 1.0, …}}`.
 
-    `has_…_limits: false` and a limit of 0 mean that this file does not give it; without `has_…` a limit that is there
-    counts. The mapping may stand inside ROS parameters (`/**: ros__parameters:`); `!degrees` are turned into rad.
+    `has_…_limits: false` and a limit of 0 mean "not given"; without `has_…` a written limit counts. The mapping may be
+    inside ROS parameters (`/**: ros__parameters:`). `!degrees` becomes rad.
 
     Raises DescriptionError (file, joint, remedy).
     """

@@ -22,8 +22,8 @@ KEYS = ("ratio", "offset", "unit", "ticks_per_turn", "limits")
 class Motor:
     """A motor and the joints it drives: motor = Σ ratio[joint] · joint + offset, rad or m on either side.
 
-    `unit` is what its drive counts in, `ticks_per_turn` how fine where that is known. `limits` are the motor's own, on
-    its side of the gear, by the names of `MOTOR_LIMITS`.
+    `unit` is the unit of its counts, `ticks_per_turn` their number if known. `limits` belong to the motor's side of the
+    gear, with the names of `MOTOR_LIMITS`.
     """
 
     name: str

@@ -39,7 +39,7 @@ class Group:
 
 @dataclass(frozen=True)
 class EndEffector:
-    """What hangs on `parent_link`: the joints of `group`; `parent_group` is the arm's group, where that is said."""
+    """An end effector on `parent_link`: the joints of `group`, and the arm's group `parent_group` if given."""
 
     name: str
     parent_link: str
@@ -58,9 +58,11 @@ class GroupState:
 
 @dataclass(frozen=True)
 class Semantics:
-    """An SRDF as read. Pairs of links are sorted; virtual joints are not kept, only their names.
+    """An SRDF.
 
-    `silent_links` are those that by default collide with nothing, but for the `checked_pairs`.
+    Pairs of links are sorted. Only the names of virtual joints are kept.
+
+    `silent_links` collide with nothing by default, except the `checked_pairs`.
     """
 
     path: Path
@@ -89,10 +91,10 @@ def read_srdf(
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> Semantics:
-    """Read an SRDF, plain or xacro; of `xacro_args` those are passed on that the file declares, `without` and `env` as
-    in `read_description`.
+    """Read an SRDF, plain or xacro, with the `xacro_args` that it declares; `without` and `env` as in
+    `read_description`.
 
-    Raises DescriptionError (file, line, element, remedy) for what is no SRDF.
+    Raises DescriptionError (file, line, element, remedy) if it is not an SRDF.
     """
     file = existing_file(path, "the path of an SRDF")
     if file.stat().st_size > MAX_BYTES:

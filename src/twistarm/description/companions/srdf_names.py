@@ -11,7 +11,7 @@ from .srdf import Semantics
 
 
 def note_names(semantics: Semantics, description: Description) -> tuple[Finding, ...]:
-    """What an SRDF says of links and joints that are not there, and whether it is for a robot of another name."""
+    """Note entries for missing links and joints, and an SRDF for another robot."""
     noted = []
     place = Place(semantics.path.name)
     if semantics.name != description.name:

@@ -1,4 +1,4 @@
-"""Entries of an arm.toml, each checked; what cannot be used is refused with its file, its place and what is allowed."""
+"""Checked entries of an arm.toml; an invalid one is an error with file, place and allowed values."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def unusable(path: Path, what: str, remedy: str = "correct it there") -> Descrip
 
 
 def parse_toml(path: Path, what: str = "an arm.toml") -> dict[str, Any]:
-    """The content of the file, which is to be `what`; DescriptionError where it is no TOML, or too much of it."""
+    """The content of the TOML file `what`. Raises DescriptionError if it is invalid or too large."""
     if sys.version_info >= (3, 11):
         import tomllib
     else:
@@ -60,7 +60,7 @@ def text_of(value: Any, place: str, path: Path) -> str:
 
 
 def table_of(content: Mapping[str, Any], key: str, path: Path) -> Mapping[str, Any]:
-    """The table `key`, empty where there is none."""
+    """The table `key`, empty if missing."""
     table = content.get(key, {})
     if not isinstance(table, dict):
         raise unusable(path, f"{key} must be a table of name = value; got {table!r}")

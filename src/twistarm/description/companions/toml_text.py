@@ -12,5 +12,5 @@ def toml_key(name: str) -> str:
 
 
 def toml_text(text: str) -> str:
-    """A TOML text; JSON's escapes are TOML's, but for delete."""
+    """A TOML string; JSON's escapes are TOML's, except delete."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,1 +1,1 @@
-"""xacro to URDF text, without ROS and in a cage: files confined, expressions checked, work counted."""
+"""xacro to URDF without ROS, confined: files restricted, expressions checked, work counted."""

@@ -10,7 +10,7 @@ from .work import Refused
 
 
 def causes(error: BaseException) -> Iterator[Any]:
-    """The error and whatever it wraps: xacro keeps the original in `.exc`, Python in `__cause__`/`__context__`."""
+    """The error and its causes: xacro keeps the original in `.exc`, Python in `__cause__`/`__context__`."""
     seen: set[int] = set()
     stack: list[BaseException | None] = [error]
     while stack:
@@ -22,5 +22,5 @@ def causes(error: BaseException) -> Iterator[Any]:
 
 
 def is_final(error: BaseException) -> bool:
-    """Whether it was refused, never ends or is a file that cannot be opened: nothing that leaving out would mend."""
+    """Whether leaving parts out cannot help: a refusal, endless work, or an unreadable file."""
     return any(isinstance(cause, (Refused, DescriptionError, OSError, RecursionError)) for cause in causes(error))

@@ -1,4 +1,4 @@
-"""Confinement of files: a xacro description may open those of its own package and of packages in the index."""
+"""a xacro file may open files of its package and of indexed packages."""
 
 from __future__ import annotations
 
@@ -26,16 +26,15 @@ _PARTS = ("urdf", "xacro", "robots", "robot", "description", "model", "models")
 
 @dataclass(frozen=True)
 class Confinement:
-    """The folders that `file` and whatever it includes may read from.
+    """The folders that `file` and its includes may read from.
 
-    The file's own package (the nearest folder above with a package.xml), or without one its folder and, where that is
-    called urdf or the like, the one above; and the very folders in which the index finds packages, those in
-    `package_dirs` among them. A folder without a package.xml is one only where the description asks for a package of
-    its name and it looks like one (`PackageIndex`). Never the home folder or the root of the file system as a whole.
+    They are the file's package (the nearest parent with a package.xml), or its folder without one, and the parent of a
+    folder called urdf or similar. The folders of indexed packages follow, `package_dirs` included. A folder without
+    package.xml counts only if the description asks for its name and it looks like a package (`PackageIndex`). The home
+    folder and the root never count as a whole.
 
-    A file counts where it lies when it is open, not where its name stood before: nothing can be put in its place
-    between the look and the reading. No link opens what it points at, because a stranger's archive may hold any; but
-    for those that the user's own build has made (`_is_built_from`).
+    The path of the opened file decides, so nothing can be swapped between check and reading. Links are refused, because
+    an archive may hold any, except those of the user's build (`_is_built_from`).
     """
 
     file: Path
@@ -44,9 +43,9 @@ class Confinement:
     _known: dict[Path, bool] = field(default_factory=dict, repr=False, compare=False)
 
     def read(self, name: str) -> tuple[Path, str]:
-        """Where the regular file lies that `name` stands for, and its text.
+        """The path and text of the regular file `name`.
 
-        Refused outside the folders, whether or not there is a file; OSError where there is none inside.
+        Outside the folders it is refused, existing or not. Raises OSError if it is missing inside.
         """
         try:
             self.require_inside(Path(os.path.realpath(name)))  # a device is not even opened
@@ -85,7 +84,7 @@ class Confinement:
             raise Refused(OUTSIDE, what, f"pass {package_folder('its package')}")
 
     def _is_known(self, folder: Path) -> bool:
-        """Whether it is where the index finds a package, be it there or by the user's own build."""
+        """Whether it is an indexed package, directly or by the user's build."""
         if folder not in self._known:
             name = None if is_too_wide(folder) else package_name(folder)
             found = None if name is None else self.packages.find(name)
@@ -96,7 +95,7 @@ class Confinement:
         return self._known[folder]
 
     def _sourced(self, package: str) -> Iterator[Path]:
-        """Where the links of the environment's packages of a name lead: whoever sourced a workspace has built it."""
+        """The targets of the environment's package links with a name, because the user built that workspace."""
         for found in self.packages.sourced(package):
             yield from (_real(found), _real(found / "package.xml").parent)
 
@@ -108,7 +107,7 @@ def confinement(file: Path, packages: PackageIndex) -> Confinement:
 
 
 def _real(path: Path) -> Path:
-    """The path without links, spelled as the system spells what is open (on macOS in the letters' own case)."""
+    """The path without links, in the system's spelling (on macOS in the file's own case)."""
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
     except OSError:
@@ -120,10 +119,10 @@ def _real(path: Path) -> Path:
 
 
 def _is_built_from(installed: Path, folder: Path) -> bool:
-    """Whether `folder` is a source in the very workspace whose `install` holds the package.
+    """Whether `folder` is a source of the workspace whose `install` holds the package.
 
     `colcon build --symlink-install` leaves `install/…/share/NAME/package.xml`, a link to `src/…/NAME/package.xml`. An
-    archive may hold such links too, but what they point at then lies in its own `src`.
+    archive may hold such links too, but their targets are then in its own `src`.
     """
     if _real(installed) != installed or _real(installed / "package.xml").parent != folder:
         return False

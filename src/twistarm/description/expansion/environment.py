@@ -19,10 +19,9 @@ class NotSetError(Exception):
 
 @dataclass
 class Environment:
-    """Stands in the place of xacro's `$(env NAME)` and `$(optenv NAME default)`, and of both in `$(eval ...)`.
+    """Replaces xacro's `$(env NAME)` and `$(optenv NAME default)`, also in `$(eval ...)`.
 
-    A name that is not among the `allowed` counts as not set, whether it is or not: whatever a file reads may end in a
-    robot's name, and with it on a page that is passed on.
+    A name outside `allowed` counts as unset, because a value may end up in a robot's name and on a shared page.
     """
 
     file: Path

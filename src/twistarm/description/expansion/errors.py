@@ -1,4 +1,4 @@
-"""xacro's raw errors in one line each: what went wrong, where, and what to do about it."""
+"""xacro's errors in one line each: what went wrong, where, and the remedy."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def _missing_package(package: str, wanted: Path, expansion: Expansion, place: Pl
 
 
 def _folder_with(wanted: Path, expansion: Expansion) -> Path | None:
-    """A folder near the description, or given by the user, in which the wanted file of a package stands as in that."""
+    """A folder near the description, or given by the user, with the wanted file of a package."""
     if not wanted.name or ".." in wanted.parts:
         return None
     near = (*expansion.packages.user_dirs, *list(expansion.path.parents)[:NEAR])
@@ -83,7 +83,7 @@ def _folder_with(wanted: Path, expansion: Expansion) -> Path | None:
 
 
 def _missing_file(error: OSError, expansion: Expansion) -> tuple[str, str]:
-    """A file that cannot be opened: where its path ends, what stands there, and the arguments that it may hang on."""
+    """A file that cannot be opened: where its path ends, what is there, and the arguments in it."""
     what = f"xacro cannot expand it: {error.strerror}: {error.filename}"
     path = Path(str(error.filename))
     if not isinstance(error, FileNotFoundError) or not path.is_absolute():
@@ -100,7 +100,7 @@ def _missing_file(error: OSError, expansion: Expansion) -> tuple[str, str]:
 
 
 def _behind(part: str, expansion: Expansion) -> dict[str, str]:
-    """The arguments that a part of a path seems made with: the longest values in it; of empty ones, the names."""
+    """The arguments that a part of a path seems to use: the longest values in it; of empty ones, the names."""
     values = {**expansion.found.all(), **expansion.given}
     inside = {name: value for name, value in values.items() if value is not None and (value or name) in part}
     longest = max((len(value or name) for name, value in inside.items()), default=0)
@@ -108,7 +108,7 @@ def _behind(part: str, expansion: Expansion) -> dict[str, str]:
 
 
 def missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
-    """An argument without a value, with all others that have none either; or one whose default comes too late."""
+    """All arguments without a value, or one with a default that comes too late."""
     declared, given = expansion.found.all(), expansion.given
     used_in = expansion.found.used.get(undefined, expansion.path).name
     absent = {name: ... for name, default in declared.items() if default is None and name not in given}
@@ -148,7 +148,7 @@ def package_finding(path: Path, package: str) -> Finding:
 
 
 def _reworded(text: str, expansion: Expansion) -> tuple[str, str]:
-    """What happened and the remedy, for the errors of xacro whose own text does not help."""
+    """The event and the remedy, for errors whose xacro text does not help."""
     if text == "xacro:arg: missing attribute 'default'":
         remedy = 'write default="" and give the value when loading'
         return "a <xacro:arg> has no default=, which xacro demands", remedy

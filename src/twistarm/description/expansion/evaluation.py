@@ -21,9 +21,9 @@ WORKING_FOLDER = ".cwd"
 
 
 class Evaluation:
-    """Stands in the place of xacro's `eval_text`, with what that evaluates.
+    """Replaces xacro's `eval_text` and its evaluation.
 
-    `find` answers `$(find package)`, `files` holds the functions about files.
+    `find` answers `$(find package)`; `files` holds the functions about files.
     """
 
     def __init__(
@@ -95,7 +95,7 @@ class Evaluation:
             raise self._xacro.XacroException(exc=error, suffix=told) from error
 
     def _run(self, command: str) -> str:
-        """The text that `$(command)` stands for."""
+        """The text of `$(command)`."""
         self._work.charge_text(len(command))
         name, _, rest = command.strip().partition(" ")
         words = rest.split()
@@ -132,7 +132,7 @@ class Evaluation:
 
 
 class _CommandNames(dict[str, Any]):
-    """The names in `$(eval ...)`: functions and constants first, then the arguments, as numbers where they are."""
+    """The names in `$(eval ...)`: functions and constants, then the arguments, as numbers where possible."""
 
     def __init__(self, names: Mapping[str, Any], argument: Callable[[str], Any]) -> None:
         super().__init__(names)

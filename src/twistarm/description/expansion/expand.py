@@ -27,13 +27,12 @@ def expand_xacro(
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> tuple[str, tuple[Finding, ...]]:
-    """The URDF text that `path` expands to, and what was noticed on the way.
+    """The URDF text of `path`, and the findings.
 
-    Nothing outside the packages is opened (`confinement`), expressions reach nothing but their own values
-    (`expressions`), of the environment it knows the variables in `env` alone (`environment`), and the work is counted
-    (`work`). A package that is not found fails only where an include or a YAML load needs it; of the packages in
-    `without` nothing is opened, and what they would have brought is left out (`left_out`). Raises DescriptionError with
-    the file, the cause and the remedy.
+    Files stay inside packages (`confinement`), expressions reach only their values (`expressions`), only the variables
+    in `env` are visible (`environment`), and work is counted (`work`). A missing package is an error only if an include
+    or a YAML load needs it. Nothing of the packages in `without` is opened; their parts are left out (`left_out`).
+    Raises DescriptionError with the file, the cause and the remedy.
     """
     text, expansion = _expanded(path, packages, arguments or {}, without, env)
     known = expansion.found.all()
@@ -52,16 +51,15 @@ def xacro_arguments(
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> dict[str, str | None]:
-    """Every argument that `path` takes, with what it includes: {name: default}, None where one must be given.
+    """Each argument of `path` and its includes: {name: default}, None if required.
 
-    What it includes may hang on `arguments`; those it does not take do no harm. Raises DescriptionError as
-    `expand_xacro` does.
+    Includes may depend on `arguments`; unknown ones do no harm. Raises DescriptionError as `expand_xacro` does.
     """
     return _expanded(path, packages, arguments or {}, without, env)[1].found.all()
 
 
 def is_xacro(path: Path) -> bool:
-    """Whether a file must be expanded first: by its name, or because a xacro element stands in it."""
+    """Whether a file needs expansion, by its name or a xacro element in it."""
     return path.suffix == ".xacro" or "<xacro:" in read_text(path)
 
 
@@ -86,9 +84,9 @@ def _expanded(
 
 
 def _portable(robot: str) -> str:
-    """The text without xacro's banner, which tells where the file lies, and its paths as any reader of URDF takes them.
+    """The text without xacro's banner, which tells the file's place, and with paths for every URDF reader.
 
-    `file://$(find arm)/…` is the package's file; what lies beside the description is named from there.
+    `file://$(find arm)/…` is the package's file; files beside the description are relative to it.
     """
     return _DECLARATION + robot.replace(f"file://{PACKAGE}", PACKAGE).replace(HERE, "")
 

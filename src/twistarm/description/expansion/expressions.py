@@ -1,9 +1,9 @@
-"""xacro's expressions: a walk over their syntax tree that does what this file says, and nothing else.
+"""xacro's expressions: a walk over their syntax tree with an allowed list.
 
-What may stand in one is what arms' descriptions use: numbers, texts, lists, arithmetic, comparisons, conditions, items,
-comprehensions and calls. Each kind of node has a method here, each operator and each method of a value stands in a
-table; what has none is refused. A dot names an item of a namespace or a dictionary, and nothing else, so that nothing
-of Python itself can be reached. Each step is counted, and each value by its size.
+Allowed is what arms' descriptions use: numbers, texts, lists, arithmetic, comparisons, conditions, items,
+comprehensions and calls. Each kind of node has a method here; each operator and each method of a value is in a table.
+Everything else is refused. A dot names an item of a namespace or a dictionary only, so nothing of Python can be
+reached. Each step is counted, and each value by its size.
 """
 
 from __future__ import annotations
@@ -71,9 +71,9 @@ _WORDS = {
 
 
 class Expressions:
-    """Evaluates expressions with counted work; `namespace`: the type whose dots mean items.
+    """Evaluates expressions with counted work; `namespace`: the type with items by dots.
 
-    What can be called is what was offered: no expression makes another function.
+    Only offered functions can be called; expressions cannot make functions.
     """
 
     def __init__(self, work: Work, namespace: type) -> None:
@@ -83,7 +83,7 @@ class Expressions:
         self._takers: list[Any] = [isinstance]
 
     def offer(self, names: dict[str, Any], takers: Sequence[Any] = ()) -> dict[str, Any]:
-        """`names`, whose functions may be called from now on; `takers`: those of them that may be given functions."""
+        """Offer the functions in `names`. `takers`: those that accept functions as arguments."""
         self._offered |= {id(value): value for value in names.values() if callable(value)}
         self._takers += takers
         return names
@@ -100,7 +100,7 @@ class Expressions:
     def weigh(self, value: Any) -> Any:
         """Charge a value's size, shared parts as often as they would be written, and return it.
 
-        Refused for what is no data: the text of a function or a type tells about the program, its place in memory too.
+        Raises for values that are not data, because the text of a function or a type reveals memory addresses.
         """
         size, stack = 0, [value]
         while stack and size <= self._work.left:

@@ -70,7 +70,7 @@ _WILDCARD = re.compile(r"[*?[]")
 
 
 class Expansion:
-    """One expansion: what it has opened, declared and asked for, and the functions that xacro gets for it."""
+    """One expansion: its opened files, declarations, requests, and the functions for xacro."""
 
     def __init__(
         self,
@@ -184,7 +184,7 @@ class Expansion:
         return str(self._xacro.abs_filename_spec(name))
 
     def _read(self, name: str) -> tuple[Path, str]:
-        """Where a file lies that may be read, and its text; XacroException where there is none."""
+        """The path and text of a readable file. Raises XacroException without one."""
         if len(self._xacro.filestack) > MAX_INCLUDES:
             what = f"an included file refers to itself without end: {MAX_INCLUDES} files are open"
             raise Refused("xacro-recursion", what, "take out the include that comes back")
@@ -205,7 +205,7 @@ class Expansion:
         return str(self.packages.find(package) or MISSING_PACKAGE + package)
 
     def find(self, package: str) -> str:
-        """What stands for the folder of a package."""
+        """The text for the folder of a package."""
         known = self.packages.find(package) or self.packages.find_for_mesh_alone(package)
         if known is None and package not in self.left_out.packages:
             self.unknown_packages.add(package)
@@ -215,7 +215,7 @@ class Expansion:
         return PACKAGE + package
 
     def named_from_here(self, name: str) -> str:
-        """A file named as the file being read names it, as any other names it too."""
+        """A file named by the present file, as others name it."""
         if os.path.isabs(name) or name.startswith(PACKAGE):
             return name
         folder = os.path.dirname(self._xacro.filestack[-1] or self.path)
@@ -230,7 +230,7 @@ class Expansion:
         return Place(str((self._xacro.filestack or [self.path])[-1]))
 
     def neighbours(self, folder: Path, absent: Path) -> list[str]:
-        """What stands in a folder that may be read where `absent` was looked for: folders, or files of its kind."""
+        """What is in the readable folder of the missing `absent`: folders, or files of its kind."""
         try:
             names = self._confinement.entries(folder)
         except (Refused, OSError):
@@ -255,7 +255,7 @@ class Expansion:
         return bool(self._original["handle_macro_call"](node, macros, symbols))
 
     def evaluate(self, node: Any, macros: Any, symbols: Any) -> None:
-        """xacro's own; an element that the arm is not read from is left out where it needs what has been."""
+        """xacro's own; it leaves out an optional element that needs a left-out part."""
         evaluate = self._original["eval_all"]
         needed = node.tagName in NEEDED or node.tagName.startswith("xacro:") or node.parentNode is None
         if needed or self._in_leavable:
@@ -272,7 +272,7 @@ class Expansion:
         self._or_leave_out(node, lambda: self._original["grab_property"](node, table))
 
     def _or_leave_out(self, node: Any, act: Callable[[], None]) -> None:
-        """Do it, or where it cannot be done after something has been left out, remove the element."""
+        """Do it. If it fails after a part was left out, remove the element."""
         files, calls = len(self._xacro.filestack), len(self._xacro.macrostack)
         try:
             act()
@@ -288,7 +288,7 @@ class Expansion:
     # work: what a file holds was paid for when it was parsed, what is copied and moved is paid for here
 
     def resolve_macro(self, name: str, macros: Any, symbols: Any) -> Any:
-        """xacro's own, counted: it runs once for each call of a macro, whose body is then copied."""
+        """xacro's own, counted: it runs for each call of a macro and copies the body."""
         found = self._original["resolve_macro"](name, macros, symbols)
         self.work.charge(MACRO_COST + ELEMENT_COST * _size(found[2].body))
         return found
@@ -309,7 +309,7 @@ class Expansion:
 
 
 def _document(text: str, root: ET.Element, path: Path) -> Any:
-    """minidom's, without the encoding that the file had, and without comments, of which xacro looks at each again."""
+    """minidom's, without the file's encoding and without comments, which xacro would visit each time."""
     options = xmlbuilder.Options()
     options.comments = False
     try:

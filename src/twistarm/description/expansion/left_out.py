@@ -1,4 +1,4 @@
-"""Parts that an expansion leaves out with the packages that the caller does without, each reported as a finding."""
+"""Parts left out with the packages in `without`, each with a finding."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class LeftOut:
             self._folders[Path(folder)] = package
 
     def package_of(self, name: str) -> str | None:
-        """The package done without that a file belongs to: in the folder found for it, or in one of its name."""
+        """The left-out package of a file: by its folder, or by a folder of its name."""
         file = Path(name)
         found = (package for folder, package in self._folders.items() if file.is_relative_to(folder))
         way = Path(os.path.relpath(file, self.file.parent)).parts if self.packages else ()
@@ -76,7 +76,7 @@ class LeftOut:
         self._note(place, f"<{tag}{f' name={name!r}' if name else ''}> is left out: {reason}")
 
     def findings(self, named: Iterable[str]) -> tuple[Finding, ...]:
-        """One for each part left out, and one for each package without any; `named`: all that the files name."""
+        """A finding for each part left out, and for each package without any; `named`: all names in the files."""
         idle = (package for package in self.packages if package not in self._used)
         return (*self._parts.values(), *(not_used(package, self.file, named) for package in idle))
 
@@ -98,7 +98,7 @@ def not_used(package: str, file: Path, named: Iterable[str]) -> Finding:
 
 
 def blamed(error: DescriptionError, noted: Iterable[Finding]) -> DescriptionError:
-    """The error, and where something has been left out that this may be what is missing."""
+    """The error, with the left-out part that it may miss."""
     parts = [one.what for one in noted if one.code == LEFT_OUT]
     if not parts or not any(one.code in MAY_LACK for one in error.findings):
         return error

@@ -1,6 +1,7 @@
-"""A copy of xacro of its own: PyPI's, also in a ROS shell that stands before it with its own.
+"""A private copy of PyPI's xacro, also in a ROS shell with another one.
 
-xacro keeps its state in module globals, and the cage replaces functions of it. The program's `xacro` stays as it is.
+xacro keeps its state in module globals, and the confinement replaces functions of it. The program's `xacro` stays
+unchanged.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ _NAME = f"{__package__}._xacro"
 
 @functools.cache
 def own_xacro() -> Any:
-    """The copy, loaded once; TwistarmError, in one line, where xacro cannot serve, and how to start."""
+    """The copy, loaded once. Raises TwistarmError in one line, with the remedy, if xacro cannot be used."""
     file = Path(load(_WHEEL).__file__)
     spec = spec_from_file_location(_NAME, file, submodule_search_locations=[str(file.parent)])
     if spec is None or spec.loader is None:
@@ -38,7 +39,7 @@ def own_xacro() -> Any:
 
 @contextmanager
 def hooked(module: Any, values: Mapping[str, Any]) -> Iterator[None]:
-    """Attributes of a module of the copy replaced for a while; TwistarmError if it does not have them all."""
+    """Replace attributes of a module of the copy for a while. Raises TwistarmError if one is missing."""
     missing = [name for name in values if not hasattr(module, name)]
     if missing:
         lacks = f"this xacro ({module.__file__}) has no {', '.join(missing)} and cannot be confined"

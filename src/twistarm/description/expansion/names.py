@@ -1,4 +1,4 @@
-"""The names that xacro's expressions may use: those of xacro, with what could run away replaced."""
+"""The names of xacro's expressions, with bounded replacements for risky functions."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def math_names(expressions: Expressions) -> dict[str, Any]:
 
 
 def tokenize(text: str, sep: str = ",; ", skip_empty: bool = True) -> list[str]:
-    """xacro's own; `sep` lists characters, and those that would make a pattern of it are refused."""
+    """xacro's own. `sep` lists characters; pattern characters are refused."""
     if set("]\\^") & set(sep) or "-" in sep[1:-1]:
         what = f"the separators {sep[:40]!a} are not allowed"
         raise Refused(REFUSED, what, "list characters; none of ] \\ ^, - last")

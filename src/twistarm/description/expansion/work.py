@@ -1,4 +1,4 @@
-"""The work allowed to one expansion: counted, not timed, so that a file gets the same answer everywhere."""
+"""The work allowed to one expansion, counted and not timed, so every machine gives the same answer."""
 
 from __future__ import annotations
 

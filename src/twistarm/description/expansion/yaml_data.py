@@ -19,10 +19,9 @@ MAX_SHORT = 18
 
 
 def load_yaml(text: str, name: str, units: Mapping[str, Callable[[str], float]], work: Work) -> Any:
-    """The data in a YAML text; `units`: what stands for a tag such as `!degrees`.
+    """The data in a YAML text; `units`: factors of tags such as `!degrees`.
 
-    No tag makes an object, aliases count as often as they are used, and what contains itself is refused. `name` is
-    the file's, for PyYAML's messages.
+    No tag makes an object. Aliases count as often as used, and recursive ones are refused. `name` is the file's.
     """
     import yaml  # type: ignore[import-untyped,unused-ignore]
 

@@ -1,4 +1,4 @@
-"""Mesh files, which somebody else made, as triangles: read in a process of their own, within limits."""
+"""Mesh files as triangles, read in a separate process within limits."""
 
 from .formats import LIGHTER, REMEDY, UnreadableMeshError
 from .part import Part

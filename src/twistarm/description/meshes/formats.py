@@ -16,7 +16,7 @@ REMEDY = "export it as STL, OBJ, DAE, PLY or GLB"
 
 
 class UnreadableMeshError(DescriptionError):
-    """A mesh that cannot be drawn: its name, and `reason` and `remedy` in words; not where it lies on this machine."""
+    """A mesh that cannot be drawn: its name, `reason` and `remedy` in words, without its path."""
 
     def __init__(self, path: Path, reason: str, remedy: str = REMEDY) -> None:
         super().__init__(f"cannot read mesh {path.name}: {reason}; {remedy}")

@@ -1,4 +1,4 @@
-"""Limits of reading meshes: far above any exported arm, far below what a machine can bear."""
+"""Limits of reading meshes: far above exported arms, far below a machine's capacity."""
 
 from __future__ import annotations
 

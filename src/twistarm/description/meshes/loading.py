@@ -1,4 +1,4 @@
-"""A mesh file's bytes as triangles, by trimesh's readers; runs in the worker, where whatever they do has an end."""
+"""A mesh file's bytes as triangles by trimesh's readers. It runs in the worker process."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ Piece = tuple[Array, Colour | None]
 
 
 def pieces_of(file: MeshFile) -> list[Piece]:
-    """The triangles of the mesh, in the file's own frame.
+    """The triangles of the mesh in the file's frame.
 
-    In metres where the file names its unit, as COLLADA does, else in the file's numbers; its up axis is not looked
-    at, as in RViz. Raises RefusedError, and whatever a reader stumbles over.
+    They are in metres if the file names its unit, as COLLADA does, else in the file's numbers. The up axis is ignored,
+    as in RViz. Raises RefusedError and the readers' errors.
     """
     return list(_pieces(file))
 
@@ -51,7 +51,7 @@ def length_of(pieces: list[Piece]) -> float:
 def parts_from(pieces: list[Piece], most: float = inf) -> list[Part]:
     """A part for each piece, simplified to about `most` triangles in all, each to its share.
 
-    Normals come from the geometry, never from the file: many exporters write zeros.
+    Normals come from the geometry, because many exporters write zeros.
     """
     share = most / sum(len(corners) for corners, _ in pieces)
     return [_part(corners, colour, share) for corners, colour in pieces]
@@ -95,7 +95,7 @@ def _require_few(triangles: int, parts: int) -> None:
 
 
 def _corners(mesh: Any, g: Array, metres: float) -> Array:
-    """The triangles (F, 3, 3) of `mesh` at the pose `g`, turned the other way round where it mirrors them."""
+    """The triangles (F, 3, 3) of `mesh` at the pose `g`, reversed where it mirrors them."""
     vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise RefusedError("its triangles name vertices that it does not have")
@@ -124,7 +124,7 @@ class _RootReachedError(Exception):
 
 
 def _require_plain_xml(data: bytes) -> None:
-    """RefusedError for what is no XML, as an archive, or has a document type, hence perhaps entities."""
+    """Raise RefusedError for other formats, such as an archive, and for a document type."""
 
     def refuse(*_: object) -> None:
         raise RefusedError("it has a document type, which is not allowed in any file")

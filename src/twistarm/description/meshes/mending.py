@@ -1,4 +1,4 @@
-"""Mesh files as other readers take them, in bytes that trimesh reads so too; runs in the worker."""
+"""Repairs of mesh files that other readers accept; runs in the worker process."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _EFFECTS = re.compile(rb"<library_effects\b.*?</library_effects>", re.DOTALL)
 
 
 def mended(file: MeshFile) -> bytes:
-    """The bytes to read; RefusedError, which says what it is, for a file that is empty or cut short."""
+    """The bytes to read. Raises RefusedError for an empty or truncated file."""
     if not file.data.strip():
         raise RefusedError("it is empty")
     if file.kind == "stl":
@@ -32,7 +32,7 @@ def mended(file: MeshFile) -> bytes:
 
 
 def _stl(data: bytes) -> bytes:
-    """Binary without what follows its last facet, or text with its end, as assimp takes both."""
+    """Binary STL without trailing bytes, or text with its end; assimp accepts both."""
     start = data[:LOOKED_AT].lstrip().lower()
     promised = int.from_bytes(data[COUNT:HEAD], "little") if len(data) >= HEAD else -1
     if len(data) != HEAD + FACET * promised and start.startswith(b"solid") and b"\0" not in data[:HEAD]:
@@ -56,7 +56,7 @@ def _text(data: bytes) -> bytes:
 
 
 def _with_opacity(match: re.Match[bytes]) -> bytes:
-    """COLLADA's effects, each with its opacity as the alpha of its diffuse colour, which alone is looked at later."""
+    """COLLADA's effects with their opacity as the alpha of the diffuse colour."""
     try:
         effects = ET.fromstring(match[0])
         for technique in effects.findall(".//technique/*"):
@@ -77,7 +77,7 @@ def _put_opacity(technique: ET.Element) -> None:
 
 
 def _opacity(technique: ET.Element) -> float:
-    """The share of light that is held back, by the mode of `transparent`; the alpha of `diffuse` means nothing."""
+    """The opacity by the mode of `transparent`; the alpha of `diffuse` is ignored."""
     transparent = technique.find("transparent")
     factor = float(technique.findtext("transparency/float") or 1.0)
     mode = "A_ONE" if transparent is None else transparent.get("opaque", "A_ONE")

@@ -13,13 +13,16 @@ from .limits import LARGEST_FILE
 
 
 class RefusedError(Exception):
-    """Why a mesh is not read, in words that follow its name; no OSError, which a reader takes for a missing file."""
+    """Why a mesh is not read, in words that follow its name.
+
+    It is no OSError, which readers take for a missing file.
+    """
 
 
 class MeshFile(NamedTuple):
-    """A mesh file that was opened: its format, its bytes, and where it lies, links followed.
+    """An opened mesh file: its format, its bytes, and its real path.
 
-    `read` is told how many bytes it has, and of each file that it refers to.
+    `read` receives the size of this file and of each file it refers to.
     """
 
     kind: str

@@ -14,9 +14,9 @@ Colour = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Part:
-    """Triangles of one material: vertices (N, 3), unit normals (N, 3), faces (F, 3); colour None where not given.
+    """Triangles of one material: vertices (N, 3), unit normals (N, 3), faces (F, 3); colour None if not given.
 
-    `exact`: they are those of the file.
+    `exact`: they are the file's triangles.
     """
 
     vertices: Array

@@ -1,4 +1,4 @@
-"""The process that reads meshes, as whoever asks it has it: started, asked, and ended with all that it started."""
+"""The process that reads meshes, from its parent's side: start, ask, end."""
 
 from __future__ import annotations
 
@@ -32,9 +32,11 @@ LAST = 0.2
 
 
 class Process:
-    """A process in a session of its own, which a Ctrl-C in the terminal does not reach; it ends when this one does.
+    """A process in a separate session, so Ctrl-C does not reach it.
 
-    TwistarmError where none can be started, MissingExtraError where it lacks trimesh.
+    It ends with its parent.
+
+    Raises TwistarmError if it cannot start, MissingExtraError without trimesh.
     """
 
     def __init__(self) -> None:
@@ -64,8 +66,8 @@ class Process:
     def ask(self, path: Path, most: float, seconds: float) -> dict[str, Any]:
         """The worker's answer.
 
-        Raises TimeoutError after `seconds` on the clock or all of its processor time, and EOFError where it ends
-        otherwise. Then, and at every interruption, it has been ended.
+        Raises TimeoutError after `seconds` or the end of its processor time, and EOFError if it ends otherwise. In
+        these cases, and at an interruption, the process is ended.
         """
         try:
             if not self._ready:
@@ -78,7 +80,7 @@ class Process:
             raise
 
     def kill(self) -> None:
-        """End it, and whatever it has started, at once. From any thread, and harmless when repeated."""
+        """End it and its children at once. Any thread may call it, repeatedly."""
         with suppress(ProcessLookupError, PermissionError):  # it has ended, and nobody has been told yet
             if self._popen.poll() is None:
                 os.killpg(self._popen.pid, signal.SIGKILL)
@@ -108,7 +110,7 @@ class Process:
 
 
 def _module_path() -> list[str]:
-    """Where modules are found, but for the current folder: what lies beside a description is never imported."""
+    """Python's module path without the current folder, so files beside a description are never imported."""
     own, here = (os.path.realpath(folder) for folder in (Path(__file__).parents[3], "."))
     places = ((folder, os.path.realpath(folder)) for folder in sys.path if os.path.isabs(folder))
     return [folder for folder, place in places if place != here or place == own]
@@ -123,7 +125,7 @@ _lock = threading.Lock()
 
 
 def taken() -> Process:
-    """One that waits to be asked, or a new one: what it imported, the next arm's meshes need too."""
+    """A waiting process or a new one; its imports serve the next arm too."""
     with _lock:
         while _idle:
             if (process := _idle.pop()).alive:

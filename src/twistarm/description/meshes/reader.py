@@ -1,4 +1,4 @@
-"""`MeshReader`: the meshes of one arm, read one after the other in another process, which can be lost."""
+"""`MeshReader` reads the meshes of one arm, one by one, in another process."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ LONGEST_REASON = 300
 
 
 class MeshReader(Closeable):
-    """Reads the meshes of one arm within limits of memory and time, for each and for all, until `close`.
+    """Reads the meshes of one arm within limits of memory and time, until `close`.
 
-    A context manager. From any thread; one reads at a time, and `close` ends what is being read.
-    Both readings raise UnreadableMeshError, worded for a stranger, for a file that is no mesh or breaks a limit,
-    MissingExtraError without trimesh, and TwistarmError where no process can be started.
+    It is a context manager. Any thread may call it; one reads at a time, and `close` ends the reading. Both readings
+    raise UnreadableMeshError for an invalid mesh or a broken limit, MissingExtraError without trimesh, and
+    TwistarmError if no process can start.
     """
 
     def __init__(self) -> None:
@@ -37,20 +37,20 @@ class MeshReader(Closeable):
         self._lengths: dict[Path, float | TwistarmError] = {}
 
     def begin(self) -> None:
-        """Have the process start, if it can: what it imports takes some tenths of a second. Returns at once."""
+        """Start the process and return at once; its imports take some tenths of a second."""
         if find_spec("trimesh") is not None:
             with self._lock, suppress(TwistarmError):
                 self._have_process()
 
     def parts(self, path: Path, most: float = inf) -> list[Part]:
-        """The parts of the mesh file at `path`, in its own frame and in metres if it names its unit, simplified to
-        about `most` triangles.
+        """The parts of the mesh file at `path` in its frame, in metres if it names its unit, with about `most`
+        triangles.
         """
         with self._turn:
             return self._read(path, most)
 
     def length(self, path: Path) -> float:
-        """The longest side of the box around it, in metres if the file names its unit; known where it was read."""
+        """The longest side of its bounding box, in metres if the file names its unit; known after reading."""
         with self._turn:
             if path not in self._lengths:
                 self._read(path, 0)

@@ -21,9 +21,9 @@ ITSELF = "model.gltf"
 
 
 class References:
-    """A resolver for trimesh that reads what lies in the package of the mesh, or without one in its folder tree.
+    """A resolver for trimesh that reads inside the mesh's package, or its folder tree.
 
-    `refused`: why the first file that was not for it to read was not read, for readers that go on without.
+    `refused`: why the first forbidden file was not read, for readers that continue without it.
     """
 
     file_name = "mesh"
@@ -35,7 +35,7 @@ class References:
         self.refused: RefusedError | None = None
 
     def get(self, name: str) -> bytes:
-        """The bytes of a file; FileNotFoundError where there is none, RefusedError for one that is not to be read."""
+        """The bytes of a file. Raises FileNotFoundError if missing, RefusedError if forbidden."""
         try:
             return self._read(name)
         except RefusedError as error:

@@ -1,4 +1,4 @@
-"""Triangles made ready to be lit: vertices are shared where the surface is smooth, and creases kept sharp."""
+"""Triangles for lighting: vertices shared on smooth surfaces, creases kept sharp."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Numbers = NDArray[np.int64]
 def shaded(corners: Array) -> tuple[Array, Array, Numbers]:
     """Vertices, unit normals and faces of triangles given as corners (F, 3, 3).
 
-    A corner's normal is the mean of the faces round its vertex that are reached from its own without crossing a crease,
-    weighted by their area and their angle there: how a flat or round face is cut in triangles makes no difference. It
-    is its own face's where the mean is farther from that than a crease, as at the tip of a cone. Corners with equal
-    vertex and normal become one vertex. Sorting takes the time, O(F log F), whatever the mesh.
+    A corner's normal is the mean of the faces around its vertex that connect without a crease, weighted by area and
+    angle, so the triangulation has no influence. It is the face's own normal where the mean differs by more than a
+    crease, as at the tip of a cone. Corners with equal vertex and normal become one vertex. Sorting dominates the time,
+    O(F log F).
     """
     points = corners.reshape(-1, 3)
     vertex = welded(points)
@@ -70,7 +70,7 @@ def _angles(corners: Array) -> Array:
 
 
 def _smooth_pairs(normals: Array, vertex: Numbers) -> tuple[Numbers, Numbers]:
-    """Corners (numbers 3 F) at one vertex whose faces share an edge there that is no crease, as two lists."""
+    """Corners (numbers 3 F) at one vertex with faces that share a smooth edge there, as two lists."""
     corner = np.arange(len(vertex)).reshape(-1, 3)
     start, end = corner.ravel(), np.roll(corner, -1, axis=1).ravel()
     turned = vertex[start] > vertex[end]  # the same edge from the other side
@@ -86,8 +86,8 @@ def _smooth_pairs(normals: Array, vertex: Numbers) -> tuple[Numbers, Numbers]:
 def _components(one: Numbers, other: Numbers, count: int) -> Numbers:
     """The least number in the connected component of each of `count` nodes, by edges between `one` and `other`.
 
-    Each round hooks every root to a smaller neighbour and follows the hooks to their ends: the roots that can still
-    be hooked at least halve (Shiloach & Vishkin 1982).
+    Each round hooks every root to a smaller neighbour and follows the hooks. The roots that can still be hooked at
+    least halve (Shiloach & Vishkin 1982).
     """
     root = np.arange(count)
     while True:

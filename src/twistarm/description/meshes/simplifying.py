@@ -1,4 +1,4 @@
-"""A mesh of about as many triangles as wanted: the vertices in each cell of a grid become one."""
+"""Simplify a mesh: the vertices in each cell of a grid become one."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ STRAY = 1e-3
 
 
 def simplified(corners: Array, most: int) -> Array:
-    """The triangles (F, 3, 3) themselves if they are at most `most`, else about `most` triangles in their place.
+    """The triangles (F, 3, 3) if they are at most `most`, else about `most` triangles.
 
-    The vertices in a cell become the point of least squared distance to the planes of the triangles there, weighted by
-    area, so that edges and corners stay where they are (Lindstrom, "Out-of-core simplification of large polygonal
-    models", 2000). Nothing moves by more than a cell. What is left of a mesh smaller than its cells is the mesh itself.
+    The vertices in a cell become the point of least squared distance to the triangles' planes, weighted by area, so
+    edges and corners stay (Lindstrom, "Out-of-core simplification of large polygonal models", 2000). Nothing moves by
+    more than a cell. A mesh smaller than its cells stays unchanged.
     """
     if len(corners) <= most:
         return corners
@@ -59,7 +59,7 @@ def _fitting(corners: Array, extent: Array, most: int) -> float:
 
 
 def _cells(corners: Array, extent: Array, count: float) -> Numbers:
-    """The number of the cell of each corner in a box from 0 to `extent`, with `count` cells along its longest side."""
+    """The cell number of each corner in a box from 0 to `extent`, with `count` cells along its longest side."""
     size = _size(extent, count)
     at = (corners / size).astype(np.int64)
     side = np.ceil(extent / size).astype(np.int64) + 1
@@ -81,7 +81,7 @@ def _distinct(vertex: Numbers) -> NDArray[np.bool_]:
 
 
 def _places(corners: Array, vertex: Numbers, count: int) -> Array:
-    """The vertex of each of `count` cells: the solution x of Σ w n nᵀ (x − p) = 0 that is near the mean of the p."""
+    """The vertex of each of `count` cells: the solution x of Σ w n nᵀ (x − p) = 0 near the mean of the p."""
     flat, points = vertex.ravel(), corners.reshape(-1, 3)
     mean = sums(points, flat, count) / np.bincount(flat, minlength=count)[:, None]
     areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

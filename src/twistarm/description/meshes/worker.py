@@ -1,4 +1,4 @@
-"""The program that reads meshes: started by `process.py`, one mesh after the other, until it is asked no more."""
+"""The program that reads meshes, started by `process.py`: one mesh after the other."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LIBRARIES = ("twistarm", "numpy", "trimesh", "collada", "dateutil", "six")
 
 
 class _Needed(MetaPathFinder):
-    """Finds what `finders` find of the standard library and LIBRARIES, and nothing else that is installed."""
+    """Finds modules of the standard library and LIBRARIES, and no other installed ones."""
 
     def __init__(self, finders: Iterable[Any]) -> None:
         self._finders = tuple(finders)
@@ -50,7 +50,7 @@ def main(descriptor: int) -> None:
 
 
 def _take(pipe: Connection[Any, Any], requests: queue.SimpleQueue[tuple[Path, float]]) -> None:
-    """Whoever asked is gone at the end of the pipe: what is being read is for nobody."""
+    """End when the parent closes its end of the pipe."""
     with suppress(EOFError, OSError):
         while True:
             requests.put(pipe.recv())
@@ -58,7 +58,7 @@ def _take(pipe: Connection[Any, Any], requests: queue.SimpleQueue[tuple[Path, fl
 
 
 def _prepare() -> str:
-    """Import what reads meshes and nothing else, then give up what no mesh needs; what is lacking, in words."""
+    """Import the mesh readers only, then drop privileges that no mesh needs. Returns what is missing, in words."""
     guess = types.ModuleType("charset_normalizer")  # of text that is no UTF-8: its numbers are the same in any
     guess.detect = lambda text: {"encoding": "latin-1", "confidence": 1.0}  # type: ignore[attr-defined]
     sys.modules["charset_normalizer"] = sys.modules["chardet"] = guess
@@ -77,7 +77,7 @@ def _prepare() -> str:
 
 
 def _answer(path: Path, most: float) -> dict[str, Any]:
-    """The mesh's length and, but where `most` is 0, its parts; or the `reason` why it is not read."""
+    """The mesh's length and, unless `most` is 0, its parts; or the `reason` of a refusal."""
     began, allowance = time.process_time(), _Allowance()
     answer: dict[str, Any] = {"reason": None, "memory": False, "length": 0.0, "parts": []}
     try:
@@ -98,7 +98,7 @@ def _answer(path: Path, most: float) -> dict[str, Any]:
 
 
 class _Allowance:
-    """Processor time for a mesh, by its bytes: the system ends the process that takes more."""
+    """Processor time for a mesh by its size. The system ends a process that takes more."""
 
     def __init__(self) -> None:
         self.size = 0

@@ -1,1 +1,1 @@
-"""Base and tip of an arm, chosen from its description: limbs, and what the names of links tell."""
+"""Base and tip of an arm, from the tree of its joints and the names of its links."""

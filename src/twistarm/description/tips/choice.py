@@ -1,4 +1,4 @@
-"""The choice of base and tip where nobody names them: by the tree of moving joints first, by names second."""
+"""The default base and tip: by the tree of moving joints first, by names second."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ARM = 3
 
 
 class Choice(NamedTuple):
-    """Base and tip of the arm, `why` this tip, and the `others` that could have been meant, the likeliest first."""
+    """Base and tip of the arm, `why` this tip, and the `others`, likeliest first."""
 
     base: str
     tip: str
@@ -30,12 +30,11 @@ class Choice(NamedTuple):
 
 
 def choose_ends(description: Description, base: str | None = None, groups: Iterable[str] = ()) -> Choice:
-    """Base and tip as a person would name them; with `base`, the tip among what hangs on that link.
+    """Base and tip as a person would name them; with `base`, the tip beyond that link.
 
-    Wheels, legs, heads, rods and fingers are left out. What is left must be one chain, or one that is clearly longer
-    than what else there is. The base is the root; on a robot that rolls or walks it is the arm's own first link.
-    Where nothing is clear it asks: DescriptionError lists the candidates, the likeliest first, and `groups`, those
-    that an SRDF offers.
+    Wheels, legs, heads, rods and fingers are left out. The rest must be one chain, or one clearly longer than the
+    others. The base is the root, or the arm's first link on a robot that rolls or walks. Otherwise DescriptionError
+    lists the candidates, likeliest first, and the SRDF's `groups`.
     """
     found = bodies(description, base or description.root)
     ends = _ends(found)
@@ -72,7 +71,7 @@ def candidates(description: Description, base: str | None = None) -> tuple[str, 
 
 
 def _ends(found: Sequence[Body]) -> list[Body]:
-    """The bodies at which chains of limbs end, the longest first; heads too where there is nothing else."""
+    """The bodies at the ends of chains of limbs, longest first; heads too if there is nothing else."""
     limbs: dict[Body, None] = {}
     for body in found:
         if body.part == "limb" and (body.parent is None or body.parent in limbs):
@@ -88,13 +87,13 @@ def _is_chassis(body: Body) -> bool:
 
 
 def _main(ends: Sequence[Body]) -> Body | None:
-    """The end of the arm: the only one, or one beside which every other is too short to be an arm."""
+    """The end of the arm: the only one, or the one beside which all others are too short."""
     likely = dict.fromkeys([*ends[:1], *[end for end in ends if speaks(end)][:1]])
     return next((end for end in likely if all(_outweighs(end, other) for other in ends if other is not end)), None)
 
 
 def _outweighs(end: Body, other: Body) -> bool:
-    """Whether the chain to `end` is clearly the arm, counted from where the one to `other` leaves it."""
+    """Whether the chain to `end` is clearly the arm, counted from its fork with the one to `other`."""
     fork = max(a.depth for a, b in zip(end.path(), other.path(), strict=False) if a is b)
     mine, its = end.depth - fork, other.depth - fork
     if its > ARM or speaks(other):
@@ -103,7 +102,7 @@ def _outweighs(end: Body, other: Body) -> bool:
 
 
 def _is_arm(end: Body, found: Sequence[Body]) -> bool:
-    """Whether, beside wheels or legs, the chain beyond what carries them has an arm's number of joints."""
+    """Whether, beside wheels or legs, the chain has an arm's number of joints."""
     if not any(body.part == "locomotion" for body in found):
         return True
     chassis = max((body.depth for body in end.path() if body.on("locomotion")), default=0)
@@ -115,7 +114,7 @@ def _is_arm(end: Body, found: Sequence[Body]) -> bool:
 
 
 def _standing(description: Description, end: Body) -> str:
-    """The root; where wheels or legs hang on the way, the link that the arm begins on, if it is not also theirs."""
+    """The root; with wheels or legs on the way, the arm's first link, unless it carries them too."""
     path = end.path()
     chassis = next((body for body in reversed(path) if body.on("locomotion")), None)
     if chassis is None:
@@ -131,7 +130,7 @@ def _standing(description: Description, end: Body) -> str:
 
 
 def _candidates(description: Description, found: Sequence[Body], ends: Sequence[Body]) -> tuple[str, ...]:
-    """The tips of these ends, then the tree's other ends, those with the most joints before them first."""
+    """The tips of these ends, then the tree's other ends, those with the most joints first."""
     tips = [(tip_link(description, end), end) for end in dict.fromkeys(ends)]
     likely = [link for tip, _ in tips for link in ([tip.link] if tip.link else tip.candidates)]
     depth = {link: body.depth for body in found for link in body.links}

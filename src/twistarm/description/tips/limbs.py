@@ -1,4 +1,4 @@
-"""A description as rigid bodies joined by moving joints, and what of them is no arm: wheels, fingers, heads, rods."""
+"""A description as rigid bodies with moving joints, and the bodies that are no arm: wheels, fingers, heads, rods."""
 
 from __future__ import annotations
 
@@ -27,12 +27,11 @@ EQUAL = 0.05
 
 @dataclass(eq=False)
 class Body:
-    """Links that fixed joints join, behind the moving `joint` (None for the first body).
+    """Links connected by fixed joints, beyond the moving `joint` (None for the first body).
 
-    `links` gives for each, the outer ones last, the link it is fixed on ("" for the first). `depth` counts the joints
-    from the first body, a planar one once, `height` those beyond this one; `virtual`: on the way there are only joints
-    that stand for a base that moves freely. `holds_tool`: a link of it or beyond is named as the tool; `follows`: its
-    joint and all beyond are mimics.
+    `links` maps each link, outer ones last, to the link it is fixed on ("" for the first). `depth` counts the joints
+    from the first body, a planar one once, `height` those beyond. `virtual`: only joints of a freely moving base
+    precede it. `holds_tool`: a link of it or beyond is named as a tool. `follows`: its joint and all beyond are mimics.
     """
 
     joint: Joint | None
@@ -53,7 +52,7 @@ class Body:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names that say what the body is for: the moving joint's, and that of the link it carries."""
+        """The names that tell the body's purpose: of its moving joint and of the carried link."""
         return (self.first,) if self.joint is None else (self.joint.name, self.first)
 
     def on(self, part: Part) -> list[Body]:
@@ -81,7 +80,7 @@ class Body:
         return path[::-1]
 
     def beyond(self) -> list[Body]:
-        """The body and all that hang on it."""
+        """The body and all beyond it."""
         found = [self]
         for body in found:
             found += body.children
@@ -89,7 +88,7 @@ class Body:
 
 
 def bodies(description: Description, base: str) -> list[Body]:
-    """The rigid bodies from the link `base` outward, parents first, each told for what it is."""
+    """The classified rigid bodies from the link `base` outward, parents first."""
     outward: dict[str, list[Joint]] = {}
     for joint in description.joints.values():
         outward.setdefault(joint.parent, []).append(joint)
@@ -108,7 +107,7 @@ def bodies(description: Description, base: str) -> list[Body]:
 
 
 def _leaving(body: Body, outward: Mapping[str, Sequence[Joint]]) -> Iterator[Joint]:
-    """The moving joints on the body, which grows by the links that fixed joints add to it."""
+    """The moving joints on the body, which grows by the links of fixed joints."""
     links = list(body.links)
     for link in links:
         for joint in outward.get(link, ()):
@@ -120,7 +119,7 @@ def _leaving(body: Body, outward: Mapping[str, Sequence[Joint]]) -> Iterator[Joi
 
 
 def _is_virtual(description: Description, joint: Joint) -> bool:
-    """Whether it stands for a free base: it moves a point that has no shape, or the whole robot from where it is."""
+    """Whether it belongs to a free base: it moves a point without shape, or the whole robot."""
     link = description.links[joint.child]
     return joint.type in ("planar", "floating") or not (joint.origin[:3, 3].any() or link.visuals or link.collisions)
 
@@ -141,7 +140,9 @@ def _label(found: Iterable[Body], part: Part) -> None:
 
 
 def _tell_wheels(body: Body) -> None:
-    """What rolls or walks: ends named so, several that spin side by side, and what carries nothing else."""
+    """Classify wheels and legs: ends with such names, several that spin side by side, and bodies that carry nothing
+    else.
+    """
     for child in body.children:
         only = bool(child.children) and len(child.on("locomotion")) == len(child.children)
         if only or (not child.children and tells_of("locomotion", (*child.names, *child.links))):
@@ -154,7 +155,7 @@ def _tell_wheels(body: Body) -> None:
 
 
 def _spins(body: Body) -> bool:
-    """Whether it is an end that turns without limits, and nothing says that it is more than a wheel."""
+    """Whether it is an end that turns without limits, and nothing contradicts a wheel."""
     endless = body.joint is not None and body.joint.type == "continuous" and not body.children
     return endless and not body.holds_tool and not tells_of("finger", body.names)
 
@@ -163,7 +164,7 @@ def _spins(body: Body) -> bool:
 
 
 def _tell_fingers(body: Body) -> None:
-    """What closes on this body: branches named so, short ones that oppose each other, or a jaw against a fixed one."""
+    """Classify fingers on this body: branches with such names, short ones that oppose each other, or a jaw."""
     reach = max(LONGEST_FINGER, body.depth)
     short = [child for child in body.on("limb") if child.height < reach and not child.holds_tool]
     named = [child for child in short if tells_of("finger", child.names)]
@@ -185,9 +186,9 @@ def _may_be_palm(body: Body) -> bool:
 
 
 def _alike(short: Sequence[Body]) -> Sequence[Body]:
-    """The longest branches of one length and one type of joint that oppose each other, or are more than two.
+    """The longest branches with the same length and joint type that oppose each other, or are more than two.
 
-    Only branches of which one follows another are a pair of fingers of more than two joints.
+    Fingers of more than two joints need one branch that follows another.
     """
     for height in sorted({child.height for child in short}, reverse=True):
         for kind in ("prismatic", "revolute", "continuous"):
@@ -212,7 +213,7 @@ def _opposed(fingers: Sequence[Body]) -> bool:
 
 
 def _closes(finger: Body, body: Body) -> bool:
-    """Whether a single finger moves against this body: it bears a tool frame or a fixed finger, or is a jaw's hand."""
+    """Whether a single finger closes on this body: it has a tool frame or a fixed finger, or is a jaw's hand."""
     fixed = body.holds_tool or any(is_jaw(link) for link in list(body.links)[1:])
     jaw = is_jaw(finger.first) and tells_of("hand", body.links)
     return not finger.children and not tells_of("wrist", finger.names) and (fixed or jaw)
@@ -222,7 +223,7 @@ def _closes(finger: Body, body: Body) -> bool:
 
 
 def _tell_rods(body: Body) -> None:
-    """Rods and cylinders beside a limb: named so, or shorter and without a joint that moves by itself."""
+    """Classify rods and cylinders beside a limb: by name, or shorter and without an independent joint."""
     named = [child for child in body.on("limb") if tells_of("linkage", child.names) and not child.holds_tool]
     limbs = [child for child in body.on("limb") if child not in named]
     if limbs:
@@ -232,7 +233,7 @@ def _tell_rods(body: Body) -> None:
 
 
 def _tell_heads(body: Body) -> None:
-    """Heads, masts and cameras that turn: branches named so throughout, beside limbs or wheels or at a camera."""
+    """Classify heads, masts and turning cameras: by name, beside limbs or wheels or with a camera."""
     limbs = body.on("limb")
     named = [child for child in limbs if all(tells_of("sensor", one.names) for one in child.beyond())]
     heads = [child for child in named if not child.holds_tool]

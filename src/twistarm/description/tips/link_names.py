@@ -1,4 +1,4 @@
-"""Meanings of link and joint names: tools, fingers, wheels and legs, sensors, and parts that are only for show."""
+"""Meanings of link and joint names: tools, fingers, wheels, legs, sensors and ornaments."""
 
 from __future__ import annotations
 
@@ -57,13 +57,13 @@ listens, a head, a mast or a camera, a joint that turns a hand, and a cylinder, 
 
 
 def plain(name: str) -> str:
-    """The name in lower case, its words joined by one underscore: `px100/ee_gripperLink` is px100_ee_gripper_link."""
+    """The name in lower case with single underscores: `px100/ee_gripperLink` is px100_ee_gripper_link."""
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
     return re.sub(r"[^a-z0-9]+", "_", words).strip("_")
 
 
 def tool_rank(name: str) -> int | None:
-    """How usual a link's name is for the tool, 0 the most; None for a name that says nothing of the kind."""
+    """The rank of a tool's name, 0 the most usual; None for other names."""
     if is_ornament(name) or is_jaw(name):
         return None
     words = plain(name)
@@ -87,7 +87,7 @@ def carries_tool(name: str) -> bool:
 
 
 def is_ornament(name: str) -> bool:
-    """Whether it is named like something that only hangs on an arm: a camera, a light, a motor, a tag."""
+    """Whether its name is that of an attachment: a camera, a light, a motor, a tag."""
     return _ORNAMENT.search(plain(name)) is not None
 
 

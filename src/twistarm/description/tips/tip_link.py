@@ -1,4 +1,4 @@
-"""The tool link of the body at a chain's end: by its name, else by its place among fingers and attachments."""
+"""The tool link of the last body: by name, else by its place among fingers and attachments."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .link_names import carries_tool, is_flange, is_ornament, is_tool, tells_of,
 
 
 class TipLink(NamedTuple):
-    """A body's tool `link`, None where several are equal; `why`; and every candidate, the likeliest first."""
+    """A body's tool `link`, None if several are equal; `why`; and every candidate, likeliest first."""
 
     link: str | None
     why: str
@@ -21,10 +21,9 @@ class TipLink(NamedTuple):
 def tip_link(description: Description, end: Body) -> TipLink:
     """The link of the body that a person would name.
 
-    The one with the most usual name, a tool's own before the `tool0` it is screwed on; of several such the outermost,
-    if they lie behind one another. Else, with fingers, the frame between them or their palm. Else the only end that is
-    no ornament, or the only one named as a flange or a hand, or the link that carries them all, if they are parts with
-    a shape.
+    It has the most usual name; a tool precedes the `tool0` that carries it. Among several it is the outermost, if they
+    are in one line. Otherwise it is the frame between the fingers, their palm, the only end that is no ornament, the
+    only flange or hand, or the link that carries all ends.
     """
     usual = _usual(end)
     if usual:
@@ -48,7 +47,7 @@ def speaks(end: Body) -> bool:
 
 
 def _usual(end: Body) -> list[str]:
-    """The links with usual names, the most usual first, of equal ones the outermost; last a tool0 below a tool."""
+    """The links with usual names, most usual first, then outermost; a tool0 below a tool last."""
     carriers = {link for tool in end.links if is_tool(tool) for link in end.inward(tool)[1:] if tool_rank(link) == 0}
     ranked = [
         (link in carriers, rank, -len(end.inward(link)), link)
@@ -59,7 +58,7 @@ def _usual(end: Body) -> list[str]:
 
 
 def _ends(end: Body) -> list[str]:
-    """The ends of the body's tree of fixed joints, ornaments and fixed fingers taken off as far as they go."""
+    """The ends of the body's tree of fixed joints, without ornaments and fixed fingers."""
     carries = Counter(end.links.values())
     left = dict.fromkeys(end.links)
     outer = [link for link in left if not carries[link]]
@@ -78,7 +77,7 @@ def _ends(end: Body) -> list[str]:
 
 
 def _in_hand(description: Description, end: Body, ends: list[str]) -> TipLink:
-    """The only frame that hangs on the palm, else the palm: the link that carries all the fingers."""
+    """The only frame on the palm, else the palm: the link that carries all the fingers."""
     palm = end.fork(finger.joint.parent for finger in end.on("finger") if finger.joint is not None)
     frames = [link for link in ends if link != palm and palm in end.inward(link) and not _shaped(description, link)]
     frames = [link for link in frames if carries_tool(link) or not tells_of("finger", [link])]

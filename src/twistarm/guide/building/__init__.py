@@ -1,1 +1,1 @@
-"""Lessons made into a site: read, run, each in a process of its own, and written as pages."""
+"""Lessons made into a site: read, run in separate processes, and written as pages."""

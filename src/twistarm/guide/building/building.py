@@ -1,4 +1,4 @@
-"""The course built on an arm: every lesson is run, its page and those around it are written."""
+"""The course built on an arm: run every lesson, write its page and the pages around it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ RECORD = "twistarm-guide.json"
 
 @dataclass(frozen=True)
 class Built:
-    """A site: its folder, the arm, the lessons that were run now, and in a sentence each what failed."""
+    """A site: its folder, the arm, the lessons just run, and a sentence for each failure."""
 
     folder: Path
     arm: Arm
@@ -51,8 +51,8 @@ def build(
 ) -> Built:
     """Build the course, or the lessons `names` of it, on the arm that `load_arm(**arm)` loads, into `folder`.
 
-    What was built before of the same files of the arm and the same twistarm stays, if nothing failed. A lesson that
-    fails has a page that says so, and the others are built.
+    An earlier build stays if the arm's files and twistarm are unchanged and nothing failed. A failed lesson gets a page
+    that says so, and the others are built.
 
     Args:
         folder: A new or empty folder, or one that was built before.
@@ -94,7 +94,7 @@ def build(
 
 
 def _made(site: Path) -> Path:
-    """The folder, with those in it; InputError where it holds something else, or the system refuses."""
+    """The folder with its parents. Raises InputError if it holds something else or cannot be made."""
     try:
         if site.exists() and not site.is_dir():
             raise InputError(f"{site} is a file; -o takes a folder")
@@ -111,21 +111,21 @@ def _made(site: Path) -> Path:
 
 
 def _stamps(arm: Mapping[str, Any], wanted: Sequence[str], read: set[Path]) -> str:
-    """What tells one site from another: the arm, its files, the lessons, and twistarm's own files."""
+    """The identity of a site: the arm, its files, the lessons, and twistarm's files."""
     own = (path for path in Path(twistarm.__file__).parent.rglob("*.*") if path.suffix != ".pyc")
     files = [(str(path), stamp(path)) for path in sorted({*read, *own})]
     return hashlib.sha256(repr((twistarm.__version__, arm, wanted, files)).encode()).hexdigest()
 
 
 def _recorded(site: Path) -> str:
-    """Of what the pages there were made; nothing where that is not known, or where a lesson failed."""
+    """The identity of the existing pages; empty if unknown or after a failure."""
     with suppress(OSError, ValueError, TypeError, KeyError):
         return str(json.loads((site / RECORD).read_text("utf-8"))["made of"])
     return ""
 
 
 def as_keywords(source: str, keywords: Mapping[str, Any]) -> dict[str, Any]:
-    """What `load_arm` takes as JSON can hold it, with paths that mean the same from anywhere."""
+    """The keywords of `load_arm` for JSON, with absolute paths."""
 
     def plain(value: Any) -> Any:
         if isinstance(value, (list, tuple)):

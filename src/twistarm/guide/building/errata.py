@@ -1,4 +1,4 @@
-"""Slips of the team's guide, each in our words, with the number that shows it, computed here."""
+"""Errors of the team's guide in our words, each with a number computed here."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..teaching.tex import rough
 
 
 class Slip(NamedTuple):
-    """A slip: where it stands, what is said there and what is right, and what shows it; markdown."""
+    """An error: its place, the guide's statement, the right one, and the evidence; markdown."""
 
     title: str
     words: str

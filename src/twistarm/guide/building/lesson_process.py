@@ -1,9 +1,9 @@
-"""The process of one lesson: it runs the cells and writes the lesson's text and outputs as HTML.
+"""The process of one lesson: it runs the cells and writes text and outputs as HTML.
 
     python -m twistarm.guide.building.lesson_process LESSON.py SCENES OUT.json
 
-The outcome is JSON: `body`, `sections` (name and title of each), and `failed` (empty, or a sentence that says which
-cell and why).
+The outcome is JSON: `body`, `sections` (name and title of each), and `failed` (empty, or a sentence with the cell and
+the reason).
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ LONGEST_OUTPUT = 20_000
 
 
 def outcome(path: Path, scenes: Path) -> dict[str, Any]:
-    """The lesson at `path`, run; a cell that fails ends it, and the text goes on."""
+    """Run the lesson at `path`. A failing cell ends it, and the text continues."""
     cells = cells_of(path)
     names: dict[str, Any] = {"__name__": "__main__", "__file__": str(path)}
     body, failed = [], ""
@@ -84,7 +84,7 @@ def _code(cell: Cell, output: str) -> str:
 
 
 def without_speech(source: str) -> str:
-    """A program without the statements that only say or show something: what they say stands below it."""
+    """A program without the statements that only show something, because the page shows it below."""
     lines = source.splitlines()
     try:
         statements = ast.parse(source).body

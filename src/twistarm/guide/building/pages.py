@@ -47,7 +47,7 @@ def lesson_page(name: str, outcome: Mapping[str, Any], titles: Titles, arm: Arm)
 
 
 def index_page(titles: Titles, arm: Arm, failed: Iterable[str]) -> str:
-    """The contents: the parts with their lessons, and the guide's sections with the lesson that teaches each."""
+    """The contents: the parts with their lessons, and the guide's sections with their lessons."""
     parts = "".join(
         f'<section><h2 id="part-{number}">{escape(part.title)}</h2><ol>{_lessons(part.lessons, titles)}</ol></section>'
         for number, part in enumerate(PARTS, start=1)

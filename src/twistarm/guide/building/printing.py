@@ -16,10 +16,9 @@ SOLUTION = r"<details[^>]*><summary>Show a solution</summary>.*?</details>"
 
 
 def pdf_of(site: Path, lesson: str, solutions: bool = True) -> bytes:
-    """The PDF of a lesson of the site that was built in `site`, with all that is folded unfolded; a sheet for a class
-    where the `solutions` of the exercises are left out.
+    """The PDF of a lesson of the site in `site`, fully unfolded; without `solutions` a sheet for a class.
 
-    TwistarmError where there is no browser, or where it prints nothing.
+    Raises TwistarmError without a browser, or if it prints nothing.
     """
     browser = find_browser()
     # A snap of Ubuntu sees no hidden folder and no temporary one.

@@ -1,4 +1,4 @@
-"""Lessons run: each in a process of its own, for a limited time, two at once."""
+"""Run lessons in separate processes with a time limit, two at once."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Outcome = dict[str, Any]
 def run_lessons(
     names: Sequence[str], arm: Mapping[str, Any], scenes: Path, timeout: float = TIMEOUT
 ) -> Iterator[tuple[str, Outcome]]:
-    """The outcome of each lesson as it is there; none of their processes outlives the iteration."""
+    """The outcome of each lesson as it arrives. No process outlives the iteration."""
     with ThreadPoolExecutor(max_workers=2) as pool:
         running = {pool.submit(_outcome, name, arm, scenes, timeout): name for name in names}
         try:

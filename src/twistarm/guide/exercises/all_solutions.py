@@ -1,4 +1,4 @@
-"""Exercises on all solutions of inverse kinematics: the subproblems of Paden and Kahan, and the flip of a wrist."""
+"""Exercises on all solutions of inverse kinematics: the Paden–Kahan subproblems, and the flip of a wrist."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def _turns(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
 
 
 def _circles(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
-    """Axes at an angle to each other, and circles that cross well away from the plane of both axes."""
+    """Axes at an angle, and circles that cross well away from the plane of both axes."""
     for _ in range(TIMES):
         while True:
             omega_1, omega_2, r, p = unit(rng), unit(rng), rng.normal(size=3), rng.normal(size=3)
@@ -105,7 +105,7 @@ def _by_complex_numbers(omega: Array, r: Array, p: Array, q: Array) -> float:
 
 
 def _around(omega: Array, r: Array, p: Array, value: Callable[[Array], Any]) -> tuple[Any, Any, Any]:
-    """m, c, s of value(p(θ)) = m + c cos θ + s sin θ, read off at three angles."""
+    """m, c, s of value(p(θ)) = m + c cos θ + s sin θ, from three angles."""
     at0, at1, at2 = (value(_turned(omega, r, p, t)) for t in (0.0, np.pi / 2, np.pi))
     m = (at0 + at2) / 2
     return m, at0 - m, at1 - m
@@ -117,7 +117,7 @@ def _roots(m: float, c: float, s: float) -> Array:
 
 
 def _by_height(omega_1: Array, omega_2: Array, r: Array, p: Array, q: Array) -> Array:
-    """Where p, on its circle, is as far along the first axis as q is: r lies on both axes, so the distance agrees."""
+    """The point of p's circle as far along the first axis as q. r is on both axes, so the distance agrees."""
     angles = _roots(*_around(omega_2, r, p, lambda x: omega_1 @ (x - q)))
     points = [_turned(omega_2, r, p, theta) for theta in angles]
     return np.array(sorted(points, key=lambda x: -np.cross(omega_1, omega_2) @ (x - r)))
@@ -129,7 +129,7 @@ def _by_roots(omega: Array, r: Array, p: Array, q: Array, delta: float) -> Array
 
 
 def _flipped(theta: Array) -> Array:
-    """SciPy's angles have the middle one positive; mirrored by z they are those with it negative."""
+    """SciPy's angles have a positive middle one; mirrored by z it is negative."""
     R = scipy_rotation().from_euler("ZYZ", theta).as_matrix()
     sign = -1.0 if theta[1] > 0 else 1.0
     mirror = np.diag([1.0, 1.0, sign])

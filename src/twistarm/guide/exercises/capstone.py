@@ -15,8 +15,8 @@ from .instances import TIMES, chain, own_chain, pose
 
 
 def pregrasp(g_object: Array, distance: float) -> Array:
-    """The pose (4, 4) from which the tool approaches: that of the grasp, `g_object` (4, 4), drawn back by `distance`
-    [m] along the grasp's own z axis, which points into the object.
+    """The pose (4, 4) from which the tool approaches: the grasp pose `g_object` (4, 4), moved back by `distance` [m]
+    along its z axis, which points into the object.
     """
     back = np.eye(4)
     back[2, 3] = -distance
@@ -44,8 +44,8 @@ def solve_pose(twists: Array, home: Array, x0: Array, target: Array) -> Array:
 
 
 def setpoints(x0: Array, x1: Array, duration: float, period: float) -> Array:
-    """What is sent to the joints, (N, m): their values every `period` [s] from 0 to `duration` [s], both ends among
-    them, on the cubic from rest at `x0` (m,) to rest at `x1` (m,). The duration is a whole number of periods.
+    """The setpoints (N, m) of the joints: their values every `period` [s] from 0 to `duration` [s], both ends included,
+    on the cubic from rest at `x0` (m,) to rest at `x1` (m,). The duration is a whole number of periods.
     """
     N = round(duration / period) + 1
     s = np.linspace(0.0, 1.0, N)[:, None]

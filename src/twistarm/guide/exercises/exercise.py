@@ -1,4 +1,4 @@
-"""An exercise: a function to write, an independent answer, instances to compare at, and the slips that are known."""
+"""An exercise: a function to write, an independent answer, instances, and known mistakes."""
 
 from __future__ import annotations
 import __future__
@@ -27,10 +27,10 @@ def module_of(lesson: str) -> str:
 
 @dataclass(frozen=True)
 class Slip:
-    """A mistake that is known by its results.
+    """A mistake known by its results.
 
-    `edits` {what stands in the model solution: what stands there instead} make it; `words` say what was done, how it
-    shows, and what to do.
+    `edits` {text of the model solution: its replacement} make it. `words` say what was done, its effect, and the
+    remedy.
     """
 
     name: str
@@ -39,18 +39,18 @@ class Slip:
 
 
 def whole(answer: Any, *_: Any) -> Any:
-    """An answer as it is."""
+    """An unchanged answer."""
     return answer
 
 
 @dataclass(frozen=True)
 class Exercise:
-    """A function that the reader writes.
+    """A function for the reader to write.
 
-    `model` is the model solution, a function of its own module whose name is that of the exercise and whose docstring
-    is its prompt. `reference` gives the right answer from an independent source. `instances(rng, arm)` yields tuples
-    of arguments: numbers, texts and arrays alone. `seen(answer, *arguments)` is what counts of an answer where several
-    are right, as the rotation of a quaternion. `tolerance` is relative to the largest number expected, at least 1.
+    `model` is the model solution, a function with the exercise's name and the prompt as docstring. `reference` gives
+    the right answer from an independent source. `instances(rng, arm)` yields tuples of arguments: numbers, texts and
+    arrays. `seen(answer, *arguments)` is the part that counts if several answers are right, as the rotation of a
+    quaternion. `tolerance` is relative to the largest expected number, at least 1.
     """
 
     model: Callable[..., Any]
@@ -96,13 +96,13 @@ class Exercise:
 
     @property
     def template(self) -> str:
-        """The function to fill in: signature, prompt as docstring, and an error that says that it is not written."""
+        """The function to fill in: signature, prompt as docstring, and a "not written" error."""
         prompt = textwrap.indent(self.prompt, "    ", lambda line: bool(line.strip()))
         return f'{self.signature}\n    """{prompt.lstrip()}\n    """\n    raise NotImplementedError\n'
 
     @property
     def matlab(self) -> str | None:
-        """The model solution for Octave and MATLAB; None where the task is one for Python alone."""
+        """The model solution for Octave and MATLAB, or None."""
         path = Path(__file__).with_name("octave") / f"{self.name}.m"
         return path.read_text("utf-8") if path.is_file() else None
 

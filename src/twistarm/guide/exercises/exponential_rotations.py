@@ -40,8 +40,8 @@ def rotation_log(R: Array) -> Array:
     """The rotation vector ωθ (3,) of a rotation `R` (3, 3): its direction is the axis, its length the angle [rad], from
     0 to π.
 
-    Take an angle below 1e-6 as 0, and one above π − 1e-6 as a half turn, whose axis may point either way. `R` comes out
-    of a computer: its trace may be a hair above 3, or below −1.
+    Take an angle below 1e-6 as 0, and one above π − 1e-6 as a half turn with either axis direction. `R` comes from a
+    computer: its trace may be slightly above 3, or below −1.
     """
     theta = np.arccos(np.clip((np.trace(R) - 1.0) / 2.0, -1.0, 1.0))
     if theta < 1e-6:

@@ -1,4 +1,4 @@
-"""The files that a reader fills in: a Python file for each lesson, and the tasks for Octave and MATLAB."""
+"""The files that a reader fills in: Python for each lesson, and tasks for Octave and MATLAB."""
 
 from __future__ import annotations
 
@@ -46,7 +46,9 @@ def exercise_files(arm: Arm) -> Iterator[tuple[str, str]]:
 
 
 def write_exercises(folder: Path, arm: Arm) -> tuple[list[str], list[str]]:
-    """Write the files into a folder, made where it is not there; a file that is there stays as it is.
+    """Write the files into a folder, which is made if needed.
+
+    Existing files stay.
 
     Args:
         folder: Where to.

@@ -16,8 +16,9 @@ from .words import ADJOINT_TRANSPOSED, ANGULAR_FIRST, DEGREES, NO_CROSS_TERM, NO
 
 
 def chain_of_frames(frames: Array) -> Array:
-    """The pose (4, 4) of the last frame seen from the first. `frames` (k, 4, 4) has the pose of each frame seen from
-    the one before it: g_01, g_12, …
+    """The pose (4, 4) of the last frame in the first.
+
+    `frames` (k, 4, 4) has the pose of each frame in the one before it: g_01, g_12, …
     """
     g = np.eye(4)
     for step in frames:
@@ -28,8 +29,8 @@ def chain_of_frames(frames: Array) -> Array:
 def product_of_exponentials(twists: Array, home: Array, x: Array) -> Array:
     """The pose of the tool (4, 4), g_st = exp(ξ̂₁x₁) ⋯ exp(ξ̂ₘxₘ) g_st(0).
 
-    `twists` (6, m) has in each column the twist (v, ω) of a joint, seen from the base in the home posture; `home`
-    (4, 4) is the tool's pose there, g_st(0); `x` (m,) are the joints' values [rad, m]. Use your `twist_exp`, or
+    `twists` (6, m) has the twist (v, ω) of a joint in each column, in base coordinates at the home posture. `home` (4,
+    4) is the tool's pose there, g_st(0). `x` (m,) are the joints' values [rad, m]. Use your `twist_exp`, or
     `screws.exp` after `from twistarm import screws`.
     """
     from twistarm import screws

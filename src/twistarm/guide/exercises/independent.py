@@ -1,4 +1,4 @@
-"""Answers that take nothing from twistarm's theory: the power series of the exponential, SciPy's rotations, algebra."""
+"""Answers without twistarm's theory: the exponential's power series, SciPy's rotations, algebra."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from ...support.errors import missing_extra
 
 
 def expm(matrix: Array) -> Array:
-    """The exponential of a square matrix by its power series, after halving and before squaring as often.
+    """The exponential of a square matrix by its power series, with halving and squaring.
 
-    SciPy's own takes a thousand times as long for small matrices where its threads wait for each other.
+    SciPy's takes a thousand times as long for small matrices if its threads wait for each other.
     """
     halvings = max(int(np.ceil(np.log2(max(float(np.abs(matrix).sum()), 1e-9)))) + 4, 0)
     term = power = np.eye(len(matrix))
@@ -26,7 +26,7 @@ def expm(matrix: Array) -> Array:
 
 
 def pose_log(g: Array) -> Array:
-    """The twist (v, ω) of a pose: ω is SciPy's rotation vector, and p = (∫₀¹ exp(ω̂s) ds) v is solved for v.
+    """The twist (v, ω) of a pose: ω is SciPy's rotation vector, and p = (∫₀¹ exp(ω̂s) ds) v gives v.
 
     The integral is a corner of the exponential of [ω̂, I; 0, 0].
     """
@@ -64,7 +64,7 @@ def inverted(g: Array) -> Array:
 
 
 def conjugated(g: Array, xi: Array) -> Array:
-    """The twist whose matrix is g ξ̂ g⁻¹: what the Adjoint of g does, by its definition."""
+    """The twist with the matrix g ξ̂ g⁻¹, the definition of the Adjoint of g."""
     return twist_of(g @ twist_matrix(xi) @ inverted(g))
 
 

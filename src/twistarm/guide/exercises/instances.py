@@ -22,7 +22,7 @@ def unit(rng: np.random.Generator) -> Array:
 
 
 def rotation(rng: np.random.Generator) -> Array:
-    """A random rotation (3, 3): the second and third column are made orthogonal to the first by cross products."""
+    """A random rotation (3, 3): cross products make the second and third column orthogonal to the first."""
     x = unit(rng)
     z = np.cross(x, unit(rng))
     z /= np.linalg.norm(z)
@@ -37,7 +37,7 @@ def pose(rng: np.random.Generator) -> Array:
 
 
 def angle(rng: np.random.Generator) -> float:
-    """An angle from 0.2 to 2.9 rad, of either sign: neither small nor a half turn, where slips do not show."""
+    """An angle from 0.2 to 2.9 rad with either sign: not small and no half turn, which hide mistakes."""
     return float(rng.uniform(0.2, 2.9) * rng.choice([-1.0, 1.0]))
 
 
@@ -51,16 +51,16 @@ def column(rng: np.random.Generator, kind: str) -> Array:
 
 
 def chain(rng: np.random.Generator) -> tuple[Array, Array, Array]:
-    """Screws (6, m), home (4, 4) and joint values (m,) of a random chain of three to seven joints, slides among them.
+    """Screws (6, m), home (4, 4) and joint values (m,) of a random chain of three to seven joints with slides.
 
-    The first joint turns and does not stand at 0, so that it moves the axes of those after it.
+    The first joint turns and is not at 0, so it moves the axes after it.
     """
     kinds = ["turn", *rng.choice(["turn", "turn", "slide", "thread"], int(rng.integers(2, 7)))]
     return np.column_stack([column(rng, kind) for kind in kinds]), pose(rng), np.array([angle(rng) for _ in kinds])
 
 
 def own_chain(rng: np.random.Generator, arm: Arm) -> tuple[Array, Array, Array]:
-    """Screws, home and joint values of the reader's arm at a random configuration, mimic joints among them."""
+    """Screws, home and joint values of the reader's arm at a random configuration, mimic joints included."""
     return np.array(arm.screws), np.array(arm.home), arm.coupling.A @ arm.random_theta(rng)
 
 

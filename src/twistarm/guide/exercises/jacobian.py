@@ -88,12 +88,12 @@ def _moving(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
 
 
 def _by_power(J_b: Array, F_t: Array) -> Array:
-    """Virtual work, joint by joint: the torque times a joint's rate is the power of the tool's push."""
+    """Virtual work, joint by joint: torque times rate equals the power of the tool's push."""
     return np.array([F_t[:3] @ column[:3] + F_t[3:] @ column[3:] for column in J_b.T])
 
 
 def _by_motion(J_s: Array, p: Array, rates: Array) -> Array:
-    """By difference: where the motion of this twist brings the point in a millionth of a second, and back."""
+    """By difference: the motion of this twist moves the point for a millionth of a second, and back."""
     V = (J_s @ rates)[:, None]
     h = np.array([1e-6])
     ahead, behind = (motion_of(V, h * sign) @ np.append(p, 1.0) for sign in (1.0, -1.0))

@@ -16,8 +16,8 @@ from .words import ANGULAR_FIRST
 
 
 def pose_error(g: Array, target: Array) -> Array:
-    """How the tool at `g` (4, 4) gets to `target` (4, 4), as a twist (v, ω), (6,), seen from the tool: the logarithm of
-    g⁻¹ g_target. `screws.log` takes it, after `from twistarm import screws`.
+    """The way of the tool from `g` (4, 4) to `target` (4, 4) as a twist (v, ω), (6,), in tool coordinates: the
+    logarithm of g⁻¹ g_target. Use `screws.log` after `from twistarm import screws`.
     """
     from twistarm import screws
 
@@ -36,8 +36,9 @@ def newton_step(l1: float, l2: float, theta: Array, target: Array) -> Array:
 
 
 def damped_step(J: Array, error: Array, damping: float) -> Array:
-    """The step (n,) of damped least squares for the Jacobian `J` (6, n) and the error twist `error` (6,): the one that
-    makes ‖J Δ − error‖² + damping² ‖Δ‖² least.
+    """The step (n,) of damped least squares for the Jacobian `J` (6, n) and the error twist `error` (6,).
+
+    It minimises ‖J Δ − error‖² + damping² ‖Δ‖².
     """
     step: Array = J.T @ np.linalg.solve(J @ J.T + damping**2 * np.eye(6), error)
     return step
@@ -98,7 +99,7 @@ def _newton(l1: float, l2: float, theta: Array, target: Array) -> Array:
 
 
 def _stacked(J: Array, error: Array, damping: float) -> Array:
-    """The least squares problem that it is, with the damping as rows of its own."""
+    """The same least squares problem with the damping as extra rows."""
     n = J.shape[1]
     rows = np.vstack([J, damping * np.eye(n)])
     return np.array(np.linalg.lstsq(rows, np.concatenate([error, np.zeros(n)]), rcond=None)[0])

@@ -35,8 +35,8 @@ def inverse_quaternion(Q: Array) -> Array:
 def from_axis_angle(axis: Array, theta: float) -> Array:
     """The unit quaternion (w, x, y, z) of the turn by `theta` [rad] about `axis` (3,).
 
-    The axis may have any length but 0: only its direction counts, and the angle is `theta` whatever it is. Q and −Q are
-    the same rotation: either is right.
+    The axis may have any length but 0: only its direction counts, and the angle is `theta` for every length. Q and −Q
+    are the same rotation: either is right.
     """
     u = axis / np.linalg.norm(axis)
     return np.array([np.cos(theta / 2), *(np.sin(theta / 2) * u)])

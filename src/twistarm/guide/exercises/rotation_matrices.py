@@ -42,8 +42,8 @@ def zyz(alpha: float, beta: float, gamma: float) -> Array:
 def zyz_angles(R: Array) -> Array:
     """The ZYZ Euler angles (alpha, beta, gamma) [rad] of a rotation, (3,): beta from 0 to π, the others from −π to π.
 
-    Where beta is 0 only alpha + gamma is determined, and where it is π only alpha − gamma: let gamma be 0 in both cases
-    (take a sin beta below 1e-6 as 0). `R` comes out of a computer: its corner may be a hair above 1.
+    At beta = 0 only alpha + gamma is determined, at beta = π only alpha − gamma. Let gamma be 0 in both cases (take a
+    sin beta below 1e-6 as 0). `R` comes from a computer: its corner may be slightly above 1.
     """
     beta = np.arccos(np.clip(R[2, 2], -1.0, 1.0))
     if np.sin(beta) < 1e-6:
@@ -79,7 +79,7 @@ def _by_scipy(alpha: float, beta: float, gamma: float) -> Array:
 
 
 def _angles_by_the_columns(R: Array) -> Array:
-    """The third column points where alpha and beta say; what is left after these turns is gamma."""
+    """The third column gives alpha and beta; the rotation left after these turns is gamma."""
     x, y, z = R[:, 2]
     beta = np.arctan2(np.hypot(x, y), z)
     if min(beta, np.pi - beta) < 1e-6:

@@ -84,7 +84,7 @@ def _axes(J_b: Array) -> Array:
 
 
 def _left_over(J: Array) -> Array:
-    """What is left of a vector after its shares along an orthonormal basis of the columns."""
+    """The rest of a vector after its projection onto an orthonormal basis of the columns."""
     Q = np.linalg.qr(J[:, :5])[0]
     rest = np.eye(6) - Q @ Q.T
     longest = rest[:, np.argmax(np.diag(rest))]

@@ -34,8 +34,10 @@ def screw_of_twist(xi: Array) -> tuple[Array, Array, float]:
 
 
 def twist_exp(xi: Array, theta: float) -> Array:
-    """The motion exp(ξ̂ θ) (4, 4) of the twist `xi` = (v, ω), whose ω has the length 1, or is 0: then it is the
-    translation by v θ. Write it with Rodrigues' formula, or with scipy.linalg.expm.
+    """The motion exp(ξ̂ θ) (4, 4) of the twist `xi` = (v, ω).
+
+    ω has the length 1, or is 0: then it is the translation by v θ. Write it with Rodrigues' formula, or with
+    scipy.linalg.expm.
     """
     v, w = xi[:3], xi[3:]
     g = np.eye(4)
@@ -94,7 +96,7 @@ def _displacements(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ..
 
 
 def _velocity_at_points(axis: Array, point: Array, pitch: float) -> Array:
-    """The twist by what it does: v is the velocity of the point of the body at the origin."""
+    """The twist by its effect: v is the velocity of the body's point at the origin."""
     w = axis / np.sqrt(np.sum(axis**2))
     return np.concatenate([np.cross(w, np.zeros(3) - point) + pitch * w, w])
 
@@ -107,7 +109,7 @@ def _screw_by_solving(xi: Array) -> tuple[Array, Array, float]:
 
 
 def _at_any_point(answer: Any, xi: Array) -> Any:
-    """A screw, with the point of its axis that lies nearest to the origin for the one that is given."""
+    """A screw with the point of its axis nearest to the origin."""
     axis, point, pitch = answer
     u = xi[3:] / np.sqrt(np.sum(xi[3:] ** 2))
     return [axis, point - (u @ point) * u, pitch]

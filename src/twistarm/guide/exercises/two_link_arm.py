@@ -32,15 +32,15 @@ def tip(l1: float, l2: float, theta1: float, theta2: float) -> Array:
 
 def elbow(l1: float, l2: float, r: float) -> float:
     """The angle [rad] between the two links at the elbow, from 0 (folded) to π (stretched), with the tip at the
-    distance `r` [m] from the base. `r` comes out of a computer: at the edges it may be off by rounding.
+    distance `r` [m] from the base. `r` comes from a computer: at the edges it may be off by rounding.
     """
     return float(np.arccos(np.clip((l1**2 + l2**2 - r**2) / (2 * l1 * l2), -1.0, 1.0)))
 
 
 def both_elbows(l1: float, l2: float, x: float, y: float) -> Array:
     """Both configurations (theta1, theta2) [rad] with the tip at (x, y), a row each: (2, 2). The first has theta2 ≥ 0,
-    the second is its flip. All angles in (−π, π]. (x, y) is reachable, but for rounding at the edges, and not the
-    base.
+    the second is its flip. All angles are in (−π, π]. (x, y) is reachable up to rounding at the edges, and is not
+    the base.
     """
     r2 = x * x + y * y
     theta2 = np.arccos(np.clip((r2 - l1**2 - l2**2) / (2 * l1 * l2), -1.0, 1.0))
@@ -112,7 +112,7 @@ def _both(l1: float, l2: float, x: float, y: float) -> Array:
 
 
 def _directions(angles: Any, *_: Any) -> Array:
-    """Angles that count as they are; within 1e-5 of a half turn −π and π are one, as rounding decides between them."""
+    """Unchanged angles; within 1e-5 of a half turn −π and π are one, because rounding decides between them."""
     return np.where(np.abs(np.add(angles, np.pi)) < 1e-5, np.pi, angles)
 
 

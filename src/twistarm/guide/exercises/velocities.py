@@ -16,14 +16,14 @@ from .words import ADJOINT_TRANSPOSED, ANGULAR_FIRST, NO_CROSS_TERM
 
 
 def adjoint(g: Array) -> Array:
-    """The Adjoint (6, 6) of a pose `g` = g_ab (4, 4): it takes a twist (v, ω) seen from B to the same seen from A."""
+    """The Adjoint (6, 6) of a pose `g` = g_ab (4, 4): it maps a twist (v, ω) in B to the same one in A."""
     R, p = g[:3, :3], g[:3, 3]
     P = np.array([[0.0, -p[2], p[1]], [p[2], 0.0, -p[0]], [-p[1], p[0], 0.0]])
     return np.block([[R, P @ R], [np.zeros((3, 3)), R]])
 
 
 def body_twist(g: Array, g_dot: Array) -> Array:
-    """The body twist (v, ω), (6,), of a body at the pose `g` (4, 4) whose matrix changes at the rate `g_dot` (4, 4)."""
+    """The body twist (v, ω), (6,), of a body at the pose `g` (4, 4) with the rate of change `g_dot` (4, 4)."""
     V = np.linalg.inv(g) @ g_dot
     return np.array([*V[:3, 3], V[2, 1], V[0, 2], V[1, 0]])
 
@@ -66,7 +66,7 @@ def _body_twist(g: Array, g_dot: Array) -> Array:
 
 
 def _by_power(g: Array, F: Array) -> Array:
-    """The wrench whose power is the same for every twist, the twists carried by conjugation."""
+    """The wrench with the same power for every twist; conjugation moves the twists."""
     back = inverted(g)
     return np.array([F @ conjugated(back, e) for e in np.eye(6)])
 

@@ -1,4 +1,4 @@
-"""Answers as the grader compares them: their form, a shape or the forms of their parts, and their numbers in a row."""
+"""Answers for the grader: their form, a shape or the forms of their parts, and their numbers in a row."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ LARGEST = 10_000
 
 @dataclass(frozen=True)
 class Failure:
-    """An error that a function or a file raised: its type, its text, and the last line of the reader's file in it.
+    """An error of a function or a file: its type, its text, and the last line of the reader's file in it.
 
-    `module` is what could not be imported; `signature` that of a function that does not take what it is given.
+    `module` is a failed import; `signature` that of a function that does not accept its arguments.
     """
 
     kind: str
@@ -37,7 +37,7 @@ class Failure:
 
     @classmethod
     def of(cls, error: BaseException, file: str, function: Any = None, given: int = 0) -> Failure:
-        """What is to be told of an error; `file` is the name under which the reader's code was compiled."""
+        """The report of an error; `file` is the name of the compiled code."""
         lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == file]
         module = error.name or "" if isinstance(error, ModuleNotFoundError) else ""
         signature = ""
@@ -55,8 +55,8 @@ class Failure:
 class Answer:
     """One answer: its value (a number, an array, a list of values, None), its form and its numbers.
 
-    `error` is what was raised in its place; `changed` are the arguments that were changed; `strange` says what came
-    back where it is no value.
+    `error` is the raised error; `changed` are arguments that the function changed; `strange` describes an invalid
+    result.
     """
 
     value: Any = None
@@ -83,7 +83,7 @@ class Answer:
 
 
 def of_function(function: Callable[..., Any], arguments: tuple[Any, ...], file: str = "") -> Answer:
-    """The answer of a function; its errors are answers too, and name lines of `file`, that of a reader's function."""
+    """The answer of a function. Errors are answers too, with lines of `file`, the reader's."""
     given = [each.copy() if isinstance(each, np.ndarray) else each for each in arguments]
     value, error, strange = None, None, ""
     try:
@@ -106,7 +106,7 @@ def _same(one: Any, other: Any) -> bool:
 
 
 def plain(value: Any, depth: int = 0) -> Any:
-    """A value with every list or tuple of equal parts made an array, as deep as it goes; TypeError for what is none."""
+    """A value with each list or tuple of equal parts as an array. Raises TypeError for other values."""
     if value is None:
         return None
     if isinstance(value, (int, float, np.integer, np.floating, np.bool_)):

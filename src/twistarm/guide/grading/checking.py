@@ -1,4 +1,4 @@
-"""Grading: a file of the reader's, a results file of Octave or MATLAB, or a function of a notebook."""
+"""Grade a reader's file, a results file of Octave or MATLAB, or a function of a notebook."""
 
 from __future__ import annotations
 
@@ -55,8 +55,8 @@ def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
 def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) -> Report:
     """Grade the exercises in a Python file, or in a results file that the Octave and MATLAB scripts write.
 
-    A file named as a lesson (`2_1_1_quaternions.py`) is expected to have all its exercises; in any other the functions
-    that are there are graded.
+    A file named as a lesson (`2_1_1_quaternions.py`) must have all its exercises; in others the existing functions are
+    graded.
 
     Args:
         path: The file.
@@ -107,7 +107,7 @@ def _text(path: Path) -> str:
 
 
 def _problem(done: Run) -> tuple[str, tuple[str, ...]]:
-    """Why a file cannot be used at all, in a sentence, and the line with a syntax error, with a caret below."""
+    """Why a file cannot be used, in a sentence, and the line with a syntax error, with a caret below."""
     if done.syntax is not None:
         message, line, column, text = done.syntax
         text = text.rstrip("\n")

@@ -37,7 +37,7 @@ def read_progress(folder: Path) -> dict[str, dict[str, Any]]:
 
 
 def folder_with_progress(given: Path, usual: Path) -> Path:
-    """The folder whose progress is asked for: the given one; where that is the present one, also the usual one in it.
+    """The folder of the requested progress: the given one, or the usual one in the present folder.
 
     Raises:
         InputError: It is no folder, or holds no progress.
@@ -54,22 +54,24 @@ def folder_with_progress(given: Path, usual: Path) -> Path:
 
 
 def folder_of(path: Path) -> Path:
-    """The folder whose progress a graded file belongs to: its own, or the one above where that alone has a file."""
+    """The folder of a graded file's progress: its own, or the parent if only that has a file."""
     own = path.absolute().parent
     above = why_no_file(own / NAME) == NO_SUCH_FILE and not why_no_file(own.parent / NAME)
     return own.parent if above else own
 
 
 def begun(folder: Path) -> None:
-    """Make the file, where there is none, so that notebooks in that folder are noted too."""
+    """Make the file if missing, so notebooks in that folder are recorded too."""
     if why_no_file(folder / NAME) == NO_SUCH_FILE:
         _write(folder, {})
 
 
 def kept(folder: Path, report: Report, only_there: bool = False) -> str:
-    """Note a report in the folder's file; a sentence where that cannot be done, and the report stands all the same.
+    """Record a report in the folder's file.
 
-    `only_there`: where there is a file already.
+    Returns a sentence if that fails.
+
+    `only_there`: only if the file exists.
     """
     if not report.verdicts or (only_there and why_no_file(folder / NAME)):
         return ""

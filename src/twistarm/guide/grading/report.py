@@ -17,10 +17,10 @@ SIGNS = {"right": "✓", "wrong": "✗", "unwritten": "…", "unusable": "✗"}
 
 @dataclass(frozen=True)
 class Report:
-    """What was graded, and how.
+    """The graded exercises and their verdicts.
 
-    `problem` says in one sentence why the file as a whole cannot be used, and `excerpt` are its line and a caret
-    below where that is a matter of spelling. `printed` is what the reader's code printed.
+    `problem` says in one sentence why the file cannot be used. `excerpt` is its line with a caret for a syntax error.
+    `printed` is the output of the reader's code.
     """
 
     subject: str

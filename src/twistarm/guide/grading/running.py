@@ -1,8 +1,8 @@
-"""A reader's code run in a copy of this process, with a limit for its time, its memory and what it prints.
+"""Run a reader's code in a copy of this process, with limits of time, memory and output.
 
-The copy tells pairs: ("syntax", (message, line, column, text)), ("failed", Failure) and ("loaded", (functions, own
+The copy sends pairs: ("syntax", (message, line, column, text)), ("failed", Failure) and ("loaded", (functions, own
 ones)) of a file; ("begin", name) and ("answers", (name, list of `Answer`)) of each exercise; ("printed", text) of
-either. The last is ("ended", how), of the copy itself.
+either. The last is ("ended", how), of the copy.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ Tell = Callable[[tuple[str, Any]], None]
 
 @dataclass
 class Run:
-    """What a file did: its functions, each exercise's answers, what it printed, and what went wrong.
+    """The result of a file: its functions, each exercise's answers, its output, and its errors.
 
-    `answers` has a text in their place where the process ended in that exercise. `syntax` is (message, line, column,
-    text), `failed` the error that loading the file raised; `ended` says how the process ended while it was loaded.
+    `answers` has a text for an exercise that ended the process. `syntax` is (message, line, column, text), `failed` the
+    error of loading. `ended` says how the process ended during loading.
     """
 
     functions: tuple[str, ...] = ()
@@ -60,7 +60,7 @@ class Run:
 
 
 def run(source: str, name: str, folder: Path, instances: Instances, seconds: float = SECONDS) -> Run:
-    """Run a reader's file and its functions on those instances; where one ends the process, the others get another."""
+    """Run a reader's file and its functions on those instances. If one ends the process, the others get another."""
     done, left, functions = Run(), list(instances), partial(_load, source, name, folder)
     while True:
         before = done.printed
@@ -104,7 +104,7 @@ def _run_copy(
 
 
 def _told(work: Callable[[Tell], None], seconds: float) -> Iterator[tuple[str, Any]]:
-    """What a copy of this process tells that does that work, with at most so many seconds from one pair to the next."""
+    """The messages of a copy of this process, with at most so many seconds between them."""
     context = multiprocessing.get_context("fork")
     told, telling = context.Pipe(duplex=False)
     copy = context.Process(target=_be_the_copy, args=(work, telling.send))
@@ -140,7 +140,7 @@ def _how_it_ended(code: int | None) -> str:
 
 
 class _Printed(io.TextIOBase):
-    """Standard output whose beginning is told."""
+    """Standard output with a limited length."""
 
     def __init__(self, tell: Tell) -> None:
         self._tell, self._left = tell, OUTPUT
@@ -155,7 +155,7 @@ class _Printed(io.TextIOBase):
 
 
 def _be_the_copy(work: Callable[[Tell], None], tell: Tell) -> None:
-    """Let go of the terminal or the notebook, take at most `MEMORY` more than now, work, and end at once."""
+    """Release the terminal or notebook, limit the memory to `MEMORY` more, work, and end at once."""
     try:
         os.setsid()
         sys.stdin, sys.stdout = io.StringIO(), _Printed(tell)
@@ -190,7 +190,7 @@ def _answers(function: Callable[..., Any], rows: Sequence[tuple[Any, ...]], file
 
 
 def _load(source: str, name: str, folder: Path, tell: Tell) -> Functions:
-    """The functions of a reader's file that are its own; none, and told why, where it cannot be run."""
+    """The functions that a reader's file defines; none, with the reason, if it cannot be run."""
     try:
         code = compile(source, name, "exec", dont_inherit=True)
     except SyntaxError as error:

@@ -1,4 +1,4 @@
-"""Figures of the lessons: axes in the one style, and what is drawn in them: frames, vectors, screws and arms."""
+"""Figures of the lessons: axes in one style, frames, vectors, screws and arms."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def axes3(
 ) -> tuple[Any, Any]:
     """A figure with axes in space, as (figure, axes); several columns give a list of axes.
 
-    Call `fit` when all is drawn: a length is then as long in each direction.
+    Call `fit` at the end, so lengths are equal in each direction.
 
     Args:
         columns: Axes side by side.
@@ -171,7 +171,7 @@ def plot_point(ax: Any, point: ArrayLike, name: str = "", colour: str = INK, mar
 def plot_screw(
     ax: Any, xi: ArrayLike, length: float = 1.0, name: str = "", colour: str = PINK, near: ArrayLike = (0.0, 0.0, 0.0)
 ) -> None:
-    """Draw the axis of a twist (v, w): a line along w with an arrow around it, or an arrow along v where w = 0.
+    """Draw the axis of a twist (v, w): a line along w with an arrow around it, or an arrow along v for w = 0.
 
     Args:
         ax: Axes in space.
@@ -198,7 +198,7 @@ def plot_screw(
 def plot_arm(
     ax: Any, arm: Arm, theta: ArrayLike | None = None, colour: str = INK, alpha: float = 1.0, tool: bool = True
 ) -> None:
-    """Draw an arm as a skeleton: its joints (circles turn, squares slide), what joins them, and the tool's frame.
+    """Draw an arm as a skeleton: its joints (circles turn, squares slide), links, and the tool's frame.
 
     Args:
         ax: Axes in space.
@@ -223,8 +223,8 @@ def plot_arm(
 def arm_points(arm: Arm, theta: ArrayLike) -> Array:
     """The arm as a line (m + 2, 3): the base, a point for each moving joint, and the tool.
 
-    The point of a joint is the origin of the link that it moves; an arm without a description has the point of each
-    axis that lies nearest to the point before.
+    A joint's point is the origin of its link. Without a description it is the point of the axis nearest to the one
+    before.
     """
     x = np.asarray(theta, float)
     points = [np.zeros(3)]

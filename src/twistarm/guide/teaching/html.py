@@ -1,4 +1,4 @@
-"""HTML of what a lesson shows: the same for a page of the guide and for a notebook."""
+"""HTML of a lesson's outputs, the same for a page of the guide and for a notebook."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> s
 
 
 def _title(cell: str, kind: str) -> str:
-    """The head of a column. An empty cell is the head of nothing; a formula alone is no text to some who listen."""
+    """A column's head. An empty cell has none, and a formula alone is silent for screen readers."""
     if not cell:
         return "<td></td>"
     title = inline(cell)
@@ -79,7 +79,7 @@ def scene(
     alt: str,
     folder: Path | None,
 ) -> str:
-    """An arm to look at from all sides: a stand-alone page in a frame, and a drawing for paper."""
+    """An arm to look at from all sides: a saved page in a frame, and a drawing for paper."""
     shown = scenes.snapshot(arm, theta, trajectory, screws)
     if folder is None:
         frame = Inline.page(stand_alone(shown), alt).html
@@ -95,7 +95,7 @@ def scene(
 
 
 def slider(name: str, question: str, answer: str, numbers: Mapping[str, Any]) -> str:
-    """Something to move by hand, a drawing of how it begins, and a question whose answer it shows."""
+    """A slider, a drawing of its start, and a question that it answers."""
     return (
         f'<div class="slider" role="group" aria-label="To try: {escape(name.replace("_", " "))}">'
         f'<div class="question">{block(question)}</div>'

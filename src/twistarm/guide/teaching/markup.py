@@ -1,4 +1,4 @@
-"""Markdown as HTML: formulae as MathML, programs in colours; nothing that it holds becomes HTML of its own."""
+"""Markdown as HTML: formulae as MathML, coloured programs; raw HTML is escaped."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def inline(markdown: str) -> str:
 
 
 def _together(html: str) -> str:
-    """Keep a formula in a line with the punctuation around it, which a browser may part from it."""
+    """Keep a formula and the punctuation around it on one line."""
     alone = r'<span class="math inline">(?:(?!</span>).)*</span>'
     return re.sub(
         rf"\({alone}[,.;:?!)]*|{alone}[,.;:?!)]+", r'<span class="together">\g<0></span>', html, flags=re.DOTALL
@@ -38,7 +38,7 @@ def _together(html: str) -> str:
 
 
 def formula(tex: str, *, display: bool = False) -> str:
-    """A formula in TeX's language as MathML, which says it in TeX to those who hear it."""
+    """A TeX formula as MathML, with the TeX as text for screen readers."""
     from latex2mathml.converter import convert
 
     try:
@@ -87,7 +87,7 @@ def _renderer() -> Any:
 
 
 def _list(state: Any, first: int, last: int, silent: bool) -> bool:
-    """A list as markdown has it, but a number that a line of a sentence happens to begin with is none.
+    """A markdown list; a number at the start of a sentence's line does not begin one.
 
     A numbered list begins a paragraph, with 1, and has a second entry.
     """

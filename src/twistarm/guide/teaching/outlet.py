@@ -1,4 +1,4 @@
-"""The outlet of a lesson: where what it shows goes, to a page, into a notebook or, as text, to standard output."""
+"""The outlet of a lesson: a page, a notebook, or text on standard output."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Shown:
-    """Something that a lesson shows: as text for a terminal, and as HTML.
+    """An output of a lesson, as text for a terminal and as HTML.
 
-    `html(folder)` writes files that belong to it into the folder, or holds them itself where there is none.
+    `html(folder)` writes its files into the folder, or embeds them without one.
     """
 
     plain: str

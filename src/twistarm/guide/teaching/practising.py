@@ -15,7 +15,7 @@ from .outlet import show
 
 
 def practice(lesson: str) -> None:
-    """Show the exercises of a lesson, by its name: prompts, signatures, how to check, solutions behind a fold."""
+    """Show the exercises of a lesson, by its name: prompts, signatures, how to check, folded solutions."""
     from . import html
 
     entries = exercises_of(lesson)

@@ -45,10 +45,12 @@ def say(markdown: str) -> None:
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = "") -> None:
-    """Show a table. Cells are markdown; another object than a float is its own text.
+    """Show a table.
 
-    A float has four digits. One too small for them has its first digit and a power of ten, and one that only rounding
-    has made is 0; where rounding is what is shown, write it by `rough`.
+    Cells are markdown; other objects than floats are shown as text.
+
+    A float has four digits. A smaller one has its first digit and a power of ten, and a rounding error is 0. To show
+    rounding errors, use `rough`.
 
     Args:
         head: Titles of the columns.
@@ -70,7 +72,7 @@ def figure(fig: Any, alt: str, caption: str = "") -> None:
 
     Args:
         fig: The figure, as `axes2` and `axes3` make them.
-        alt: What is to be seen, in words, for a reader who does not see it.
+        alt: What the figure shows, in words, for readers who do not see it.
         caption: What the figure says, markdown.
     """
     from . import html
@@ -87,7 +89,7 @@ def scene(
     caption: str = "",
     screws: bool = True,
 ) -> None:
-    """Show an arm that the reader turns and moves, a stand-alone page of the view.
+    """Show an arm that the reader turns and moves, a saved page of the view.
 
     Args:
         arm: The arm.
@@ -104,7 +106,7 @@ def scene(
 
 
 def slider(name: str, question: str, answer: str, **numbers: Any) -> None:
-    """Show something to move by hand, with a question whose answer it shows.
+    """Show a slider with a question that it answers.
 
     Args:
         name: A name of `SLIDERS`.
@@ -123,7 +125,7 @@ def slider(name: str, question: str, answer: str, **numbers: Any) -> None:
 
 
 def predict(question: str, answer: str) -> None:
-    """Ask the reader before the lesson shows it: the question, and its answer behind a fold; both markdown."""
+    """Ask the reader a question before the lesson answers it, with a folded answer; both markdown."""
     from . import html
 
     show(f"Question: {question}\nAnswer: {answer}", lambda _: html.prediction(question, answer))

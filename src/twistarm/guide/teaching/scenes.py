@@ -1,4 +1,4 @@
-"""Scenes of the lessons: stand-alone pages of the view, alone in a notebook, beside shared scripts in a site."""
+"""Scenes of the lessons: saved pages, alone in a notebook, beside shared scripts in a site."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def snapshot(arm: Arm, theta: Array, trajectory: Trajectory | None, screws: bool
 
 
 def saved(shown: SceneSnapshot, folder: Path) -> str:
-    """Write the page, and the scripts that it shares with others, into `folder`; the page's name."""
+    """Write the page and its shared scripts into `folder`. Returns the page's name."""
     page, files = beside(shown)
     name = f"scene_{hashlib.sha256(page.encode()).hexdigest()[:12]}.html"
     for each, text in {name: page, **files}.items():

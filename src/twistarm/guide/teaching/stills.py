@@ -1,4 +1,4 @@
-"""Drawings for paper, and for a page without JavaScript: a scene or a slider as it begins."""
+"""Drawings for paper and for pages without JavaScript: a scene or a slider at its start."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The one style of the figures: its colours, each with its twin for dark pages, and what matplotlib is told."""
+"""The style of the figures: its colours with those for dark pages, and matplotlib's settings."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _SETTINGS: dict[str, Any] = {
 
 
 def use() -> None:
-    """Have matplotlib draw in this style from now on: much of it is asked for only when something is drawn."""
+    """Set this style for matplotlib for good, because it reads much of it only when it draws."""
     import matplotlib
     from cycler import cycler
 

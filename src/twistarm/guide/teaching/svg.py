@@ -1,4 +1,4 @@
-"""A figure of matplotlib as SVG that stands in a page: its colours follow the page, its names collide with none."""
+"""A matplotlib figure as SVG for a page: its colours follow the page, its names are unique."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .style import COLOURS
 
 
 def of(figure: Any) -> str:
-    """The figure as one `<svg>` element, hidden from those who hear the page: its words stand beside it."""
+    """The figure as one `<svg>` element, hidden from screen readers, which read its words."""
     text = io.StringIO()
     figure.savefig(text, format="svg", bbox_inches=_drawn(figure), metadata={"Date": None})
     return as_element(text.getvalue())
 
 
 def _drawn(figure: Any) -> Any:
-    """What of the figure's plane holds ink [inches]: axes in space leave room around them, or overstep their own."""
+    """The inked part of the figure's plane [inches]; axes in space leave or overstep room."""
     from matplotlib.transforms import Bbox
 
     beyond, fineness = 0.7, 50  # [inches] of the plane that are looked at around the figure; dots per inch
@@ -58,7 +58,7 @@ def as_element(document: str) -> str:
 
 
 def _own_names(text: str) -> str:
-    """Names with what the figure holds before them: a page has several figures, and a name may stand in it once."""
+    """Prefix the figure's names, because a page has several figures and unique names."""
     mark = "f" + hashlib.sha256(text.encode()).hexdigest()[:8]
     text = re.sub(r'xlink:href="#', 'href="#', text)
     # Groups that nothing refers to need no name.

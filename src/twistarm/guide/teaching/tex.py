@@ -11,7 +11,7 @@ from ...support.errors import InputError
 
 
 def tex(value: ArrayLike, digits: int = 3) -> str:
-    """A number, a vector (in a line) or a matrix in TeX's language, to stand between dollars.
+    """A number, a vector (in a line) or a matrix in TeX, for use between dollars.
 
     Args:
         value: A number, a vector (n,) or a matrix (m, n).
@@ -38,7 +38,7 @@ def _number(value: float, digits: int) -> str:
 
 
 def rough(value: float | np.floating[Any]) -> str:
-    r"""A size by its first digit and its power of ten, in TeX: `2 \cdot 10^{-16}`; for errors of rounding."""
+    r"""A size by its first digit and its power of ten, in TeX: `2 \cdot 10^{-16}`, for rounding errors."""
     if not value or not np.isfinite(value):
         return _number(float(value), 0)
     digit, _, power = f"{value:.0e}".partition("e")

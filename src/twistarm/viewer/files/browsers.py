@@ -28,7 +28,7 @@ PLACES = (
 
 
 def find_browser() -> str:
-    """The first of `NAMES` on PATH, else of `PLACES`; TwistarmError where there is none."""
+    """Find the first browser of `NAMES` on PATH, then of `PLACES`. Raises TwistarmError without one."""
     found = next(filter(None, map(shutil.which, (*NAMES, *PLACES))), None)
     if found is None:
         raise TwistarmError(
@@ -40,7 +40,7 @@ def find_browser() -> str:
 
 
 def is_snap(browser: str) -> bool:
-    """Whether this is a snap: a link to `snap`, or the script that Ubuntu installs in its place."""
+    """Whether this is a snap: a link to `snap`, or Ubuntu's wrapper script."""
     real = Path(browser).resolve()
     if real.name == "snap" or real.is_relative_to("/snap"):
         return True

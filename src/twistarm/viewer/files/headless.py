@@ -1,4 +1,4 @@
-"""A browser that draws or prints a page into a file, without a display and for a limited time."""
+"""A headless browser that draws or prints a page into a file within a time limit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The view inside a notebook: a frame with the live page, or with a stand-alone one."""
+"""The view in a notebook: a frame with the live page or a saved one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ STYLE = "width:100%;border:1px solid #8884;border-radius:8px;color-scheme:normal
 
 @dataclass(frozen=True)
 class Inline:
-    """HTML that a notebook shows where it is the last line of a cell, or by IPython's `display`."""
+    """HTML that a notebook shows on the last line of a cell or by IPython's `display`."""
 
     html: str
 
@@ -29,7 +29,7 @@ class Inline:
 
     @classmethod
     def page(cls, html: str, name: str, height: float = HEIGHT) -> Inline:
-        """A stand-alone page, kept in the notebook; of what surrounds it, it reaches nothing."""
+        """A saved page in the notebook. It reaches nothing outside its frame."""
         sandbox = 'sandbox="allow-scripts allow-downloads" allow="clipboard-write; fullscreen"'
         return cls(_frame(name, height, f'{sandbox} srcdoc="{escape(html)}"'))
 

@@ -1,4 +1,4 @@
-"""The stand-alone page: one HTML file with everything in it, which opens offline and plays a trajectory."""
+"""The saved page: one HTML file that opens offline and plays a trajectory."""
 
 from __future__ import annotations
 
@@ -40,11 +40,10 @@ def save_html(
     trajectory: Trajectory | None = None,
     theta: ArrayLike | None = None,
 ) -> Path:
-    """Write one HTML file that shows `arm`, and plays `trajectory` if one is given; without, it stands at theta (n,).
+    """Write one HTML file that shows `arm` and plays `trajectory`, or shows theta (n,) without one.
 
-    The way that the trajectory takes the tool is drawn. The file needs no server and no browser to write, and no
-    network to open: Meshcat's code and the meshes are inside, and the page's policy lets it load nothing. `theta`
-    defaults to the ready pose. Written whole or not at all.
+    The page draws the tool's path. It contains Meshcat's code and the meshes, and its policy lets it load nothing.
+    Writing it needs no server and no browser. The file is written whole or not at all.
 
     Args:
         arm: The arm.
@@ -78,10 +77,10 @@ def stand_alone(shown: SceneSnapshot) -> str:
 
 
 def beside(shown: SceneSnapshot) -> tuple[str, dict[str, str]]:
-    """The page for a folder of many: what is shown alone, and by their names the scripts that have to lie beside it.
+    """The page for a folder with many pages, and the scripts beside it by name.
 
-    Meshcat's code and the page's own are the same for all pages, the meshes for all of one arm. Its policy lets it run
-    no script but those that it names itself, opened from disk too, where no other policy tells files apart.
+    All pages share Meshcat's code and ours, and all pages of an arm share its meshes. The page's policy runs only the
+    scripts that it names, also when opened from disk.
     """
     data = shown.data()
     objects = f"globalThis.twistarmObjects = {json.dumps(_numbered(data.pop('objects')))};"
@@ -100,7 +99,7 @@ def beside(shown: SceneSnapshot) -> tuple[str, dict[str, str]]:
 
 
 def _numbered(objects: list[str]) -> list[str]:
-    """The same with numbers for the random names that Meshcat gives: an arm's meshes are then one text each time."""
+    """Replace Meshcat's random names by numbers, so an arm's meshes are the same text each time."""
     numbers: dict[bytes, bytes] = {}
 
     def numbered(found: re.Match[bytes]) -> bytes:
@@ -111,7 +110,7 @@ def _numbered(objects: list[str]) -> list[str]:
 
 
 def _page(name: str, data: Mapping[str, Any], policy: str, meshcat: str, program: str) -> str:
-    """index.html with its style and what is shown inlined, and the scripts as elements."""
+    """index.html with inlined style and data, and the scripts as elements."""
     page = re.sub(r'<link rel="stylesheet" href="(.*)">', _style, page_text("index.html"))
     # A "<" in JSON can only stand in a string; escaped, no name can close the script.
     literal = encode(data).replace("<", "\\u003c")
@@ -139,7 +138,7 @@ def _style(link: re.Match[str]) -> str:
 
 
 def _program() -> str:
-    """The modules in one script, since a file opened from disk may import none; each keeps its names to itself."""
+    """The modules in one script, because a file from disk cannot import any. Each module has a separate scope."""
     return "\n".join(_scoped(name) for name in modules("standalone.js"))
 
 
@@ -153,7 +152,7 @@ def _scoped(name: str) -> str:
 
 
 def modules(name: str) -> list[str]:
-    """What the module `name` of the page runs, each module after those it imports, itself the last."""
+    """The modules that `name` of the page runs, each after its imports, itself last."""
     ordered: list[str] = []
     for imported in re.findall(r'^import .* from "\./(.*)";$', page_text(name), flags=re.MULTILINE):
         ordered += modules(imported)
@@ -161,5 +160,5 @@ def modules(name: str) -> list[str]:
 
 
 def _inline(script: str) -> str:
-    """JavaScript that may stand inside a script element: `</script` and `<!--` occur in its strings only."""
+    """JavaScript for a script element. `</script` and `<!--` occur in its strings only."""
     return re.sub(r"</(script)", r"<\\/\1", script, flags=re.IGNORECASE).replace("<!--", "<\\!--")

@@ -1,4 +1,4 @@
-"""An arm's kinematics as the stand-alone page computes it: what hangs on which joints, as products of exponentials."""
+"""Kinematics for the saved page: products of exponentials for each node."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ TOOL = "/frames/tool"
 
 
 def kinematics(arm: Arm, others: Sequence[str]) -> dict[str, Any]:
-    """Joints and nodes, seen from the base when every coordinate is 0: what kinematics.js makes poses of.
+    """Joints and nodes in base coordinates at theta = 0, for kinematics.js.
 
-    Coordinates x are theta and then the joints beside the chain named `others`. Joint j, with the joint `parent` next
-    to it on the way to the root (null: none), does to space E_j = E_parent · exp(ξ_j c·x), where `terms` [i, c_i] hold
-    the c that are not 0, and the space twist `screw` is ξ_j (MLS §3.2). Node k stands at E_base⁻¹ · E_j · `rest`, given
-    by columns, where j is its `joint` and E_base, of the joint `base`, is 1 unless the base is carried by a joint.
+    Coordinates x are theta, then the joints beside the chain named `others`. Joint j has the next joint toward the root
+    as `parent` (or null). It maps to space E_j = E_parent · exp(ξ_j c·x). `terms` [i, c_i] hold the nonzero c, and the
+    space twist `screw` is ξ_j (MLS §3.2). The pose of node k is E_base⁻¹ · E_j · `rest` (by columns) with j its
+    `joint`. E_base belongs to the joint `base`, and is 1 if no joint carries the base.
     """
     if arm.description is None:
         return _chain(arm)

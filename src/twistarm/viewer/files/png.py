@@ -1,4 +1,4 @@
-"""Check of a PNG file: whether a browser wrote the picture that it was asked for."""
+"""Check that a browser wrote the requested PNG."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ FEWEST_VALUES = 16
 
 
 def fault(data: bytes, size: tuple[int, int]) -> str | None:
-    """What is wrong with a picture that should be a PNG of `size` with something in it."""
+    """What is wrong with a PNG of `size` that should not be empty."""
     try:
         if data[:8] != b"\x89PNG\r\n\x1a\n":
             raise ValueError("signature")
@@ -28,7 +28,7 @@ def fault(data: bytes, size: tuple[int, int]) -> str | None:
 
 
 def _chunks(data: bytes) -> Iterator[tuple[bytes, bytes]]:
-    """Type and content of each part of a PNG up to its end (PNG specification, 5.3); struct.error where it is cut."""
+    """Type and content of each chunk (PNG specification, 5.3). Raises struct.error for a truncated file."""
     at, kind = 8, b""
     while kind != b"IEND":
         length, kind = struct.unpack_from(">I4s", data, at)

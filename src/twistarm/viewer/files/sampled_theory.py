@@ -1,4 +1,4 @@
-"""The numbers of the theory along a motion, for the stand-alone page: fewer and rounder than those of a live one."""
+"""Theory numbers along a motion for the saved page, fewer and rounder than live ones."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ DECIMALS = 6
 
 
 def recorded(arm: Arm, theta: Array, trajectory: Trajectory | None) -> dict[str, Any]:
-    """The axes, times (k,) [s], the numbers at each, and `aside`, those at theta (n,), where the arm stands.
+    """The axes, times (k,) [s], the numbers at each time, and `aside`, the numbers at theta (n,).
 
-    `moved`: the joint that is fastest at that moment, metres measured in the reach.
+    `moved` is the fastest joint at that moment, with metres divided by the reach.
     """
     there = rounded({"moved": 0, **numbers(arm, theta)})
     if trajectory is None:

@@ -1,4 +1,4 @@
-"""Scene snapshot: the arm, the layers that are on, and perhaps a motion, for a stand-alone page."""
+"""A snapshot of the scene for a saved page: the arm, the visible layers and an optional motion."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ SAME = 1e-9
 
 @dataclass(frozen=True)
 class SceneSnapshot:
-    """`arm` at theta (n,) [rad, m] with the joints beside it, drawn as `scene`, and the layers that are on.
+    """`arm` at theta (n,) [rad, m] with the joints beside it, drawn as `scene`, and the visible layers.
 
-    `playback`: the motion that the page can play and the moment at which it begins, None for an arm that stands.
-    `findings`: the message about them, None where the doctor has not looked. `recorded`: poses by name.
+    `playback` is the motion that the page plays and its start time, or None. `findings` is their message, or None
+    before the doctor has run. `recorded` holds poses by name.
     """
 
     arm: Arm
@@ -52,15 +52,21 @@ class SceneSnapshot:
     recorded: Mapping[str, Array] = field(default_factory=dict)
 
     def playing(self, trajectory: Trajectory) -> SceneSnapshot:
-        """The same with `trajectory`, which begins at once, and its path; InputError where it is of another arm."""
+        """A copy with `trajectory` and its path, playing from the start.
+
+        Raises InputError for another arm's trajectory.
+        """
         check_trajectory(self.arm, trajectory)
         playback = Playback(trajectory, running=True)
         return replace(self, playback=playback, path=tool_path(self.arm, trajectory))
 
     def data(self) -> dict[str, Any]:
-        """What standalone.js reads; `aside` is where the arm stands if that is not on its motion.
+        """The data for standalone.js.
 
-        In any thread: the stage is not touched. The meshes that are left are read, and the doctor is asked if need be.
+        `aside` is the arm's configuration if it is not on the motion.
+
+        It may run in any thread, because it does not touch the stage. It reads remaining meshes and runs the doctor if
+        needed.
         """
         at, scene = self.playback, self.scene.whole()
         return {
@@ -82,18 +88,18 @@ class SceneSnapshot:
         }
 
     def _poses(self) -> dict[str, list[float]]:
-        """By name what the page can go to: the arm's poses, and those recorded in the view."""
+        """The poses that the page can go to, by name: the arm's and the recorded ones."""
         named = {name: theta.tolist() for name, theta in named_poses(self.arm).items()}
         own = {f"{name} (recorded)" if name in named else name: theta.tolist() for name, theta in self.recorded.items()}
         return named | own
 
     def _on(self, playback: Playback) -> bool:
-        """Whether the arm is where the motion has it: somebody may have moved it since."""
+        """Whether the arm is on its motion; a user may have moved it."""
         return playback.running or bool(np.abs(playback.theta() - self.theta).max() < SAME)
 
 
 def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> SceneSnapshot:
-    """`arm` at theta (n,), ready where not given, with everything on and `trajectory` playing if one is given."""
+    """`arm` at theta (n,), by default ready, with all layers and `trajectory` playing."""
     start = require_arm(arm).ready if theta is None else checked_theta(arm, theta)
     if trajectory is not None:
         check_trajectory(arm, trajectory)  # before the meshes are read
@@ -103,9 +109,11 @@ def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | No
 
 
 def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
-    """What the pages of a live view show now, and the motion that is loaded; for the thread that the stage lives in.
+    """What the pages of a live view show now, and the loaded motion.
 
-    The findings are those of the pages, unless the doctor can and has yet to look.
+    Call it in the stage's thread.
+
+    The findings are those of the pages, unless the doctor has not run yet.
     """
     playback = stage.player.playback
     unexamined = PENDING in stage.findings["note"] and not stage.driven

@@ -1,4 +1,4 @@
-"""A picture of the arm without a display: an installed browser draws the stand-alone page, headless."""
+"""A picture of the arm without a display. A headless browser draws the saved page."""
 
 from __future__ import annotations
 
@@ -33,11 +33,10 @@ def save_png(
     size: tuple[int, int] = (1280, 720),
     trajectory: Trajectory | None = None,
 ) -> Path:
-    """Write a picture of `arm` at theta (n,) [rad, m] as PNG, `size` (width, height) in pixels; no display is needed.
+    """Write a PNG of `arm` at theta (n,) [rad, m], `size` (width, height) in pixels, without a display.
 
-    `theta` defaults to the ready pose, with a `trajectory`, whose way is drawn, to its start. Chromium, Chrome or Edge
-    must be installed; it draws the page of `save_html`, the 3D view alone, without a GPU and with a profile that is
-    thrown away. Written whole or not at all.
+    Chromium, Chrome or Edge must be installed. It draws the 3D view of the `save_html` page without a GPU, with a
+    temporary profile. The file is written whole or not at all.
 
     Args:
         arm: The arm.
@@ -59,7 +58,7 @@ def save_png(
 
 
 def write_picture(path: str | os.PathLike[str], size: tuple[int, int], show: Callable[[], SceneSnapshot]) -> Path:
-    """`save_png` of what `show` returns, which is asked once everything else is in order."""
+    """`save_png` of what `show` returns. `show` is called after all checks."""
     _checked_size(size)
     target = writable(path)
     if target.suffix.lower() != ".png":
@@ -93,9 +92,9 @@ def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
 
 
 def _page(shown: SceneSnapshot, size: tuple[int, int]) -> str:
-    """The stand-alone page, of this very size: a window has a least width, and in some browsers a frame.
+    """The saved page at exactly this size, because windows have a minimal width and frames.
 
-    The arm stands, and nobody will read the findings: the doctor need not look.
+    The arm rests and findings are hidden, so the doctor does not run.
     """
     page = stand_alone(replace(shown, playback=None, findings=loaded(shown.arm)))
     style = "<style>body {{ width: {}px; height: {}px; }}</style>\n</head>".format(*size)

@@ -1,4 +1,4 @@
-"""A motion at moments in time, as the stand-alone page is given it: it interpolates between two."""
+"""A motion at sampled times for the saved page, which interpolates between them."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The parts of the view: each answers requests of the pages and tells them what has changed."""
+"""The parts of the view. Each answers requests of the pages and publishes changes."""

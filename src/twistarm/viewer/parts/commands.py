@@ -1,4 +1,4 @@
-"""Commands of the pages for a servo: what buttons, keys and gamepad mean; each page is a commander of its own."""
+"""Servo commands of the pages from buttons, keys and gamepads. Each page is a separate sender."""
 
 from __future__ import annotations
 
@@ -17,12 +17,14 @@ COMMANDS = ("jog", "jog_joints", "stop")
 
 
 class PageCommands:
-    """What the pages command, in an inbox that a servo reads; nothing is taken before somebody asks for that inbox.
+    """An inbox with the pages' commands for a servo.
 
-    open: a servo of the program reads it. drive: the pages' own does.
-    beyond: what the pages choose that a servo does where the arm cannot follow. free: a servo of the program heeds it.
+    It takes nothing before its first use.
 
-    A page that jogs must go on saying so. It stops the arm by `stop`, by going, and by anything that makes no sense.
+    open: a servo of the program reads it. drive: the pages' servo reads it. beyond: the pages' choice at limits. free:
+    a servo of the program uses this choice.
+
+    A page that jogs must repeat its command. `stop`, a closed page and a malformed message stop the arm.
     """
 
     def __init__(self, arm: Arm) -> None:
@@ -33,12 +35,12 @@ class PageCommands:
         self._jogging: set[str] = set()
 
     def servo_settings(self, settings: ServoSettings) -> Callable[[], ServoSettings]:
-        """What gives `settings` at any time with `beyond` as the pages choose it by then."""
+        """A function that returns `settings` with the pages' present `beyond`."""
         chosen = {beyond: replace(settings, beyond=beyond) for beyond in BEYOND}
         return lambda: chosen[self.beyond]
 
     def take(self, request: Request, sender: str) -> None:
-        """Put a command of the page `sender` into the inbox. Raises InputError for what is none."""
+        """Put a command of the page `sender` into the inbox. Raises InputError for an invalid one."""
         if not (self.open or self.drive):
             raise InputError(
                 "no servo takes commands here: start one by `twistarm servo ARM`, by Viewer.commands, "
@@ -65,7 +67,7 @@ class PageCommands:
         return {"jog": dict(zip(names, rates, strict=True))}
 
     def refuse(self, sender: str, reason: str) -> None:
-        """Something of the page that cannot be used, or its end: where it jogs, the arm comes to rest."""
+        """Handle an unusable message or the end of a page. If the page jogs, the arm comes to rest."""
         if sender in self._jogging:
             self._jogging.discard(sender)
             self.inbox.refuse(sender, reason, time.monotonic())

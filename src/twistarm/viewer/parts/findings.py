@@ -1,4 +1,4 @@
-"""The doctor's findings as the page is told of them: gravest first, each with the node of the scene it points at."""
+"""The doctor's findings for the pages, gravest first, each with its node of the scene."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ def loaded(arm: Arm) -> Message:
 
 
 def examined(arm: Arm, reader: MeshReader | None = None) -> Message:
-    """What the doctor finds; of an arm without a description, and where the doctor fails, what the loading noted.
+    """The doctor's findings, or those of the loading if there is no description or the doctor fails.
 
-    reader: who has read the arm's meshes.
+    reader: the reader of the arm's meshes.
     """
     if arm.description is None:
         return _message(arm, arm.findings, "")
@@ -48,7 +48,7 @@ def examined(arm: Arm, reader: MeshReader | None = None) -> Message:
 
 
 def node_of(arm: Arm, place: Place) -> str | None:
-    """The node of the link or joint at `place`: a joint of the chain has its screw, any other the link it carries."""
+    """The node of the link or joint at `place`: a screw for a joint of the chain, else a link."""
     name = place.name
     joints, links = ({}, {}) if arm.description is None else (arm.description.joints, arm.description.links)
     if place.element == "link" and name in links:
@@ -62,7 +62,7 @@ def node_of(arm: Arm, place: Place) -> str | None:
 
 
 class Examination:
-    """The doctor at work in a thread of its own, once: `tell` is called from there with the message."""
+    """One run of the doctor in a separate thread, which calls `tell` with the message."""
 
     def __init__(self, arm: Arm, reader: MeshReader, tell: Callable[[Message], None]) -> None:
         self._begun = arm.description is None
@@ -70,7 +70,7 @@ class Examination:
         self._thread = threading.Thread(target=lambda: tell(examined(arm, reader)), name="twistarm doctor", daemon=True)
 
     async def wait(self, calm: Callable[[], bool]) -> None:
-        """Begin when it has been `calm` for PATIENCE: a page that loads and a servo that drives would be delayed."""
+        """Begin after `calm` has lasted for PATIENCE, so page loads and servos are not delayed."""
         before = False
         while not (before and calm()):
             before = calm()
@@ -84,7 +84,7 @@ class Examination:
             self._thread.start()
 
     def join(self, timeout: float) -> None:
-        """Wait until it has ended, or `timeout` [s]: but for what is being read, the doctor cannot be interrupted."""
+        """Wait for the end, or for `timeout` [s]. The doctor can be interrupted only while it reads."""
         self._reader.close()
         if self._thread.is_alive():
             self._thread.join(timeout)
@@ -104,7 +104,7 @@ def _message(arm: Arm, findings: Iterable[Finding], note: str) -> Message:
 
 
 def _finding_fields(arm: Arm, found: Finding) -> dict[str, Any]:
-    """A finding in plain text; node null where it is about no single link or joint of the arm."""
+    """A finding as plain text. Its node is null if it concerns no single link or joint."""
     node = node_of(arm, found.place)
     here = None if arm.description is None else arm.description.path
     return {

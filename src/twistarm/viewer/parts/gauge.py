@@ -1,4 +1,4 @@
-"""Gauge of a driven arm: its distance from a singularity and from a position limit, as the servo measures them."""
+"""Gauge of a driven arm: its distance from a singularity and from a position limit."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ SILENT: dict[str, Any] = {
 
 
 class Least(NamedTuple):
-    """The smallest singular value, and the direction u (6,) in base axes that it belongs to, metres in `length`.
+    """The smallest singular value and its direction u (6,) in base axes, metres in `length`.
 
-    Of equal ones u is the direction in their span that is nearest to an axis.
+    For equal values u is the direction in their span nearest to an axis.
     """
 
     sigma: float
@@ -52,7 +52,7 @@ class Least(NamedTuple):
 
 
 class Gauge(Part):
-    """The part that says how near the arm is to what slows a servo; silent where none drives."""
+    """The part that shows how near the arm is to singularities and limits. It is silent without a servo."""
 
     def __init__(self, arm: Arm) -> None:
         self._arm = arm
@@ -61,10 +61,12 @@ class Gauge(Part):
         self._words = SILENT
 
     def messages(self, show: Show) -> Iterator[Message]:
-        """sigma: smallest singular value [rad per rad], singular `below` that; lacks: its direction in base axes.
+        """The messages with singular value and limit.
 
-        joint: the one, or the motor, nearest to a position limit: `room` [unit] to its lower or upper `end`, `near`
-        from which on that is little. All null where no servo drives, or where there is no limit.
+        sigma: smallest singular value [rad per rad], singular below `below`. lacks: its direction in base axes.
+
+        joint: the joint or motor nearest to a position limit, with `room` [unit] to its `end` and the warning distance
+        `near`. All are null without a servo or without a limit.
         """
         if not show.driven:
             self._at, self._words = None, SILENT
@@ -94,10 +96,10 @@ class Measure:
         return {"sigma": round(sigma, 5), "below": self.bounds.singular_below, "lacks": lacks, **self.room(theta)}
 
     def least(self, theta: Array) -> Least:
-        """The smallest singular value of the directions that the arm has elsewhere; 0 where it lacks one here.
+        """The smallest singular value of the directions that the arm has elsewhere, 0 if it lacks one here.
 
-        Those of the scaled Jacobian, as the servo damps them: of the whole twist from five joints on, else of
-        the position and then of the rotation that leaves it alone.
+        The Jacobian is scaled as the servo damps it: the whole twist from five joints on, else the position, then the
+        rotation that keeps it.
         """
         found = Least(np.inf, np.zeros(6))
         for (sigma, U), rank in zip(self._levels(theta), self._ranks, strict=True):
@@ -109,7 +111,7 @@ class Measure:
         return found
 
     def room(self, theta: Array) -> dict[str, Any]:
-        """Of the joint, or the motor, that is nearest to a limit beside what is near for it."""
+        """The joint or motor nearest to a limit, relative to its warning distance."""
         motion = self.bounds.motion
         x, lower, upper = motion.C @ theta + motion.c, motion.limits.lower, motion.limits.upper
         room = np.minimum(x - lower, upper - x)
@@ -127,7 +129,7 @@ class Measure:
         }
 
     def _levels(self, theta: Array) -> list[tuple[Array, Array]]:
-        """(σ descending, U (6, k) in base axes) of each level; what is no motion is left out."""
+        """(σ descending, U (6, k) in base axes) of each level without null motions."""
         g, J = self.arm._fk_and_body_jacobian(theta)
         R = np.kron(np.eye(2), g[:3, :3])
         rows = scaled_jacobian(R @ J, self._slides, self.bounds.length)

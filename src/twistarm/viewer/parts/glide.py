@@ -1,4 +1,4 @@
-"""A way from where the arm stands to another configuration, in half a second: eased, and straight in joint space."""
+"""An eased motion to another configuration in half a second, straight in joint space."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Glide:
     begun: float
 
     def at(self, now: float) -> Array:
-        """start + (3s² − 2s³)(goal − start), s = (now − begun)/TIME: at rest at both ends; from TIME on the goal."""
+        """start + (3s² − 2s³)(goal − start) with s = (now − begun)/TIME: at rest at both ends."""
         s = max(0.0, (now - self.begun) / TIME)
         if s >= 1.0:
             return self.goal

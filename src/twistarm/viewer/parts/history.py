@@ -1,4 +1,4 @@
-"""Undo and redo of what was done on the pages: changes of the list of poses, and moves of the arm."""
+"""Undo and redo for the pages: changes of the pose list and moves of the arm."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ WORDS = {
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """What was changed, as it was before: the list, theta, or the joints beside the arm; `words` say by what."""
+    """The state before a change: the list, theta, or the joints beside the arm. `words` name the change."""
 
     words: str
     poses: tuple[RecordedPose, ...] | None = None
@@ -62,7 +62,7 @@ class History:
         self._last: tuple[str, float] = ("", -np.inf)
 
     def handle(self, request: Request, show: Show, now: float) -> Job | None:
-        """Undo the last step, or do the last one undone again; InputError where there is none."""
+        """Undo the last step, or redo it. Raises InputError without one."""
         source, sink = (self._past, self._future) if request.kind == "undo" else (self._future, self._past)
         if not source:
             raise InputError(f"nothing to {request.kind}")
@@ -80,7 +80,7 @@ class History:
         yield {"type": "history", "undo": past, "redo": future}
 
     def note(self, kind: str, name: str, before: Seen, after: Seen) -> None:
-        """Keep what a request has changed, if it has; `name` is of what it is about."""
+        """Record what a request has changed, if anything. `name` is its object."""
         if kind not in WORDS:
             return
         words = WORDS[kind].format(name=name)

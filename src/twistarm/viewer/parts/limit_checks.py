@@ -1,4 +1,4 @@
-"""Checks of what is to be shown: a configuration, a trajectory, a joint value inside its limits."""
+"""Checks before showing a configuration, a trajectory or a joint value."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def require_all_inside(arm: Arm, theta: Array) -> None:
 
 
 def require_inside(name: str, value: float, lower: float, upper: float, unit: str) -> None:
-    """LimitError where a joint would leave its limits; in degrees first where the unit is rad, as a page shows them."""
+    """Raise LimitError if a joint would leave its limits, in degrees first for angles."""
     if lower - LIMIT_TOL <= value <= upper + LIMIT_TOL:
         return
     in_si = f"{name} = {value:g} is outside its limits {lower:g} … {upper:g} {unit}"

@@ -1,4 +1,4 @@
-"""Parts of the view (the target, the list of poses, the player, …), each with its requests and its messages."""
+"""Parts of the view, such as the target or the player, with their requests and messages."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Show(Protocol):
         """The trajectory that is loaded."""
 
     def show(self, theta: Array) -> None:
-        """Stand at theta (n,); whatever moves the arm stops."""
+        """Show theta (n,) and stop any motion."""
 
     def go(self, theta: Array, ease: bool, now: float) -> None:
         """Stand at theta (n,), with `ease` in half a second."""
@@ -68,8 +68,8 @@ class Part(Protocol):
     """The kinds of request that it answers."""
 
     def handle(self, request: Request, show: Show, now: float) -> Job | None:
-        """Do what a page asks for at `now` [s], or return the job that will; TwistarmError where it cannot be done."""
+        """Handle a page's request at `now` [s] or return a job for it. Raises TwistarmError if it cannot."""
         raise InputError(f"no such request: {request.kind}")
 
     def messages(self, show: Show) -> Iterable[Message]:
-        """What the pages are told of it; the same object while nothing has changed, where it is large."""
+        """The messages for the pages. A large message is the same object until it changes."""

@@ -1,4 +1,4 @@
-"""A trajectory on show: which moment of it, at what speed, and whether it runs."""
+"""A trajectory on show: its time, speed, and whether it plays."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ from ...support.checks import Array, as_theta
 
 @dataclass
 class Playback:
-    """The clock of one trajectory. `now` is the caller's monotonic clock [s], `time` the moment shown [s].
+    """The clock of one trajectory.
 
-    `limits` are what the trajectory was planned by, None where only whoever planned it knows.
+    `now` is the caller's monotonic clock [s], `time` the moment shown [s].
+
+    `limits` are those of the plan, or None if unknown.
     """
 
     trajectory: Trajectory
@@ -41,7 +43,7 @@ class Playback:
         self.time = min(max(time, 0.0), self.duration)
 
     def advance(self, now: float) -> None:
-        """Let the clock run up to `now`; at the end start again with `loop`, else stop there."""
+        """Advance the clock to `now`. At the end it restarts with `loop` and stops otherwise."""
         if not self.running:
             return
         self.time += self.speed * (now - self._last)

@@ -1,4 +1,4 @@
-"""The trajectory on show as the pages drive it: play, pause, seek, how fast, again and again."""
+"""The player of a trajectory: play, pause, seek, speed, loop."""
 
 from __future__ import annotations
 

@@ -47,10 +47,9 @@ class Plots(Part):
 
 
 def plots(arm: Arm, playback: Playback | None) -> Message:
-    """Times [s], for each rate a row of values for each joint [rad, m, per s, s²], and the joints as plotted.
+    """Times [s], the values of each joint for each derivative [rad, m, per s, s²], and the plotted joints.
 
-    The limits are those that the trajectory was planned by, the arm's where these are not known. Where it has values
-    that are no numbers there is nothing to plot.
+    The limits are those of the plan, or the arm's. Infinite or missing values give no plot.
     """
     if playback is None:
         return NO_PLOTS
@@ -70,14 +69,14 @@ def plots(arm: Arm, playback: Playback | None) -> Message:
 
 
 def _tool(arm: Arm, theta: Array, rates: Array) -> dict[str, list[float]]:
-    """Speeds of the tool's origin [m/s] and of its rotation [rad/s]: the norms of the halves of J^b θ̇."""
+    """Speeds of the tool's origin [m/s] and rotation [rad/s]: the norms of the halves of J^b θ̇."""
     twists = (arm.body_jacobian(theta) @ rates[..., None])[..., 0]
     linear, angular = (np.round(np.linalg.norm(half, axis=-1), DECIMALS) for half in (twists[:, :3], twists[:, 3:]))
     return {"linear": linear.tolist(), "angular": angular.tolist()}
 
 
 def _times(trajectory: Trajectory) -> Array:
-    """Evenly from start to end, and both sides of every breakpoint where these are few."""
+    """Even times from start to end, with both sides of each breakpoint if these are few."""
     inner = trajectory.breakpoints[1:-1]
     jumps = inner if 4 * len(inner) <= MOST_POINTS else inner[:0]
     even = np.linspace(0.0, trajectory.duration, MOST_POINTS - 2 * len(jumps) if trajectory.duration > 0 else 1)
@@ -86,7 +85,7 @@ def _times(trajectory: Trajectory) -> Array:
 
 
 def _joints(arm: Arm, limits: JointLimits, peaks: list[Array]) -> list[dict[str, Any]]:
-    """Name and unit; `range`: what a position is a share of; `usual`: limits that the arm did not give; `peak`."""
+    """Name and unit. `range`: the range of positions; `usual`: assumed limits; `peak`: largest values."""
     lower, upper = usual_range(limits.lower, limits.upper, arm.usual_half)
     return [
         {

@@ -1,4 +1,4 @@
-"""The list of recorded poses: each with a number that never comes again, a name of its own, and theta."""
+"""The list of recorded poses, each with a unique number, a unique name, and theta."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ leads through this pose to the next."""
 
 @dataclass(frozen=True, eq=False)
 class RecordedPose:
-    """A pose of the list: theta (n,) [rad, m] lies inside the limits, `by` of MOVES is how the arm moves to it."""
+    """A pose of the list. theta (n,) [rad, m] is inside the limits, and `by` of MOVES is the way to it."""
 
     id: int
     name: str
@@ -38,7 +38,7 @@ class RecordedPose:
     by: str = MOVES[0]
 
     def entry(self) -> dict[str, Any]:
-        """The pose as it is saved: name, theta and by."""
+        """The saved pose: name, theta and by."""
         return {"name": self.name, "theta": self.theta.tolist(), "by": self.by}
 
 
@@ -47,7 +47,7 @@ LeftOut = tuple[tuple[str, ...], Mapping[str, Any]]
 
 
 class PoseList:
-    """Poses of one arm in their order. Whatever is refused leaves the list as it was."""
+    """Poses of one arm in order. A refused change leaves the list unchanged."""
 
     def __init__(self, arm: Arm) -> None:
         self._arm = arm
@@ -79,7 +79,7 @@ class PoseList:
         self._exchange(self._pose(number))
 
     def replace(self, joints: Sequence[str], poses: Iterable[Mapping[str, Any]]) -> None:
-        """Take the list given, poses of name and theta in the order of `joints`, in place of what is here."""
+        """Replace the list by poses with name and theta in the order of `joints`."""
         order = self._order(joints)
         taken: list[RecordedPose] = []
         for pose in poses:
@@ -87,7 +87,7 @@ class PoseList:
         self._keep(taken)
 
     def take(self, joints: Sequence[str], poses: Iterable[Mapping[str, Any]]) -> list[str]:
-        """Add those of the list given that the arm can take; the reason for each that is left out."""
+        """Add the poses that fit the arm. Returns the reason for each of the others."""
         order = self._order(joints)
         reasons: list[str] = []
         for pose in poses:
@@ -130,7 +130,7 @@ class PoseList:
         return RecordedPose(self._made, free, frozen(np.clip(checked, limits.lower, limits.upper)), by)
 
     def _read(self, pose: Mapping[str, Any], order: Sequence[int], others: Sequence[RecordedPose]) -> RecordedPose:
-        """A pose of a list whose joints stand in another order."""
+        """A pose of a list with another joint order."""
         values = np.array(pose["theta"], dtype=np.float64)
         if values.shape != (len(order),):
             name = one_line(pose["name"], LONGEST_NAME)
@@ -167,7 +167,7 @@ def told(reasons: list[str]) -> Iterator[None]:
 
 
 def _free(name: str, others: Sequence[RecordedPose]) -> str:
-    """The name, made up where it is empty, with a number behind it where another pose has it."""
+    """The name, made up if empty, with a number if another pose has it."""
     taken = {pose.name for pose in others}
     bare = " ".join(name.split())
     if len(bare) > LONGEST_NAME:

@@ -1,4 +1,4 @@
-"""Segments of a list of recorded poses: how the arm moves to each of them, as `plan` takes it, and the ideal way."""
+"""Segments for `plan` from a list of recorded poses, and the ideal path."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ POINTS = 60
 
 
 def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[Segment]:
-    """The segments from the first pose through all others, corners rounded within `corner` [m] or less.
+    """The segments through all poses, with corners rounded within `corner` [m] or less.
 
-    InputError where a pose that an arc is to lead through is not followed by the arc's end.
+    Raises InputError for an arc's via pose without the arc's end.
     """
     made: list[Segment] = []
     for i, pose in enumerate(poses[1:], start=1):
@@ -48,7 +48,7 @@ def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[Seg
 
 
 def _corner(arm: Arm, poses: Sequence[RecordedPose], i: int, corner: float) -> float:
-    """The radius at pose i: no more than there is room for, and 0 at the end."""
+    """The corner radius at pose i: at most the available room, 0 at the end."""
     if i + 1 == len(poses) or corner <= 0.0:
         return 0.0
     before, here, after = arm.fk([pose.theta for pose in poses[i - 1 : i + 2]])[:, :3, 3]

@@ -1,4 +1,4 @@
-"""Program of recorded poses: the list is edited, one is gone to, a motion is planned through all of them."""
+"""The program of recorded poses: edit the list, go to a pose, plan a motion through them."""
 
 from __future__ import annotations
 
@@ -41,9 +41,7 @@ MOST_GHOSTS = 12
 
 
 class Asked(NamedTuple):
-    """A motion as a page asks for it: its kind, whether it stops at each pose or rounds corners within a radius [m],
-    and the tool's greatest speed [m/s], 0 for none.
-    """
+    """A requested motion: its kind, its stops or corner radius [m], and the tool's speed limit [m/s] (0: none)."""
 
     kind: Any
     stop: bool
@@ -105,7 +103,7 @@ class Program:
         yield self._message
 
     def follow(self, other: Program) -> None:
-        """Take over which motion `other` planned, and through which poses: the list is the same or it is not."""
+        """Take over the motion that `other` planned and its poses."""
         self._motion = other._motion
         if [pose.entry() for pose in self.list.poses] == [pose.entry() for pose in other.list.poses]:
             self._through = _listed(self.list.poses) if other._through == _listed(other.list.poses) else ()
@@ -165,7 +163,7 @@ def _planned(
     met: Mapping[str, Any],
     progress: Progress,
 ) -> tuple[Trajectory | PathError, dict[str, Any]]:
-    """In a thread: the motion or why there is none, and the way of the tool."""
+    """In a thread: the motion or the reason why there is none, and the tool's path."""
     beside = {"ideal": ideal_way(arm, poses), "waypoints": _ghosts(arm, poses, others)}
     try:
         motion = _motion(arm, poses, asked, limits, met, progress)
@@ -175,7 +173,7 @@ def _planned(
 
 
 def _stop(arm: Arm, error: PathError, others: Mapping[str, float]) -> dict[str, Any] | None:
-    """Where a segment cannot be followed any farther: the tool's position, why in short, and how the arm stands."""
+    """Where a segment ends early: the tool's position, the reason, and the configuration."""
     if error.theta is None:
         return None
     position = np.round(arm.fk(error.theta)[:3, 3], 6).tolist()
@@ -215,12 +213,12 @@ def _motion(
 
 
 def _ghosts(arm: Arm, poses: Sequence[RecordedPose], others: Mapping[str, float]) -> list[dict[str, list[float]]]:
-    """Where the links stand at the poses, or at so many of them that can be told apart."""
+    """Link poses at the recorded poses, or at those that differ visibly."""
     chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MOST_GHOSTS)).round().astype(int))
     placement = Placement(arm)
     return [standing_at(placement, poses[i].theta, others) for i in chosen]
 
 
 def _listed(poses: Sequence[RecordedPose]) -> tuple[tuple[int, str], ...]:
-    """What of a list a motion is planned by: its poses in their order, and how the arm moves to each but the first."""
+    """What the plan depends on: the poses in order and the move to each."""
     return tuple((pose.id, pose.by if i else "") for i, pose in enumerate(poses))

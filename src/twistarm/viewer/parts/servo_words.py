@@ -1,4 +1,4 @@
-"""Servo status for the pages: its word, the joint concerned, the reason; nothing while it idles."""
+"""Servo status for the pages: status, joint and reason, or nothing while it idles."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ SILENT: dict[str, Any] = {"status": None, "joint": None, "reason": "", "share": 
 
 
 def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
-    """What a servo or the loop around it answers, in words.
+    """The answer of a servo or its loop in words.
 
-    {"status": a ServoStatus's name or null, "joint": name or null, "reason": text, "share": of what is commanded, how
-    much is done, 0 … 1, null where nothing is}.
+    {"status": name of a ServoStatus or null, "joint": name or null, "reason": text, "share": executed share of the
+    command from 0 to 1, or null}.
     """
     if isinstance(answer, ServoOutput):
         return _words(answer, True)

@@ -1,4 +1,4 @@
-"""Distance of a posture from a singularity, in words: the motions of the tool that it lacks, or nearly lacks."""
+"""The distance of a configuration from singularities in words: the motions that the tool nearly lacks."""
 
 from __future__ import annotations
 

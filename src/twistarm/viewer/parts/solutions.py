@@ -1,4 +1,4 @@
-"""All configurations that meet a target, for a page to step through, each with its ghost."""
+"""All configurations that meet a target, for stepping through, each with a ghost."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ NONE: Message = {"type": "solutions", "asked": False, "places": [], "words": "",
 
 
 class Answer(NamedTuple):
-    """theta (k, n), those inside the limits first, how many these are, and what is told of them."""
+    """theta (k, n), those inside the limits first, their number, and the texts."""
 
     theta: Array
     inside: int
@@ -87,7 +87,7 @@ class Solutions:
         self._at = self._stands = 0 if here else None
 
     def _step(self, place: int, ease: bool, show: Show, now: float) -> None:
-        """Choose a configuration, and go there if it is inside the limits: else the arm stays, and its ghost stands."""
+        """Choose a configuration. The arm goes there if it is inside the limits; otherwise its ghost shows."""
         if self._answer is None or place >= len(self._answer.theta):
             raise InputError("these configurations were let go, because the arm was moved: ask for all of them again")
         assert self._where is not None
@@ -129,7 +129,7 @@ def _held_in_words(arm: Arm, held: Mapping[str, float]) -> list[str]:
 
 
 def _place(solutions: IKSolutions, theta: Array, i: int) -> dict[str, list[str]]:
-    """Of one configuration the joints that may go on moving, and those beyond their limits, in words."""
+    """The free joints of a configuration and the joints beyond their limits, in words."""
     if i < len(solutions):
         return {"free": list(solutions.free[i]), "beyond": []}
     arm, limits = solutions.arm, solutions.arm.limits

@@ -1,4 +1,4 @@
-"""An arm as the page is told of it once: its joints and its poses."""
+"""An arm as a page receives it once: its joints and poses."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def extra_joints(arm: Arm) -> dict[str, Joint]:
 
 
 def rest(joint: Joint) -> float:
-    """Where a joint outside the chain stands unless told otherwise: 0, or the limit nearest to it."""
+    """The default of a joint outside the chain: 0, or the limit nearest to it."""
     return float(np.clip(0.0, joint.lower, joint.upper))
 
 

@@ -1,4 +1,4 @@
-"""Target of the tool, dragged or typed on a page, and the configuration that meets it best."""
+"""The tool's target, dragged or typed, and the configuration that meets it best."""
 
 from __future__ import annotations
 
@@ -59,9 +59,11 @@ class TargetPart:
         self._number = self._answered = 0  # of the latest target asked for, and of the one whose answer is on show
 
     def handle(self, request: Request, show: Show, now: float) -> Job | None:
-        """Solve for a target, from the configuration on show, or let it go. InputError for what can be no target.
+        """Solve for a target from the present configuration, or release it.
 
-        What one short search meets is answered at once; only what it does not meet is a job.
+        Raises InputError for an invalid target.
+
+        One short search answers at once; only a failure becomes a job.
         """
         if request.kind == "release":
             self._release()
@@ -89,7 +91,7 @@ class TargetPart:
         yield self._status
 
     def _finish(self, show: Show, start: Array, number: int, answer: Answer) -> None:
-        """Show the answer, unless a later target has its answer, the target was let go, or something moved the arm."""
+        """Show the answer unless a later target replaced it, the user released it, or the arm moved."""
         moved = show.theta is not start and show.theta is not self._shown
         if number < self._answered or not self._wanted or moved or show.driven or show.moving:
             return
@@ -102,7 +104,7 @@ class TargetPart:
 
 
 def target_asked(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approach:
-    """The target that a page asked for: {kind, position [m], xyzw}, of which a position needs no direction."""
+    """The requested target: {kind, position [m], xyzw}. A position needs no direction."""
     p, xyzw = np.array(fields["position"]), fields["xyzw"]
     length = math.hypot(*xyzw)
     if abs(length - 1.0) > LENGTH_TOL:
@@ -118,7 +120,7 @@ def target_asked(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Appro
 
 
 def tolerances_asked(fields: Mapping[str, float]) -> dict[str, float]:
-    """The tolerances that a page asked for, as solvers and planners take them; 0 is the usual one."""
+    """The requested tolerances for solvers and planners; 0 is the default."""
     return {
         f"{word}_tol": as_tolerance(fields[word], f"{word} [{unit}]")
         for word, unit in TOLERANCES.items()
@@ -129,10 +131,9 @@ def tolerances_asked(fields: Mapping[str, float]) -> dict[str, float]:
 def solved_at_once(
     arm: Arm, target: Pose | Position | Approach, start: Array, met: Mapping[str, Any] = NONE
 ) -> IKSolution | None:
-    """The solution of the first search from `start`, where it meets the target within AT_ONCE; else None.
+    """The solution of the first search from `start` if it meets the target within AT_ONCE, else None.
 
-    It is what a search with all its time would answer, bit by bit: the first search that converges wins, and none of
-    it was cut short.
+    A full search gives the same bits, because the first converged search wins and none was cut short.
     """
     if arm._compiled is None:
         return None

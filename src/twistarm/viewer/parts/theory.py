@@ -1,4 +1,4 @@
-"""The numbers behind the posture on show: Jacobians, screws, singular values and ellipsoids, while someone looks."""
+"""Jacobians, screws, singular values and ellipsoids of the present configuration, while a page shows them."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Theory(Part):
             yield self._numbers
 
     def _which_moved(self, show: Show) -> int:
-        """The coordinate that changed most since the last time, metres measured in the arm's reach."""
+        """The coordinate that changed most, with metres divided by the arm's reach."""
         if self._theta is None or np.array_equal(show.theta, self._theta):
             return self._moved
         length = np.where(np.array(show.arm.units) == "m", show.arm.reach, 1.0)
@@ -54,10 +54,10 @@ class Theory(Part):
 
 
 def axes(arm: Arm) -> dict[str, Any]:
-    """Every moving joint's axis as it is drawn: its node, the arrow's tip in it [m], its pitch [m/rad], null for inf.
+    """Each moving joint's axis: its node, the arrow's tip in it [m], its pitch [m/rad], null for inf.
 
-    A joint carries its screw along, so neither changes with the posture: Ad_g keeps the pitch (MLS §2.4.2). With them
-    the scales of drawing: `linear` [m] for 1 m/s, `angular` [m] for 1 rad/s; a slide's rate counts per `length` [m].
+    A joint carries its screw, so both are constant: Ad_g keeps the pitch (MLS §2.4.2). The drawing scales are `linear`
+    [m] for 1 m/s and `angular` [m] for 1 rad/s. A slide's rate is divided by `length` [m].
     """
     size = arm_size(arm)
     screws = [to_screw(xi) for xi in arm.screws.T]
@@ -77,7 +77,7 @@ def axes(arm: Arm) -> dict[str, Any]:
 
 
 def _motion(show: Show) -> tuple[Array, Array | None]:
-    """The configuration on show, and the rates (n,) with which the trajectory on show passes it, if it does."""
+    """The configuration on show and its rates (n,) on the trajectory, if it plays."""
     playback = show.playback
     if playback is None or not (playback.running or np.array_equal(playback.theta(), show.theta)):
         return show.theta, None

@@ -1,4 +1,4 @@
-"""The numbers of one posture, as the pages are told them: Jacobians, screws, singular values, ellipsoids."""
+"""Jacobians, screws, singular values and ellipsoids of one configuration for the pages."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ BELOW = ServoSettings().singular_below
 
 
 def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any]:
-    """What stands behind the drawing at theta (n,), in SI units and radians; matrices are lists of rows.
+    """The numbers at theta (n,) in SI units and radians; matrices are lists of rows.
 
-    g (4, 4): g_st. spatial, body, hybrid (6, n): the Jacobians. columns: each column of J^s as a screw; axes: each
-    moving joint's, null where the columns are those. singular_values, condition (null where it is infinite), rank,
-    yoshikawa, smallest, below, standing (in words): of the body Jacobian, metres measured in `reach`. linear, angular:
-    the ellipsoids. motion: V^s = J^s θ̇ for `rates` (n,), as twist and screw, and the velocity of the tool's origin.
+    g (4, 4): g_st. spatial, body, hybrid (6, n): the Jacobians. columns: each column of J^s as a screw. axes: each
+    moving joint's screw, null if equal to the columns. singular_values, condition (null if infinite), rank, yoshikawa,
+    smallest, below, standing (in words): of the body Jacobian, with metres divided by `reach`. linear, angular: the
+    ellipsoids. motion: V^s = J^s θ̇ for `rates` (n,), as twist and screw, and the velocity of the tool's origin.
     """
     g, J_b = arm._fk_and_body_jacobian(theta)
     J_s = arm.spatial_jacobian(theta)
@@ -76,7 +76,7 @@ def _ellipsoids(arm: Arm, hybrid: Array, lengths: Array) -> dict[str, Any]:
 
 
 def _screws(columns: Array) -> dict[str, list[Any]]:
-    """Axis, point [m], pitch [m/rad] and magnitude of each column of (6, k), as lists; an infinite pitch is null."""
+    """Axis, point [m], pitch [m/rad] and magnitude of each column of (6, k). An infinite pitch is null."""
     screw = to_screw(columns.T)
     pitches = screw.pitch.tolist()
     return {

@@ -1,4 +1,4 @@
-"""The way the tool takes, as the page draws it: a line through points in the base frame."""
+"""The tool's path as a line through points in the base frame."""
 
 from __future__ import annotations
 
@@ -26,9 +26,11 @@ waypoints: where everything stands at the poses, {node: matrix} each."""
 
 
 def tool_path(arm: Arm, motion: Trajectory | ArrayLike) -> dict[str, Any]:
-    """Points [[x, y, z], …] [m] of the tool's origin and the line's radius [m]; no points if it stays where it is.
+    """Points [[x, y, z], …] [m] of the tool's origin and the line's radius [m].
 
-    `motion` is a trajectory of this arm, or configurations (k, n) in the order they are passed.
+    A path without length has no points.
+
+    `motion` is a trajectory of this arm or configurations (k, n) in order.
     """
     return {
         **NO_PATH,
@@ -38,7 +40,7 @@ def tool_path(arm: Arm, motion: Trajectory | ArrayLike) -> dict[str, Any]:
 
 
 def drawn(arm: Arm, points: Array) -> list[list[float]]:
-    """Those of the points (k, 3) [m] that can be told apart; none if all are in one place."""
+    """The distinguishable points of (k, 3) [m]; none if all are in one place."""
     kept = [points[0]]
     for point in points[1:]:
         if np.linalg.norm(point - kept[-1]) > STILL * arm_size(arm):

@@ -1,4 +1,4 @@
-"""The reachable cloud: where the tool comes to inside the limits, and how evenly it moves there."""
+"""The reachable workspace: tool positions inside the limits and their dexterity."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Workspace(Part):
         self._cloud: Message | None = None
 
     def switched(self, what: str, show: Show) -> Job | None:
-        """The job that samples the cloud, where it has been switched on and is not there."""
+        """A job that samples the cloud when it is first switched on."""
         if what != "workspace" or self._cloud is not None or not show.visible["workspace"]:
             return None
         return Job("workspace", "sampling the workspace", partial(sampled_workspace, show.arm), self._finish)
@@ -66,7 +66,7 @@ def sampled_workspace(arm: Arm, progress: Progress) -> dict[str, Any]:
 
 
 def sampled(arm: Arm, progress: Progress) -> tuple[Array, Array]:
-    """Tool positions (N, 3) [m] and scaled singular values (N, min(6, n)) at random postures inside the limits."""
+    """Tool positions (N, 3) [m] and scaled singular values (N, min(6, n)) at random configurations."""
     theta = arm.random_theta(SEED, POINTS)
     positions, values = [], []
     for start in range(0, POINTS, BATCH):
@@ -78,16 +78,16 @@ def sampled(arm: Arm, progress: Progress) -> tuple[Array, Array]:
 
 
 def directions_of(singular_values: Array) -> int:
-    """In how many directions (..., k) the arm moves its tool somewhere; fewer than `NO_MOTION` [rad/rad] is none."""
+    """The number of directions in which the arm moves its tool; below `NO_MOTION` [rad/rad] counts as none."""
     return int((singular_values > NO_MOTION).sum(axis=-1).max(initial=0))
 
 
 def dexterity_of(singular_values: Array, directions: int) -> Array:
-    """σ_directions / σ_1 (N,), 0 … 1: 1 where the tool moves alike in all directions it has, 0 where it lacks one.
+    """σ_directions / σ_1 (N,): 1 where the tool moves equally in all its directions, 0 where it lacks one.
 
-    One over the condition of the scaled body Jacobian, in the directions that the arm has at all. J. K. Salisbury &
-    J. J. Craig, Articulated hands: force control and kinematic issues, Int. J. Robotics Research 1(1), 1982; J. Angeles
-    & C. S. López-Cajún, the conditioning index, Int. J. Robotics Research 11(6), 1992.
+    It is the inverse condition of the scaled body Jacobian in the directions that the arm has. Sources: J. K. Salisbury
+    & J. J. Craig, Articulated hands: force control and kinematic issues, Int. J. Robotics Research 1(1), 1982; J.
+    Angeles & C. S. López-Cajún, the conditioning index, Int. J. Robotics Research 11(6), 1992.
     """
     if directions == 0:
         return np.zeros(len(singular_values))

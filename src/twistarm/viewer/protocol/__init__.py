@@ -1,1 +1,1 @@
-"""The protocol between page and process: messages, what has changed since the last, and work in threads."""
+"""The protocol between page and process: messages, changes, and work in threads."""

@@ -1,4 +1,4 @@
-"""Publisher of changes: only what has changed is encoded and told; a source that fails leaves the others alone."""
+"""Publishes only changed messages. A failing source does not affect the others."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Source = Callable[[], Iterable[Message]]
 
 
 class ChangePublisher:
-    """What the pages know and what they do not. A source that fails keeps what it last said, and is told of once."""
+    """The messages that the pages know. A failing source keeps its last message and is reported once."""
 
     def __init__(self) -> None:
         self._shown: dict[str, Message] = {}
@@ -20,14 +20,14 @@ class ChangePublisher:
         self._failing: dict[int, str] = {}
 
     def gather(self, sources: Sequence[Source]) -> dict[str, str]:
-        """The texts of what has changed since the last time, by type; an error among them where a source fails now."""
+        """Changed texts by type, with an error for each source that fails."""
         changed: dict[str, str] = {}
         for place, source in enumerate(sources):
             self._ask(place, source, changed)
         return changed
 
     def everything(self) -> dict[str, str]:
-        """What a new page is told, by type."""
+        """All messages for a new page, by type."""
         texts = dict(self._texts)
         for error in self._failing.values():
             texts["error"] = error

@@ -1,4 +1,4 @@
-"""Work that would hold up the pages, done in threads: one per kind of work, where the latest job wins."""
+"""Long work in threads, one for each kind. The latest job of a kind wins."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ Tell = Callable[[str, float | None], None]
 
 @dataclass(frozen=True)
 class Job:
-    """`work(progress)` runs in the thread of its `key`; `finish(result)` in the loop, where the stage may be changed.
+    """`work(progress)` runs in the thread of its `key`; `finish(result)` runs in the loop and may change the stage.
 
-    `progress` takes the fraction done; it raises ReplacedError once a later job of the same key waits. What `work`
-    raises is told to the pages, after `doing`: the kind of work in words, such as `planning the motion`.
+    `progress` takes the fraction done. It raises ReplacedError once a later job with the same key waits. Errors of
+    `work` go to the pages after `doing`, the work in words, such as `planning the motion`.
     """
 
     key: str
@@ -33,7 +33,7 @@ class Job:
 
 
 class ReplacedError(Exception):
-    """A later job waits, or the viewer closes: nobody wants this one's result."""
+    """A later job waits or the viewer closes, so the result is not needed."""
 
 
 class Workers:
@@ -44,13 +44,13 @@ class Workers:
         self._workers: dict[str, _Worker] = {}
 
     def submit(self, job: Job) -> None:
-        """Do `job` as soon as what its thread is at lets it; one that waits there is dropped. Returns at once."""
+        """Queue `job` and return at once. A waiting job with the same key is dropped."""
         if job.key not in self._workers:
             self._workers[job.key] = _Worker(job.key, self._deliver, self._tell)
         self._workers[job.key].submit(job)
 
     def stop(self, timeout: float) -> None:
-        """Let every thread end, at its next word of progress or with its job; `timeout` [s] is waited for each."""
+        """End every thread at its next progress call or with its job. Waits `timeout` [s] for each."""
         workers = list(self._workers.values())
         for worker in workers:
             worker.stop()

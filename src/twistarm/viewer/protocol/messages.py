@@ -1,4 +1,4 @@
-"""The messages between page and process: one schema, page/schema.json, that both sides check on arrival."""
+"""Messages between page and process, checked on both sides by page/schema.json."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LONGEST_NAME = 1000
 
 @dataclass(frozen=True)
 class Request:
-    """What a page asks for: its kind, the fields of that kind, and the number that its `done` carries back."""
+    """A page's request: its kind, its fields, and the number for its `done`."""
 
     kind: str
     fields: Mapping[str, Any]
@@ -33,9 +33,9 @@ class Request:
 
 
 def parse(message: str | bytes) -> Request:
-    """The request in a message of the page: {"type": kind, the fields of that kind in REQUESTS, "number": a counter}.
+    """The request in a page's message: {"type": kind, fields of REQUESTS, "number": a counter}.
 
-    Values in rad, m and s. Raises InputError for anything else.
+    Values are in rad, m and s. Raises InputError for anything else.
     """
     if isinstance(message, bytes):
         raise InputError("a message is JSON text; got bytes")
@@ -48,7 +48,7 @@ def parse(message: str | bytes) -> Request:
 
 
 def number_of(message: str | bytes) -> int | None:
-    """The number of a message that `parse` refuses, for its `done`: None where it carries none, or cannot be read."""
+    """The number of a message that `parse` refuses, or None."""
     try:
         fields = json.loads(message)
         return counter(fields["number"], "number") if isinstance(fields, dict) else None

@@ -1,4 +1,4 @@
-"""Scene of an arm: first what needs no file, then its meshes one after the other."""
+"""The scene of an arm: first what needs no file, then its meshes one by one."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from .nodes import link_path
 
 
 class Scene:
-    """Messages that draw the arm once, in order; the node of each link; what could not be drawn, in words.
+    """Messages that draw the arm once, in order, the node of each link, and what could not be drawn.
 
-    Whatever moves has a node of its own: a configuration is then one matrix per node, {path: (4, 4) by columns}.
-    `objects` only ever grows, by `draw`, whichever thread calls it; the first `plain` of them are no meshes, and one
-    that a later one has replaced is empty. Meshes of more triangles than a screen shows are simplified unless `exact`;
-    `simplified`: whether any was; `reader`: who has read them, and knows their lengths.
+    Everything that moves has a node, so a configuration is one matrix per node, {path: (4, 4) by columns}. `draw`
+    appends to `objects`, from any thread. The first `plain` objects are not meshes, and replaced ones are empty. Meshes
+    with more triangles than a screen shows are simplified unless `exact`. `simplified`: whether any was. `reader`: the
+    reader of the meshes, which knows their lengths.
     """
 
     def __init__(self, arm: Arm, exact: bool = False, known: Mapping[Source, Drawn] | None = None) -> None:
@@ -56,13 +56,13 @@ class Scene:
             self._meshes = draw_meshes(self._description, self._size, self.exact, self._known, self.reader)
 
     def successor(self, arm: Arm) -> Scene:
-        """The scene of another arm, for which no file is read that was drawn here and has not changed since."""
+        """The scene of another arm. Unchanged files are not read again."""
         return Scene(arm, self.exact, {piece.source: piece for piece in self._pieces.values() if piece.drawn})
 
     def draw_again(self, exact: bool) -> None:
-        """Begin anew with the meshes, in the place of those drawn, with all their triangles or simplified.
+        """Draw the meshes again, with all triangles or simplified.
 
-        Returns at once, whatever is being read: what comes of that is dropped.
+        Returns at once and drops the results of pending reads.
         """
         with self._lock:
             self.exact = exact
@@ -112,7 +112,7 @@ class Scene:
         return self
 
     def message(self) -> dict[str, Any]:
-        """How much there is to draw: objects so far, and meshes that are still to be read; whether all of each."""
+        """Progress of the drawing: objects so far, meshes to read, and whether all triangles are drawn."""
         return {
             "type": "scene",
             "objects": sum(map(bool, self.objects)),
@@ -124,11 +124,10 @@ class Scene:
 
 
 def build_scene(arm: Arm, exact: bool = False) -> Scene:
-    """Draw `arm`, meshes included: a node per link, a node per screw, and the space and tool frames.
+    """Draw `arm` with its meshes: a node for each link and screw, and the space and tool frames.
 
-    A mesh that was not found or cannot be read is noted, and a frame and simple shapes stand in for it: those that the
-    link collides with, else a capsule from its origin to each joint that it carries; so in a link with nothing to draw.
-    An arm without a description is drawn as rods between the points of its axes.
+    An unreadable mesh is reported. A frame and simple shapes replace it: the link's collision shapes, or a capsule from
+    its origin to each joint that it carries. An arm without a description is drawn as rods between points of its axes.
     """
     return Scene(arm, exact).whole()
 

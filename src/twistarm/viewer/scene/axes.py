@@ -1,4 +1,4 @@
-"""The joints' screws, drawn as arrows along their axes; and the arm itself as rods from axis to axis."""
+"""The joints' screws as arrows along their axes, and the arm as rods between axes."""
 
 from __future__ import annotations
 
@@ -27,13 +27,15 @@ PITCHLESS = 1e-9
 
 
 def arm_size(arm: Arm) -> float:
-    """A length [m] to which axes and frames are drawn: the reach, or the tool's distance where nothing turns."""
+    """A length [m] that scales axes and frames: the reach, or the tool's distance if nothing turns."""
     far = max(arm.reach, float(np.linalg.norm(arm.home[:3, 3])))
     return far if far > 1e-6 else 1.0
 
 
 def anchors(arm: Arm) -> Array:
-    """A point (m, 3) on each moving joint's axis at theta = 0: its joint's origin, or that nearest to the last."""
+    """A point (m, 3) on each moving joint's axis at theta = 0: the joint's origin, or the point nearest to the last
+    one.
+    """
     if arm.description is not None:
         poses = arm.poses(np.zeros(arm.n))
         moving = (joint for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving)
@@ -56,7 +58,7 @@ def screw_kinds(arm: Arm) -> list[str]:
 
 
 def draw_screws(arm: Arm) -> list[bytes]:
-    """An arrow along each axis, drawn where it lies at theta = 0 and carried by the joint's partial product."""
+    """An arrow along each axis at theta = 0. The joint's partial product carries it."""
     drawn: list[bytes] = []
     size = arm_size(arm)
     for i, (xi, anchor, kind) in enumerate(zip(arm.screws.T, anchors(arm), screw_kinds(arm), strict=True)):
@@ -66,7 +68,7 @@ def draw_screws(arm: Arm) -> list[bytes]:
 
 
 def draw_rods(arm: Arm) -> list[bytes]:
-    """Rods from axis to axis at theta = 0, each in the node of the joint that carries it; a rail under each slide."""
+    """Rods between axes at theta = 0, each in the node of its joint, and a rail under each slide."""
     size = arm_size(arm)
     points = [np.zeros(3), *anchors(arm), arm.home[:3, 3]]
     paths = ["/arm/rod:base", *(rod_path(i) for i in range(arm.screws.shape[1]))]

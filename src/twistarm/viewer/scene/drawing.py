@@ -1,4 +1,4 @@
-"""Objects that Meshcat can draw, as the messages its page understands: primitives, arrows, triads, triangles."""
+"""Objects for Meshcat as messages: primitives, arrows, triads, triangles."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def require_meshcat() -> None:
 
 
 def set_object(path: str, geometry: Any, colour: Colour, matrix: Array, **material: Any) -> bytes:
-    """The packed message that draws a Meshcat geometry at `path`, posed by `matrix` (4, 4) in its node."""
+    """The packed message that draws a Meshcat geometry at `path` with pose `matrix` (4, 4) in its node."""
     from meshcat.geometry import Mesh, MeshLambertMaterial
 
     lowered = Mesh(geometry, MeshLambertMaterial(color=_rgb(colour), opacity=colour[3], **material)).lower()
@@ -82,7 +82,7 @@ def cylinder(
     top: float | None = None,
     **material: Any,
 ) -> bytes:
-    """A cylinder [m] along z around the origin; with `top`, a cone whose upper radius that is."""
+    """A cylinder [m] along z around the origin. With `top`, the upper radius, it is a cone."""
     from meshcat.geometry import Cylinder
 
     upper = radius if top is None else top
@@ -107,7 +107,7 @@ def rod(path: str, start: Array, end: Array, radius: float, colour: Colour, **ma
 
 
 def arrow(path: str, start: Array, end: Array, radius: float, colour: Colour) -> list[bytes]:
-    """An arrow from `start` to `end` [m]; what lies in front of it lets it shine through."""
+    """An arrow from `start` to `end` [m], visible through other objects."""
     head = 6.0 * radius
     neck, tip = _along(start, end, 1.0, -head)[:3, 3], _along(start, end, 1.0, -0.5 * head)
     drawn: list[bytes] = []
@@ -118,7 +118,7 @@ def arrow(path: str, start: Array, end: Array, radius: float, colour: Colour) ->
 
 
 def _shining(colour: Colour) -> list[tuple[str, Colour, dict[str, Any]]]:
-    """The two layers of what is seen through all that lies in front of it: name, colour, material."""
+    """The two layers of an object that is visible through others: name, colour, material."""
     red, green, blue, _ = colour
     glow = {"emissive": _rgb((0.25 * red, 0.25 * green, 0.25 * blue, 1.0))}
     return [
@@ -138,7 +138,7 @@ def triad(path: str, length: float) -> list[bytes]:
 
 
 def axes(path: str, length: float) -> list[bytes]:
-    """A frame as three thin rods, without heads: unlike what can be taken hold of, and what lies in front shows it."""
+    """A frame as three thin rods without heads, hidden by objects in front."""
     named = zip("xyz", length * np.eye(3), (RED, GREEN, BLUE), strict=True)
     return [
         rod(f"{path}/{name}/{layer}", np.zeros(3), end, 0.02 * length, tint, **material)
@@ -148,7 +148,7 @@ def axes(path: str, length: float) -> list[bytes]:
 
 
 def _along(start: Array, end: Array, fraction: float, shift: float = 0.0) -> Array:
-    """The pose at `fraction` of the way, `shift` [m] farther on, whose z points from `start` to `end`."""
+    """A pose at `fraction` of the way plus `shift` [m], with z from `start` to `end`."""
     z = (end - start) / np.linalg.norm(end - start)
     across = np.eye(3)[int(np.argmin(np.abs(z)))]
     x = np.cross(across, z)

@@ -1,4 +1,4 @@
-"""The arm as it would have to stand to meet a target that its limits forbid: drawn faintly beside the nearest one."""
+"""A ghost of the arm at a target that its limits forbid, beside the nearest configuration."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from .placement import Placement
 
 
 def ghost(solution: IKSolution, others: Mapping[str, float]) -> dict[str, list[float]] | None:
-    """Where each link stands, {node: matrix by columns}, with limits left aside; None where they are not the reason.
+    """Link poses without limits, {node: matrix by columns}, or None if limits are not the reason.
 
-    A target that is met needs none, and one out of reach has no configuration to be drawn at, whatever the limits.
+    A met target needs no ghost. A target out of reach has none.
     """
     if solution.unlimited is None:
         return None

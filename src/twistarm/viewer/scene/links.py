@@ -1,4 +1,4 @@
-"""The links of a description, drawn: primitives at once, then mesh after mesh, with simple shapes until they come."""
+"""The links of a description: primitives at once, then the meshes; simple shapes until they arrive."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ Source = tuple[object, ...]
 
 @dataclass(frozen=True)
 class Drawn:
-    """What the mesh at `node` came to: messages that draw it or what stands in for it, and why it could not be read.
+    """The result for the mesh at `node`: messages that draw it or its replacement, and the reason of a failure.
 
-    `drawn`: it could be read; `exact`: more triangles than these its file does not have; `source`: what it was made of.
+    `drawn`: it could be read. `exact`: it shows all triangles of the file. `source`: its origin.
     """
 
     node: str
@@ -47,9 +47,9 @@ class Drawn:
 
 
 def draw_plain(description: Description, size: float) -> list[bytes]:
-    """Every link in a node of its own, as far as that needs no file, with simple shapes in place of its meshes.
+    """Draw each link in a separate node without files, with simple shapes in place of its meshes.
 
-    `size` [m] scales what stands in.
+    `size` [m] scales the replacements.
     """
     return [part for link in description.links.values() for part in _plain(description, link, size)]
 
@@ -69,11 +69,14 @@ def lost_meshes(description: Description) -> tuple[str, ...]:
 def draw_meshes(
     description: Description, size: float, exact: bool, known: Mapping[Source, Drawn], reader: MeshReader
 ) -> Iterator[Drawn]:
-    """Every mesh in its link's node, one after the other; a file is read once, and its fault told once.
+    """Draw each mesh in its link's node.
 
-    What is `known`, drawn before from the same source, is not read at all.
+    Each file is read once, and its fault reported once.
 
-    Unless `exact`, an arm of more than TRIANGLES is simplified to about so many, each file to its share of the bytes.
+    Meshes in `known`, drawn before from the same source, are not read.
+
+    Unless `exact`, an arm with more than TRIANGLES is simplified to about that many, each file to its share of the
+    bytes.
     """
     most = {} if exact else _shares(description)
     read: dict[Path, list[Part] | str] = {}
@@ -115,7 +118,7 @@ def _stands_in(link: Link) -> bool:
 
 
 def _shares(description: Description) -> Mapping[Path, int]:
-    """How many triangles each file may have, by its size: every time it is drawn counts."""
+    """The number of triangles for each file, by its size and the number of its uses."""
     files = [path for link in description.links.values() for _, _, path in _found(link)]
     sizes = {path: _bytes(path) for path in files}
     whole = max(sum(sizes[path] for path in files), 1)

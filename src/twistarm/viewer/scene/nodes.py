@@ -6,7 +6,7 @@ from urllib.parse import quote
 
 
 def link_path(name: str) -> str:
-    """The node of a link; names are escaped because Meshcat splits a path at its slashes."""
+    """The node of a link. Slashes in names are escaped, because Meshcat splits paths there."""
     return f"/arm/link:{quote(name, safe='')}"
 
 

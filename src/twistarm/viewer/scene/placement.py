@@ -1,4 +1,4 @@
-"""Placement of everything that moves at a configuration: one matrix for each node of the scene."""
+"""Poses of all moving nodes at a configuration: one matrix for each node."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .nodes import link_path, rod_path, screw_path
 
 
 class Placement:
-    """What the frames of one arm have in common, computed once: the names of the nodes, and its links at rest."""
+    """What all frames of one arm share: node names and link poses at rest."""
 
     def __init__(self, arm: Arm) -> None:
         self.arm = arm
@@ -29,9 +29,9 @@ class Placement:
         self._children, self._at_rest = _moving_links(arm)
 
     def at(self, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
-        """Joint values [rad, m], the matrix of every moving node by columns, and the tool's position [m] and rpy [rad].
+        """Joint values [rad, m], the matrix of each moving node by columns, and the tool's position [m] and rpy [rad].
 
-        Links and tool stand where `arm.poses` has them, exactly. The same objects as the last time get the same answer.
+        Links and tool are exactly at `arm.poses`. The same arguments as before return the same answer.
         """
         last_theta, last_others, placed = self._placed
         if theta is not last_theta or others is not last_others:
@@ -54,9 +54,9 @@ class Placement:
         }
 
     def carried(self, theta: Array, poses: Mapping[str, Array]) -> Array:
-        """What the joints up to i do to space, (m, 4, 4): Π_{j≤i} exp(ξ_j (A θ)_j) for every moving joint i (MLS §3.2).
+        """The motion of space due to the joints up to i, (m, 4, 4): Π_{j≤i} exp(ξ_j (A θ)_j) (MLS §3.2).
 
-        A joint's link shows it: its pose g_i is that product times g_i(0). Without links the product is taken itself.
+        The pose g_i of a joint's link is that product times g_i(0). Without links the product is computed.
         """
         if self._children:
             moved: Array = np.array([poses[name] for name in self._children]) @ self._at_rest
@@ -66,7 +66,7 @@ class Placement:
 
 
 def _moving_links(arm: Arm) -> tuple[list[str], Array]:
-    """What link each moving joint of the chain carries, and its g_i(0)⁻¹, (m, 4, 4); none without a description."""
+    """The link of each moving joint and its g_i(0)⁻¹, (m, 4, 4); none without a description."""
     if arm.description is None:
         return [], np.empty((0, 4, 4))
     children = [joint.child for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving]
@@ -75,7 +75,7 @@ def _moving_links(arm: Arm) -> tuple[list[str], Array]:
 
 
 def rpy(g: Array) -> list[float]:
-    """`rotations.to_rpy` of one pose (4, 4) without its checks, which would be a tenth of a frame's time."""
+    """`rotations.to_rpy` of one pose (4, 4) without its checks, which cost a tenth of a frame."""
     (r00, r01, r02, _), (r10, r11, r12, _), (r20, _, _, _), _ = g.tolist()
     radius = hypot(r00, r10)
     yaw = 0.0 if radius <= GIMBAL_LOCK_TOL else atan2(r10, r00)

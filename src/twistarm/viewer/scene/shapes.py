@@ -1,4 +1,4 @@
-"""Simple shapes: the primitives of a description, and what stands in where there is nothing else to draw."""
+"""Simple shapes: primitives of a description, and replacements for missing meshes."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ THICK, STOUT = 0.025, 0.3
 
 
 def stand_in_path(link: Link) -> str:
-    """The node of what stands in for a link."""
+    """The node of a link's replacement shapes."""
     return f"{link_path(link.name)}/stand-in"
 
 
 def stand_in(description: Description, link: Link, size: float) -> list[bytes]:
-    """The primitives that the link collides with, else capsules from its origin to the joints that it carries."""
+    """The link's collision primitives, or capsules from its origin to the joints that it carries."""
     path = stand_in_path(link)
     drawn = [part for i, solid in enumerate(link.collisions) for part in shape(f"{path}/solid{i}", solid, STICK)]
     return drawn or _capsules(description, link, size)
@@ -46,7 +46,7 @@ def _capsules(description: Description, link: Link, size: float) -> list[bytes]:
 
 
 def lost_frame(link: Link, size: float) -> list[bytes]:
-    """The frame of a link whose meshes are missing."""
+    """The frame of a link with missing meshes."""
     return drawing.triad(f"{link_path(link.name)}/frame", FRAME * size)
 
 

@@ -19,10 +19,12 @@ WRONG_TOKEN = "wrong token: a view has a new address at each start; open the one
 
 @dataclass(frozen=True)
 class Authentication:
-    """Admits whoever knows the token and asks for a host that is ours, on any port: ports are forwarded.
+    """Admits requests with the token and a host of ours.
 
-    A page of another site that makes its own name resolve to this machine (DNS rebinding) still sends that name as
-    Host and Origin, and is refused by it.
+    Any port is allowed, because ports are forwarded.
+
+    DNS rebinding, where a site's name resolves to this machine, still sends that name as Host and Origin and is
+    refused.
     """
 
     host: str

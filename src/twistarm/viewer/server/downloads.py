@@ -1,4 +1,4 @@
-"""Files that a page can have: made of what is on show when it asks, in a thread."""
+"""Files for a page, made in a thread from what it shows."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ MOST_SAMPLES = 20_000
 
 @dataclass(frozen=True)
 class Download:
-    """A file by its content type and what its name has after the arm's.
+    """A file by its content type and the ending of its name.
 
-    `prepare(stage, scene)` is called in the loop and takes from the stage what is needed; what it returns is called
-    in a thread, gives the text, and must not touch the stage. InputError of either says why there is no such file now.
+    The loop calls `prepare(stage, scene)`, which copies what it needs. A thread calls the returned function for the
+    text; it must not touch the stage. InputError of either says why there is no file.
     """
 
     content_type: str

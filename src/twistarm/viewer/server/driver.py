@@ -1,4 +1,4 @@
-"""Drive: a servo on simulated joints inside the view, which a page's switch begins and ends."""
+"""a servo on simulated joints inside the view, switched by a page."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ Post = Callable[[str, Callable[[Stage], None]], None]
 
 
 class Driver:
-    """At most one drive: the loop of `twistarm.control.stream` in a thread of its own, commanded by the pages.
+    """At most one drive: the loop of `twistarm.control.stream` in a thread, commanded by the pages.
 
-    It begins at the configuration on show and leaves the arm where it came to rest. What the program itself does (a
-    servo of its own, `Viewer.show`) goes first and ends the drive.
+    It begins at the present configuration and leaves the arm where it stops. A servo of the program or `Viewer.show`
+    ends it.
     """
 
     def __init__(self, stage: Stage, commands: PageCommands, post: Post) -> None:
@@ -67,16 +67,18 @@ class Driver:
             drive.end()
 
     def drop(self, reason: str = "") -> None:
-        """End, and show nothing more from now on: the program moves the arm. From any thread.
+        """End the drive and show nothing more, because the program moves the arm.
 
-        reason: what pages are told; "" where a servo of the program takes over.
+        Callable from any thread.
+
+        reason: the text for the pages; "" if a servo of the program takes over.
         """
         drive = self._drive
         if drive is not None:
             drive.drop(reason)
 
     def close(self, timeout: float) -> None:
-        """Bring the arm to rest, and return once the thread has ended; no other drive begins."""
+        """Bring the arm to rest and return after the thread has ended. No other drive begins."""
         with self._beginning:
             self._closed = True
             thread = self._thread
@@ -108,7 +110,7 @@ class Driver:
 
 
 class Drive:
-    """One drive from its beginning to its end, which `ended(drive)` is told in the loop."""
+    """One drive. The loop calls `ended(drive)` at its end."""
 
     def __init__(self, stage: Stage, commands: PageCommands, post: Post, ended: Callable[[Drive], None]) -> None:
         self.arm = stage.arm

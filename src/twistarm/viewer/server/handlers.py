@@ -1,4 +1,4 @@
-"""Handlers of the web server: the page's files, and one socket per page with an outbox that cannot grow."""
+"""Handlers of the web server: the page's files, and one socket per page with a bounded outbox."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def application(server: Server) -> tornado.web.Application:
 
 
 def _files() -> dict[str, tuple[str, bytes]]:
-    """The page's files; index.html asks for every module that main.js runs at once, not for one after the other."""
+    """The page's files. index.html requests all modules of main.js at once."""
     files = page_files()
     kind, page = files[""]
     links = [f'<link rel="modulepreload" href="{name}">' for name in modules("main.js")]
@@ -81,7 +81,7 @@ def _files() -> dict[str, tuple[str, bytes]]:
 
 
 class Guarded(tornado.web.RequestHandler):
-    """A GET with our token, Host and Origin; whatever else is asked for is refused in one line."""
+    """A GET with our token, Host and Origin. Other requests are refused in one line."""
 
     SUPPORTED_METHODS = ("GET",)
 
@@ -107,7 +107,7 @@ class Guarded(tornado.web.RequestHandler):
         self.finish(f"{status_code} {self._reason}\n")
 
     def log_exception(self, kind: Any, error: Any, trace: Any) -> None:
-        """Refusals are told to the browser only: their addresses may hold the token."""
+        """Show refusals to the browser only, because their addresses may hold the token."""
         if not isinstance(error, tornado.web.HTTPError):
             super().log_exception(kind, error, trace)
 
@@ -116,7 +116,7 @@ class PageHandler(Guarded):
     """GET /TOKEN/FILE: one of the page's files."""
 
     def get(self, token: str, name: str) -> None:
-        """Send the file; the bare /TOKEN is led to /TOKEN/, on which the page's relative addresses rest."""
+        """Send the file. /TOKEN redirects to /TOKEN/, the base of the page's relative addresses."""
         if not name and not self.request.path.endswith("/"):
             return self.redirect(f"/{token}/")
         files: Mapping[str, tuple[str, bytes]] = self.settings["files"]
@@ -129,10 +129,10 @@ class PageHandler(Guarded):
 
 
 class DownloadHandler(Guarded):
-    """GET /TOKEN/NAME: a file of DOWNLOADS, made in a thread, one after the other."""
+    """GET /TOKEN/NAME: a file of DOWNLOADS, made in a thread, one at a time."""
 
     async def get(self, token: str, name: str) -> None:
-        """Send the file to be saved; 404 and the reason where there is none now."""
+        """Send the file, or 404 with the reason."""
         if self.server.files >= MOST_FILES:
             raise tornado.web.HTTPError(503, reason=f"{MOST_FILES} files are under way: try again")
         self.server.files += 1
@@ -172,7 +172,7 @@ async def _in_daemon_thread(call: Callable[[], str]) -> str:
 
 
 class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
-    """One page. Its outbox holds the latest message of each type, so one that reads slowly or never costs nothing."""
+    """One page. Its outbox keeps the latest message of each type, so a slow page costs nothing."""
 
     def initialize(self, server: Server) -> None:
         """Called by tornado with the arguments of the route."""
@@ -197,19 +197,19 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
         self._sender = asyncio.get_running_loop().create_task(self._send())
 
     def begin(self, texts: Mapping[str, str]) -> None:
-        """Say what is on show, all of it: the page knows nothing of this arm. Answers that wait are not lost."""
+        """Send the whole state, because the page knows nothing of this arm. Waiting answers stay."""
         self._outbox = {kind: text for kind, text in self._outbox.items() if kind in REPLIES}
         for kind, text in texts.items():
             self.put(kind, text)
 
     def put(self, kind: str, text: str) -> None:
-        """Send `text` as soon as the page has taken what came before; an unsent one of its kind is dropped."""
+        """Queue `text`. An unsent message of the same kind is dropped."""
         self._outbox.pop(kind, None)
         self._outbox[kind] = text
         self._waiting.set()
 
     def on_message(self, message: str | bytes) -> None:
-        """Answer whatever arrives."""
+        """Answer a message."""
         for reply in self.server.receive(message, self.name):
             self.put(reply["type"], encode(reply))
 
@@ -230,7 +230,7 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
             self.server.clients.pop(self, None)
 
     async def _catch_up(self) -> None:
-        """Send what the page lacks of the scene; once all but the meshes is there, whatever else waits goes first."""
+        """Send the missing parts of the scene. Before the meshes, all other messages go first."""
         while (scene := self.server.scene) is not self._scene or self._sent < len(scene.objects) or self._outbox:
             if scene is not self._scene:  # a new page, or another arm
                 self._scene, self._sent = scene, 0
@@ -243,9 +243,9 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
                 await self._empty_outbox()
 
     async def _empty_outbox(self) -> None:
-        """Send all that waits at once, and wait until the page has taken it: meanwhile the outbox fills anew.
+        """Send all waiting messages at once, then wait for the page while the outbox fills again.
 
-        A wait for each message would hold up the next for two turns of the loop.
+        Waiting for each message would delay the next by two turns of the loop.
         """
         texts, self._outbox = self._outbox, {}
         for text in texts.values():

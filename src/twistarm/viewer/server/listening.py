@@ -1,4 +1,4 @@
-"""Listening on the interface and port that were asked for, with one cap on connections."""
+"""Listening on the requested interface and port, with a cap on connections."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LARGEST_HEAD = 16 * 1024
 
 
 class Listener(HTTPServer):
-    """Tornado's server with a cap: the oldest connection that is no page's gives way to one too many."""
+    """Tornado's server with a cap. The oldest connection without a page gives way to a new one."""
 
     def initialize(self, *arguments: Any, pages: Iterable[Any] = (), **options: Any) -> None:
         """Called by tornado. pages: those who are connected, each with its `stream`. No request has a body."""
@@ -47,7 +47,7 @@ class Listener(HTTPServer):
 
 
 def bind(host: str, port: int) -> Sequence[socket.socket]:
-    """Sockets listening on `host` and `port` (0: a free one); InputError where that cannot be had."""
+    """Sockets that listen on `host` and `port` (0: a free one). Raises InputError if unavailable."""
     if not isinstance(port, int) or isinstance(port, bool) or not 0 <= port <= 65535:
         raise InputError(f"port must be 0 (a free one) … 65535; got {shown(port)}")
     try:

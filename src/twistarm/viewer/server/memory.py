@@ -1,4 +1,4 @@
-"""Memory of a view at a fixed port: its recorded poses and theta, in one JSON file of the user's state folder."""
+"""Memory of a view at a fixed port: recorded poses and theta in a JSON file of the state folder."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class Memory:
         self._kept = ""
 
     def recall(self, stage: Stage, stands: bool) -> None:
-        """Give `stage` the poses that were kept for its arm and, unless it `stands` where it was told to, the theta.
+        """Give `stage` the stored poses for its arm and, unless `stands`, the stored theta.
 
-        A file of which something cannot be taken is set aside, not written over.
+        A file with unusable entries is set aside, not overwritten.
         """
         try:
             folder = state_folder()
@@ -67,7 +67,7 @@ class Memory:
         return left
 
     def set_aside(self, stage: Stage) -> list[str]:
-        """Leave what there is to keep to whoever looks for it, and begin another file; where it is, in words."""
+        """Set the file aside for its owner and begin another. Returns its place in words."""
         if self._path is None:
             return []
         try:
@@ -97,9 +97,9 @@ class Memory:
 
 
 def state_folder() -> Path:
-    """Where programs keep their state: $XDG_STATE_HOME, else ~/.local/state; on macOS ~/Library/Application Support.
+    """The state folder: $XDG_STATE_HOME, else ~/.local/state; on macOS ~/Library/Application Support.
 
-    Raises InputError where this user has no home folder.
+    Raises InputError if the user has no home folder.
     """
     given = os.environ.get("XDG_STATE_HOME", "")
     if os.path.isabs(given) and sys.platform != "darwin":  # a relative one is ignored, says the XDG standard

@@ -1,4 +1,4 @@
-"""The viewer's web server: one thread with its own event loop, the page under a secret path, a socket per page."""
+"""The viewer's web server: a thread with an event loop, a secret path, and a socket per page."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ Answer = TypeVar("Answer")
 
 
 class Server:
-    """Serves a stage to any number of pages; what other threads may call stands first."""
+    """Serves a stage to any number of pages. Methods for other threads come first."""
 
     def __init__(
         self, stage: Stage, scene: Scene, host: str, port: int, memory: Memory | None = None, stands: bool = False
     ) -> None:
-        """memory: what is kept for this port, of which theta is not taken where the stage `stands` as it shall."""
+        """the stored state of this port; its theta is ignored if the stage `stands`."""
         self.commands = PageCommands(stage.arm)
         self.clients: dict[SocketHandler, None] = {}
         self._sockets = bind(host, port)
@@ -66,7 +66,7 @@ class Server:
         self._started = threading.Event()
 
     def _take(self, stage: Stage, scene: Scene) -> None:
-        """Make this the arm on show: whatever is made for one arm is made here."""
+        """Make this the arm on show and build everything for it."""
         self.stage, self.scene = stage, scene
         self.commands.arm = stage.arm
         self.show_choice()
@@ -95,9 +95,11 @@ class Server:
             self.memory.keep(self.stage)
 
     def post(self, key: str, change: Change) -> None:
-        """Let the loop apply `change`, at most once in FRAME_TIME; one that waits under the same key is replaced.
+        """Let the loop apply `change`, at most once per FRAME_TIME.
 
-        Whoever posts at any rate pays for a frame 60 times a second, and else for a lock.
+        It replaces a waiting change with the same key.
+
+        A caller at any rate pays for 60 frames a second and otherwise for a lock.
         """
         with self._lock:
             first = not self._changes
@@ -114,12 +116,12 @@ class Server:
         return self.ask(lambda shown: self._exchange(stage, scene))
 
     def notify(self, words: str, wrong: bool = False) -> None:
-        """Have the pages say this until there is something else to say; `wrong`: it wants mending."""
+        """Show this text on the pages until the next one. `wrong`: it needs attention."""
         notice = {"type": "notice", "words": words, "wrong": wrong}
         self.post("notice", lambda stage: setattr(self, "notice", notice))
 
     def _draw_meshes(self) -> None:
-        """Read them while pages are served already; each word of progress has the pages told of what there is."""
+        """Read the meshes while pages are served. Each progress call updates the pages."""
         scene, count = self.scene, self.scene.left
 
         def draw(progress: Progress) -> None:
@@ -133,7 +135,7 @@ class Server:
         self.post("findings", lambda stage: setattr(examined, "findings", message))
 
     def _deliver(self, action: Callable[[], None]) -> None:
-        """Do `action` in the loop at once, then tell the pages: the end of a job."""
+        """Finish a job: run `action` in the loop at once, then update the pages."""
         with suppress(RuntimeError):  # the loop may have been closed meanwhile
             self._loop.call_soon_threadsafe(self._finish, action)
 
@@ -141,9 +143,9 @@ class Server:
         self.post(f"job {key}", lambda stage: self._note_job(key, share))
 
     def ask(self, question: Callable[[Stage], Answer]) -> Answer:
-        """What `question` says of the stage once every change posted so far is applied; of a closed view, as it stands.
+        """Return `question(stage)` after all posted changes; for a closed view, in its final state.
 
-        Raises TwistarmError where the loop is held up for longer than STOP_TIME.
+        Raises TwistarmError if the loop is blocked for longer than STOP_TIME.
         """
         future: Future[Answer] = Future()
         with suppress(RuntimeError):  # the loop may have been closed, which is seen below
@@ -197,7 +199,7 @@ class Server:
         return bool(self.clients) and not self.stage.driven and not self.scene.left
 
     def name_page(self) -> str:
-        """A name for the next page: each is a commander of its own."""
+        """A name for the next page; each is a separate sender of commands."""
         self._pages += 1
         return f"page {self._pages}"
 
@@ -206,7 +208,7 @@ class Server:
         return encode(self.stage.hello(self.scene.links))
 
     def state(self) -> dict[str, str]:
-        """The messages that say what is on show, by type; what changed until now, the other pages are told too."""
+        """The messages of the present state by type. Other pages receive pending changes too."""
         self._tell_news()
         return self._news.everything()
 
@@ -220,9 +222,9 @@ class Server:
         return [{"type": "work", "jobs": jobs}, self.scene.message(), self.notice]
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
-        """Do what the page `sender` asks for, tell every page, and return what only the asking one is told.
+        """Handle a request of the page `sender`, update all pages, and return the answer for `sender`.
 
-        A command to the servo changes nothing on show: what comes of it does.
+        A servo command changes nothing on show; its effect does.
         """
         try:
             request = parse(text)
@@ -254,7 +256,7 @@ class Server:
         self.publish()
 
     def show_choice(self) -> None:
-        """Show what a servo does where the arm cannot follow, and whether pages may choose it."""
+        """Show the servo's behaviour at limits and whether pages may choose it."""
         self.stage.show_choice(self.commands.beyond, self.commands.free)
 
     def _draw_exactly(self, exact: bool) -> None:
@@ -273,7 +275,7 @@ class Server:
             self._jobs[key] = share
 
     def leave(self, sender: str) -> None:
-        """A page has gone; after the last one nobody is left to switch Drive off, or to read the numbers."""
+        """A page has gone. After the last one, end Drive and the theory numbers."""
         self.commands.refuse(sender, "its page has gone")
         if not self.clients:
             self.driver.stop()
@@ -330,7 +332,7 @@ class Server:
             self._try(self.publish)
 
     def _try(self, action: Callable[[], None]) -> None:
-        """Whatever goes wrong is shown on the pages, and the server lives on."""
+        """Show any error on the pages and keep the server running."""
         try:
             action()
         except Exception as error:

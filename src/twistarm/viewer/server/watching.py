@@ -1,4 +1,4 @@
-"""An arm that is loaded again whenever one of its files changes, and shown in place of the one before."""
+"""Load an arm again when one of its files changes, and show it."""
 
 from __future__ import annotations
 
@@ -43,10 +43,10 @@ def meshes_of(arm: Arm) -> set[Path]:
 
 
 class Watch(Closeable):
-    """Has `server` show what `load` returns, again and again as `files` change, until `close`; a context manager.
+    """A context manager: `server` shows what `load` returns each time `files` change, until `close`.
 
-    The pages are told of each time, and of why the arm cannot be loaded while that is so: the last one that could
-    stays. While a servo drives, nothing is loaded. `say` is told the same words, from another thread.
+    The pages show each load, or the reason of a failure while the last good arm stays. While a servo drives, nothing is
+    loaded. `say` receives the same words, from another thread.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class Watch(Closeable):
         self._thread.start()
 
     def close(self) -> None:
-        """Look no more. What is being loaded is not shown; it is waited for, a second at most."""
+        """Stop watching. A pending load is not shown; waits at most a second for it."""
         self._closed.set()
         self._thread.join(1.0)
 

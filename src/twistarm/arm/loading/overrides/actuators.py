@@ -16,10 +16,12 @@ from ...arm import Arm
 
 
 def fitted_actuators(arm: Arm, specification: ArmSpecification) -> tuple[Actuators | None, list[Finding]]:
-    """The motors on theta; what locked joints and mimic followers contribute is in G and o.
+    """The motors on theta.
 
-    DescriptionError for a joint that is not in the chain; where the caller asks for another chain, the motors beyond
-    it are left out.
+    G and o include locked joints and mimic followers.
+
+    Raises DescriptionError for a joint outside the chain. If the caller asks for another chain, motors beyond it are
+    left out.
     """
     noted: list[Finding] = []
     motors: list[Motor] = []
@@ -59,7 +61,7 @@ def _limits(motors: list[Motor]) -> JointLimits:
 
 
 def _affine(joint: str, arm: Arm) -> Affine | None:
-    """The joint's value as a function of one coordinate of the chain, or fixed; None for a joint off the chain."""
+    """The joint's value as a function of one coordinate, or fixed; None for a joint off the chain."""
     if joint in arm.joint_names:
         return Affine(joint, 1.0, 0.0)
     affine = arm.couplings.get(joint)

@@ -1,4 +1,4 @@
-"""Limits from four places: the description, a joint_limits.yaml, the arm.toml and the caller."""
+"""Limits from the description, a joint_limits.yaml, the arm.toml and the caller."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ def fitted_limits(
     changes: Changes,
     joints: Iterable[str],
 ) -> tuple[JointLimits, list[Finding]]:
-    """The description's limits, then the arm.toml's file and its own, joint by joint, then the caller's.
+    """The description's limits, then the arm.toml's file and entries by joint, then the caller's.
 
-    `names` are the chain's coordinates, `joints` all that the description has.
+    `names` are the chain's coordinates, `joints` all joints of the description.
     """
     noted: list[Finding] = []
     joints = tuple(joints)
@@ -45,7 +45,7 @@ def fitted_limits(
 
 
 def _by_field(specification: ArmSpecification, names: tuple[str, ...], joints: set[str]) -> dict[str, dict[str, float]]:
-    """The arm.toml's limits by field and joint, but for locked joints, and for those off the chain asked for."""
+    """The arm.toml's limits by field and joint, without locked joints and those off the requested chain."""
     by_field: dict[str, dict[str, float]] = {}
     for joint, values in specification.limits.items():
         beyond = specification.other_chain and joint in joints and joint not in names

@@ -1,4 +1,4 @@
-"""Named poses of an arm.toml and named states of an SRDF as configurations of the arm."""
+"""Named poses of an arm.toml and named states of an SRDF as configurations."""
 
 from __future__ import annotations
 
@@ -21,9 +21,11 @@ STATE_TOL = 1e-4
 
 
 def fitted_poses(arm: Arm, specification: ArmSpecification) -> tuple[dict[str, Array], list[Finding]]:
-    """The arm.toml's poses: every joint given, inside the limits, else DescriptionError.
+    """The arm.toml's poses, complete and inside the limits.
 
-    A pose that locked joints contradict, or that says too little of another chain than the arm.toml's, is left out.
+    Raises DescriptionError otherwise.
+
+    A pose that contradicts locked joints, or is incomplete for another chain, is left out.
     """
     poses: dict[str, Array] = {}
     noted: list[Finding] = []
@@ -69,8 +71,8 @@ def fitted_states(
 ) -> tuple[dict[str, Array], list[Finding]]:
     """The SRDF's states that give every coordinate; of several with one name that of `group`, else the first.
 
-    One that gives some but not all, or lies outside the limits, is left out and said; one rounded beyond a limit is
-    put onto it.
+    Incomplete states and those outside the limits are left out with a finding. Values rounded beyond a limit are moved
+    onto it.
     """
     states: dict[str, Array] = {}
     noted: list[Finding] = []
@@ -88,7 +90,7 @@ def fitted_states(
 
 
 def _unfit(arm: Arm, state: GroupState, locked: Mapping[str, float]) -> tuple[str, str]:
-    """Code and reason why a state is none of this arm's; empty if it is one."""
+    """Code and reason why a state does not fit this arm; empty if it does."""
     missing = [name for name in arm.joint_names if name not in state.values]
     if missing:
         return "state-incomplete", f"it says nothing of {listed(missing)}"

@@ -1,1 +1,1 @@
-"""A trajectory followed on a robot: begun where the arm is, paused, resumed and stopped along its path."""
+"""Follow a trajectory on a robot: start, pause, resume and stop along its path."""

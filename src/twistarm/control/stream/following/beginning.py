@@ -1,4 +1,4 @@
-"""The beginning of a followed motion: of the arm's joints, without jumps, inside its limits; and the way to it."""
+"""Checks of a motion before it is followed, and the way to its start."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ JUMP = 1e-4
 
 
 def motion_of(arm: Arm, trajectory: Trajectory) -> Trajectory:
-    """The trajectory with the arm's joints in their order.
+    """The trajectory with the arm's joints in order.
 
-    Raises InputError where it is of other joints, jumps, or does not begin and end at rest; LimitError where it leaves
+    Raises InputError if it has other joints, jumps, or does not begin and end at rest. Raises LimitError if it leaves
     the position limits.
     """
     require(trajectory, Trajectory, "trajectory", "as plan_joint returns")
@@ -39,14 +39,14 @@ def motion_of(arm: Arm, trajectory: Trajectory) -> Trajectory:
 
 
 def way_there(arm: Arm, theta: Array, motion: Trajectory) -> Trajectory:
-    """The straight joint move from the measured theta (n,), which may lie a little beyond a limit, to the start."""
+    """The straight joint move from the measured theta (n,) to the start. theta may be slightly beyond a limit."""
     lower, upper = np.minimum(arm.limits.lower, theta), np.maximum(arm.limits.upper, theta)
     start = np.clip(motion.waypoints[0], lower, upper)
     return plan_joint(arm, [theta, start], kind="quintic", limits=replace(arm.limits, lower=lower, upper=upper))
 
 
 def why_elsewhere(arm: Arm, theta: Array, start: Array, near: Array) -> str:
-    """Which joints are farther from the start than `near` (n,) and how far, and what moves them; "" where none is."""
+    """The joints farther from the start than `near` (n,), their distances and a remedy; "" for none."""
     away = np.abs(theta - start)
     if not (away > near).any():
         return ""

@@ -1,4 +1,4 @@
-"""One cycle of a followed motion: hold it to where the arm is measured, take its clock on, hand the setpoint on."""
+"""One cycle of a followed motion: compare with the measured arm, advance the clock, send the setpoint."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ HALF_WAY = 0.5
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FollowCycle(Cycle):
-    """What happened in one cycle of `follow`, and how far the motion is.
+    """The events of one cycle of `follow`, and the progress.
 
-    at: where it is on its own time [s], below 0 on the way to its start, by as much as is left of that; `duration` its
-    length [s]; rate: how fast its time runs, 0 … 1. error (n,): how far each joint is from all that was commanded
-    within the last `feedback_timeout` [rad, m], lag (n,): how far from the setpoint that holds now; both None where it
-    is not known. labels: those of the trajectory that were passed in this cycle, such as "close gripper".
+    at: the motion's time [s], below 0 on the way to its start; `duration` its length [s]; rate: the speed of its time,
+    0 … 1. error (n,): the distance of each joint from all setpoints within the last `feedback_timeout` [rad, m]. lag
+    (n,): the distance from the present setpoint. Both are None if unknown. labels: the labels passed in this cycle,
+    such as "close gripper".
     """
 
     at: float = 0.0
@@ -60,10 +60,11 @@ class FollowCycle(Cycle):
 
 
 class Following(Cycles[FollowCycle]):
-    """A trajectory that is followed cycle by cycle, for loops that have a timer of their own; `follow` has its own.
+    """A trajectory followed cycle by cycle, for loops with a timer; `follow` has its own.
 
-    The arguments are those of `follow`. `largest_error` (n,): how far each joint was at most from all that was
-    commanded within the last `feedback_timeout`; `largest_lag` (n,): how far from the setpoint that held then [rad, m].
+    The arguments are those of `follow`. `largest_error` (n,): the largest distance of each joint from all setpoints
+    within the last `feedback_timeout`. `largest_lag` (n,): the largest distance from the setpoint of the moment [rad,
+    m].
     """
 
     def __init__(
@@ -104,7 +105,7 @@ class Following(Cycles[FollowCycle]):
 
     @property
     def at(self) -> float:
-        """Where the motion is on its own time [s]; below 0 on the way to its start."""
+        """The motion's time [s], below 0 on the way to its start."""
         return self._clock.time - (self._leg.motion.duration if self._on_the_way else 0.0)
 
     @property
@@ -114,7 +115,7 @@ class Following(Cycles[FollowCycle]):
 
     @property
     def longest_braking(self) -> float:
-        """Seconds within which the arm must have come to rest along its path, or at once where it has left that."""
+        """Seconds in which the arm comes to rest along its path, or at once if it has left the path."""
         left = 0.0 if self._astray else (self._leg.motion.duration - self._clock.time) / max(self._clock.rate, HALF_WAY)
         return super().longest_braking + left + 1.0 / SLOPE
 
@@ -156,7 +157,7 @@ class Following(Cycles[FollowCycle]):
             raise StreamError(Ending.FEEDBACK_FAILED, blind)
 
     def _begin(self, theta: Array, now: float) -> None:
-        """At the measured theta (n,), on the way to the start; StreamError where that is too far."""
+        """Begin at the measured theta (n,), on the way to the start. Raises StreamError if it is too far."""
         elsewhere = why_elsewhere(self.arm, theta, self.motion.waypoints[0], self._near)
         if elsewhere and not self.approach:
             raise StreamError(Ending.ELSEWHERE, elsewhere)
@@ -165,14 +166,14 @@ class Following(Cycles[FollowCycle]):
         self._clock = MotionClock(0.0, 0.0)
 
     def _barrier(self) -> str:
-        """Why the interlock does not allow motion; it pauses the motion, and who enables the arm resumes it."""
+        """Why the interlock forbids motion. It pauses the motion, and enabling does not resume it."""
         permission = self.interlock.look()
         if permission.barrier:
             self.control.pause(permission.barrier)
         return permission.barrier
 
     def _along(self, now: float, hold: str) -> Setpoint:
-        """A step along the path: toward rest where there is a reason to `hold`, else toward the speed that was told."""
+        """A step along the path: toward rest with a reason to `hold`, else toward the requested speed."""
         assert self.state is not None
         if self._on_the_way and self._clock.time >= self._leg.motion.duration:
             self._leg, self._clock = self._main, MotionClock(0.0, 0.0)

@@ -1,4 +1,4 @@
-"""follow: a trajectory on a robot, from where the arm is to where the motion ends."""
+"""a trajectory on a robot, from the arm's position to the motion's end."""
 
 from __future__ import annotations
 
@@ -37,23 +37,19 @@ def follow(
     on_cycle: Callable[[FollowCycle], object] | None = None,
     clock: Clock | None = None,
 ) -> FollowReport:
-    """Follow `trajectory` on a robot: its positions and rates go to `sink` at `rate` [Hz], while `feedback` is watched.
+    """Follow `trajectory` on a robot: send its positions and rates to `sink` at `rate` [Hz] and watch `feedback`.
 
-    It begins only where the arm is measured to be at the trajectory's start, each joint within `start_tolerance`; what
-    is left is a straight joint move from the measured position, within the limits. With `approach` that may begin
-    anywhere: nothing looks for obstacles on its way.
+    The motion begins only if each measured joint is within `start_tolerance` of the trajectory's start. A straight
+    joint move inside the limits covers the rest. With `approach` this move may begin anywhere; it avoids no obstacles.
 
-    The motion's own time s runs at a rate r = ds/dt of `speed`, less where the trajectory would exceed the arm's
-    velocity or acceleration limits, those of its motors too. To pause and to stop, r goes to 0 and the arm comes to
-    rest on its path; to resume, it rises again. Its slope is at most 4 1/s, and no greater than what keeps the
-    accelerations q' dr/dt + q'' r² within their limits at each moment: while a joint of the motion brakes at its limit,
-    the motion cannot be slowed further.
+    The motion's time s advances at the rate r = ds/dt of `speed`, or less if the trajectory would exceed the arm's
+    limits. A pause changes r within the acceleration limits, so the arm stays on its path.
 
-    A joint farther than `tolerance` from all that was commanded within the last `feedback_timeout` ends the motion, and
-    so does an emergency stop of `interlock`: each joint brakes by itself, as fast as its limit allows, off the path.
-    Whatever else is not well brings the arm to rest along its path. It goes on once the joint state is fresh again;
-    after a stop of the interlock `control.resume` goes on, once it is enabled; after 3 s without a joint state at
-    rest the motion is given up. Ctrl-C, signals and devices that fail end it as they end `run`.
+    A joint farther than `tolerance` from all setpoints within the last `feedback_timeout` ends the motion, as does an
+    emergency stop of `interlock`. Each joint then brakes as fast as its limit allows, off the path. Other trouble
+    brings the arm to rest along its path. It continues with a fresh joint state. After a stop of the interlock, enable
+    it and call `control.resume`. After 3 s at rest without a joint state the motion ends. Ctrl-C, signals and failing
+    devices end it as in `run`.
 
     Args:
         arm: The arm; limits that it does not give are the usual ones, as in `run`.

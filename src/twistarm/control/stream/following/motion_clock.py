@@ -1,4 +1,4 @@
-"""The clock of a followed motion: how fast its time runs, slowed to rest and sped up inside the limits."""
+"""The clock of a followed motion, slowed and sped up inside the limits."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ HALVINGS = 20
 
 
 class Leg(NamedTuple):
-    """A motion with what limits it: x = C theta + c of its joints and of their motors, in r rows.
+    """A motion and its limits: x = C theta + c of its joints and motors, in r rows.
 
-    rows (degree + 1, s, r): the coefficients of x, laid out as the motion's. acceleration (r,): the limits; rate: the
-    greatest rate, at most 1, at which velocities and accelerations keep theirs.
+    rows (degree + 1, s, r): the coefficients of x, laid out as the motion's. acceleration (r,): the limits. rate: the
+    largest rate, at most 1, within the velocity and acceleration limits.
     """
 
     motion: Trajectory
@@ -45,21 +45,20 @@ class Leg(NamedTuple):
 
 
 class MotionClock(NamedTuple):
-    """Where a motion is: at its own `time` s [s], which runs at `rate` r = ds/dt, from 0 (at rest) to 1 (as planned).
+    """The motion's `time` s [s] and `rate` r = ds/dt, from 0 (at rest) to 1 (as planned).
 
-    The joints move at q'(s) r, and accelerate by q'(s) dr/dt + q''(s) r².
+    Joint rates are q'(s) r, and accelerations q'(s) dr/dt + q''(s) r².
     """
 
     time: float
     rate: float
 
     def after(self, dt: float, leg: Leg, target: float) -> MotionClock:
-        """The clock `dt` [s] later, its rate nearer to `target` by as much as the slope and the limits allow.
+        """The clock `dt` [s] later, with its rate as near to `target` as slope and limits allow.
 
-        The rate changes evenly over dt. As large a change is taken as keeps every joint and motor within its
-        acceleration limit at each moment of dt, by bounds of q' and q'' over all of it; none is needed for that,
-        because the motion keeps the limits at the leg's rate, and does so the more at a lower one. Where a joint brakes
-        at its limit already, the clock cannot be slowed for now.
+        The rate changes linearly over dt. Bounds of q' and q'' over dt keep each joint and motor within its
+        acceleration limit at each moment. No change is always allowed, because the motion keeps its limits at the leg's
+        rate and below. While a joint brakes at its limit, the clock cannot slow down.
         """
         change = float(np.clip(target - self.rate, -SLOPE * dt, SLOPE * dt))
         if change:
@@ -79,7 +78,7 @@ class Bounds(NamedTuple):
 
     @classmethod
     def of(cls, leg: Leg, begin: float, end: float) -> Bounds:
-        """From `begin` to `end` [s], by the Taylor series about the middle of each piece's part of it."""
+        """From `begin` to `end` [s], by the Taylor series about the middle of each piece."""
         knots = leg.motion.breakpoints
         first = int(np.clip(np.searchsorted(knots, begin, side="right") - 1, 0, len(knots) - 2))
         last = int(np.clip(np.searchsorted(knots, end, side="left") - 1, first, len(knots) - 2))
@@ -91,8 +90,9 @@ class Bounds(NamedTuple):
         return cls(*_enclosed(_derivative(series), half), *_enclosed(_derivative(_derivative(series)), half))
 
     def largest_share(self, rate: float, change: float, dt: float, limit: Array) -> float:
-        """How much of a change of rate over dt keeps the accelerations below `limit`, 0 … 1: they are a convex
-        function of it, and whatever they are without it is allowed.
+        """The largest share 0 … 1 of a rate change over dt that keeps the accelerations below `limit`.
+
+        They are a convex function of it, and the accelerations without a change are allowed.
         """
         allowed = np.maximum(limit, self._acceleration(rate, 0.0, dt))
         if (self._acceleration(rate, change, dt) <= allowed).all():
@@ -120,7 +120,7 @@ def _derivative(series: Array) -> Array:
 
 
 def _enclosed(series: Array, half: Array) -> tuple[Array, Array]:
-    """The least and the greatest value (r,) within `half` (s,) of where the series are about, or beyond them."""
+    """The least and the greatest value (r,) within `half` (s,) of the series' centres, or beyond them."""
     powers = np.arange(1.0, len(series))
     spread = (np.abs(series[1:]) * half[:, None] ** powers[:, None, None]).sum(axis=0)
     return (series[0] - spread).min(axis=0), (series[0] + spread).max(axis=0)

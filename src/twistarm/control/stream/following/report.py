@@ -1,4 +1,4 @@
-"""The report of a followed motion: how far it came, how well the joints followed, and what the loop did."""
+"""The report of a followed motion: its progress, the joints' errors, and the loop."""
 
 from __future__ import annotations
 
@@ -17,14 +17,13 @@ AS_PLANNED = 0.9995
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FollowReport(Brief):
-    """What `follow` did.
+    """The result of `follow`.
 
-    stream: the loop's own report, with how it ended and why. at: how far the motion came on its own time [s], below 0
-    where it ended on the way to the start; duration: its length [s]. speed: at which share of its own speed it was
-    followed, less than was asked for where the arm's limits did not allow more. largest_lag (n,): how far each measured
-    joint was at most from the setpoint that held then [rad, m]: drives that are late lag by their delay times their
-    rate. largest_error (n,): how far it was at most from all that it was commanded within the last `feedback_timeout`,
-    which `tolerance` bounds and a delay does not count in.
+    stream: the loop's report, with its ending and reason. at: the reached time of the motion [s], below 0 on the way to
+    the start. duration: its length [s]. speed: the share of the planned speed, lower if the arm's limits require it.
+    largest_lag (n,): the largest distance of each joint from the setpoint of the moment [rad, m]; drives lag by their
+    delay times their rate. largest_error (n,): the largest distance from all setpoints within the last
+    `feedback_timeout`. `tolerance` bounds it, and a delay does not count.
     """
 
     stream: StreamReport
@@ -43,7 +42,7 @@ class FollowReport(Brief):
 
     @property
     def ok(self) -> bool:
-        """Whether the motion was followed to its end and the arm rests there, without trouble on the way."""
+        """Whether the motion reached its end and the arm rests there, without trouble on the way."""
         return self.completed and self.stream.ok
 
     def explain(self) -> str:

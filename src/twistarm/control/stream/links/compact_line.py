@@ -1,9 +1,9 @@
 """Setpoints and joint states as short lines with a checksum, for microcontrollers; see docs/streaming.md.
 
 setpoint: `number,theta_1,…,theta_n,rate_1,…,rate_n,ES*hh`; joint state: `number,theta_1,…,theta_n*hh`, or with `,E`
-behind theta_n. Base to tip, rad, m, rad/s, m/s with six decimals. E is what the interlock is, or the robot of itself:
-E enabled, S stopped, X in emergency stop. S is the servo's status, a digit from 0 on in the order of `ServoStatus`.
-hh is the exclusive or of all bytes before the `*`, two hexadecimal digits (NMEA 0183).
+after theta_n. The order is base to tip, in rad, m, rad/s, m/s with six decimals. E is the interlock's or the robot's
+state: E enabled, S stopped, X emergency stop. S is the servo's status, a digit in the order of `ServoStatus`. hh is the
+exclusive or of all bytes before the `*` in two hexadecimal digits (NMEA 0183).
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ LONGEST_LINE = 4096
 
 
 def setpoint_line(setpoint: Setpoint, motors: MotorSide | None = None) -> bytes:
-    """The setpoint as a line, its end included; of `motors` in place of joints where they are given."""
+    """The setpoint as a line with its end, of `motors` in place of joints if given."""
     values = np.concatenate(motors.of(setpoint) if motors else (setpoint.theta, setpoint.theta_dot)).tolist()
     state = f"{LETTERS[setpoint.interlock]}{STATUSES.index(setpoint.output.status)}"
     body = ",".join([str(setpoint.number), *(f"{value:.6f}" for value in values), state]).encode()
@@ -42,7 +42,7 @@ def setpoint_line(setpoint: Setpoint, motors: MotorSide | None = None) -> bytes:
 
 
 def parse_state_line(arm: Arm, line: bytes, motors: MotorSide | None = None) -> StateMessage:
-    """The joint state in a line; InputError for anything but a number and n finite values with their checksum."""
+    """The joint state in a line. Raises InputError unless it is a number, n finite values and the checksum."""
     body, star, given = line.strip().rpartition(b"*")
     if len(line) > LONGEST_LINE or not star:
         raise InputError(f"a joint state line ends with * and a checksum; got {short(line)}")

@@ -1,4 +1,4 @@
-"""Commands from threads, sockets and pages: the latest counts, for a short while, of one sender."""
+"""Commands from threads, sockets and pages. The latest of a single sender counts, for a timeout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The intake of text from senders, read once a cycle: each one's last messages, malformed ones refused by sender."""
+"""The intake of texts, read once a cycle: the last messages of each sender, malformed ones included."""
 
 from __future__ import annotations
 
@@ -29,12 +29,11 @@ STATE_SENDERS, STATES_EACH = 16, 32
 
 
 class Intake:
-    """Fills `inbox` with what `parse(text)` makes of texts: (value, number), or an InputError.
+    """Fill `inbox` with `parse(text)`: (value, number), or an InputError.
 
-    What waited while nobody looked for a timeout is left out: nobody knows how old it is. `heard(text, fresh)`
-    takes each text that is none of these messages, whoever sent it and whatever followed, and says whether it is one.
-    Of each of at most `senders`, the last `each` texts count, together no longer than a message may be: what else a
-    flood brings is not read.
+    Texts that waited for longer than a timeout are dropped, because their age is unknown. `heard(text, fresh)` first
+    sees each text and says whether it was an interlock message. The last `each` texts of at most `senders` senders
+    count, together no longer than one message may be. The rest of a flood is not read.
     """
 
     def __init__(
@@ -90,7 +89,7 @@ class Link(ABC):
 
 
 class CommandLink(Link):
-    """A source of the commands, and of the words to an interlock, that arrive as JSON (`command_of`)."""
+    """A source of commands and interlock messages as JSON (`command_of`)."""
 
     def __init__(self, arm: Arm, timeout: float) -> None:
         self.interlock = Interlock()
@@ -113,9 +112,11 @@ class CommandLink(Link):
 
 
 class StateLink(Link):
-    """A feedback of the joint states that arrive; where the robot says that it may not move, nor may the stream.
+    """A feedback of joint states.
 
-    parse(arm, text, motors) is what understands them.
+    If the robot may not move, neither may the stream.
+
+    `parse(arm, text, motors)` reads them.
     """
 
     def __init__(
@@ -140,7 +141,7 @@ class StateLink(Link):
 
 
 def _keep_short(texts: deque[bytes]) -> None:
-    """Let go of the oldest, but never of the last one, until all are together as short as one message may be."""
+    """Drop the oldest texts, except the last, until all together are as short as one message may be."""
     size = sum(map(len, texts))
     while len(texts) > 1 and size > LARGEST_MESSAGE:
         size -= len(texts.popleft())

@@ -1,4 +1,4 @@
-"""The latest of what senders say: how old it is, and why it does not count."""
+"""The latest value of the senders: its age, and why it does not count."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ LONGEST_SENDER = 100
 
 @dataclass(frozen=True)
 class Look(Generic[T]):
-    """What counts at a moment: the value and its age [s], inf where none arrived, or None and why there is none.
+    """The usable value and its age [s] (inf if none arrived), or None and the reason.
 
-    `last` is what was said last, where all that is against it is its age. `quiet`: nobody ever said anything.
+    `last` is the last value if only its age is against it. `quiet`: nothing was ever sent.
     """
 
     value: T | None
@@ -41,14 +41,16 @@ class _Arrival(Generic[T]):
 
 
 class Latest(Generic[T]):
-    """The latest value and who sent it; older ones are forgotten, so that a flood takes no memory. Thread-safe.
+    """The latest value and its sender.
 
-    A value counts for `timeout` [s] (a dead man's switch: it must be repeated), and only where one sender alone spoke
-    within the last `timeout`. What was refused replaces what came before: nonsense stops the arm. Of one sender, a
-    message whose number is not above the last one's is left out, until the sender was silent for a timeout.
+    Older ones are dropped, so a flood takes no memory. Thread-safe.
 
-    Whoever puts and whoever looks may be threads that wait for their turn, so a stamp may lie before the last look or
-    after it; only the clock of those who look is held to go forward.
+    A value counts for `timeout` [s], as with a dead man's switch, and only if a single sender spoke within that time. A
+    refused message replaces the value, so malformed input stops the arm. A message with a number not above the sender's
+    last one is dropped, until the sender was silent for a timeout.
+
+    Writers and readers may be threads, so a stamp may be before or after the last look. Only the readers' clock must
+    run forward.
     """
 
     def __init__(self, timeout: float, what: str) -> None:
@@ -61,10 +63,9 @@ class Latest(Generic[T]):
         self._ignored = ""
 
     def put(self, sender: str, value: T, now: float | None = None, number: int | None = None) -> None:
-        """`value` arrived from `sender` at `now` [s], with the sender's own count where it has one.
+        """Store `value` from `sender` at `now` [s], with the sender's counter if it has one.
 
-        Its age counts from `now`, by default `MonotonicClock`'s, the loop's own, however late it is put here; from the
-        first look on, where that is earlier.
+        Its age counts from `now` (default: `MonotonicClock`, the loop's), or from the first look if that is earlier.
         """
         if number is not None and not isinstance(number, (int, float)):
             raise InputError(f"number must be a counter, a whole number; got {shown(number)}")
@@ -123,7 +124,7 @@ class Latest(Generic[T]):
         return new.number <= last.number
 
     def _follow(self, now: float) -> None:
-        """Where the clock of those who look went back, what arrived in that future is forgotten."""
+        """If the readers' clock ran backwards, drop the values from that future."""
         if now < self._clock:
             self._latest, self._rival = None, None
             self._ignored = f"time went back by {self._clock - now:.3g} s; no {self._what} has arrived since"
@@ -143,5 +144,5 @@ def _name(sender: str) -> str:
 
 
 def _seen(arrival: _Arrival[T], now: float) -> _Arrival[T]:
-    """The arrival, not later than `now`, when it was there: else it would count for longer than a timeout."""
+    """The arrival time, at most `now`; a later one would count for longer than a timeout."""
     return arrival if arrival.time <= now else replace(arrival, time=now)

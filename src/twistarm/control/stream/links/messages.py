@@ -1,4 +1,4 @@
-"""The messages of the loop as JSON: commands and joint states in, setpoints out; see docs/streaming.md."""
+"""Messages of the loop as JSON: commands and joint states in, setpoints out; see docs/streaming.md."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ class CommandMessage(NamedTuple):
 
 
 class StateMessage(NamedTuple):
-    """Measured values by name, of joints [rad, m] or motors, its number in the sender's own count, and whether the
-    robot may move: "enabled", "stopped", "emergency stop", None where it does not say.
+    """Measured values by name, of joints [rad, m] or motors, with the sender's counter and the robot's interlock:
+    "enabled", "stopped", "emergency stop" or None.
     """
 
     values: dict[str, float]
@@ -63,9 +63,9 @@ def parse_command(arm: Arm, text: str | bytes) -> CommandMessage:
 
 
 def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
-    """The command that a message says, in m, rad and s.
+    """The command in a message, in m, rad and s.
 
-    One of these objects, each with "number", a counter, where the sender counts:
+    One of these objects, each with an optional counter "number":
 
     - {"twist": [vx, vy, vz, wx, wy, wz], "frame": "tool" or "base"}, with "hold": "position", "orientation" or six
       booleans
@@ -102,8 +102,8 @@ def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
 
 
 def heard_word(device: Interlocked, text: bytes, fresh: bool) -> bool:
-    """Whether the text is a word to the device's interlock, {"interlock": one of `WORDS`}, with "reason" if there is
-    one. It is done; one that is not fresh may stop the arm, and not let it move again.
+    """Handle an interlock message, {"interlock": one of `WORDS`} with an optional "reason". Returns whether it was one.
+    A stale one may stop the arm but not enable it.
     """
     if INTERLOCK not in text:
         return False
@@ -116,10 +116,10 @@ def heard_word(device: Interlocked, text: bytes, fresh: bool) -> bool:
 
 
 def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) -> StateMessage:
-    """The joint state in {"joint_names": [...], "theta": [...]}, [rad, m], in any order, with "number" if it counts.
+    """The joint state in {"joint_names": [...], "theta": [...]}, [rad, m], in any order, with an optional "number".
 
-    It may tell of some joints alone, and of others that are not the arm's. With "interlock", the robot says whether it
-    may move. Where `motors` are given, it is {"motor_names": [...], "motor": [...]} in their units.
+    It may have some joints only, and joints of others. "interlock" says whether the robot may move. With `motors` it is
+    {"motor_names": [...], "motor": [...]} in their units.
 
     Args:
         arm: The arm.
@@ -141,9 +141,11 @@ def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) ->
 
 
 def values_by_name(known: Collection[str], names: Sequence[str], values: Sequence[float]) -> dict[str, float]:
-    """Values by name, in any order, others among them. What tells of none that is `known` is nobody's trouble.
+    """Values by name, in any order.
 
-    Raises InputError for unequal lengths, a known name that is there twice, and its value where that is not finite.
+    Unknown names are ignored.
+
+    Raises InputError for unequal lengths, and for a known name that is repeated or has a value that is not finite.
     """
     ours = [name for name in names if name in known]
     if ours and len(names) != len(values):
@@ -159,7 +161,7 @@ def values_by_name(known: Collection[str], names: Sequence[str], values: Sequenc
 
 
 def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = None) -> dict[str, Any]:
-    """The setpoint as a message: positions, rates and the servo's status; those of the motors too where they are given.
+    """The setpoint as a message: positions, rates and the servo's status, with the motors' if given.
 
     Args:
         arm: The arm.

@@ -1,4 +1,4 @@
-"""Serial ports: commands from a box of controls as lines of JSON, a robot on compact lines; see docs/streaming.md."""
+"""Serial ports: commands as lines of JSON, a robot by compact lines; see docs/streaming.md."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class SerialLines(Closeable):
 
 
 class SerialSource(SerialLines, CommandLink):
-    """Commands as lines of JSON, as in datagrams (`command_of`), from a box of controls at a serial port."""
+    """Commands as lines of JSON (`command_of`) from a box of controls at a serial port."""
 
     def __init__(self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = COMMAND_TIMEOUT) -> None:
         CommandLink.__init__(self, arm, timeout)
@@ -65,7 +65,7 @@ class SerialSource(SerialLines, CommandLink):
 class SerialRobot(SerialLines, StateLink):
     """A robot at a serial port: a sink of setpoint lines and a feedback of joint state lines (`compact_line`).
 
-    units: "joint", or "motor" or "counts" for a robot that knows its motors alone (see `MotorSide`).
+    units: "joint", or "motor" or "counts" for a robot that knows only its motors (see `MotorSide`).
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""A shared key that signs datagrams, of which each counts once and in time; see docs/streaming.md."""
+"""A shared key that signs datagrams, each valid once and for a short time; see docs/streaming.md."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ WINDOW = 2 * 10**9
 
 
 def read_key(path: str | os.PathLike[str]) -> bytes:
-    """The key in a file, without the white space around it. InputError where it cannot be read, or is none."""
+    """The key in a file without surrounding white space. Raises InputError for an unreadable file or an invalid key."""
     file = as_path(path)
     try:
         key = read_bounded(file, 2048).strip()
@@ -28,7 +28,7 @@ def read_key(path: str | os.PathLike[str]) -> bytes:
 
 
 def checked_key(key: bytes) -> bytes:
-    """A key; InputError where it is none. Its bytes are in no message."""
+    """A checked key. Raises InputError without its bytes."""
     if not isinstance(key, bytes) or not 16 <= len(key) <= 1024:
         raise InputError("a key is 16 to 1024 bytes: `openssl rand -hex 32 > key` makes one")
     return key
@@ -56,7 +56,7 @@ class Signer:
 
 
 class Verifier:
-    """Takes signed datagrams, each once, in order, within 2 s of this computer's clock, none older than itself."""
+    """Accepts signed datagrams once each, in order, within 2 s of this computer's clock, none from before its start."""
 
     def __init__(self, key: bytes, now: Callable[[], int] = time.time_ns) -> None:
         self._key, self._now = checked_key(key), require_clock(now, "now")

@@ -41,10 +41,10 @@ class Socket(Closeable):
 
 
 class Receiver(Socket):
-    """A socket bound to host and port (0: a free one), for datagrams of `senders`, signed by `key` if there is one.
+    """A socket bound to host and port (0: a free one), for datagrams of `senders`, signed by `key` if given.
 
-    senders: hosts, none: all. `note` says how many datagrams of others were left out, and why the last one was; ""
-    where none was. Raises InputError for a host or port that cannot be had, and for a key that is none.
+    senders: hosts, empty for all. `note` counts the dropped datagrams and gives the last reason; "" for none. Raises
+    InputError for an unusable host or port, and for an invalid key.
     """
 
     def __init__(self, host: str, port: int, senders: Collection[str] = (), key: bytes | None = None) -> None:
@@ -107,10 +107,12 @@ class Sender(Socket):
             raise InputError(f"cannot send to {host}:{port}: {error.strerror or error}") from error
 
     def send(self, datagram: bytes) -> bool:
-        """Send one datagram. Whether somebody listens, as far as the system knows; OSError where it cannot send.
+        """Send one datagram.
 
-        The system tells of a refusal at the next call, in whose place it stands: it is taken off before, so that
-        whoever listens again hears this datagram, and after, where the answer comes at once.
+        Returns whether a program listens, as far as known. Raises OSError if it cannot send.
+
+        The system reports a refusal at the next call, in place of its result. So it is read before sending, for a new
+        listener, and after, for an immediate answer.
         """
         refused = self._refused()
         try:

@@ -1,4 +1,4 @@
-"""Joint states from threads, sockets and topics, merged by name: a sender may know some joints alone."""
+"""Joint states from threads, sockets and topics, merged by name. A sender may know only some joints."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ MOST_OTHERS = 20
 
 
 class StateInbox:
-    """A feedback that holds the joint state, put there by `put(sender, state)` from any thread, in parts or whole.
+    """A feedback that stores joint states from `put(sender, state)`, whole or in parts, from any thread.
 
-    A joint's value holds for `timeout` [s]; while each joint of the arm has one, theta is known, as of the oldest of
-    them. For each joint the rules are those of `Latest`: one sender alone, its numbers increasing, all forgotten where
-    time goes back. Other names are passed over, and said where theta is unknown. What was refused counts against all
-    joints that its sender has told of, against every joint where it has told of none.
+    A joint's value is valid for `timeout` [s]. theta needs a value for every joint and is as old as the oldest. Each
+    joint follows the rules of `Latest`: one sender, increasing numbers, a reset if time runs backwards. Other names are
+    ignored, and named if theta is unknown. A refused message counts against all joints of its sender, or against every
+    joint if it has none.
 
-    units: "joint", or "motor" or "counts" where names and values are the motors' (`MotorSide`): they are merged before
-    theta is made of them, so that each motor of a differential may have a message of its own.
+    units: "joint", or "motor" or "counts" for motors (`MotorSide`). They merge before theta is computed, so each motor
+    of a differential may have a separate message.
 
-    Raises InputError for a timeout that is not positive, and for units that the arm has not.
+    Raises InputError for a timeout that is not positive, and for units that the arm lacks.
     """
 
     def __init__(self, arm: Arm, timeout: float = FEEDBACK_TIMEOUT, *, units: str = "joint") -> None:
@@ -110,7 +110,7 @@ class StateInbox:
         return dict(zip(ours, values.tolist(), strict=True))
 
     def _why_not(self, looks: Mapping[str, Look[float]], now: float) -> str:
-        """Reasons, each with the joints that it is for unless it is for all of them."""
+        """The reasons, each with its joints unless it concerns all."""
         groups: dict[str, list[str]] = {}
         for name, look in looks.items():
             if look.value is None:

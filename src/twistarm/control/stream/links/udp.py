@@ -1,4 +1,4 @@
-"""UDP: commands and joint states in, setpoints out, one JSON message to a datagram; see docs/streaming.md."""
+"""commands and joint states in, setpoints out, one JSON message per datagram; see docs/streaming.md."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ LOOPBACK = "127.0.0.1"
 class UdpSource(Receiver, CommandLink):
     """Commands from datagrams to host and port (0: a free one, see `address`). A sender is an address with its port.
 
-    senders: hosts that may send, none: all. key: what must sign the datagrams (see `Signer`, `read_key`). Raises
-    InputError for a host or port that cannot be had, and for a key that is none.
+    senders: allowed hosts, empty for all. key: the key that signs the datagrams (see `Signer`, `read_key`). Raises
+    InputError for an unusable host or port, and for an invalid key.
     """
 
     def __init__(
@@ -42,9 +42,9 @@ class UdpSource(Receiver, CommandLink):
 class UdpFeedback(Receiver, StateLink):
     """Joint states from datagrams to host and port (0: a free one, see `address`); senders and key as in `UdpSource`.
 
-    units: "joint", or "motor" or "counts" where the robot tells of its motors (see `MotorSide`).
+    units: "joint", or "motor" or "counts" for a robot that reports its motors (see `MotorSide`).
 
-    Raises InputError for a host or port that cannot be had, and for a key that is none.
+    Raises InputError for an unusable host or port, and for an invalid key.
     """
 
     def __init__(
@@ -63,11 +63,11 @@ class UdpFeedback(Receiver, StateLink):
 
 
 class UdpSink(Sender):
-    """Setpoints as datagrams to host and port, signed where there is a key (see `Signer`).
+    """Setpoints as datagrams to host and port, signed if there is a key (see `Signer`).
 
-    units: "joint", or "motor" or "counts" for the motors too (see `MotorSide`).
+    units: "joint", or "motor" or "counts" to include the motors (see `MotorSide`).
 
-    Raises InputError for a host or port that cannot be, and for a key that is none.
+    Raises InputError for an unusable host or port, and for an invalid key.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class UdpSink(Sender):
         super().__init__(host, port)
 
     def write(self, setpoint: Setpoint) -> None:
-        """Send the setpoint. Raises `UndeliveredError` where nobody seems to listen, OSError where it cannot."""
+        """Send the setpoint. Raises `UndeliveredError` without a listener, OSError if it cannot send."""
         text = encode(setpoint_message(self._arm, setpoint, self._motors)).encode()
         if not self.send(text if self._signer is None else self._signer.sign(text)):
             raise UndeliveredError(f"nobody listens at {self.receiver}")
