@@ -11,7 +11,6 @@ from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.directions import nearest_axes
 from .targets import AnyTarget, Approach, Pose
-from .task_space import Target
 
 RANK_SAMPLES = 16
 """Random configurations among which a rank is the largest; almost every one has it."""
@@ -82,7 +81,7 @@ def split_rotation(arm: Arm, target: AnyTarget, theta: Array) -> Split:
     return Split(float(found[0]), found[2:], float(found[1]))
 
 
-def short_of(arm: Arm, target: Target, theta: Array) -> float | None:
+def short_of(arm: Arm, target: AnyTarget, theta: Array) -> float | None:
     """The least position error [m] inside the limits with the rotation met, None where it is met nowhere.
 
     It is looked for from theta (n,), the nearest configuration, and from random ones.
@@ -91,7 +90,7 @@ def short_of(arm: Arm, target: Target, theta: Array) -> float | None:
     return min((found for start in starts if (found := _with_rotation(arm, target, start)) is not None), default=None)
 
 
-def _with_rotation(arm: Arm, target: Target, theta: Array) -> float | None:
+def _with_rotation(arm: Arm, target: AnyTarget, theta: Array) -> float | None:
     """The same from one start: Levenberg and Marquardt's steps, joints at a bound that are pulled outward at rest."""
     lower, upper = arm.limits.lower, arm.limits.upper
 
@@ -119,26 +118,23 @@ def _with_rotation(arm: Arm, target: Target, theta: Array) -> float | None:
     return target.position_error(g) if target.orientation_error(g) < ROTATION_MET else None
 
 
-def out_of_surface(arm: Arm, target: Target, theta: Array) -> Array:
+def out_of_surface(arm: Arm, target: AnyTarget, theta: Array) -> Array:
     """Directions (k, 3) in base axes in which the position is missed, and in which the tool's origin never moves."""
     g = arm._fk_and_body_jacobian(theta)[0]
     error, axes = target._position_rows(g, np.vstack([np.eye(3), np.zeros((3, 3))]))
     offset = g[:3, :3] @ axes.T @ error
-    immovable = _immovable_directions(arm)
+    motions = []
+    for each in arm.random_theta(0, RANK_SAMPLES):
+        g, J_b = arm._fk_and_body_jacobian(each)
+        motions.append(g[:3, :3] @ J_b[:3] / arm.reach)
+    U, size, _ = np.linalg.svd(np.hstack(motions))
+    across = U[:, int((size > RANK_TOL).sum()) :]
+    immovable = nearest_axes(across @ across.T, across.shape[1]).T
     missed: Array = immovable[np.abs(immovable @ offset) > MISSED]
     return missed
 
 
-def _immovable_directions(arm: Arm) -> Array:
-    """Directions (k, 3) in base axes along which the tool's origin never moves."""
-    motions = []
-    for theta in arm.random_theta(0, RANK_SAMPLES):
-        g, J_b = arm._fk_and_body_jacobian(theta)
-        motions.append(g[:3, :3] @ J_b[:3] / arm.reach)
-    return _across(np.hstack(motions))
-
-
-def approach_plane(arm: Arm, target: Target, theta: Array) -> ApproachPlane | None:
+def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> ApproachPlane | None:
     """The plane in which the approach axis can turn with the position held, if the arm has such a plane.
 
     There is one if the arm's free motions turn the axis a only within one plane, ȧ = ω × a of rank 1, and the plane is
@@ -171,7 +167,7 @@ def _brought_to(arm: Arm, p: Array, theta: Array) -> Array:
     return theta
 
 
-def _approach_normal(arm: Arm, target: Target, theta: Array, tool_axis: Array) -> Array | None:
+def _approach_normal(arm: Arm, target: AnyTarget, theta: Array, tool_axis: Array) -> Array | None:
     """The normal, in base axes, of the plane in which the approach axis can turn at theta, or None."""
     g, J_b = arm._fk_and_body_jacobian(theta)
     turning = np.cross((J_b[3:] @ _holding_position(target, g, J_b)).T, tool_axis)
@@ -182,7 +178,7 @@ def _approach_normal(arm: Arm, target: Target, theta: Array, tool_axis: Array) -
     return normal
 
 
-def _approach(arm: Arm, target: Target) -> tuple[Array, Array] | None:
+def _approach(arm: Arm, target: AnyTarget) -> tuple[Array, Array] | None:
     """The tool axis and where it is to point (base axes), for targets that say so."""
     if isinstance(target, Approach):
         return target.axis, target.direction
@@ -191,17 +187,10 @@ def _approach(arm: Arm, target: Target) -> tuple[Array, Array] | None:
     return None
 
 
-def _holding_position(target: Target, g: Array, J_b: Array) -> Array:
+def _holding_position(target: AnyTarget, g: Array, J_b: Array) -> Array:
     """Joint velocities (n, k) that leave the target's position error as it is."""
     rows = target._position_rows(g, J_b)[1]
     _, size, Vt = np.linalg.svd(rows)
     rank = int((size > RANK_TOL * size.max(initial=0.0)).sum())
     motions: Array = Vt[rank:].T
     return motions
-
-
-def _across(columns: Array, tolerance: float = RANK_TOL) -> Array:
-    """Unit vectors (k, m) across every one of the columns (m, n): those that are nearest to an axis."""
-    U, size, _ = np.linalg.svd(columns)
-    left = U[:, int((size > tolerance).sum()) :]
-    return nearest_axes(left @ left.T, left.shape[1]).T

@@ -5,14 +5,15 @@ from __future__ import annotations
 import operator
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arm.arm import Arm
 from ..support.checks import Array, frozen
 from ..support.errors import printable
-from .all_answers import AllAnswers
 from .closed_form.methods import Method
 from .explain import reached, why_not
 from .ranges import holding, joint_ranges
@@ -22,6 +23,29 @@ from .targets import AnyTarget, target_of
 from .task_space import Tolerances
 
 
+@dataclass(frozen=True, eq=False)
+class AllAnswers:
+    """Configurations theta (k, n), of which the first `inside` are inside the limits; the core's own has the same.
+
+    `moves` (k, n): which joints may move while the target stays met. `tries`: the searches or values that were tried.
+    `hits`: how many of them had an answer. theta0 (n,), `kind` and `numbers` are what was asked.
+    """
+
+    theta: Array
+    moves: NDArray[np.bool_]
+    inside: int
+    theta0: Array
+    kind: int
+    numbers: Array
+    tries: int = 0
+    hits: int = 0
+
+    def __post_init__(self) -> None:
+        for array in (self.theta, self.moves, self.theta0, self.numbers):
+            array.flags.writeable = False
+
+
+@dataclass(eq=False, repr=False, slots=True)
 class IKSolutions:
     """Configurations inside the limits that meet the target, each verified by forward kinematics; it cannot be changed.
 
@@ -31,39 +55,15 @@ class IKSolutions:
     found; `given` chooses another.
     """
 
-    __slots__ = (
-        "_arm",
-        "_complete",
-        "_found",
-        "_members",
-        "_method",
-        "_rounded",
-        "_target",
-        "_timed_out",
-        "_tolerances",
-    )
-
-    def __init__(
-        self,
-        arm: Arm,
-        found: AllAnswers,
-        members: tuple[Array, ...],
-        method: Method,
-        complete: bool,
-        target: AnyTarget | None,
-        tolerances: Tolerances,
-        timed_out: bool = False,
-        rounded: bool = False,
-    ) -> None:
-        self._arm = arm
-        self._found = found
-        self._method = method
-        self._complete = complete
-        self._target = target
-        self._tolerances = tolerances
-        self._timed_out = timed_out
-        self._rounded = rounded
-        self._members = members
+    _arm: Arm
+    _found: AllAnswers
+    _members: tuple[Array, ...]
+    _method: Method
+    _complete: bool
+    _target: AnyTarget | None
+    _tolerances: Tolerances
+    _timed_out: bool = False
+    _rounded: bool = False
 
     @property
     def arm(self) -> Arm:
@@ -203,10 +203,9 @@ class IKSolutions:
         return f"IKSolutions({self.arm.name}, {self._counted()}; {self.method})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        asked = self._target, self._tolerances
-        known = self._members, self._method, self._complete, *asked, self._timed_out, self._rounded
-        fields = [getattr(self._found, name) for name in AllAnswers.__dataclass_fields__]
-        return _unpickled, (self._arm, fields, *known)
+        found = [getattr(self._found, name) for name in AllAnswers.__dataclass_fields__]
+        arm, _, *known = (getattr(self, name) for name in self.__slots__)
+        return _unpickled, (arm, found, *known)
 
 
 def _unpickled(arm: Arm, fields: list[Any], members: tuple[Array, ...], *known: Any) -> IKSolutions:

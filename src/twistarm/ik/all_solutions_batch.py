@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_flag, as_whole, made_by
-from .all_answers import AllAnswers
-from .all_solutions import IKSolutions
+from .all_solutions import AllAnswers, IKSolutions
 from .batch import MAX_THREADS, targets_for
 from .certainty import is_exact
 from .closed_form.methods import Method, method_for

@@ -7,13 +7,39 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from enum import Enum
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arm.inability import CANNOT_TURN
 from ..support.checks import Array
 from .targets import numbers_of_kind
+
+DAMPED, NEAREST, CLOSED_FORM = "damped least squares", "nearest configuration", "closed form"
+
+
+class StopReason(Enum):
+    """Why a solver stopped.
+
+    Where the position is missed, it alone decides, so that the reason is the same for every kind of target:
+    BLOCKED_BY_LIMITS if the arm reaches it without its position limits, else OUT_OF_REACH. Where only the rotation is
+    missed, it is BLOCKED_BY_LIMITS if the arm meets the whole target without limits. Otherwise the largest part of the
+    missing rotation decides. IMPOSSIBLE_DIRECTION is a turn that this posture and those beside it lack.
+    BLOCKED_BY_LIMITS is what the nearest configuration without limits does not miss. OUT_OF_REACH is the rest.
+    """
+
+    CONVERGED = "the target is met"
+    OUT_OF_REACH = "out of reach"
+    IMPOSSIBLE_DIRECTION = CANNOT_TURN
+    BLOCKED_BY_LIMITS = "blocked by joint limits"
+    EXHAUSTED = "no answer found, and none excluded"
+    TIMED_OUT = "the time was up"
+
+
+STOPS = tuple(StopReason)
+"""The reasons by their numbers in an answer."""
 
 NOT_FINISHED = -1
 """In place of a reason: the time was up before the target was finished."""

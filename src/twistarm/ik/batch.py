@@ -15,12 +15,11 @@ from ..arm import engine
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_whole, frozen, made_by, require_callback
 from ..support.errors import InputError, shown
-from .answer import FIELDS, NOT_FINISHED, Records, answer_in, write_answer
+from .answer import FIELDS, NOT_FINISHED, STOPS, Records, StopReason, answer_in, write_answer
 from .certainty import settled
 from .ranges import joint_ranges
 from .request import Request, checked, named
 from .solution import IKSolution
-from .stop_reason import STOPS, StopReason
 from .targets import AnyTarget, Pose, TargetLike, checked_target, meant_by, target_for, target_of
 
 Progress = Callable[[int, int], object]
@@ -163,17 +162,22 @@ def solve_ik_batch(
     # Poses that are plainly right go straight to the core, which looks at each of them much faster.
     records = chain.solve_batch(Pose.kind, targets, start, *how, rather, threads, progress)
     if records is not None:
-        return IKBatch(arm, _settled(arm, _begun(arm, records), None))
+        return IKBatch(arm, _finished(arm, records, None))
     asked = targets_for(arm, targets)
     request = checked(arm, theta0, posture, *how, count=len(asked))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(done, count)")
     records = _by_core(chain, arm, asked, request, workers, progress)
-    return IKBatch(arm, _settled(arm, _begun(arm, records), asked), asked)
+    return IKBatch(arm, _finished(arm, records, asked), asked)
 
 
-def _settled(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None) -> Records:
-    """The answers, those that no search has met as the closed form knows them."""
+def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None) -> Records:
+    """The answers: late ones have their start and no known error, missed ones are settled by the closed form."""
+    late = records["stop"] == NOT_FINISHED
+    if late.any():
+        records["theta"][late] = joint_ranges(arm).inside(records["theta0"][late])
+        records["position_error"][late] = records["orientation_error"][late] = np.inf
+        records["stop"][late] = STOPS.index(StopReason.TIMED_OUT)
     for i in np.flatnonzero((records["stop"] != 0) & (records["restarts"] > 1)).tolist():
         found = answer_in(records, i)
         known = settled(arm, target_of(Pose.kind, found.numbers) if targets is None else targets[i], found)
@@ -182,20 +186,19 @@ def _settled(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None) 
     return records
 
 
-def targets_for(arm: Arm, targets: Any) -> tuple[AnyTarget, ...]:
-    """The targets of a batch, of any kinds; InputError, which says of which, for what is none."""
+def targets_for(arm: Arm, targets: Any, taken: Callable[[Arm, Any], AnyTarget] = target_for) -> tuple[AnyTarget, ...]:
+    """The targets of a batch, of any kinds, each as `taken` makes it; InputError names the place of a wrong one."""
     if isinstance(targets, np.ndarray) and (targets.ndim != 3 or targets.shape[1:] != (4, 4)):
         raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}{meant_by(targets)}")
     if isinstance(targets, str) or not isinstance(targets, (np.ndarray, Sequence)):
         raise InputError(f"targets must be poses (N, 4, 4) or a sequence of targets; got {shown(targets)}")
-    return tuple(_one(i, target, arm, target_for) for i, target in enumerate(targets))
-
-
-def _one(i: int, target: Any, arm: Arm, taken: Callable[[Arm, Any], AnyTarget] = checked_target) -> AnyTarget:
+    found: list[AnyTarget] = []
     try:
-        return taken(arm, target)
+        for target in targets:
+            found.append(taken(arm, target))  # noqa: PERF401
     except InputError as error:
-        raise InputError(f"targets[{i}]: {error}") from error
+        raise InputError(f"targets[{len(found)}]: {error}") from error
+    return tuple(found)
 
 
 def _by_core(
@@ -215,8 +218,8 @@ def _by_core(
         how = *_part(request, of_kind).for_core, threads, tell
         found = chain.solve_batch(kind, np.array([targets[i].numbers for i in of_kind]), *how)
         if found is None:  # somebody has written into the arrays of a target
-            again = [_one(int(i), targets[i], arm).numbers for i in of_kind]
-            found = chain.solve_batch(kind, np.array(again), *how)
+            again = targets_for(arm, targets, checked_target)
+            found = chain.solve_batch(kind, np.array([again[i].numbers for i in of_kind]), *how)
         assert found is not None, "what was refused is plain now"
         for name in FIELDS:
             column, into = found[name], records[name]
@@ -230,16 +233,6 @@ def _by_core(
 def _tell(progress: Progress, before: int, count: int, done: int, _: int) -> None:
     """How far a batch of `count` targets is, of which `before` were done before this part."""
     progress(before + done, count)
-
-
-def _begun(arm: Arm, records: Records) -> Records:
-    """The answers; those that were not finished have their start, and no error is known."""
-    late = records["stop"] == NOT_FINISHED
-    if late.any():
-        records["theta"][late] = joint_ranges(arm).inside(records["theta0"][late])
-        records["position_error"][late] = records["orientation_error"][late] = np.inf
-        records["stop"][late] = STOPS.index(StopReason.TIMED_OUT)
-    return records
 
 
 def _part(request: Request, indices: NDArray[np.int64]) -> Request:

@@ -13,10 +13,9 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from .answer import NOT_FINISHED, Answer, answer_from
+from .answer import NOT_FINISHED, STOPS, Answer, StopReason, answer_from
 from .closed_form.methods import Method, family_for
 from .ranges import joint_ranges
-from .stop_reason import STOPS, StopReason
 from .targets import AnyTarget
 from .task_space import Tolerances
 

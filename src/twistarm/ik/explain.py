@@ -14,8 +14,8 @@ from ..support.errors import printable
 from ..support.unit_hints import length_hint
 from ..support.vector_words import axis_in_words, value_in_words
 from .abilities import approach_plane, out_of_surface, short_of, split_rotation
+from .answer import NEAREST, StopReason
 from .ranges import joint_ranges
-from .stop_reason import NEAREST, StopReason
 from .targets import Approach, Pose, Task
 
 if TYPE_CHECKING:

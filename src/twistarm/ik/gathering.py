@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from ..arm.arm import Arm
 from ..support.checks import Array, frozen
-from .all_answers import AllAnswers
-from .all_solutions import IKSolutions
+from .all_solutions import AllAnswers, IKSolutions
 from .batch import Progress
 from .certainty import is_exact
 from .closed_form.methods import Method
@@ -273,8 +272,11 @@ class Gathering:
         return inside(self.arm, self.target, root.theta, self.near, self.tolerances)
 
     def distance(self, theta: Array) -> float:
-        """From theta0."""
-        return distance(self.arm, theta, self.near)
+        """The largest joint difference from theta0, in shares of the joint's range, 2π or 1 m where it has none."""
+        span = self.arm.limits.upper - self.arm.limits.lower
+        usual = np.where(np.array(self.arm.units) == "m", 1.0, 2.0 * np.pi)
+        shares = np.abs(theta - self.near) / np.where(np.isfinite(span) & (span > 0.0), span, usual)
+        return float(shares.max(initial=0.0))
 
     def entry(self, members: list[Root], swept: bool) -> Entry:
         """One answer, or one family by the member that keeps most joints at theta0's value, the nearest of these."""
@@ -299,7 +301,8 @@ class Gathering:
             if i is None:
                 kept.append(each)
             else:
-                kept[i].take(each)
+                np.logical_or(kept[i].moving, each.moving, out=kept[i].moving)
+                kept[i].inside.extend(each.inside)
         within = [entry for entry in kept if entry.inside]
         if copies:
             more = [(theta, entry) for entry in within for theta in copied(arm, entry.theta)]
@@ -326,15 +329,3 @@ class Entry:
     moving: NDArray[np.bool_]
     inside: list[Array]
     distance: float
-
-    def take(self, other: Entry) -> None:
-        """Make the other one with this."""
-        np.logical_or(self.moving, other.moving, out=self.moving)
-        self.inside.extend(other.inside)
-
-
-def distance(arm: Arm, theta: Array, near: Array) -> float:
-    """The largest joint difference, in shares of the joint's range, 2π or 1 m where it has none."""
-    span = arm.limits.upper - arm.limits.lower
-    usual = np.where(np.array(arm.units) == "m", 1.0, 2.0 * np.pi)
-    return float((np.abs(theta - near) / np.where(np.isfinite(span) & (span > 0.0), span, usual)).max(initial=0.0))

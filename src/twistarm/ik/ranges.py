@@ -26,7 +26,7 @@ class JointRanges:
     """Limits `lower`, `upper` (n,), and which joints are `periodic`.
 
     A periodic joint whose range holds a whole turn `turns` freely during a search: every angle then has a
-    representative inside the limits, so the search need not know them (`search_lower`, `search_upper` are ∓inf).
+    representative inside the limits, so the search need not know them.
     """
 
     lower: Array
@@ -37,16 +37,6 @@ class JointRanges:
     def turns(self) -> Mask:
         """Periodic joints whose range holds a whole turn."""
         return self.periodic & (self.upper - self.lower >= TURN)
-
-    @property
-    def search_lower(self) -> Array:
-        """Lower bounds of a search, −inf where a joint turns freely."""
-        return np.where(self.turns, -np.inf, self.lower)
-
-    @property
-    def search_upper(self) -> Array:
-        """Upper bounds of a search, inf where a joint turns freely."""
-        return np.where(self.turns, np.inf, self.upper)
 
     def wrapped(self, theta: Array, near: Array) -> Array:
         """theta with every freely turning joint at its representative inside the limits nearest to `near`."""

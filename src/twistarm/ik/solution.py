@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,10 +14,9 @@ from ..support.display import told
 from ..support.errors import NotConvergedError
 from ..support.unit_hints import theta_hint
 from ..support.vector_words import value_in_words
-from .answer import FIELDS, Answer
+from .answer import CLOSED_FORM, DAMPED, FIELDS, NEAREST, STOPS, Answer, StopReason
 from .explain import explain, summary
 from .ranges import joint_ranges
-from .stop_reason import CLOSED_FORM, DAMPED, NEAREST, STOPS, StopReason
 from .targets import AnyTarget, target_of
 from .task_space import Tolerances
 
@@ -48,15 +48,13 @@ WITHOUT_CORE = (
 )
 
 
+@dataclass(eq=False, repr=False, slots=True)
 class IKSolution:
     """The answer to one target; it cannot be changed, and what costs time is computed when it is asked for."""
 
-    __slots__ = ("_answer", "_arm", "_target")
-
-    def __init__(self, arm: Arm, answer: Answer, target: AnyTarget | None = None) -> None:
-        self._arm = arm
-        self._answer = answer
-        self._target = target
+    _arm: Arm
+    _answer: Answer
+    _target: AnyTarget | None = None
 
     @property
     def arm(self) -> Arm:

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
 from . import textbook
-from .answer import Answer
 from .certainty import settled
 from .request import checked, named
 from .solution import IKSolution
@@ -74,18 +73,15 @@ def solve_ik(
         if answer is not None:
             if answer.stop == 0:
                 return IKSolution(arm, answer, given)
-            return _settled(arm, answer, Pose(np.asarray(target)) if given is None else given)
+            given = given or Pose(np.asarray(target))
+            return IKSolution(arm, settled(arm, given, answer), given)
     asked = checked_target(arm, target)
     request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
     if chain is None:
         return IKSolution(arm, textbook.solve(arm, asked, request), asked)
     answer = chain.solve(asked.kind, asked.numbers, *request.for_core)
     assert answer is not None, "what was refused is plain now"
-    return _settled(arm, answer, asked)
-
-
-def _settled(arm: Arm, answer: Answer, target: AnyTarget) -> IKSolution:
-    return IKSolution(arm, settled(arm, target, answer), target)
+    return IKSolution(arm, settled(arm, asked, answer), asked)
 
 
 def as_given(arm: Arm, target: Any) -> AnyTarget | None:

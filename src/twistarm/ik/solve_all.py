@@ -12,11 +12,11 @@ from ..arm.arm import Arm, require_arm
 from ..support.caller_words import quantity
 from ..support.checks import as_flag, as_number, as_whole, require_callback
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
-from .all_answers import roots_in
 from .all_solutions import IKSolutions
 from .batch import Progress
 from .certainty import is_exact
 from .closed_form.methods import Method, closest_miss_of, known_method, method_for
+from .closed_form.roots import Root
 from .deadline import Deadline
 from .gathering import Gathering
 from .ranges import standing
@@ -131,7 +131,9 @@ def _answered(task: Gathering, method: Method, count: int, copies: bool) -> IKSo
     if known is None:
         found, starts, hits = task.solved(method, values)
     else:
-        found, starts, hits = [*roots_in(known)], known.tries, known.hits
+        pairs = zip(known.theta, known.moves, strict=True)
+        found = [Root(theta, tuple(np.flatnonzero(moves).tolist())) for theta, moves in pairs]
+        starts, hits = known.tries, known.hits
     if not found and not is_exact(task.tolerances):
         found = task.within(method)
     if method.there and method.swept and all(task.inside(root) is None for root in found) and not task.deadline.passed:

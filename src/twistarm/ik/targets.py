@@ -32,10 +32,7 @@ from ..theory.rotations import from_rpy, from_xyzw
 from . import rotation_errors
 from .task_space import Rows, excess, offset_rows
 
-NONE = frozen(np.zeros(0))
-THREE = frozen(np.zeros(3))
-TWO = frozen(np.zeros(2))
-
+NONE, TWO, THREE = (frozen(np.zeros(count)) for count in (0, 2, 3))
 
 UNIT_LENGTH_TOL = 0.01
 """A quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
@@ -342,6 +339,7 @@ class Task(Brief):
 
 
 AnyTarget = Pose | Position | Approach | Task
+Target = AnyTarget
 
 TargetLike = AnyTarget | Matrix
 """What a caller may ask for: a target, or a bare pose (4, 4)."""

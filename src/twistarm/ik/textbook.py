@@ -13,11 +13,10 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from .answer import Answer
+from .answer import STOPS, Answer, StopReason
 from .deadline import Deadline
 from .ranges import JointRanges, joint_ranges
 from .request import Request
-from .stop_reason import STOPS, StopReason
 from .targets import AnyTarget, Task
 from .task_space import Rows, Tolerances, excess_rows
 
@@ -107,7 +106,8 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     are pulled outward; theta + d is clipped to the bounds. In e and J rotations are weighed by √ROTATION_WEIGHT.
     Source: S. K. Chan & P. D. Lawrence, General inverse kinematics with the error damped pseudoinverse, ICRA 1988.
     """
-    lower, upper = problem.ranges.search_lower, problem.ranges.search_upper
+    ranges = problem.ranges
+    lower, upper = np.where(ranges.turns, [[-np.inf], [np.inf]], [ranges.lower, ranges.upper])
     theta, best, stalls, iterations = np.clip(theta, lower, upper), math.inf, 0, 0
     while True:
         g, J_b = problem.arm._fk_and_body_jacobian(theta)
@@ -125,7 +125,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
         d[free] = np.linalg.solve(J[:, free].T @ J[:, free] + damping, -slope[free])
         theta = np.clip(theta + d, lower, upper)
         iterations += 1
-    theta = problem.ranges.wrapped(theta, near)
+    theta = ranges.wrapped(theta, near)
     g = problem.arm.fk(theta)
     errors = problem.target.position_error(g), problem.target.orientation_error(g)
     return Search(theta, errors, iterations, problem.tolerances.or_rounding(problem.arm.rounding).met(*errors))

@@ -41,11 +41,6 @@ class Chain:
         """The arm's own joints."""
         return len(self.rates)
 
-    @property
-    def sliding(self) -> Array:
-        """Which of the arm's joints slide, (n,)."""
-        return np.array([axis.slides for axis in self.axes[: self.n]], dtype=np.bool_)
-
     def held(self, joints: tuple[int, ...], values: Array) -> tuple[tuple[JointAxis, ...], Array]:
         """The axes without these joints, which stand at `values` of x, and what G is to be multiplied by, (4, 4)."""
         carried, left = np.eye(4), []
