@@ -15,7 +15,7 @@ KEEPS = ("nothing", "point", "plane")
 
 
 def cpp_closed_form(arm: Arm) -> str:
-    """A `twistarm::solved_arm` for each kind of target that has one, and `solve_ik_all`; a remark where none has."""
+    """A `twistarm::solved_arm` for each kind of target that has one, and `solve_ik_all`; a remark where no kind has."""
     kinds: dict[str, AnyTarget] = {
         "pose": Pose(arm.home),
         "position": Position(arm.home[:3, 3]),

@@ -36,11 +36,11 @@ def namespace_of(name: str) -> str:
 
 
 def cpp_header(arm: Arm) -> str:
-    """The header's text: `chain`, limits, poses, `servo_bounds`, `actuators` of the arm as constants, `solve_ik`, and
-    `solve_ik_all` where the arm's axes belong to a family.
+    """The header's text: the arm's constants, `solve_ik`, and `solve_ik_all` where its axes belong to a family.
 
-    The chain is the compiled core's own: constant transforms between joints that turn about z
-    (core/include/twistarm/kinematics/chain.hpp), which only the core computes. TwistarmError where there is none.
+    The constants are `chain`, limits, poses, `servo_bounds` and `actuators`. The chain is the compiled core's own,
+    constant transforms between joints that turn about z (core/include/twistarm/kinematics/chain.hpp). TwistarmError
+    without a core.
     """
     constants: Mapping[str, Any] = arm._core("a C++ header").constants()
     joints, n = constants["joints"], constants["coordinates"]
@@ -79,7 +79,7 @@ def cpp_header(arm: Arm) -> str:
 
 
 def _servo(arm: Arm) -> Mapping[str, str | int]:
-    """The members of `twistarm::servo_bounds` and of its `motion_limits`, with the settings that `servo_step` has."""
+    """The members of `twistarm::servo_bounds` and its `motion_limits`, with the default settings."""
     bounds = bounds_of(arm, ServoSettings())
     motion = bounds.motion
     motors = len(motion.names) - bounds.n

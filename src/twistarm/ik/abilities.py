@@ -1,4 +1,4 @@
-"""Motions that an arm's tool has around a configuration, from the null spaces of its Jacobian."""
+"""The motions of an arm's tool around a configuration, from the null spaces of its Jacobian."""
 
 from __future__ import annotations
 
@@ -68,12 +68,12 @@ class ApproachPlane(NamedTuple):
 
 
 def split_rotation(arm: Arm, target: AnyTarget, theta: Array) -> Split:
-    """The rotation error at theta (n,) in two: what no joint can undo with the position held, and what could be undone.
+    """The rotation error at theta (n,) with the position held, split into what no joint can undo and the rest.
 
-    The compiled core splits it (core/include/twistarm/ik/reason.hpp): rotation rows times the null space of the
-    position rows span what can be undone. Where the reach for a rotation ends, a posture lacks what those beside it
-    have: then the least over these is lacking. A `Task` holds a component from the edge of its tolerance on. Without
-    the core both parts are 0.
+    The compiled core splits it (core/include/twistarm/ik/reason.hpp). Rotation rows times the null space of the
+    position rows span what can be undone. At the end of the reach for a rotation, a posture lacks motions that those
+    beside it have: then the least over these counts. A `Task` holds a component from the edge of its tolerance on.
+    Without the core both parts are 0.
     """
     found = arm._compiled.split_rotation(target.kind, target.numbers, theta) if arm._compiled is not None else None
     if found is None:
@@ -82,16 +82,16 @@ def split_rotation(arm: Arm, target: AnyTarget, theta: Array) -> Split:
 
 
 def short_of(arm: Arm, target: AnyTarget, theta: Array) -> float | None:
-    """The least position error [m] inside the limits with the rotation met, None where it is met nowhere.
+    """The least position error [m] inside the limits with the rotation met, or None.
 
-    It is looked for from theta (n,), the nearest configuration, and from random ones.
+    The search begins at theta (n,), the nearest configuration, and at random ones.
     """
     starts = [theta, *arm.random_theta(0, OTHER_STARTS)]
     return min((found for start in starts if (found := _with_rotation(arm, target, start)) is not None), default=None)
 
 
 def _with_rotation(arm: Arm, target: AnyTarget, theta: Array) -> float | None:
-    """The same from one start: Levenberg and Marquardt's steps, joints at a bound that are pulled outward at rest."""
+    """The same from one start, by Levenberg and Marquardt's steps; joints pulled out of their bounds rest."""
     lower, upper = arm.limits.lower, arm.limits.upper
 
     def look(theta: Array) -> tuple[Array, Array]:
@@ -135,10 +135,10 @@ def out_of_surface(arm: Arm, target: AnyTarget, theta: Array) -> Array:
 
 
 def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> ApproachPlane | None:
-    """The plane in which the approach axis can turn with the position held, if the arm has such a plane.
+    """The plane in which the approach axis can turn with the position held, or None.
 
-    There is one if the arm's free motions turn the axis a only within one plane, ȧ = ω × a of rank 1, and the plane is
-    the same a good way along them.
+    In such a plane the arm's free motions turn the axis a, ȧ = ω × a of rank 1. The plane is the same a good way along
+    them.
     """
     wanted = _approach(arm, target)
     if wanted is None:
@@ -157,7 +157,7 @@ def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> ApproachPlane |
 
 
 def _brought_to(arm: Arm, p: Array, theta: Array) -> Array:
-    """The tool's origin brought to p (3,), limits aside, from a theta nearby: Newton's steps of least length."""
+    """A theta nearby with the tool's origin at p (3,), limits aside, by Newton's steps of least length."""
     for _ in range(STEPS):
         g, J_b = arm._fk_and_body_jacobian(theta)
         offset = g[:3, :3].T @ (p - g[:3, 3])
@@ -179,7 +179,7 @@ def _approach_normal(arm: Arm, target: AnyTarget, theta: Array, tool_axis: Array
 
 
 def _approach(arm: Arm, target: AnyTarget) -> tuple[Array, Array] | None:
-    """The tool axis and where it is to point (base axes), for targets that say so."""
+    """The tool axis and its wanted direction (base axes), for targets with both."""
     if isinstance(target, Approach):
         return target.axis, target.direction
     if isinstance(target, Pose):
@@ -188,7 +188,7 @@ def _approach(arm: Arm, target: AnyTarget) -> tuple[Array, Array] | None:
 
 
 def _holding_position(target: AnyTarget, g: Array, J_b: Array) -> Array:
-    """Joint velocities (n, k) that leave the target's position error as it is."""
+    """Joint velocities (n, k) that keep the target's position error."""
     rows = target._position_rows(g, J_b)[1]
     _, size, Vt = np.linalg.svd(rows)
     rank = int((size > RANK_TOL * size.max(initial=0.0)).sum())

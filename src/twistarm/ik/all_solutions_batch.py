@@ -77,7 +77,7 @@ class IKSolutionsBatch:
         return self._padded(self.moves > 0.5, False)
 
     def _completed(self, one: Callable[[TargetLike, Array], IKSolutions]) -> IKSolutionsBatch:
-        """The same where nothing is left to look for; `one` solves one target from its theta0."""
+        """The batch with the targets that are `left` solved by `one`, from a target and its theta0."""
         if not self.left.any():
             return self
         each = [one(found.target, found.theta0) if left else found for found, left in zip(self, self.left, strict=True)]
@@ -135,15 +135,15 @@ def solve_ik_all_batch(
 ) -> IKSolutionsBatch:
     """Every configuration of N targets: `solve_ik_all` of each, at the core's speed where it has the arm's family.
 
-    That is so for targets of one kind, an `Approach` with one tool axis, where no joint is sampled and no copy wanted;
-    then `threads` share the work. The answer to a target depends on nothing but that target. Ctrl-C ends it.
+    The core needs targets of one kind, for an `Approach` with one tool axis, no sampled joint and no copies. Then
+    `threads` share the work. The answer to a target depends on that target alone. Ctrl-C ends it.
 
     Args:
         arm: The arm.
         targets: Poses (N, 4, 4), or a sequence of `Pose`, `Position`, `Approach`, `Task` and poses (4, 4).
         theta0: Configuration from which distances are counted (n,) or (N, n) [rad, m], by default `arm.ready`.
-        given: {joint: value} [rad, m] of joints that are to stand there.
-        samples: Number of values of each joint that is held, in (0, 1000].
+        given: {joint: value} [rad, m] of joints to hold there.
+        samples: Number of values of each other joint that is held, in (0, 1000].
         copies: Whether configurations that differ by whole turns count as different, inside the limits.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
@@ -222,7 +222,7 @@ def _by_core(
 def _gathered(
     arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, tolerances: Tolerances, each: list[IKSolutions]
 ) -> IKSolutionsBatch:
-    """Answers that were found one by one."""
+    """A batch of answers that were found one by one."""
     count = np.array([len(found) for found in each], dtype=np.int64)
     beyond = np.array([len(found.outside) for found in each], dtype=np.int64)
     thetas = np.concatenate([np.zeros((0, arm.n)), *(found._found.theta for found in each)])

@@ -33,7 +33,7 @@ MAX_THREADS = 256
 class IKBatch:
     """The answers to N targets, read-only arrays with a row for each; `batch[i]` is one of them as an `IKSolution`.
 
-    A target that was not finished when the time was up has its start as theta, and infinite errors.
+    A target that was not finished in time has its start as theta, and infinite errors.
     """
 
     arm: Arm
@@ -49,7 +49,7 @@ class IKBatch:
 
     @property
     def targets(self) -> Array | tuple[AnyTarget, ...]:
-        """What was asked: poses (N, 4, 4), or targets of any kinds."""
+        """The targets: poses (N, 4, 4), or targets of any kinds."""
         if self.given is not None:
             return self.given
         return self._read("numbers").reshape(-1, 4, 4)
@@ -61,27 +61,27 @@ class IKBatch:
 
     @property
     def theta0(self) -> Array:
-        """(N, n) [rad, m]: where each search was to begin."""
+        """(N, n) [rad, m]: the start of each search."""
         return self._read("theta0")
 
     @property
     def position_error(self) -> Array:
-        """(N,) [m], of what each target constrains."""
+        """(N,) [m], in what each target constrains."""
         return self._read("position_error")
 
     @property
     def orientation_error(self) -> Array:
-        """(N,) [rad], of what each target constrains."""
+        """(N,) [rad], in what each target constrains."""
         return self._read("orientation_error")
 
     @property
     def iterations(self) -> NDArray[np.int64]:
-        """(N,): steps of the search that found theta; of all of them where none did."""
+        """(N,): steps of the search that found theta; of all searches where none did."""
         return self._read("iterations")
 
     @property
     def restarts(self) -> NDArray[np.int64]:
-        """(N,): searches that were run."""
+        """(N,): number of searches."""
         return self._read("restarts")
 
     @cached_property
@@ -130,10 +130,9 @@ def solve_ik_batch(
 ) -> IKBatch:
     """Inverse kinematics of N targets: poses (N, 4, 4), or a sequence of targets of any kinds.
 
-    Arguments and verdicts are those of `solve_ik`. The answer to a target depends on nothing but that target; it may be
-    another root than that of `solve_ik`, which races its searches to be done sooner, where this one takes the first
-    search that converges. `threads` share the work, and change no answer; `progress(done, count)` is called some twenty
-    times a second. Ctrl-C ends it.
+    Arguments and verdicts are those of `solve_ik`. The answer to a target depends on that target alone. It may be
+    another root than that of `solve_ik`, which races its searches; this one takes the first search that converges.
+    `threads` share the work, and change no answer. Ctrl-C ends it.
 
     Args:
         arm: The arm.
@@ -146,7 +145,7 @@ def solve_ik_batch(
         rng: Seed, or a NumPy Generator.
         posture: Preferred configuration (n,) or (N, n), its name, "theta0", "middle", or None.
         threads: Number of threads.
-        progress: Called with the number of finished targets and N, or None.
+        progress: Called some twenty times a second with the number of finished targets and N, or None.
 
     Returns:
         The `IKBatch`: theta (N, n), errors (N,) [m, rad], `converged` (N,); batch[i] is an `IKSolution`.
@@ -172,7 +171,7 @@ def solve_ik_batch(
 
 
 def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None) -> Records:
-    """The answers: late ones have their start and no known error, missed ones are settled by the closed form."""
+    """The answers: late ones get their start and infinite errors, the closed form settles missed ones."""
     late = records["stop"] == NOT_FINISHED
     if late.any():
         records["theta"][late] = joint_ranges(arm).inside(records["theta0"][late])
@@ -209,7 +208,7 @@ def _by_core(
     threads: int,
     progress: Progress | None,
 ) -> Records:
-    """The answers to every target: those of a kind together."""
+    """The answers to all targets, those of a kind together."""
     records = np.zeros(len(targets), dtype=chain.widest_record)
     kinds = np.array([target.kind for target in targets], dtype=np.int64)
     for kind in np.unique(kinds).tolist():
@@ -231,7 +230,7 @@ def _by_core(
 
 
 def _tell(progress: Progress, before: int, count: int, done: int, _: int) -> None:
-    """How far a batch of `count` targets is, of which `before` were done before this part."""
+    """Report a part of a batch of `count` targets, after `before` of them."""
     progress(before + done, count)
 
 

@@ -1,4 +1,4 @@
-"""Gathering: the roots of one target, found by whatever way there is, put into families and told as answers."""
+"""Gathering: the roots of one target by every way there is, put into families and listed as answers."""
 
 from __future__ import annotations
 
@@ -61,10 +61,10 @@ MOST_COMBINATIONS = 4096
 
 @dataclass(frozen=True, eq=False)
 class Gathering:
-    """What is asked: a target, near which configuration, how exactly, which joints are given, and until when.
+    """One task: a target, the configuration to be near, the tolerances, the given joints and the deadline.
 
-    `progress` is told how many values and searches are done, and of how many. `rounded`: the tolerances are those of
-    rounded axes, which may miss the target in directions that exact ones need not move in.
+    `progress` gets the number of values and searches done, and their count. `rounded`: the tolerances are those of
+    rounded axes. Such axes may miss the target in directions in which exact ones need not move.
     """
 
     arm: Arm
@@ -78,7 +78,7 @@ class Gathering:
     rounded: bool = False
 
     def compiled(self, method: Method, values: Array) -> CoreAllAnswers:
-        """What the core has found with the held joints at each of the values (k, h)."""
+        """What the core finds with the held joints at each of the values (k, h)."""
         assert method.compiled is not None
         held, met = values if len(values) > 1 else None, self.tolerances
         found = method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
@@ -90,7 +90,7 @@ class Gathering:
         return method.exact and not method.swept and not self.rounded and is_exact(self.tolerances)
 
     def searches(self, method: Method) -> int:
-        """How many searches are made beside the method, or for want of one."""
+        """The number of searches beside the method, or instead of one."""
         if not method.there:
             return STARTS
         lossy = method.rooted is not None or not method.exact or self.rounded
@@ -106,16 +106,16 @@ class Gathering:
 
     @property
     def dependent(self) -> float:
-        """Singular values below this part of the largest are those of directions that move nothing at first."""
+        """Singular values below this part of the largest belong to directions that move nothing at first."""
         return ROUNDED_DIRECTION if self.rounded else DEPENDENT
 
     def as_near(self, theta: Array) -> Array:
-        """theta (n,) with theta0's value for joints that move nothing but by the rounding of the axes."""
+        """theta (n,) with theta0's value for joints that move the tool only by the rounding of the axes."""
         size = np.linalg.norm(rows_of(self.arm, self.target, theta)[1], axis=0)
         return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
 
     def solved(self, method: Method, values: Array) -> tuple[list[Root], int, int]:
-        """Roots with the held joints at each of the values (k, h); how many values, and how many had roots."""
+        """Roots with the held joints at each of the values (k, h); the number of values, and how many had roots."""
         found: list[Root] = []
         tries = hits = 0
         for each in self.deadline.until(values if method.there else ()):
@@ -131,27 +131,27 @@ class Gathering:
         return (found, tries, hits) if method.swept else (found, 0, 0)
 
     def values_met(self, method: Method) -> Array:
-        """Values (k, h) of the joints held, k ≤ 1, in a configuration that a search has found: samples may miss all."""
+        """Values (k, h), k ≤ 1, of the held joints in a configuration found by a search. Samples may miss all."""
         found = self.one_search()
         return found.theta[None, list(method.held)][: int(found.converged)]
 
     def within(self, method: Method) -> list[Root]:
-        """The answer of a search, which uses loose tolerances as a closed form, made for exact targets, does not."""
+        """A search's answer within loose tolerances: the closed form solves for exact answers alone."""
         found = self.one_search()
         return [Root(found.theta, method.idle)] if found.converged else []
 
     def one_search(self) -> IKSolution:
-        """What `solve_ik` finds from theta0 with the given joints where they are to stand."""
+        """The solution of `solve_ik` from theta0, with the given joints held."""
         arm = holding(self.arm, self.given, self.near)
         return solve_ik(arm, self.target, self.near, **self.tolerances.keywords, max_time=self.deadline.left)
 
     def told_of(self, done: int, count: int) -> None:
-        """Whoever asked hears how far it is."""
+        """Report the progress to the caller."""
         if self.progress is not None:
             self.progress(done, count)
 
     def held_values(self, method: Method, count: int) -> Array:
-        """Values (k, h) of the joints held: those given, theta0's of idle ones, and a grid of the others."""
+        """Values (k, h) of the held joints: given ones, theta0's of idle ones, and a grid of the others."""
         while count ** len(method.swept) > MOST_COMBINATIONS:
             count -= 1
         grid = {i: self._with_near(i, self._spread(i, count)) for i in method.swept}
@@ -160,7 +160,7 @@ class Gathering:
         return np.array(combinations).reshape(len(combinations), len(method.held))
 
     def _spread(self, joint: int, count: int) -> Array:
-        """Values over the range of a joint, an unbounded one's about theta0; no angle twice."""
+        """Different values over the range of a joint, or about theta0 for an unbounded one."""
         lower, upper = self.arm.limits.lower[joint], self.arm.limits.upper[joint]
         half = 0.5 if self.arm.units[joint] == "m" else np.pi
         lower = lower if np.isfinite(lower) else self.near[joint] - half
@@ -170,14 +170,14 @@ class Gathering:
         return np.linspace(lower, end, count, endpoint=not whole)
 
     def _with_near(self, joint: int, values: Array) -> Array:
-        """Those values of a joint, theta0's first, no two of which are the same angle."""
+        """Theta0's value of a joint, followed by the values that are another angle."""
         apart = values - self.near[joint]
         if joint_ranges(self.arm).periodic[joint]:
             apart = (apart + np.pi) % (2.0 * np.pi) - np.pi
         return np.append(self.near[joint], values[np.abs(apart) > ROUNDED_LIMIT])
 
     def searched(self, count: int, known: list[Root], before: int) -> tuple[list[Root], int, int]:
-        """Roots from many starts that are not known yet, how many searches were run, and how many met the target.
+        """New roots from `count` starts, the number of searches, and how many met the target.
 
         `before`: how many values of `progress` are done.
         """
@@ -198,29 +198,30 @@ class Gathering:
 
     @cached_property
     def stand(self) -> Array:
-        """theta0's values (n,), or the limits beyond which these are."""
+        """theta0's values (n,), clipped to the limits."""
         return np.clip(self.near, self.arm.limits.lower, self.arm.limits.upper)
 
     @cached_property
     def motions(self) -> SelfMotions:
-        """Along which answers may move; what an idle joint does tells none apart."""
+        """The self-motions of the answers. Idle joints do not tell answers apart."""
         still = (*self.given, *self.idle)
         return SelfMotions(self.arm, self.target, still, self.tolerances, self.deadline, self.dependent)
 
     def alone(self, root: Root) -> bool:
-        """Whether it belongs to no continuous family, but for what idle joints do."""
+        """Whether a root belongs to no continuous family, apart from the motions of idle joints."""
         return {*self.motions.still}.issuperset(root.free)
 
     def families(self, found: list[Root]) -> list[list[Root]]:
-        """The roots, those together that lie on one self-motion."""
+        """The roots, those of one self-motion together."""
         moving = [root for root in found if not self.alone(root)]
         places = self.motions.families([root.theta for root in moving])
         return [[root] for root in found if self.alone(root)] + [[moving[i] for i in each] for each in places]
 
     def brought_inside(self, families: list[list[Root]], held: tuple[int, ...]) -> bool:
-        """Add a member that keeps a joint at theta0's value to each family, and one inside where none is yet.
+        """Add to each family a member with a joint at theta0's value, and one inside the limits where it has none yet.
 
-        Whether every family was met inside: where searches along it find nothing, there may be something yet.
+        The result says whether every family was met inside. If not, searches along it found nothing, but there may be
+        one.
         """
         all_seen = True
         for members in families:
@@ -235,7 +236,7 @@ class Gathering:
         return all_seen
 
     def keeping(self, members: list[Root]) -> list[Root]:
-        """Of a family a member with a free joint at theta0's value, the first that can; none where there is one."""
+        """The first member of a family that can keep a free joint at theta0's value; none where the family has one."""
         free = [i for i in members[0].free if i not in self.motions.still]
         there = [theta for root in members if (theta := self.inside(root)) is not None]
         if any(self.at_start(theta, free) for theta in there):
@@ -256,11 +257,11 @@ class Gathering:
         return []
 
     def at_start(self, theta: Array, joints: Sequence[int]) -> int:
-        """How many of the joints stand at theta0's value."""
+        """How many of the joints are at theta0's value."""
         return int((np.abs(theta - self.stand)[list(joints)] <= KEPT).sum())
 
     def along(self, root: Root, known: list[Root]) -> list[Root]:
-        """New roots from starts that differ from this one in the joints that are free."""
+        """New roots from starts that differ from this one in the free joints."""
         lower, upper = self.arm.sampling_bounds
         starts = np.tile(np.clip(root.theta, lower, upper), (IN_FAMILY, 1))
         free = list(root.free)
@@ -268,7 +269,7 @@ class Gathering:
         return self.from_starts(starts, known)[0]
 
     def inside(self, root: Root) -> Array | None:
-        """The root inside the limits, if it is there."""
+        """The root inside the limits, or None."""
         return inside(self.arm, self.target, root.theta, self.near, self.tolerances)
 
     def distance(self, theta: Array) -> float:
@@ -279,7 +280,7 @@ class Gathering:
         return float(shares.max(initial=0.0))
 
     def entry(self, members: list[Root], swept: bool) -> Entry:
-        """One answer, or one family by the member that keeps most joints at theta0's value, the nearest of these."""
+        """An answer, or a family by one member: most joints at theta0's value, then the nearest."""
         there = [theta for root in members if (theta := self.inside(root)) is not None]
         free = {i for root in members for i in root.free}
         own = [i for i in free if i not in self.motions.still]
@@ -293,7 +294,7 @@ class Gathering:
     def told(
         self, method: Method, families: list[list[Root]], copies: bool, tries: tuple[int, int], all_seen: bool
     ) -> IKSolutions:
-        """The answers inside the limits, nearest first, and those outside; twins are one."""
+        """The answers inside the limits, nearest first, then those outside. Twins are one answer."""
         arm, kept = self.arm, list[Entry]()
         entries = [self.entry(members, bool(method.swept)) for members in families]
         for each in sorted(entries, key=lambda entry: (not entry.inside, entry.distance)):

@@ -1,4 +1,4 @@
-"""Self-motions: which answers lie on one connected family, followed from one to the other along the null space."""
+"""Self-motions: which answers lie on one connected family. A walk along the null space leads from one to the other."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ ENOUGH = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class SelfMotions:
-    """How the arm moves while the target stays met, its joints `still` apart.
+    """The motions of the arm that keep the target met, with the joints `still` at rest.
 
-    Singular values below the part `dependent` of the largest are those of directions that move nothing at first.
+    Singular values below the part `dependent` of the largest belong to directions that move nothing at first.
     """
 
     arm: Arm
@@ -63,7 +63,7 @@ class SelfMotions:
         return [i for i in range(self.arm.n) if i not in self.still]
 
     def families(self, members: Sequence[Array]) -> list[list[int]]:
-        """The places of those that lie on one connected self-motion; two that no way was found between stay apart."""
+        """The places of those that lie on one connected self-motion; two without a way between them stay apart."""
         thetas = np.array(members).reshape(-1, self.arm.n)
         thetas = np.where(joint_ranges(self.arm).periodic, thetas % TURN, thetas)
         family = np.arange(len(thetas))
@@ -83,7 +83,7 @@ class SelfMotions:
         return [np.flatnonzero(family == first).tolist() for first in np.unique(family)]
 
     def _join_along(self, thetas: Array, family: NDArray[np.intp], first: int) -> None:
-        """Join to the family of this member all that lie on its self-motion."""
+        """Join all members on one self-motion to the family of this one."""
         others = np.flatnonzero(family > first)
         if not len(others):
             return
@@ -99,7 +99,7 @@ class SelfMotions:
                 family[family == other] = first
 
     def together(self, a: Array, b: Array, steps: int = LONG) -> bool:
-        """Whether a way along the self-motion, of so many steps at most, leads from a to b, (n,)."""
+        """Whether a way along the self-motion, of at most so many steps, leads from a to b, (n,)."""
         left = apart(self.arm, b, a)
         if np.abs(left).max(initial=0.0) < NEARBY:
             halfway = a + 0.5 * left
@@ -125,9 +125,9 @@ class SelfMotions:
         return False
 
     def passed(self, start: Array, goals: Sequence[Array]) -> set[int]:
-        """The places of the goals, (n,) each, that lie on the curve through the start (n,), both ways until it closes.
+        """The places of the goals, (n,) each, on the curve through the start (n,), both ways until it closes.
 
-        Where the start may move in several ways, those to which a way leads.
+        Where the start may move in several ways: the places of the goals that a way leads to.
         """
         if len(self._tangents(start)) != 1:
             return {i for i in self.deadline.until(range(len(goals))) if self.together(start, goals[i], LONG // 4)}
@@ -149,7 +149,7 @@ class SelfMotions:
         return found
 
     def _on(self, x: Array, along: Array, length: float) -> Array | None:
-        """The member (n,) a step on in the direction `along`; None where the motion ends."""
+        """The member (n,) one step on in the direction `along`; None where the motion ends."""
         size = float(np.linalg.norm(along))
         if size < 1e-9:
             return None
@@ -161,7 +161,7 @@ class SelfMotions:
         return None
 
     def _away(self, thetas: Array, theta: Array) -> Array:
-        """The largest joint differences (k,) of thetas (k, n) from theta (n,), less whole turns."""
+        """The largest joint differences (k,) of thetas (k, n) from theta (n,), without whole turns."""
         left = np.abs(thetas - theta)
         turns = joint_ranges(self.arm).periodic
         left[:, turns] = np.minimum(left[:, turns], np.abs(TURN - left[:, turns]))

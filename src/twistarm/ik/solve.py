@@ -1,4 +1,4 @@
-"""`solve_ik`: an exact answer where there is one; where there is none, the nearest and the reason."""
+"""`solve_ik`: an exact answer where there is one; else the nearest and the reason."""
 
 from __future__ import annotations
 
@@ -29,21 +29,19 @@ def solve_ik(
 ) -> IKSolution:
     """Inverse kinematics: joint coordinates inside the limits that bring the tool to `target`.
 
-    The first search begins at `theta0`, brought inside the limits, the others at starts that depend on the seed `rng`
+    The first search begins at `theta0`, brought inside the limits. The starts of the others depend on the seed `rng`
     and their number alone: the same call gives the same bits, unless `max_time` cuts it short. Joints that may turn for
-    ever come back as near to theta0 as the limits allow. Where searches find a configuration within 0.2 rad (0.2 m) of
-    theta0 that meets the target, it is the answer. For a target within 2 cm and 3° of the pose of theta0 it is else the
-    nearest that they find, and `notes` says so.
+    ever come back as near to theta0 as the limits allow. A configuration within 0.2 rad (0.2 m) of theta0 that meets
+    the target is the answer, where a search finds one. Otherwise, for a target within 2 cm and 3° of the pose of
+    theta0, the answer is the nearest that the searches find, and `notes` says so.
 
     The searches look for a configuration within both tolerances, not for an exact one. An arm whose axes a CAD export
-    has rounded also meets what it misses by at most `arm.rounding`; `rounded` and `notes` say so.
+    has rounded may also miss by up to `arm.rounding`; `rounded` and `notes` say so.
 
-    `posture` is where a redundant arm would rather stand while it meets the target. The answer is then moved in the
-    null space to a minimum of ‖θ − posture‖².
+    A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 
-    A target that cannot be met is no error: the solution is then the nearest configuration (the least position error
-    inside the limits, then the least rotation error with the position held), `stop` says why, `explain()` says it
-    in words.
+    A target that cannot be met is no error. The solution is then the nearest configuration: the least position error
+    inside the limits, then the least rotation error with the position held. `stop` and `explain()` say why.
 
     Args:
         arm: The arm.
@@ -85,7 +83,7 @@ def solve_ik(
 
 
 def as_given(arm: Arm, target: Any) -> AnyTarget | None:
-    """A target with its tool axis; None for what is no target yet."""
+    """A target with its tool axis; None for a value that is not a target yet."""
     if not isinstance(target, KINDS):
         return None
     return target.of(arm) if isinstance(target, Approach) else target

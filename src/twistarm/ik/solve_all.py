@@ -44,39 +44,39 @@ def solve_ik_all(
 ) -> IKSolutions:
     """Every configuration inside the limits that meets `target`, verified, nearest to `theta0` first.
 
-    Nearest by the largest joint difference, in shares of the joint's range (2π or 1 m where it has none).
+    Distance is the largest joint difference, in shares of the joint's range (2π or 1 m where it has none).
 
-    By the closed form of the arm's family (a group of joints whose axes meet in a point or are parallel, at most three
-    joints beside it), or, for five or six joints that turn, by elimination (an eigenvalue problem, for whatever axes);
-    each answer is corrected by Newton's method until forward kinematics meets the target to rounding, and kept only if
-    it does. Where there is neither, searches from many starts are tried, and `complete` is False.
+    The closed form solves an arm's family: a group of joints whose axes meet in a point or are parallel, and at most
+    three joints beside it. Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their
+    axes. Newton's method corrects each answer until forward kinematics meets the target to rounding; others are
+    dropped. Where neither applies, searches from many starts are tried, and `complete` is False.
 
     A `Pose` takes arms of up to six joints, an `Approach` of up to five, a `Position` of up to three. Arms with fewer
-    meet the targets that fit them; `explain()` says how far off another is. Where there are more joints than the target
-    determines, `given` holds some at values of your own; else they are held at `samples` values over their range. A
-    joint that only rolls the tool about an `Approach`'s axis keeps theta0's value. Two answers less than 0.01 rad or m
-    apart are one where halfway between them the target is met too; that of a stretched arm is one. What lies on one
-    connected self-motion is one answer, which keeps a free joint at theta0's value where it can.
+    joints meet the targets that fit them; `explain()` says how far off another is. An arm with more joints than the
+    target determines holds some: at the values in `given`, else at `samples` values over their range. A joint that only
+    rolls the tool about an `Approach`'s axis keeps theta0's value.
+
+    Two answers less than 0.01 rad or m apart are one if the target is also met halfway between them, as for a stretched
+    arm. The answers on one connected self-motion are one answer, which keeps a free joint at theta0's value where it
+    can.
 
     Sources: MLS §3.3; Pieper 1968; Elias & Wen, IK-Geo, 2022; Raghavan & Roth 1993.
 
     Args:
         arm: The arm.
-        target: `Pose`, `Position`, `Approach` or a pose (4, 4); of a `Task` only a search is made.
+        target: `Pose`, `Position`, `Approach` or pose (4, 4); a `Task` is only searched for.
         theta0: Configuration (n,) [rad, m] from which distances are counted, by default `arm.ready`.
-        given: {joint: value} [rad, m] of joints that are to stand there.
-        samples: Number of values of each joint that is held, in (0, 1000]; at most 4,096 combinations are tried.
+        given: {joint: value} [rad, m] of joints to hold there.
+        samples: Number of values of each other joint that is held, in (0, 1000]; at most 4,096 combinations.
         copies: Whether configurations that differ by whole turns count as different, inside the limits.
         closed_form: Whether to raise NoClosedFormError rather than to search.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
-        max_time: Greatest time [s], of which a microsecond's closed form takes no notice; None for no limit.
-        progress: Called with how many of the values of sampled joints and of the searches are done, and of how many,
-            or None.
+        max_time: Greatest time [s], which a closed form of a microsecond ignores; None for no limit.
+        progress: Called with the number of sampled values and searches that are done, and with their count, or None.
 
-    Returns:
-        The `IKSolutions`: theta (k, n), k ≥ 0, and whether these are all. Where the time was up before, what was found,
-        `complete` False and `timed_out` True.
+    Returns: The `IKSolutions`: theta (k, n), k ≥ 0, and whether these are all. When the time is up it holds what was
+    found, with `complete` False and `timed_out` True.
 
     Raises:
         InputError: The target, theta0, a given value or a number cannot be used.
@@ -107,7 +107,7 @@ def solve_ik_all(
 
 
 def _in_two_passes(task: Gathering, method: Method, count: int, copies: bool) -> IKSolutions:
-    """What is met exactly; where nothing is, what is met but for the rounding of the axes. Each is half of the way."""
+    """The exact answers, or else those that only rounded axes allow. Each pass is half of the progress."""
     tell = task.progress or (lambda *_: None)
     exact = replace(task, progress=lambda done, of: tell(done, 2 * of))
     answer = _answered(exact, method, count, copies)
@@ -120,7 +120,7 @@ def _in_two_passes(task: Gathering, method: Method, count: int, copies: bool) ->
 
 
 def _answered(task: Gathering, method: Method, count: int, copies: bool) -> IKSolutions:
-    """What the method finds, with `count` values of each joint that is sampled."""
+    """The answers of the method, with `count` values of each sampled joint."""
     values = task.held_values(method, count)
     known = None if method.compiled is None or task.rounded else task.compiled(method, values)
     if known is not None and not method.swept:
@@ -155,7 +155,7 @@ def _answered(task: Gathering, method: Method, count: int, copies: bool) -> IKSo
 def _at_once(
     arm: Arm, target: TargetLike, theta0: ArrayLike | None, position_tol: float, orientation_tol: float
 ) -> IKSolutions | None:
-    """The answer of the core, where it has the family and everything is plainly right."""
+    """The core's answer, where it has the family and all arguments are plainly right."""
     asked = None if type(target) is np.ndarray else as_given(arm, target)
     like, numbers = (Pose, target) if asked is None else (type(asked), asked.numbers)
     method = known_method(arm, like, asked.axis.tobytes() if isinstance(asked, Approach) else None)
@@ -170,7 +170,7 @@ def _at_once(
 
 
 def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:
-    """{joint's index: value}, base to tip, those among them whose limits are one value."""
+    """{joint's index: value}, base to tip, with the joints that have limits of one value."""
     stands = {i: float(arm.limits.lower[i]) for i in standing(arm)}
     if given is None:
         return stands

@@ -1,4 +1,11 @@
-"""Targets of inverse kinematics: a pose, a position, a position with an approach axis, a pose with tolerances."""
+"""Targets of inverse kinematics: a pose, a position, a position with an approach axis, a pose with tolerances.
+
+A solver sees the components that a target constrains. `_position_rows` and `_rotation_rows` take the tool's pose g
+(4, 4) and its body Jacobian J_b (6, n), unchecked. They give an error (k,) and rows (k, n). For the position
+d error = rows · dθ. For the rotation rowsᵀ error is the gradient of a function that grows with the angle. A free
+component has no row, so it makes no matrix singular. `_position_tolerance` and `_rotation_tolerance` say how far each
+row may be from 0 beside the solver's tolerance.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +52,7 @@ FARTHEST = 1e6
 class Pose(Brief):
     """The whole pose: g_st(θ) = g, (4, 4); from position and orientation by `from_rpy` and `from_quaternion`.
 
-    Position error ‖p − p_g‖; orientation error the angle of R_gᵀ R. Raises InputError for what is not in SE(3).
+    Position error ‖p − p_g‖; orientation error the angle of R_gᵀ R. InputError for a matrix that is not in SE(3).
     """
 
     g: Array
@@ -64,7 +71,7 @@ class Pose(Brief):
 
         Args:
             p: Position (3,) [m].
-            rpy: Angles (3,) [rad]; InputError for one beyond a whole turn, which looks like degrees.
+            rpy: Angles (3,) [rad]. InputError beyond a whole turn, which looks like degrees.
         """
         angles = _one_vector(rpy, "rpy", 3, "")
         if angle_hint(angles):
@@ -166,13 +173,13 @@ class Position(Brief):
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Approach(Brief):
-    """The tool's origin at p [m] and R @ tool_axis = direction (base axes); turning about the tool axis is free.
+    """The tool's origin at p (3,) [m] and R @ tool_axis = direction (base axes); turning about the tool axis is free.
 
-    `tool_axis` (3,), in tool axes, is what points along the direction; None means that of the arm, `arm.tool_axis`:
-    the axis about which its last joint rolls the tool. `solve_ik` puts it in, and its solution's target has it.
+    `tool_axis` (3,), in tool axes, points along the direction. None means `arm.tool_axis`, the axis about which the
+    last joint rolls the tool. `solve_ik` puts it in, and its solution's target has it.
 
     Orientation error: the angle between the axes. The rotation has two rows, across the tool axis. Both axes may have
-    any length but zero, which raises InputError.
+    any length; InputError for zero.
     """
 
     p: Array
@@ -195,13 +202,13 @@ class Approach(Brief):
         object.__setattr__(self, "_numbers", numbers)
 
     def of(self, arm: Arm) -> Approach:
-        """The same with a tool axis: its own, or that of the arm."""
+        """The approach with a tool axis: its own, or the arm's."""
         axis = require_arm(arm).tool_axis
         return self if self.tool_axis is not None else Approach(self.p, self.direction, axis)
 
     @property
     def axis(self) -> Array:
-        """The tool axis (3,). Raises InputError where it was left to the arm."""
+        """The tool axis (3,). InputError where the arm chooses it."""
         if self.tool_axis is None:
             raise InputError("this Approach leaves its tool axis to the arm: ask approach.of(arm), or give tool_axis=")
         return self.tool_axis
@@ -214,7 +221,7 @@ class Approach(Brief):
 
     @property
     def numbers(self) -> Array:
-        """p, direction, tool axis; without the last where it was left to the arm."""
+        """p, direction, tool axis; without the last where the arm chooses it."""
         return self._numbers
 
     def _position_rows(self, g: Array, J_b: Array) -> Rows:
@@ -257,8 +264,8 @@ class Task(Brief):
 
     The error is (p − p_g, log(R R_gᵀ)) in base axes, turned into the target's axes for frame="target". A tolerance of 0
     is met to the solver's tolerance; inf, or ≥ π for a rotation, leaves the component free. Position and orientation
-    error are the norms of the excess over the tolerances. Raises InputError for a negative tolerance, an unknown
-    frame, or where nothing is constrained.
+    error are the norms of the excess over the tolerances. InputError for a negative tolerance, an unknown frame, or six
+    free components.
     """
 
     g: Array
@@ -357,13 +364,13 @@ KINDS = (Pose, Position, Approach, Task)
 
 
 def target_for(arm: Arm, value: Any) -> AnyTarget:
-    """`value` as a target for the arm, whose axis it points if none was given."""
+    """`value` as a target for the arm. An approach without a tool axis gets the arm's."""
     target = as_target(value)
     return target.of(arm) if isinstance(target, Approach) else target
 
 
 def checked_target(arm: Arm, value: Any) -> AnyTarget:
-    """The same, whose numbers are looked at once more: somebody may have written into the arrays of a target."""
+    """The same with its numbers checked again, because a caller may have written into the arrays of a target."""
     target = target_for(arm, value)
     return target_of(target.kind, target.numbers)
 
@@ -381,7 +388,7 @@ def as_target(value: Any) -> AnyTarget:
 
 
 def meant_by(value: Any) -> str:
-    """`; did you mean Position([x, y, z])?`: what numbers of another shape were probably to be, or nothing."""
+    """`; did you mean Position([x, y, z])?`: a guess for numbers of another shape, or ""."""
     try:
         return MEANT.get(as_reals(value, "target").shape[-1:], "")
     except InputError:
@@ -389,12 +396,12 @@ def meant_by(value: Any) -> str:
 
 
 def numbers_of_kind(kind: int) -> int:
-    """How many `numbers` a target of a kind has."""
+    """The number of a target's `numbers`, by its kind."""
     return (16, 3, 9, 23)[kind]
 
 
 def target_of(kind: int, numbers: Array) -> AnyTarget:
-    """The target that `kind` and `numbers` are those of."""
+    """The target with this `kind` and these `numbers`."""
     if kind == Position.kind:
         return Position(numbers)
     if kind == Approach.kind:
@@ -410,9 +417,9 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 def _checked(make: str, *given: Any) -> Array | None:
-    """A target's numbers, read-only, where the compiled core finds what was given plainly right.
+    """A target's numbers, read-only, if the compiled core finds the arguments plainly right.
 
-    None leaves it to Python, which converts it or says what is wrong.
+    None leaves them to Python, which converts them or says what is wrong.
     """
     numbers: Array | None = engine.asked(make, *given)
     return numbers

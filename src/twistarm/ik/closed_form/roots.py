@@ -58,7 +58,7 @@ MOST_COPIES = 4096
 
 @dataclass(frozen=True, eq=False)
 class Root:
-    """An answer theta (n,), each angle anywhere, and the joints that may change while the target stays met."""
+    """An answer theta (n,), with angles in any turn, and the joints that may move while the target stays met."""
 
     theta: Array
     free: tuple[int, ...]
@@ -74,8 +74,8 @@ def corrected(
 ) -> Array:
     """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target; `held` joints stay.
 
-    No step is long in any of the directions that J tells apart: where one of them hardly moves the tool, near a wrist
-    in line, the others go all their way nevertheless.
+    No step is long in any of the directions that J tells apart. Near a wrist in line one of them hardly moves the tool;
+    the others still go all their way.
     """
     for _ in range(STEPS):
         error, J = rows_of(arm, target, theta)
@@ -105,7 +105,7 @@ def roots(
 ) -> list[Root]:
     """The different answers among the candidates that are not `known` yet, each corrected and verified.
 
-    `held` joints stay where they are. `singular`: as for `corrected`.
+    `held` joints stay. `singular`: as for `corrected`.
     """
     found: list[Root] = []
     for candidate in candidates:
@@ -128,10 +128,10 @@ def self_motion(
 ) -> tuple[int, ...]:
     """The joints, beside those `held`, that move while the target stays met: () for an answer that stands alone.
 
-    Where more joints are left than there are rows, and these are independent, the null space is a family's tangent, and
-    all that it moves is free. Else a direction in it moves nothing at first. A step along it, corrected, either comes
-    back, or is another answer, as exact, or so exact that a whole turn would stay within the tolerances: then the two
-    belong to a family.
+    Where more joints are left than there are rows, and the rows are independent, the null space is a family's tangent:
+    all that it moves is free. Otherwise a direction in it only moves nothing at first. A step along it, corrected, may
+    come back. If not, it is another answer of the family where it is as exact, or so exact that a whole turn would stay
+    within the tolerances.
     """
     solved = [i for i in range(arm.n) if i not in held]
     J = rows_of(arm, target, theta)[1][:, solved]
@@ -158,8 +158,8 @@ def self_motion(
 def inside(arm: Arm, target: AnyTarget, theta: Array, near: Array, tolerances: Tolerances) -> Array | None:
     """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow; None where it is outside.
 
-    A copy that passes a limit by no more than a multiple root may be wrong is brought to the limit, if the target is
-    met there too, by what the other joints can do; if it is not, other copies are left.
+    A copy may pass a limit by the error of a multiple root. It is brought to the limit if the target is met there too,
+    by what the other joints can do.
     """
     lower, upper = arm.limits.lower, arm.limits.upper
     for slack in (ROUNDED_LIMIT, LEAST_ROUNDED):
@@ -197,13 +197,13 @@ def copies(arm: Arm, theta: Array) -> Array:
 
 
 def apart(arm: Arm, a: Array, b: Array) -> Array:
-    """a − b (…, n), less whole turns."""
+    """a − b (…, n), without whole turns."""
     left: Array = np.where(joint_ranges(arm).periodic, (a - b + np.pi) % TURN - np.pi, a - b)
     return left
 
 
 def twin(arm: Arm, target: AnyTarget, theta: Array, others: Sequence[Array], tolerances: Tolerances) -> int | None:
-    """Which of the others (n,) is one answer with theta (n,), if any is."""
+    """The place of another answer (n,) that is one with theta (n,), or None."""
     if not len(others):
         return None
     left = apart(arm, np.array(others), theta)
@@ -225,7 +225,7 @@ def _missed(arm: Arm, target: AnyTarget, theta: Array) -> float:
 
 
 def rows_of(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, Array]:
-    """What theta (n,) misses of the target [m, rad] (k,), and its derivative (k, n)."""
+    """By how much theta (n,) misses the target [m, rad] (k,), and the derivative (k, n)."""
     g, J_b = arm._fk_and_body_jacobian(theta)
     (e_p, J_p), (e_r, J_r) = target._position_rows(g, J_b), target._rotation_rows(g, J_b)
     return np.concatenate([e_p, e_r]), np.concatenate([J_p, J_r])
