@@ -57,16 +57,6 @@ class Split(NamedTuple):
     prevented: float
 
 
-class ApproachPlane(NamedTuple):
-    """The plane that holds the approach axis while the position is held.
-
-    normal: unit vector (3,) in base axes; angle [rad] of the wanted approach out of the plane.
-    """
-
-    normal: Array
-    angle: float
-
-
 def split_rotation(arm: Arm, target: AnyTarget, theta: Array) -> Split:
     """The rotation error at theta (n,) with the position held, split into what no joint can undo and the rest.
 
@@ -134,9 +124,10 @@ def out_of_surface(arm: Arm, target: AnyTarget, theta: Array) -> Array:
     return missed
 
 
-def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> ApproachPlane | None:
+def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, float] | None:
     """The plane in which the approach axis can turn with the position held, or None.
 
+    The answer is its unit normal (3,) in base axes, and the angle [rad] of the wanted approach out of it.
     In such a plane the arm's free motions turn the axis a, ȧ = ω × a of rank 1. The plane is the same a good way along
     them.
     """
@@ -153,7 +144,7 @@ def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> ApproachPlane |
         there = _approach_normal(arm, target, moved, tool_axis)
         if there is None or np.linalg.norm(np.cross(there, normal)) > SAME_PLANE:
             return None
-    return ApproachPlane(normal, math.asin(min(abs(float(normal @ direction)), 1.0)))
+    return normal, math.asin(min(abs(float(normal @ direction)), 1.0))
 
 
 def _brought_to(arm: Arm, p: Array, theta: Array) -> Array:

@@ -237,9 +237,8 @@ def _tell(progress: Progress, before: int, count: int, done: int, _: int) -> Non
 def _part(request: Request, indices: NDArray[np.int64]) -> Request:
     """The request for some targets of the batch."""
 
-    def part(values: Array | None) -> Array | None:
-        return values if values is None or values.ndim == 1 else frozen(values[indices])
+    def part(values: Array) -> Array:
+        return values if values.ndim == 1 else frozen(values[indices])
 
-    start = part(request.theta0)
-    assert start is not None
-    return replace(request, theta0=start, posture=part(request.posture))
+    posture = None if request.posture is None else part(request.posture)
+    return replace(request, theta0=part(request.theta0), posture=posture)

@@ -49,7 +49,8 @@ def explain(solution: IKSolution) -> str:
     lines = [f"asked of {solution.arm.name}: {solution.target.describe()}", f"reached: {reached(solution)}"]
     if not solution.converged:
         lines += why_not(solution)
-    lines.append(f"found by {solution.method}: {solution.iterations} iterations, {_counted(solution.restarts)}")
+    searches = "1 search" if solution.restarts == 1 else f"{solution.restarts} searches"
+    lines.append(f"found by {solution.method}: {solution.iterations} iterations, {searches}")
     return "\n".join(map(printable, [*lines, *(f"note: {note}" for note in solution.notes)]))
 
 
@@ -186,9 +187,9 @@ def _impossible(solution: IKSolution, theta: Array) -> list[str]:
     held = "the position" if len(target._position_tolerance) else ""
     lines = [f"{cannot_turn(split.axis, 'tool', held)}; {_degrees(split.impossible)} of the rotation are missing"]
     plane = approach_plane(arm, target, theta)
-    if plane is not None and plane.angle > NEGLIGIBLE:
-        normal = axis_in_words(plane.normal, "base")
-        lines.append(f"the approach is {_degrees(plane.angle)} out of the arm's plane, whose normal is {normal}")
+    if plane is not None and plane[1] > NEGLIGIBLE:
+        normal = axis_in_words(plane[0], "base")
+        lines.append(f"the approach is {_degrees(plane[1])} out of the arm's plane, whose normal is {normal}")
     return lines
 
 
@@ -215,7 +216,3 @@ def _length(metres: float) -> str:
 def _degrees(radians: float) -> str:
     degrees = math.degrees(radians)
     return f"{degrees:.1f}°" if degrees >= 0.1 else f"{degrees:.2g}°"
-
-
-def _counted(searches: int) -> str:
-    return "1 search" if searches == 1 else f"{searches} searches"

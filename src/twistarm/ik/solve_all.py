@@ -22,7 +22,7 @@ from .gathering import Gathering
 from .ranges import standing
 from .request import checked
 from .solve import as_given
-from .targets import AnyTarget, Approach, Pose, TargetLike, checked_target
+from .targets import Approach, Pose, TargetLike, checked_target
 from .task_space import Tolerances
 
 DEFAULT_SAMPLES = 32
@@ -98,7 +98,8 @@ def solve_ik_all(
     stands = given_joints(arm, given)
     method = method_for(arm, asked, tuple(stands))
     if closed_form and method.family is None:
-        raise NoClosedFormError(_none(arm, asked, method))
+        miss = f"{closest_miss_of(arm, method)[1]}; elimination solves it numerically, without closed_form=True"
+        raise NoClosedFormError(f"{arm.name} has no closed form for a {type(asked).__name__}: {method.reason or miss}")
     near = np.array(request.theta0)
     near[list(stands)] = list(stands.values())
     deadline = Deadline.after(request.max_time)
@@ -188,10 +189,3 @@ def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float
             )
         stands[i] = number
     return dict(sorted(stands.items()))
-
-
-def _none(arm: Arm, target: AnyTarget, method: Method) -> str:
-    kind = type(target).__name__
-    miss = f"{closest_miss_of(arm, method)[1]}; elimination solves it numerically, without closed_form=True"
-    why = method.reason or miss
-    return f"{arm.name} has no closed form for a {kind}: {why}"

@@ -101,7 +101,6 @@ class Pose(Brief):
         return self.g
 
     def _position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The offset from the pose's origin, in tool axes."""
         return offset_rows(self.g[:3, 3], g, J_b)
 
     def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
@@ -146,7 +145,6 @@ class Position(Brief):
         return self.p
 
     def _position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The offset from p, in tool axes."""
         return offset_rows(self.p, g, J_b)
 
     def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
@@ -225,7 +223,6 @@ class Approach(Brief):
         return self._numbers
 
     def _position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The offset from p, in tool axes."""
         return offset_rows(self.p, g, J_b)
 
     def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
@@ -288,7 +285,8 @@ class Task(Brief):
     @cached_property
     def held(self) -> tuple[list[int], list[int]]:
         """Which components of position and of rotation are not left free."""
-        return _held(self.tolerance)
+        position, rotation = self.tolerance[:3] < math.inf, self.tolerance[3:] < math.pi
+        return np.flatnonzero(position).tolist(), np.flatnonzero(rotation).tolist()
 
     @cached_property
     def _position_tolerance(self) -> Array:
@@ -466,11 +464,6 @@ def _as_tolerance(value: ArrayLike) -> Array:
         raise InputError(f"tolerance must be six numbers (x, y, z [m], rx, ry, rz [rad]); got shape {tolerance.shape}")
     if not (tolerance >= 0).all():
         raise InputError(f"tolerance must not be negative or NaN (0: exact, inf: free); got {tolerance.tolist()}")
-    if not any(_held(tolerance)):
+    if not (tolerance < np.repeat([math.inf, math.pi], 3)).any():
         raise InputError("tolerance leaves all six components free: there is nothing to solve for")
     return tolerance
-
-
-def _held(tolerance: Array) -> tuple[list[int], list[int]]:
-    position, rotation = tolerance[:3], tolerance[3:]
-    return [i for i in range(3) if position[i] < math.inf], [i for i in range(3) if rotation[i] < math.pi]

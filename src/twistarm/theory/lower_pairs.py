@@ -90,8 +90,8 @@ def _on_one_line(screw: Screw, A: Array, i: int) -> LowerPair | None:
     if i + 1 >= len(A):
         return None
     turn, slide = (i, i + 1) if _turns(screw, i) else (i + 1, i)
-    along = float(screw.axis[turn] @ screw.axis[slide])
-    if not (_turns(screw, turn) and _slides(screw, slide)) or not abs(_gap(screw, turn, slide)) <= SAME_TOL:
+    along, sine = screw.axis[turn] @ screw.axis[slide], np.linalg.norm(np.cross(screw.axis[turn], screw.axis[slide]))
+    if not (_turns(screw, turn) and _slides(screw, slide)) or not sine <= SAME_TOL:
         return None
     frame = _pose(plane_axes(screw.axis[turn]), screw.point[turn])
     rates = np.array([screw.magnitude[turn], np.sign(along) * screw.magnitude[slide]])
@@ -116,11 +116,6 @@ def _turns(screw: Screw, i: int) -> bool:
 
 def _slides(screw: Screw, i: int) -> bool:
     return bool(np.isinf(screw.pitch[i]))
-
-
-def _gap(screw: Screw, i: int, j: int) -> float:
-    """The sine of the angle between two axes."""
-    return float(np.linalg.norm(np.cross(screw.axis[i], screw.axis[j])))
 
 
 def _independent(A: Array, rows: tuple[int, ...]) -> bool:

@@ -164,7 +164,7 @@ def sliding(
     whole = math.atan2(float(v @ E[:3, :3] @ u), float(u @ E[:3, :3] @ u))
     senses = [float(np.sign(group[i].w @ normal)) for i in turning]
     if len(turning) == 1:
-        return [Placed(_one_turn(group, turning[0], senses[0] * whole, E))]
+        return [Placed(_with_slides(group, turning, (senses[0] * whole,), E))]
     last = turning[-1]
     if last < len(group) - 1:
         backward = sliding(group[::-1], normal, inverse(E), tuple(-x for x in near[::-1]), slack)
@@ -181,23 +181,18 @@ def sliding(
 def decoupled(group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float) -> list[Placed]:
     """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4): at most three turns, by the rotation, and three slides."""
     turning = [i for i, axis in enumerate(group) if not axis.slides]
-    found = []
-    for turns in rotating(tuple(group[i].w for i in turning), E[:3, :3], tuple(near[i] for i in turning), slack):
-        x = np.zeros(len(group))
-        x[turning] = turns.x
-        found.append(Placed(_with_slides(group, x, E), frozenset(turning[i] for i in turns.free)))
-    return found
+    turned = rotating(tuple(group[i].w for i in turning), E[:3, :3], tuple(near[i] for i in turning), slack)
+    return [
+        Placed(_with_slides(group, turning, turns.x, E), frozenset(turning[i] for i in turns.free)) for turns in turned
+    ]
 
 
-def _one_turn(group: tuple[JointAxis, ...], turning: int, angle: float, E: Array) -> tuple[float, ...]:
-    """The one turn, and slides by least squares."""
+def _with_slides(
+    group: tuple[JointAxis, ...], turning: list[int], turns: tuple[float, ...], E: Array
+) -> tuple[float, ...]:
+    """x (k,) from its turns; the slides, which are linear, take the origin where E does, by least squares."""
     x = np.zeros(len(group))
-    x[turning] = angle
-    return _with_slides(group, x, E)
-
-
-def _with_slides(group: tuple[JointAxis, ...], x: Array, E: Array) -> tuple[float, ...]:
-    """x (k,) with its slides, which are linear, by least squares so that the origin goes where E takes it."""
+    x[turning] = turns
     slides = [i for i, axis in enumerate(group) if axis.slides]
     directions = np.array([product(group[:i], x[:i])[:3, :3] @ group[i].w for i in slides]).reshape(-1, 3).T
     x[slides] = np.linalg.lstsq(directions, E[:3, 3] - product(group, x)[:3, 3], rcond=None)[0]
