@@ -126,12 +126,6 @@ def test_theta_broadcasts_against_the_batch():
     assert screws.exp(xi[0, 0], theta).shape == (5, 4, 4)
 
 
-def test_a_pure_translation_is_exact():
-    g = screws.exp([0.1, -0.2, 0.3, 0, 0, 0], 7.0)
-    assert (g[:3, :3] == np.eye(3)).all()
-    assert g[:3, 3].tolist() == [7.0 * 0.1, 7.0 * -0.2, 7.0 * 0.3]
-
-
 # logarithm --------------------------------------------------------------------------------------------
 
 

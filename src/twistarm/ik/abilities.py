@@ -81,7 +81,7 @@ def short_of(arm: Arm, target: AnyTarget, theta: Array) -> float | None:
 
 
 def _with_rotation(arm: Arm, target: AnyTarget, theta: Array) -> float | None:
-    """The same from one start, by Levenberg and Marquardt's steps; joints pulled out of their bounds rest."""
+    """The same from one start, by Levenberg and Marquardt's steps. Joints pulled out of their bounds rest."""
     lower, upper = arm.limits.lower, arm.limits.upper
 
     def look(theta: Array) -> tuple[Array, Array]:

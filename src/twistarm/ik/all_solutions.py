@@ -25,7 +25,7 @@ from .task_space import Tolerances
 
 @dataclass(frozen=True, eq=False)
 class AllAnswers:
-    """Configurations theta (k, n), the first `inside` of them inside the limits; the core's own has the same.
+    """Configurations theta (k, n), the first `inside` of them inside the limits. The core's own has the same.
 
     `moves` (k, n): which joints may move while the target stays met. `tries`: the searches or values that were tried.
     `hits`: how many of them had an answer. theta0 (n,), `kind` and `numbers` are what was asked.
@@ -47,7 +47,7 @@ class AllAnswers:
 
 @dataclass(eq=False, repr=False, slots=True)
 class IKSolutions:
-    """Configurations inside the limits that meet the target, each verified by forward kinematics; it cannot be changed.
+    """Configurations inside the limits that meet the target, each verified by forward kinematics. It cannot be changed.
 
     Nearest to theta0 first, by the largest joint difference in shares of the joint's range (2π or 1 m where it has
     none). `solutions[i]` is theta[i]. Where a wrist is singular, or an arm redundant, configurations form continuous

@@ -26,7 +26,7 @@ from .task_space import Tolerances
 @made_by("solve_ik_all_batch")
 @dataclass(frozen=True, eq=False, repr=False)
 class IKSolutionsBatch:
-    """Every configuration of N targets, read-only arrays with a row for each; `batch[i]` is one as an `IKSolutions`.
+    """Every configuration of N targets, read-only arrays with a row for each. `batch[i]` is one as an `IKSolutions`.
 
     count (N,): configurations inside the limits; outside_count (N,): beyond them.
     """
@@ -192,7 +192,7 @@ def _by_core(
     how: tuple[float, float, int],
     one: Callable[[TargetLike, Array], IKSolutions],
 ) -> IKSolutionsBatch | None:
-    """The core's answer; None where an argument is not plainly right.
+    """The core's answer. None where an argument is not plainly right.
 
     `one` solves a target from its theta0, where the core does not tell families apart or allow for rounded axes.
     """

@@ -50,7 +50,7 @@ Records = NDArray[np.void]
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """An answer theta (n,), the searches behind it, and what was asked; the core's own `Answer` has the same fields.
+    """An answer theta (n,), the searches behind it, and what was asked. The core's own `Answer` has the same fields.
 
     `stop`: number of the reason in STOPS.
     `unlimited` (n,): where limits block, an answer without them, if `has_unlimited`.

@@ -31,7 +31,7 @@ MAX_THREADS = 256
 @made_by("solve_ik_batch")
 @dataclass(frozen=True, eq=False, repr=False)
 class IKBatch:
-    """The answers to N targets, read-only arrays with a row for each; `batch[i]` is one of them as an `IKSolution`.
+    """The answers to N targets, read-only arrays with a row for each. `batch[i]` is one of them as an `IKSolution`.
 
     A target that was not finished in time has its start as theta, and infinite errors.
     """
@@ -131,7 +131,7 @@ def solve_ik_batch(
     """Inverse kinematics of N targets: poses (N, 4, 4), or a sequence of targets of any kinds.
 
     Arguments and verdicts are those of `solve_ik`. The answer to a target depends on that target alone. It may be
-    another root than that of `solve_ik`, which races its searches; this one takes the first search that converges.
+    another root than that of `solve_ik`, which races its searches. This one takes the first search that converges.
     `threads` share the work, and change no answer. Ctrl-C ends it.
 
     Args:
@@ -186,7 +186,7 @@ def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None)
 
 
 def targets_for(arm: Arm, targets: Any, taken: Callable[[Arm, Any], AnyTarget] = target_for) -> tuple[AnyTarget, ...]:
-    """The targets of a batch, of any kinds, each as `taken` makes it; InputError names the place of a wrong one."""
+    """The targets of a batch, of any kinds, each as `taken` makes it. InputError names the place of a wrong one."""
     if isinstance(targets, np.ndarray) and (targets.ndim != 3 or targets.shape[1:] != (4, 4)):
         raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}{meant_by(targets)}")
     if isinstance(targets, str) or not isinstance(targets, (np.ndarray, Sequence)):

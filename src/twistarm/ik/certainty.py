@@ -77,7 +77,7 @@ def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
 
 
 def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:
-    """Values (k, h) of the joints that the closed form holds; None to hold them at the start."""
+    """Values (k, h) of the joints that the closed form holds. None to hold them at the start."""
     if not method.swept:
         return None
     values = np.tile(np.clip(start, arm.limits.lower, arm.limits.upper), (SAMPLES, 1))

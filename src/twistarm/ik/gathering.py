@@ -115,7 +115,7 @@ class Gathering:
         return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
 
     def solved(self, method: Method, values: Array) -> tuple[list[Root], int, int]:
-        """Roots with the held joints at each of the values (k, h); the number of values, and how many had roots."""
+        """Roots with the held joints at each of the values (k, h), the number of values, and how many had roots."""
         found: list[Root] = []
         tries = hits = 0
         for each in self.deadline.until(values if method.there else ()):

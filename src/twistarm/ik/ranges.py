@@ -56,7 +56,7 @@ class JointRanges:
         return np.where(self.periodic, theta + TURN * np.round((middle - theta) / TURN), theta)
 
     def _turned_back(self, theta: Array) -> Array:
-        """theta without the whole turns by which it lies outside; a hair outside, by rounding, stays."""
+        """theta without the whole turns by which it lies outside. A hair outside, by rounding, stays."""
         below = np.ceil(np.maximum(self.lower - theta, 0.0) / TURN - WHOLE_TURN_TOL)
         above = np.ceil(np.maximum(theta - self.upper, 0.0) / TURN - WHOLE_TURN_TOL)
         turned: Array = theta + TURN * (below - above)

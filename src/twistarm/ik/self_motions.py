@@ -63,7 +63,7 @@ class SelfMotions:
         return [i for i in range(self.arm.n) if i not in self.still]
 
     def families(self, members: Sequence[Array]) -> list[list[int]]:
-        """The places of those that lie on one connected self-motion; two without a way between them stay apart."""
+        """The places of those that lie on one connected self-motion. Two without a way between them stay apart."""
         thetas = np.array(members).reshape(-1, self.arm.n)
         thetas = np.where(joint_ranges(self.arm).periodic, thetas % TURN, thetas)
         family = np.arange(len(thetas))
@@ -149,7 +149,7 @@ class SelfMotions:
         return found
 
     def _on(self, x: Array, along: Array, length: float) -> Array | None:
-        """The member (n,) one step on in the direction `along`; None where the motion ends."""
+        """The member (n,) one step on in the direction `along`. None where the motion ends."""
         size = float(np.linalg.norm(along))
         if size < 1e-9:
             return None

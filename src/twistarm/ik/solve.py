@@ -36,7 +36,7 @@ def solve_ik(
     theta0, the answer is the nearest that the searches find, and `notes` says so.
 
     The searches look for a configuration within both tolerances, not for an exact one. An arm whose axes a CAD export
-    has rounded may also miss by up to `arm.rounding`; `rounded` and `notes` say so.
+    has rounded may also miss by up to `arm.rounding`. `rounded` and `notes` say so.
 
     A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 
@@ -83,7 +83,7 @@ def solve_ik(
 
 
 def as_given(arm: Arm, target: Any) -> AnyTarget | None:
-    """A target with its tool axis; None for a value that is not a target yet."""
+    """A target with its tool axis. None for a value that is not a target yet."""
     if not isinstance(target, KINDS):
         return None
     return target.of(arm) if isinstance(target, Approach) else target

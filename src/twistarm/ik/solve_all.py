@@ -48,7 +48,7 @@ def solve_ik_all(
 
     The closed form solves an arm's family: a group of joints whose axes meet in a point or are parallel, and at most
     three joints beside it. Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their
-    axes. Newton's method corrects each answer until forward kinematics meets the target to rounding; others are
+    axes. Newton's method corrects each answer until forward kinematics meets the target to rounding. Others are
     dropped. Where neither applies, searches from many starts are tried, and `complete` is False.
 
     A `Pose` takes arms of up to six joints, an `Approach` of up to five, a `Position` of up to three. Arms with fewer

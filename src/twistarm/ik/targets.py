@@ -80,7 +80,7 @@ class Pose(Brief):
 
     @classmethod
     def from_quaternion(cls, p: Row, *, wxyz: Row | None = None, xyzw: Row | None = None) -> Pose:
-        """The pose at p, its rotation by one quaternion; InputError unless its length is within 0.01 of 1.
+        """The pose at p, its rotation by one quaternion. InputError unless its length is within 0.01 of 1.
 
         Args:
             p: Position (3,) [m].
@@ -171,13 +171,13 @@ class Position(Brief):
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Approach(Brief):
-    """The tool's origin at p (3,) [m] and R @ tool_axis = direction (base axes); turning about the tool axis is free.
+    """The tool's origin at p (3,) [m] and R @ tool_axis = direction (base axes). Turning about the tool axis is free.
 
     `tool_axis` (3,), in tool axes, points along the direction. None means `arm.tool_axis`, the axis about which the
     last joint rolls the tool. `solve_ik` puts it in, and its solution's target has it.
 
     Orientation error: the angle between the axes. The rotation has two rows, across the tool axis. Both axes may have
-    any length; InputError for zero.
+    any length. InputError for zero.
     """
 
     p: Array

@@ -100,7 +100,7 @@ def solve(arm: Arm, target: AnyTarget, request: Request) -> Answer:
 
 
 def search(problem: Problem, theta: Array, near: Array) -> Search:
-    """Damped least squares from theta (n,) on; whole turns of the end are taken back to be near `near` (n,).
+    """Damped least squares from theta (n,) on. Whole turns of the end are taken back to be near `near` (n,).
 
     Each step d minimises ‖J d + e‖² + λ ‖d‖², so (JᵀJ + λ I) d = −Jᵀe. Joints at a bound that are pulled outward rest.
     theta + d is clipped to the bounds. In e and J rotations are weighed by √ROTATION_WEIGHT.

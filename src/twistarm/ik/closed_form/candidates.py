@@ -83,7 +83,7 @@ def _beside(
 def within_group(
     kept: Point | Plane | None, group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float
 ) -> list[Placed]:
-    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3, for a group that keeps `kept` in place; k ≤ 6 for a decoupled one."""
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3, for a group that keeps `kept` in place. k ≤ 6 for a decoupled one."""
     if kept is None:
         return decoupled(group, E, near, slack)
     if isinstance(kept, Point):
@@ -141,7 +141,7 @@ def _first_then_rest(
     slack: float,
     middle: float | None = None,
 ) -> list[Placed]:
-    """x₁ turns `moved` to where R takes the last axis; the last joint turns the rest."""
+    """x₁ turns `moved` to where R takes the last axis. The last joint turns the rest."""
     x, free = settle(axes[0], Point(moved), Point(R @ axes[-1].w), near[0])
     left = axes[0].motion(-x)[:3, :3] @ R
     between = () if middle is None else (middle,)
@@ -190,7 +190,7 @@ def decoupled(group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], s
 def _with_slides(
     group: tuple[JointAxis, ...], turning: list[int], turns: tuple[float, ...], E: Array
 ) -> tuple[float, ...]:
-    """x (k,) from its turns; the slides, which are linear, take the origin where E does, by least squares."""
+    """x (k,) from its turns. The slides, which are linear, take the origin where E does, by least squares."""
     x = np.zeros(len(group))
     x[turning] = turns
     slides = [i for i, axis in enumerate(group) if axis.slides]

@@ -30,7 +30,7 @@ MOST_JOINTS = 6
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """`axes`: of the arm's n joints, then of what the target leaves free; `rates` (n,): x = rate · theta."""
+    """`axes`: of the arm's n joints, then of what the target leaves free. `rates` (n,): x = rate · theta."""
 
     axes: tuple[JointAxis, ...]
     rates: Array
@@ -56,7 +56,7 @@ class Chain:
         return [i for i in range(len(self.axes)) if i not in held]
 
     def surplus(self, held: tuple[int, ...] = ()) -> int:
-        """How many joints there are beyond those held and the motions that they make; so many more are held."""
+        """How many joints there are beyond those held and the motions that they make. That many more are held."""
         rng, left = np.random.default_rng(0), self.left(held)
         return len(left) - max(_rank(self._jacobian(rng)[:, left]) for _ in range(3))
 

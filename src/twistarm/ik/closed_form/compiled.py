@@ -39,7 +39,7 @@ class FamilyNumbers(NamedTuple):
 
 
 def family_numbers(arm: Arm, chain: Chain, family: Family, held: tuple[int, ...], idle: Set[int]) -> FamilyNumbers:
-    """The numbers of a family with joints `held`; `idle` joints may have any value in an answer.
+    """The numbers of a family with joints `held`. `idle` joints may have any value in an answer.
 
     The core holds joints at other values in every call, so it gets the axes with these joints at 0.
     """
@@ -61,7 +61,7 @@ def family_numbers(arm: Arm, chain: Chain, family: Family, held: tuple[int, ...]
 
 
 def compiled(arm: Arm, kind: int, numbers: FamilyNumbers) -> ClosedForm | None:
-    """The family for targets of a `kind` in the core; None where the arm is not in the core."""
+    """The family for targets of a `kind` in the core. None where the arm is not in the core."""
     found: ClosedForm | None = None
     if arm._compiled is not None:
         found = engine.asked("ClosedForm", arm._compiled, kind, *numbers)

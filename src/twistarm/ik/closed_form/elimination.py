@@ -72,7 +72,7 @@ BESIDE = (
 
 @dataclass(frozen=True, eq=False)
 class Rooted:
-    """The start of the chain, and whether it is walked backward; `worst`, the error of what was found so.
+    """The start of the chain, and whether it is walked backward. `worst`: its error at random configurations.
 
     `still`: the joint added to five.
     """
@@ -93,7 +93,7 @@ class Rooted:
 
 
 def rooted(axes: tuple[JointAxis, ...], reach: float) -> Rooted | None:
-    """The way that finds random configurations best; None where the matrix is singular every way."""
+    """The way that finds random configurations best. None where the matrix is singular every way."""
     if not SIX - 1 <= len(axes) <= SIX or any(axis.slides for axis in axes):
         return None
     rng = np.random.default_rng(0)

@@ -72,7 +72,7 @@ class Family:
 
 @dataclass(frozen=True, eq=False)
 class FittedFamily:
-    """A family with its axes, in its order; `kept`, the point or plane that the group keeps in place, if there is one.
+    """A family with its axes, in its order. `kept`: the point or plane that the group keeps in place.
 
     `off`: how far the arm's axes miss the family, in m for a point and rad for a plane.
     """
@@ -116,7 +116,7 @@ def families(axes: tuple[JointAxis, ...], reach: float, tolerance: float = NEARL
 
 
 def closest_miss(axes: tuple[JointAxis, ...], reach: float) -> FittedFamily | None:
-    """The family that the axes miss by least, at any distance; None where no three could be one."""
+    """The family that the axes miss by least, at any distance. None where no three could be one."""
     found = families(axes, reach, np.inf)
     return min(found, key=lambda fitted: fitted.off_share(reach), default=None)
 
@@ -130,7 +130,7 @@ def _rank(fitted: FittedFamily, reach: float) -> tuple[object, ...]:
 
 
 def _kinds(group: list[JointAxis]) -> list[str]:
-    """The kinds the group may be: axes that slide do not meet in a point; planes need a normal."""
+    """The kinds the group may be: axes that slide do not meet in a point. Planes need a normal."""
     kinds = [] if any(axis.slides for axis in group) else [SPHERICAL]
     return [*kinds, PLANAR] if len(group) > 1 and any(not axis.slides for axis in group) else kinds
 

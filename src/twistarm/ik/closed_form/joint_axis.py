@@ -20,7 +20,7 @@ NO_TURN = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class JointAxis:
-    """A line along the unit vector w (3,) through the point o (3,) [m]; the joint turns about it, or slides along it.
+    """A line along the unit vector w (3,) through the point o (3,) [m]. The joint turns about it, or slides along it.
 
     E(x) = e^{ξ̂x} with ξ = (o × w, w) for a joint that turns, (w, 0) for one that slides.
     """

@@ -131,7 +131,7 @@ _KEPT: WeakKeyDictionary[Arm, dict[object, Method]] = WeakKeyDictionary()
 
 
 def known_method(arm: Arm, like: type[AnyTarget], axis: bytes | None) -> Method | None:
-    """The kept method for targets of this type, for an Approach with this tool axis; None before `method_for`."""
+    """The kept method for targets of this type, for an Approach with this tool axis. None before `method_for`."""
     kept = _KEPT.get(arm)
     return None if kept is None else kept.get((like, (), axis))
 
@@ -142,16 +142,12 @@ def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Meth
     A joint with limits of one value is given.
     """
     given = tuple(sorted({*given, *standing(arm)}))
-    key = type(target), given, target.axis.tobytes() if isinstance(target, Approach) else None
-    kept = _KEPT.setdefault(arm, {})
-    if key not in kept:
-        kept[key] = _with_core(arm, target, _looked_for(arm, target, given))
-    return kept[key]
+    return _kept(arm, target, given, lambda: _with_core(arm, target, _looked_for(arm, target, given)))
 
 
 def family_method(arm: Arm, target: AnyTarget) -> Method:
     """The method by families alone, without elimination, which takes long to set up."""
-    return _kept_family(arm, target, "family", _with_core)
+    return _kept(arm, target, "family", lambda: _with_core(arm, target, _nearest_family(arm, target)))
 
 
 def family_for(arm: Arm, target: AnyTarget) -> Method | None:
@@ -162,16 +158,20 @@ def family_for(arm: Arm, target: AnyTarget) -> Method | None:
     free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
     if arm.n - len(standing(arm)) + free > MOST_JOINTS + 1:
         return None
-    method = _kept_family(arm, target, "nearest family", _in_core)
+    method = _kept(arm, target, "nearest family", lambda: _in_core(arm, target, _nearest_family(arm, target)))
     return method if method.compiled is not None and len(method.swept) <= 1 else None
 
 
-def _kept_family(arm: Arm, target: AnyTarget, what: str, in_core: Callable[[Arm, AnyTarget, Method], Method]) -> Method:
-    key = what, type(target), target.axis.tobytes() if isinstance(target, Approach) else None
+def _kept(arm: Arm, target: AnyTarget, what: object, made: Callable[[], Method]) -> Method:
+    key = type(target), what, target.axis.tobytes() if isinstance(target, Approach) else None
     kept = _KEPT.setdefault(arm, {})
     if key not in kept:
-        kept[key] = in_core(arm, target, _looked_for(arm, target, standing(arm), families_alone=True))
+        kept[key] = made()
     return kept[key]
+
+
+def _nearest_family(arm: Arm, target: AnyTarget) -> Method:
+    return _looked_for(arm, target, standing(arm), families_alone=True)
 
 
 def _with_core(arm: Arm, target: AnyTarget, method: Method) -> Method:

@@ -39,7 +39,7 @@ class Placed(NamedTuple):
 def place(
     axes: tuple[JointAxis, ...], X: Point | Plane, Y: Point | Plane, near: tuple[float, ...], slack: float
 ) -> list[Placed]:
-    """All x (k,), k ≤ 3, with E₁(x₁) ⋯ Eₖ(xₖ) X = Y; the least squares where there are too few joints.
+    """All x (k,), k ≤ 3, with E₁(x₁) ⋯ Eₖ(xₖ) X = Y. Least squares where there are too few joints.
 
     A joint that may have any value takes that of `near` (k,). What just misses by `slack` counts.
     """

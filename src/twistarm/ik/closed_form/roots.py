@@ -72,7 +72,7 @@ def corrected(
     singular: float = SINGULAR,
     enough: float = ROUNDING,
 ) -> Array:
-    """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target; `held` joints stay.
+    """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target. `held` joints stay.
 
     No step is long in any of the directions that J tells apart. Near a wrist in line one of them hardly moves the tool;
     the others still go all their way.
@@ -156,7 +156,7 @@ def self_motion(
 
 
 def inside(arm: Arm, target: AnyTarget, theta: Array, near: Array, tolerances: Tolerances) -> Array | None:
-    """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow; None where it is outside.
+    """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow. None where it is outside.
 
     A copy may pass a limit by the error of a multiple root. It is brought to the limit if the target is met there too,
     by what the other joints can do.
@@ -186,7 +186,7 @@ def _nearest_copy(arm: Arm, theta: Array, near: Array, slack: float) -> Array:
 
 
 def copies(arm: Arm, theta: Array) -> Array:
-    """All of theta's copies by whole turns inside the limits (k, n); unbounded joints within a turn of 0."""
+    """All of theta's copies by whole turns inside the limits (k, n). Unbounded joints within a turn of 0."""
     lower = np.maximum(arm.limits.lower, np.where(np.isfinite(arm.limits.lower), arm.limits.lower, -TURN))
     upper = np.minimum(arm.limits.upper, np.where(np.isfinite(arm.limits.upper), arm.limits.upper, TURN))
     choices = []

@@ -99,7 +99,7 @@ def _two_lengths(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
 
 
 def _two_linear(a: Side, b: Side, e: Array) -> list[Pair]:
-    """Both conditions are linear; where they are one condition the second length keeps its value."""
+    """Both conditions are linear. Where they are one condition the second length keeps its value."""
     both = np.stack([a.matrix[:, 0], b.matrix[:, 0]], axis=1)
     if abs(np.linalg.det(both)) > NOTHING:
         return [Pair(*np.linalg.solve(both, e))]
