@@ -11,34 +11,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arm.arm import Arm
 from ..support.checks import Array, frozen
 from .all_solutions import AllAnswers, IKSolutions
 from .batch import Progress
 from .certainty import is_exact
 from .closed_form.methods import Method
-from .closed_form.roots import (
-    DEPENDENT,
-    ROUNDED_DIRECTION,
-    ROUNDED_LIMIT,
-    Root,
-    corrected,
-    inside,
-    met,
-    roots,
-    rows_of,
-    self_motion,
-    twin,
-)
-from .closed_form.roots import copies as copied
+from .closed_form.roots import DEPENDENT, ROUNDED_DIRECTION, ROUNDED_LIMIT, Asked, Root, copies_inside
 from .deadline import Deadline
 from .ranges import holding, joint_ranges
 from .searches import searched
 from .self_motions import SelfMotions
 from .solution import IKSolution
 from .solve import solve_ik
-from .targets import AnyTarget
-from .task_space import Tolerances
 
 if TYPE_CHECKING:
     from .._core import AllAnswers as CoreAllAnswers
@@ -60,17 +44,14 @@ MOST_COMBINATIONS = 4096
 
 
 @dataclass(frozen=True, eq=False)
-class Gathering:
+class Gathering(Asked):
     """One task: a target, the configuration to be near, the tolerances, the given joints and the deadline.
 
     `progress` gets the number of values and searches done, and their count. `rounded`: the tolerances are those of
     rounded axes. Such axes may miss the target in directions in which exact ones need not move.
     """
 
-    arm: Arm
-    target: AnyTarget
     near: Array
-    tolerances: Tolerances
     given: tuple[int, ...]
     idle: tuple[int, ...]
     deadline: Deadline
@@ -96,13 +77,12 @@ class Gathering:
         lossy = method.rooted is not None or not method.exact or self.rounded
         return BESIDE if lossy and not method.swept else 0
 
-    def roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
+    def new_roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
         """The different answers among the candidates that are not known yet, until the time is up."""
         until = self.deadline.until(candidates)
         if not self.rounded:
-            return roots(self.arm, self.target, until, self.tolerances, held, known)
-        steady = map(self.as_near, until)
-        return roots(self.arm, self.target, steady, self.tolerances, held, known, ROUNDED_DIRECTION)
+            return self.roots(until, held, known)
+        return self.roots(map(self.as_near, until), held, known, ROUNDED_DIRECTION)
 
     @property
     def dependent(self) -> float:
@@ -111,7 +91,7 @@ class Gathering:
 
     def as_near(self, theta: Array) -> Array:
         """theta (n,) with theta0's value for joints that move the tool only by the rounding of the axes."""
-        size = np.linalg.norm(rows_of(self.arm, self.target, theta)[1], axis=0)
+        size = np.linalg.norm(self.rows(theta)[1], axis=0)
         return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
 
     def solved(self, method: Method, values: Array) -> tuple[list[Root], int, int]:
@@ -122,7 +102,7 @@ class Gathering:
             new: list[Root] = []
             exact = method.exact and not self.rounded
             for candidates in self.deadline.until(method.candidates(self.arm, self.target, self.near, each, exact)):
-                new += self.roots(candidates, method.held, new)
+                new += self.new_roots(candidates, method.held, new)
             held = {*method.idle, *method.swept}
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
@@ -194,7 +174,7 @@ class Gathering:
         arm = holding(self.arm, self.given, self.near)
         done = searched(arm, targets, starts, max_time=self.deadline.left, progress=progress)
         counted = done.converged & (done.exact | self.rounded)
-        return self.roots(done.met, self.given, known), done.run, int(counted.sum())
+        return self.new_roots(done.met, self.given, known), done.run, int(counted.sum())
 
     @cached_property
     def stand(self) -> Array:
@@ -205,7 +185,7 @@ class Gathering:
     def motions(self) -> SelfMotions:
         """The self-motions of the answers. Idle joints do not tell answers apart."""
         still = (*self.given, *self.idle)
-        return SelfMotions(self.arm, self.target, still, self.tolerances, self.deadline, self.dependent)
+        return SelfMotions(self.arm, self.target, self.tolerances, still, self.deadline, self.dependent)
 
     def alone(self, root: Root) -> bool:
         """Whether a root belongs to no continuous family, apart from the motions of idle joints."""
@@ -246,13 +226,9 @@ class Gathering:
             begin = known[int(np.argmin(np.abs(known[:, i] - self.stand[i])))]
             theta = np.array(begin)
             theta[i] = self.stand[i]
-            theta = corrected(self.arm, self.target, theta, (*self.motions.still, i), self.dependent)
+            theta = self.corrected(theta, (*self.motions.still, i), self.dependent)
             root = Root(theta, members[0].free)
-            if (
-                met(self.arm, self.target, theta, self.tolerances)
-                and self.inside(root) is not None
-                and self.motions.together(theta, begin)
-            ):
+            if self.met(theta) and self.inside(root) is not None and self.motions.together(theta, begin):
                 return [root]
         return []
 
@@ -270,7 +246,7 @@ class Gathering:
 
     def inside(self, root: Root) -> Array | None:
         """The root inside the limits, or None."""
-        return inside(self.arm, self.target, root.theta, self.near, self.tolerances)
+        return self.inside_limits(root.theta, self.near)
 
     def distance(self, theta: Array) -> float:
         """The largest joint difference from theta0, in shares of the joint's range, 2π or 1 m where it has none."""
@@ -287,7 +263,7 @@ class Gathering:
         there.sort(key=lambda theta: (-self.at_start(theta, own), self.distance(theta)))
         first = there[0] if there else members[0].theta
         if swept and not self.deadline.passed:
-            free |= {*self_motion(self.arm, self.target, first, self.tolerances, self.motions.still, self.dependent)}
+            free |= {*self.self_motion(first, self.motions.still, self.dependent)}
         moving = np.array([i in free for i in range(self.arm.n)])
         return Entry(first, moving, there, self.distance(first))
 
@@ -298,7 +274,7 @@ class Gathering:
         arm, kept = self.arm, list[Entry]()
         entries = [self.entry(members, bool(method.swept)) for members in families]
         for each in sorted(entries, key=lambda entry: (not entry.inside, entry.distance)):
-            i = twin(arm, self.target, each.theta, [other.theta for other in kept], self.tolerances)
+            i = self.twin(each.theta, [other.theta for other in kept])
             if i is None:
                 kept.append(each)
             else:
@@ -306,7 +282,7 @@ class Gathering:
                 kept[i].inside.extend(each.inside)
         within = [entry for entry in kept if entry.inside]
         if copies:
-            more = [(theta, entry) for entry in within for theta in copied(arm, entry.theta)]
+            more = [(theta, entry) for entry in within for theta in copies_inside(arm, entry.theta)]
             within = [Entry(theta, entry.moving, [theta], self.distance(theta)) for theta, entry in more]
             within.sort(key=lambda entry: entry.distance)
         every = [*within, *(entry for entry in kept if not entry.inside)]

@@ -9,13 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arm.arm import Arm
 from ..support.checks import Array
-from .closed_form.roots import DEPENDENT, apart, corrected, met, rows_of
+from .closed_form.roots import DEPENDENT, Asked, apart
 from .deadline import Deadline
 from .ranges import TURN, joint_ranges
-from .targets import AnyTarget
-from .task_space import Tolerances
 
 STEP = 0.2
 """[rad, m] along a self-motion, the norm over the joints."""
@@ -45,16 +42,13 @@ ENOUGH = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class SelfMotions:
+class SelfMotions(Asked):
     """The motions of the arm that keep the target met, with the joints `still` at rest.
 
     Singular values below the part `dependent` of the largest belong to directions that move nothing at first.
     """
 
-    arm: Arm
-    target: AnyTarget
     still: tuple[int, ...]
-    tolerances: Tolerances
     deadline: Deadline
     dependent: float = DEPENDENT
 
@@ -103,8 +97,8 @@ class SelfMotions:
         left = apart(self.arm, b, a)
         if np.abs(left).max(initial=0.0) < NEARBY:
             halfway = a + 0.5 * left
-            between = corrected(self.arm, self.target, halfway, self.still, self.dependent, ENOUGH)
-            if np.linalg.norm(between - halfway) <= BENT * np.linalg.norm(left) and self._met(between):
+            between = self.corrected(halfway, self.still, self.dependent, ENOUGH)
+            if np.linalg.norm(between - halfway) <= BENT * np.linalg.norm(left) and self.met(between):
                 return True
         x, along = a, left
         for _ in range(steps):
@@ -155,8 +149,8 @@ class SelfMotions:
             return None
         for share in (1.0, 0.25):
             step = share * min(length, STEP)
-            on = corrected(self.arm, self.target, x + step / size * along, self.still, self.dependent, ENOUGH)
-            if 0.5 * step <= np.linalg.norm(on - x) <= 1.5 * step and self._met(on):
+            on = self.corrected(x + step / size * along, self.still, self.dependent, ENOUGH)
+            if 0.5 * step <= np.linalg.norm(on - x) <= 1.5 * step and self.met(on):
                 return on
         return None
 
@@ -168,12 +162,9 @@ class SelfMotions:
         largest: Array = left.max(axis=1, initial=0.0)
         return largest
 
-    def _met(self, theta: Array) -> bool:
-        return met(self.arm, self.target, theta, self.tolerances)
-
     def _tangents(self, theta: Array) -> Array:
         """The directions (d, n) that move nothing at first, orthonormal."""
-        J = rows_of(self.arm, self.target, theta)[1][:, self._moving]
+        J = self.rows(theta)[1][:, self._moving]
         _, size, Vt = np.linalg.svd(J)
         rank = int((size > self.dependent * size.max(initial=1e-300)).sum())
         tangents = np.zeros((len(Vt) - rank, self.arm.n))

@@ -103,7 +103,7 @@ def solve_ik_all(
     near = np.array(request.theta0)
     near[list(stands)] = list(stands.values())
     deadline = Deadline.after(request.max_time)
-    task = Gathering(arm, asked, near, request.tolerances, method.given, method.idle, deadline, progress)
+    task = Gathering(arm, asked, request.tolerances, near, method.given, method.idle, deadline, progress)
     return _in_two_passes(task, method, count, copies) if any(arm.rounding) else _answered(task, method, count, copies)
 
 
