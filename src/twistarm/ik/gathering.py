@@ -45,37 +45,38 @@ MOST_COMBINATIONS = 4096
 
 @dataclass(frozen=True, eq=False)
 class Gathering(Asked):
-    """One task: a target, the configuration to be near, the tolerances, the given joints and the deadline.
+    """One task: a target, tolerances, the configuration to be near, the method and the deadline.
 
     `progress` gets the number of values and searches done, and their count. `rounded`: the tolerances are those of
     rounded axes. Such axes may miss the target in directions in which exact ones need not move.
     """
 
     near: Array
-    given: tuple[int, ...]
-    idle: tuple[int, ...]
+    method: Method
     deadline: Deadline
     progress: Progress | None
     rounded: bool = False
 
-    def compiled(self, method: Method, values: Array) -> CoreAllAnswers:
+    def compiled(self, values: Array) -> CoreAllAnswers:
         """What the core finds with the held joints at each of the values (k, h)."""
-        assert method.compiled is not None
+        assert self.method.compiled is not None
         held, met = values if len(values) > 1 else None, self.tolerances
-        found = method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
+        found = self.method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
         assert found is not None, "what was checked is plain"
         return found
 
-    def complete(self, method: Method) -> bool:
+    @property
+    def complete(self) -> bool:
         """Whether the method finds everything."""
-        return method.exact and not method.swept and not self.rounded and is_exact(self.tolerances)
+        return self.method.exact and not self.method.swept and not self.rounded and is_exact(self.tolerances)
 
-    def searches(self, method: Method) -> int:
+    @property
+    def searches(self) -> int:
         """The number of searches beside the method, or instead of one."""
-        if not method.there:
+        if not self.method.there:
             return STARTS
-        lossy = method.rooted is not None or not method.exact or self.rounded
-        return BESIDE if lossy and not method.swept else 0
+        lossy = self.method.rooted is not None or not self.method.exact or self.rounded
+        return BESIDE if lossy and not self.method.swept else 0
 
     def new_roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
         """The different answers among the candidates that are not known yet, until the time is up."""
@@ -94,9 +95,9 @@ class Gathering(Asked):
         size = np.linalg.norm(self.rows(theta)[1], axis=0)
         return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
 
-    def solved(self, method: Method, values: Array) -> tuple[list[Root], int, int]:
+    def solved(self, values: Array) -> tuple[list[Root], int, int]:
         """Roots with the held joints at each of the values (k, h), the number of values, and how many had roots."""
-        found: list[Root] = []
+        method, found = self.method, list[Root]()
         tries = hits = 0
         for each in self.deadline.until(values if method.there else ()):
             new: list[Root] = []
@@ -107,22 +108,22 @@ class Gathering(Asked):
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
             tries += 1
-            self.told_of(tries, len(values) + self.searches(method))
+            self.told_of(tries, len(values) + self.searches)
         return (found, tries, hits) if method.swept else (found, 0, 0)
 
-    def values_met(self, method: Method) -> Array:
+    def values_met(self) -> Array:
         """Values (k, h), k ≤ 1, of the held joints in a configuration found by a search. Samples may miss all."""
         found = self.one_search()
-        return found.theta[None, list(method.held)][: int(found.converged)]
+        return found.theta[None, list(self.method.held)][: int(found.converged)]
 
-    def within(self, method: Method) -> list[Root]:
+    def within(self) -> list[Root]:
         """A search's answer within loose tolerances: the closed form solves for exact answers alone."""
         found = self.one_search()
-        return [Root(found.theta, method.idle)] if found.converged else []
+        return [Root(found.theta, self.method.idle)] if found.converged else []
 
     def one_search(self) -> IKSolution:
         """The solution of `solve_ik` from theta0, with the given joints held."""
-        arm = holding(self.arm, self.given, self.near)
+        arm = holding(self.arm, self.method.given, self.near)
         return solve_ik(arm, self.target, self.near, **self.tolerances.keywords, max_time=self.deadline.left)
 
     def told_of(self, done: int, count: int) -> None:
@@ -130,14 +131,14 @@ class Gathering(Asked):
         if self.progress is not None:
             self.progress(done, count)
 
-    def held_values(self, method: Method, count: int) -> Array:
+    def held_values(self, count: int) -> Array:
         """Values (k, h) of the held joints: given ones, theta0's of idle ones, and a grid of the others."""
-        while count ** len(method.swept) > MOST_COMBINATIONS:
+        while count ** len(self.method.swept) > MOST_COMBINATIONS:
             count -= 1
-        grid = {i: self._with_near(i, self._spread(i, count)) for i in method.swept}
-        choices = [grid.get(i, np.array([self.stand[i]])) for i in method.held]
+        grid = {i: self._with_near(i, self._spread(i, count)) for i in self.method.swept}
+        choices = [grid.get(i, np.array([self.stand[i]])) for i in self.method.held]
         combinations = list(itertools.product(*choices))
-        return np.array(combinations).reshape(len(combinations), len(method.held))
+        return np.array(combinations).reshape(len(combinations), len(self.method.held))
 
     def _spread(self, joint: int, count: int) -> Array:
         """Different values over the range of a joint, or about theta0 for an unbounded one."""
@@ -171,10 +172,10 @@ class Gathering(Asked):
         if self.deadline.passed:
             return [], 0, 0
         targets = [self.target] * len(starts)
-        arm = holding(self.arm, self.given, self.near)
+        arm = holding(self.arm, self.method.given, self.near)
         done = searched(arm, targets, starts, max_time=self.deadline.left, progress=progress)
         counted = done.converged & (done.exact | self.rounded)
-        return self.new_roots(done.met, self.given, known), done.run, int(counted.sum())
+        return self.new_roots(done.met, self.method.given, known), done.run, int(counted.sum())
 
     @cached_property
     def stand(self) -> Array:
@@ -184,7 +185,7 @@ class Gathering(Asked):
     @cached_property
     def motions(self) -> SelfMotions:
         """The self-motions of the answers. Idle joints do not tell answers apart."""
-        still = (*self.given, *self.idle)
+        still = (*self.method.given, *self.method.idle)
         return SelfMotions(self.arm, self.target, self.tolerances, still, self.deadline, self.dependent)
 
     def alone(self, root: Root) -> bool:
@@ -197,7 +198,7 @@ class Gathering(Asked):
         places = self.motions.families([root.theta for root in moving])
         return [[root] for root in found if self.alone(root)] + [[moving[i] for i in each] for each in places]
 
-    def brought_inside(self, families: list[list[Root]], held: tuple[int, ...]) -> bool:
+    def brought_inside(self, families: list[list[Root]]) -> bool:
         """Add to each family a member with a joint at theta0's value, and one inside the limits where it has none yet.
 
         The result says whether every family was met inside. If not, searches along it found nothing, but there may be
@@ -207,7 +208,9 @@ class Gathering(Asked):
         for members in families:
             if self.alone(members[0]) or self.deadline.passed:
                 continue
-            if not {*held}.issuperset(members[0].free) and all(self.inside(root) is None for root in members):
+            if not {*self.method.held}.issuperset(members[0].free) and all(
+                self.inside(root) is None for root in members
+            ):
                 along = [root for root in self.along(members[0], members) if self.inside(root) is not None]
                 passed = self.motions.passed(members[0].theta, [root.theta for root in along])
                 members += [along[i] for i in passed]
@@ -267,12 +270,10 @@ class Gathering(Asked):
         moving = np.array([i in free for i in range(self.arm.n)])
         return Entry(first, moving, there, self.distance(first))
 
-    def told(
-        self, method: Method, families: list[list[Root]], copies: bool, tries: tuple[int, int], all_seen: bool
-    ) -> IKSolutions:
+    def told(self, families: list[list[Root]], copies: bool, tries: tuple[int, int], all_seen: bool) -> IKSolutions:
         """The answers inside the limits, nearest first, then those outside. Twins are one answer."""
         arm, kept = self.arm, list[Entry]()
-        entries = [self.entry(members, bool(method.swept)) for members in families]
+        entries = [self.entry(members, bool(self.method.swept)) for members in families]
         for each in sorted(entries, key=lambda entry: (not entry.inside, entry.distance)):
             i = self.twin(each.theta, [other.theta for other in kept])
             if i is None:
@@ -293,8 +294,8 @@ class Gathering(Asked):
         late = self.deadline.passed
         members = tuple(frozen(np.array(entry.inside)) for entry in within)
         return IKSolutions(
-            arm, found, members, method,
-            all_seen and not late and self.complete(method), self.target, self.tolerances, late, self.rounded,
+            arm, found, members, self.method,
+            all_seen and not late and self.complete, self.target, self.tolerances, late, self.rounded,
         )  # fmt: skip
 
 

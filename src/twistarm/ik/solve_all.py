@@ -15,7 +15,7 @@ from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
 from .all_solutions import IKSolutions
 from .batch import Progress
 from .certainty import is_exact
-from .closed_form.methods import Method, closest_miss_of, known_method, method_for
+from .closed_form.methods import closest_miss_of, known_method, method_for
 from .closed_form.roots import Root
 from .deadline import Deadline
 from .gathering import Gathering
@@ -103,54 +103,54 @@ def solve_ik_all(
     near = np.array(request.theta0)
     near[list(stands)] = list(stands.values())
     deadline = Deadline.after(request.max_time)
-    task = Gathering(arm, asked, request.tolerances, near, method.given, method.idle, deadline, progress)
-    return _in_two_passes(task, method, count, copies) if any(arm.rounding) else _answered(task, method, count, copies)
+    task = Gathering(arm, asked, request.tolerances, near, method, deadline, progress)
+    return _in_two_passes(task, count, copies) if any(arm.rounding) else _answered(task, count, copies)
 
 
-def _in_two_passes(task: Gathering, method: Method, count: int, copies: bool) -> IKSolutions:
+def _in_two_passes(task: Gathering, count: int, copies: bool) -> IKSolutions:
     """The exact answers, or else those that only rounded axes allow. Each pass is half of the progress."""
     tell = task.progress or (lambda *_: None)
     exact = replace(task, progress=lambda done, of: tell(done, 2 * of))
-    answer = _answered(exact, method, count, copies)
+    answer = _answered(exact, count, copies)
     if len(answer) or answer.timed_out:
         tell(2, 2)
         return answer
     met = task.tolerances.or_rounding(task.arm.rounding)
     rounded = replace(task, tolerances=met, rounded=True, progress=lambda done, of: tell(of + done, 2 * of))
-    return _answered(rounded, method, count, copies)
+    return _answered(rounded, count, copies)
 
 
-def _answered(task: Gathering, method: Method, count: int, copies: bool) -> IKSolutions:
+def _answered(task: Gathering, count: int, copies: bool) -> IKSolutions:
     """The answers of the method, with `count` values of each sampled joint."""
-    values = task.held_values(method, count)
-    known = None if method.compiled is None or task.rounded else task.compiled(method, values)
+    method, values = task.method, task.held_values(count)
+    known = None if method.compiled is None or task.rounded else task.compiled(values)
     if known is not None and not method.swept:
         if known.families:
             known = None  # the core keeps one of all families that move the same joints
         elif not copies and (known.inside or is_exact(task.tolerances)):
-            return IKSolutions(task.arm, known, (), method, task.complete(method), task.target, task.tolerances)
+            return IKSolutions(task.arm, known, (), method, task.complete, task.target, task.tolerances)
     if known is None:
-        found, starts, hits = task.solved(method, values)
+        found, starts, hits = task.solved(values)
     else:
         pairs = zip(known.theta, known.moves, strict=True)
         found = [Root(theta, tuple(np.flatnonzero(moves).tolist())) for theta, moves in pairs]
         starts, hits = known.tries, known.hits
     if not found and not is_exact(task.tolerances):
-        found = task.within(method)
+        found = task.within()
     if method.there and method.swept and all(task.inside(root) is None for root in found) and not task.deadline.passed:
-        members, tried, met = replace(task, progress=None).solved(method, task.values_met(method))
+        members, tried, met = replace(task, progress=None).solved(task.values_met())
         found, starts, hits = found + members, starts + tried, hits + met
     families = task.families(found)
     missed = False
-    more = task.searches(method)
+    more = task.searches
     if more:
         beside, run, met = task.searched(more, found, int(method.there))
         before, families = len(families), task.families(found + beside) if beside else families
         missed = len(families) > before
         if missed or not method.exact or task.rounded:
             starts, hits = starts + run, hits + met
-    all_seen = task.brought_inside(families, method.held)
-    return task.told(method, families, copies, (starts, hits), all_seen and not missed)
+    all_seen = task.brought_inside(families)
+    return task.told(families, copies, (starts, hits), all_seen and not missed)
 
 
 def _at_once(
