@@ -9,21 +9,18 @@ from twistarm.ik.request import checked
 from twistarm.ik.targets import target_for
 
 
-def textbook_ik(
-    arm,
-    target,
-    theta0=None,
-    *,
-    position_tol=1e-6,
-    orientation_tol=1e-6,
-    restarts=100,
-    max_time=None,
-    rng=0,
-    posture=None,
-):
+def textbook_ik(arm, target, theta0=None, **how):
     """`solve_ik` as it answers without a core."""
     asked = target_for(arm, target)
-    request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
+    usual = {
+        "position_tol": 1e-6,
+        "orientation_tol": 1e-6,
+        "restarts": 100,
+        "max_time": None,
+        "rng": 0,
+        "posture": None,
+    }
+    request = checked(arm, theta0, **usual | how)
     return IKSolution(arm, textbook.solve(arm, asked, request), asked)
 
 

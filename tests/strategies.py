@@ -89,6 +89,11 @@ def _fixed_point(value):
     return (numerator << 400) // denominator
 
 
+def close(a, b, tol=64 * EPS):
+    """Equal within `tol`; by default the rounding of products of a few exponentials, for arms of a few metres."""
+    np.testing.assert_allclose(a, b, rtol=0, atol=tol)
+
+
 def derivative(f, t=0.0, h=1e-3):
     """df/dt by central differences of sixth order."""
     steps = ((1, 45.0), (2, -9.0), (3, 1.0))

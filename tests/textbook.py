@@ -8,14 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from strategies import EPS
 from twistarm import joints, screws
-
-ROUNDING = 64 * EPS
-"""Closed forms and products of up to seven exponentials, for arms of a few metres."""
-
-DERIVATIVE = 1e-10
-"""Sixth-order differences with h = 1e-3 on functions of order 1."""
 
 PRINTED_3 = 6e-4
 """Three printed decimals, computed from inputs of three decimals."""
@@ -26,14 +19,6 @@ L0, L1, L2 = 0.4, 0.55, 0.35
 
 THETAS = np.random.default_rng(1).uniform(-3, 3, size=(20, 7))
 """Twenty arbitrary configurations; each arm takes as many columns as it has joints."""
-
-
-def close(a, b, tol=ROUNDING):
-    np.testing.assert_allclose(a, b, rtol=0, atol=tol)
-
-
-def rot_x(a):
-    return np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]])
 
 
 def rot_z(a):

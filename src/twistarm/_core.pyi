@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .ik.all_answers import AllAnswers as Found
+from .ik.all_solutions import AllAnswers as Found
 from .ik.answer import Answer as Answer
 from .support.checks import Array
 

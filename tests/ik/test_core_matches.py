@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,12 +27,13 @@ def core() -> None:
 SAME = 1e-6
 """[rad, m]: roots that stand alone."""
 
-CATALOGUE = [
-    ("ur5", "pose"), ("elbow", "position"), ("stanford", "approach"), ("scara", "pose"), ("rover_arm", "approach"),
-    ("kinova", "pose"), ("so101", "pose"), ("rr_planar", "position"),
+KNOWN = [
+    (load, 12, "ur5", "pose"), (load, 12, "elbow", "position"), (load, 12, "stanford", "approach"),
+    (load, 12, "scara", "pose"), (load, 12, "rover_arm", "approach"), (load, 12, "kinova", "pose"),
+    (load, 12, "so101", "pose"), (load, 12, "rr_planar", "position"),
+    *((family_arm, 4, name, "pose") for name in CASES if CASES[name]["kind"] != "elimination"),
 ]  # fmt: skip
-
-FAMILIES = [name for name in CASES if CASES[name]["kind"] != "elimination"]
+"""How an arm is made, at how many postures it is tried, its name, the kind of target."""
 
 SINGULAR = [0.0, np.pi / 2, -np.pi / 2]
 
@@ -89,23 +91,13 @@ def assert_same(arm: Arm, core: IKSolutions, other: IKSolutions) -> None:
         assert len(one) == 0 or (distance.min(axis=1) < SAME).all()
 
 
-@pytest.mark.parametrize(("name", "kind"), CATALOGUE)
-def test_catalogue(name: str, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    arm = load(name)
-    for theta in postures(arm, 12):
+@pytest.mark.parametrize(("made", "count", "name", "kind"), KNOWN)
+def test_the_same_roots(made: Any, count: int, name: str, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    arm = made(name)
+    for theta in postures(arm, count):
         target = target_at(arm, kind, theta)
         assert methods.method_for(arm, target).compiled is not None
         assert_same(arm, solve_ik_all(arm, target), readable(monkeypatch, arm, target))
-
-
-@pytest.mark.parametrize("name", FAMILIES)
-def test_families(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    arm = family_arm(name)
-    for theta in postures(arm, 4):
-        target = Pose(arm.fk(theta))
-        core = solve_ik_all(arm, target)
-        assert core.method == "closed form"
-        assert_same(arm, core, readable(monkeypatch, arm, target))
 
 
 def test_held_joints(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,7 +24,6 @@ from twistarm import (
     PathError,
     Pose,
     Position,
-    Segment,
     Task,
     UnitsWarning,
     plan,
@@ -77,6 +76,52 @@ def test_what_is_not_finite_is_refused_at_every_door(door: str, value: float) ->
         DOORS[door](ARM, value)
 
 
+LONE: list[tuple[Any, dict[str, Any], str]] = [
+    (np.eye(3), {}, "target must be a Pose"),
+    (G, {"theta0": np.zeros(5)}, "theta0 must have shape (..., 7): panda_joint1"),
+    (G, {"theta0": np.zeros((2, 7))}, "theta0 must be one configuration"),
+    (G, {"theta0": with_one(ARM.ready, 1e17)}, "theta0 holds 1e+17 for panda_joint7, beyond 1e+06 rad or m"),
+    (G, {"position_tol": 0}, "position_tol [m]"),
+    (G, {"restarts": 2.5}, "restarts must be a whole number"),
+    (G, {"max_time": 0}, "max_time"),
+    (G, {"rng": -1}, "rng must be a seed"),
+    (G, {"rng": True}, "rng must be a seed"),
+    (
+        G,
+        {"posture": "home"},
+        "posture must be one of 'theta0', 'middle', 'ready', 'zero', 'default' or a configuration (7,)",
+    ),
+    (G, {"posture": np.zeros(5)}, "posture must have shape (..., 7)"),
+    (G, {"posture": np.zeros((2, 7))}, "posture must be 'theta0', 'middle' or one configuration (7,); got (2, 7)"),
+]
+MANY: list[tuple[Any, dict[str, Any], str]] = [
+    (np.eye(4), {}, "targets must be poses of shape (N, 4, 4); got (4, 4)"),
+    (Pose(np.eye(4)), {}, "targets must be poses (N, 4, 4) or a sequence of targets"),
+    ("poses", {}, "targets must be poses (N, 4, 4) or a sequence of targets; got"),
+    (3.0, {}, "sequence of targets"),
+    ([np.eye(4), None], {}, "targets[1]: target must be a Pose"),
+    (np.stack([np.eye(4), np.ones((4, 4))]), {}, "targets[1]: "),
+    (np.stack([np.eye(4), np.diag([1, 1, -1, 1.0])]), {}, "targets[1]: "),
+    ([Position(AXIS)] * 2, {"theta0": np.zeros((3, 7))}, "or one for each target (2, 7)"),
+    ([G], {"theta0": with_one(ARM.ready, 1e17)}, "theta0 holds 1e+17 for panda_joint7, beyond 1e+06 rad or m"),
+    ([], {"threads": 0}, "threads must be a whole number, at least 1, at most 256"),
+    ([], {"threads": 2.0}, "threads must be a whole number"),
+    ([], {"progress": 3}, "progress must be a function of (done, count)"),
+    ([], {"position_tol": -1}, "position_tol [m] must be one number, at least 1e-12"),
+]
+
+
+@pytest.mark.parametrize(
+    ("solve", "asked", "how", "text"), [*((solve_ik, *row) for row in LONE), *((solve_ik_batch, *row) for row in MANY)]
+)
+def test_misuse_is_refused(solve: Any, asked: Any, how: dict[str, Any], text: str) -> None:
+    with pytest.raises(InputError) as caught:
+        solve(ARM, asked, **how)
+    assert text in str(caught.value)
+    with pytest.raises(InputError, match="arm must be an Arm"):
+        solve("panda", asked)
+
+
 TARGETS: dict[str, Callable[[], Any]] = {
     "a pose": lambda: Pose(G),
     "a position": lambda: Position(G[:3, 3]),
@@ -114,10 +159,10 @@ def test_millimetres_and_degrees_are_told() -> None:
         np.testing.assert_allclose(turning.fk(np.array([0.3 + 6 * np.pi])), turning.fk([0.3]), atol=1e-12)
 
 
-@pytest.mark.parametrize("move", [LineMove.by([0.0, 0.0, 50.0]), JointMove(MILLIMETRES)])
-def test_a_move_in_millimetres_is_told(move: Segment) -> None:
-    with pytest.raises((PathError, NotConvergedError), match="from the base looks like millimetres"):
-        plan(ARM, move)
+def test_a_move_in_millimetres_is_told() -> None:
+    for move in (LineMove.by([0.0, 0.0, 50.0]), JointMove(MILLIMETRES)):
+        with pytest.raises((PathError, NotConvergedError), match="from the base looks like millimetres"):
+            plan(ARM, move)
     with pytest.raises(PathError) as caught:
         plan(ARM, LineMove.by([0.0, 0.0, 5.0]))
     assert "millimetres" not in str(caught.value)

@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from catalogue import load
 from ik_targets import errors, judged, pinocchio_fk, target_from
 from solvers import SOLVERS
-from twistarm import InputError, arm_from_screws
+from twistarm import arm_from_screws
 from twistarm.ik import Approach, Position, solve_ik
 
 pytestmark = pytest.mark.parametrize("solve", SOLVERS)
@@ -91,18 +91,3 @@ def test_where_nothing_is_free_only_whole_turns_are_left(solve):
     turns = (near.theta - theta) / (2 * np.pi)
     np.testing.assert_allclose(turns, np.round(turns), atol=1e-5)
     assert (np.abs(near.theta) <= np.pi + 1e-6).all()
-
-
-@pytest.mark.parametrize(
-    ("posture", "text"),
-    [
-        ("home", "posture must be one of 'theta0', 'middle', 'ready', 'zero' or a configuration (6,); got 'home'"),
-        (np.zeros(5), "posture must have shape (..., 6)"),
-        (np.zeros((2, 6)), "posture must be 'theta0', 'middle' or one configuration (6,); got (2, 6)"),
-        ([np.nan] * 6, "posture must be finite"),
-    ],
-)
-def test_what_is_no_posture(solve, posture, text):
-    with pytest.raises(InputError) as caught:
-        solve(load("ur5"), np.eye(4), posture=posture)
-    assert text in str(caught.value)

@@ -160,6 +160,7 @@ REFUSED = (
     (lambda: Pose(REFLECTION), "determinant"),
     (lambda: Position([0.0, np.nan, 0.0]), "p must be finite"),
     (lambda: Position(np.zeros((2, 3))), "p must have shape (3,)"),
+    (lambda: Position([0.0, 2e6, 0.0]), "beyond 1e+06 m"),
     (lambda: Approach([0, 0, 0], [0, 0, 0]), "direction"),
     (lambda: Approach([0, 0, 0], [0, 0, 1], tool_axis=[0, 0, 0]), "tool_axis"),
     (lambda: Task(np.eye(4), np.zeros(5)), "six numbers"),

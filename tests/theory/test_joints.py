@@ -8,16 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strategies import EPS, directions, rotations, vectors
+from strategies import close, directions, rotations, vectors
 from twistarm import joints, poe
 from twistarm.support.errors import InputError
-
-ROUNDING = 64 * EPS
-"""Products of three exponentials about axes a few metres away."""
-
-
-def close(a, b, tol=ROUNDING):
-    np.testing.assert_allclose(a, b, rtol=0, atol=tol)
 
 
 def motion(joint, x):
@@ -59,13 +52,6 @@ def test_helical(axis, point, x, pitch):
     close(motion(joints.helical(5.0 * axis, point, pitch), x[:1]), expected)
 
 
-def test_a_full_turn_of_a_thread_advances_by_its_lead():
-    lead = 0.008
-    g = motion(joints.helical([0, 0, 1], [0.3, 0.1, 0], lead / (2 * np.pi)), [2 * np.pi])
-    close(g[:3, :3], np.eye(3))
-    close(g[:3, 3], [0, 0, lead])
-
-
 @given(rotations(), vectors(), any_x)
 def test_cylindrical(R, point, x):
     model = pin.JointModelComposite(2)
@@ -89,11 +75,6 @@ def test_planar(R, point, x):
     q = [x[0], x[1], np.cos(x[2]), np.sin(x[2])]
     expected = pinocchio_motion(pin.JointModelPlanar(), frame(R, point), q)
     close(motion(joints.planar(R[:, 2], point, x_axis=R[:, 0]), x), expected)
-
-
-def test_planar_columns_are_x_y_and_the_turn():
-    expected = np.array([[1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [2.0, -1.0, 0, 0, 0, 1]]).T
-    close(joints.planar([0, 0, 1], [1, 2, 3]), expected)
 
 
 @pytest.mark.parametrize(

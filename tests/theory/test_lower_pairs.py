@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from joint_arms import KINDS, by_hand, random_chain
-from twistarm import joints, load_arm
+from twistarm import joints
 from twistarm.theory.lower_pairs import lower_pairs
 
 X, Y, Z, O = [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]  # noqa: E741
@@ -73,14 +73,3 @@ def test_the_coupling_decides_between_cylinder_and_thread(A: list[list[float]], 
 def test_a_ball_whose_turns_follow_each_other_is_none() -> None:
     ball = joints.spherical(O)
     assert kinds(ball, A=[[1, 0], [0, 1], [1, 0]]) == ["revolute"] * 3
-
-
-def test_joints_of_the_catalogue() -> None:
-    expected = {
-        "scara": ["revolute", "revolute", "cylindrical"],
-        "stanford": ["revolute", "revolute", "prismatic", "spherical"],
-        "rr_planar": ["revolute", "revolute"],
-    }
-    for name, found in expected.items():
-        arm = load_arm(name)
-        assert [pair.kind for pair in lower_pairs(arm.screws, arm.coupling.A)] == found

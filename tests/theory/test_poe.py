@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
-from strategies import BATCHES, EPS, derivative
+from strategies import BATCHES, EPS, close
 from twistarm import poe, screws
 from twistarm.support.errors import InputError
 
@@ -17,14 +17,7 @@ PINOCCHIO = 1e-13
 BATCH = 256 * EPS
 """The same chain, one by one and in a batch: NumPy orders sums differently."""
 
-DERIVATIVE = 1e-9
-"""Sixth-order differences with h = 1e-3 on positions of order 10 m."""
-
 KINDS = ("revolute", "prismatic", "helical")
-
-
-def close(a, b, tol):
-    np.testing.assert_allclose(a, b, rtol=0, atol=tol)
 
 
 class Chain:
@@ -125,16 +118,6 @@ def test_a_screw_of_any_length_is_a_rescaled_joint():
     chain = CHAINS[-1]
     gear = np.array([2.0, -0.5, 10.0, 1e-3, 1.0, 3.0, 0.1, 7.0, 1e3])
     close(poe.fk(chain.screws * gear, chain.home, chain.x / gear), chain.fk(chain.x), PINOCCHIO)
-
-
-def test_coupled_joints_turn_by_a_theta():
-    chain = CHAINS[-1]
-    A = np.random.default_rng(2).normal(size=(chain.m, 4))
-    theta, rate = np.random.default_rng(3).normal(size=(2, 4))
-    g_dot = derivative(lambda t: poe.fk(chain.screws, chain.home, A @ (theta + t * rate)))
-    g = poe.fk(chain.screws, chain.home, A @ theta)
-    J = poe.spatial_jacobian(chain.screws, A @ theta) @ A
-    close(J @ rate, screws.vee(g_dot @ screws.inverse(g)), 1000 * DERIVATIVE)
 
 
 def test_a_chain_without_joints_stands_still():

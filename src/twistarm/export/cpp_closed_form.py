@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 
 from ..arm.arm import Arm
 from ..ik import AnyTarget, Approach, Pose, Position
 from ..ik.closed_form.compiled import FamilyNumbers
 from ..ik.closed_form.methods import method_for
-from ..support.c_text import c_number
+from ..support.c_text import cpp_number, cpp_numbers
 from ..support.checks import Array
 
 KEEPS = ("nothing", "point", "plane")
 
 
 def cpp_closed_form(arm: Arm) -> str:
-    """A `twistarm::solved_arm` for each kind of target that has one, and `solve_ik_all`; a remark where none has."""
+    """A `twistarm::solved_arm` for each kind of target that has one, and `solve_ik_all`; a remark where no kind has."""
     kinds: dict[str, AnyTarget] = {
         "pose": Pose(arm.home),
         "position": Position(arm.home[:3, 3]),
@@ -42,16 +40,16 @@ def _family(arm: Arm, kind: str, numbers: FamilyNumbers, words: str) -> str:
     joints = ", ".join(str(int(i)) for i in numbers.joint)
     idle = sum(1 << i for i in np.flatnonzero(numbers.idle).tolist())
     plane = "true" if KEEPS[numbers.keeps] == "plane" else "false"
-    columns = ", ".join(_numbers(column) for column in numbers.home[:3].T)
+    columns = ", ".join(cpp_numbers(column) for column in numbers.home[:3].T)
     return f"""\
 /// For a {kind}: {words}.{standing}
 template <class T> inline constexpr twistarm::solved_arm<T, n> {kind}_family = {{
     {{{len(numbers.axes)}, {numbers.first}, {numbers.last}, twistarm::closed_form::keeps::{KEEPS[numbers.keeps]},
      {{{axes}}},
-     {{{plane}, {_numbers(numbers.kept[:3])}, {_number(numbers.kept[3])}}}}},
+     {{{plane}, {cpp_numbers(numbers.kept[:3])}, {cpp_number(numbers.kept[3])}}}}},
     {{{joints}}},
     {len(held)}, {{{", ".join(map(str, held))}}}, {{{held_axes}}},
-    {_numbers(numbers.rate)},
+    {cpp_numbers(numbers.rate)},
     {{{columns}}},
     {idle}U,
 }};
@@ -60,15 +58,7 @@ template <class T> inline constexpr twistarm::solved_arm<T, n> {kind}_family = {
 
 
 def _axis(numbers: Array) -> str:
-    return f"{{{_numbers(numbers[:3])}, {_numbers(numbers[3:6])}, {'true' if numbers[6] else 'false'}}}"
-
-
-def _number(value: float) -> str:
-    return f"T({c_number(value)})"
-
-
-def _numbers(values: Iterable[float]) -> str:
-    return "{" + ", ".join(map(_number, values)) + "}"
+    return f"{{{cpp_numbers(numbers[:3])}, {cpp_numbers(numbers[3:6])}, {'true' if numbers[6] else 'false'}}}"
 
 
 _SOLVE = """\

@@ -12,7 +12,7 @@ from ..arm.arm import Arm
 from ..arm.baking import digest_of
 from ..control.servo import ServoSettings
 from ..control.servo.bounds import bounds_of
-from ..support.c_text import c_number, c_string, c_strings, identifier_of
+from ..support.c_text import c_number, c_string, c_strings, cpp_number, cpp_numbers, identifier_of
 from ..support.checks import Array
 from ..support.errors import TwistarmError
 from .cpp_closed_form import cpp_closed_form
@@ -36,13 +36,13 @@ def namespace_of(name: str) -> str:
 
 
 def cpp_header(arm: Arm) -> str:
-    """The header's text: `chain`, limits, poses, `servo_bounds`, `actuators` of the arm as constants, `solve_ik`, and
-    `solve_ik_all` where the arm's axes belong to a family.
+    """The header's text: the arm's constants, `solve_ik`, and `solve_ik_all` where its axes belong to a family.
 
-    The chain is the compiled core's own: constant transforms between joints that turn about z
-    (core/include/twistarm/kinematics/chain.hpp), which only the core computes. TwistarmError where there is none.
+    The constants are `chain`, limits, poses, `servo_bounds` and `actuators`. The chain is the compiled core's own,
+    constant transforms between joints that turn about z (core/include/twistarm/kinematics/chain.hpp). TwistarmError
+    without a core.
     """
-    constants = _constants(arm)
+    constants: Mapping[str, Any] = arm._core("a C++ header").constants()
     joints, n = constants["joints"], constants["coordinates"]
     lower, upper = arm.sampling_bounds
     poses = {"ready": arm.ready, **arm.named_states}
@@ -63,29 +63,23 @@ def cpp_header(arm: Arm) -> str:
         velocity=_doubles(arm.limits.velocity),
         acceleration=_doubles(arm.limits.acceleration),
         effort=_doubles(arm.limits.effort),
-        tool_axis=_numbers(arm.tool_axis),
+        tool_axis=cpp_numbers(arm.tool_axis),
         pose_count=len(poses),
         pose_names=c_strings(poses),
-        poses=_rows(map(_numbers, poses.values())),
+        poses=_rows(map(cpp_numbers, poses.values())),
         identity=_truth(constants["identity"]),
         base_frame=_frame(constants["base"]),
         tip_frame=_frame(constants["tip"]),
         links=_rows(map(_link, constants["links"])),
-        coupling=_rows(map(_numbers, np.asarray(constants["coupling"]))),
+        coupling=_rows(map(cpp_numbers, np.asarray(constants["coupling"]))),
         **_servo(arm),
         motors_section=_motors(arm),
         closed_form_section=cpp_closed_form(arm),
     )
 
 
-def _constants(arm: Arm) -> Mapping[str, Any]:
-    """What the core has made of screws and home: its base, links, tip and coupling."""
-    constants: Mapping[str, Any] = arm._core("a C++ header").constants()
-    return constants
-
-
 def _servo(arm: Arm) -> Mapping[str, str | int]:
-    """The members of `twistarm::servo_bounds` and of its `motion_limits`, with the settings that `servo_step` has."""
+    """The members of `twistarm::servo_bounds` and its `motion_limits`, with the default settings."""
     bounds = bounds_of(arm, ServoSettings())
     motion = bounds.motion
     motors = len(motion.names) - bounds.n
@@ -93,14 +87,17 @@ def _servo(arm: Arm) -> Mapping[str, str | int]:
         "motors": motors,
         "rows": len(motion.names),
         "row_names": c_strings(motion.names),
-        "motor_C": "{" + ", ".join(map(_numbers, motion.C[:motors])) + "}",
-        "motor_c": _numbers(motion.c[:motors]),
-        **{f"row_{name}": _numbers(getattr(motion.limits, name)) for name in _MOTION},
-        "unit": _numbers(bounds.unit),
-        "ready": _numbers(bounds.ready),
-        "length": _number(bounds.length),
-        "below": _number(bounds.singular_below),
-        "damping": _number(bounds.damping),
+        "motor_C": "{" + ", ".join(map(cpp_numbers, motion.C[:motors])) + "}",
+        "motor_c": cpp_numbers(motion.c[:motors]),
+        **{
+            f"row_{name}": cpp_numbers(getattr(motion.limits, name))
+            for name in ("lower", "upper", "velocity", "acceleration")
+        },
+        "unit": cpp_numbers(bounds.unit),
+        "ready": cpp_numbers(bounds.ready),
+        "length": cpp_number(bounds.length),
+        "below": cpp_number(bounds.singular_below),
+        "damping": cpp_number(bounds.damping),
     }
 
 
@@ -116,25 +113,14 @@ def _motors(arm: Arm) -> str:
         units=c_strings(motors.motor_units),
         counted=c_strings(motors.units),
         determined=_truth(determined),
-        G=_rows(map(_numbers, motors.G)),
-        offset=_numbers(motors.offset),
-        P=_rows(map(_numbers, motors.P if determined else np.zeros((n, k)))),
-        counts=_numbers(motors.counts_per_unit),
+        G=_rows(map(cpp_numbers, motors.G)),
+        offset=cpp_numbers(motors.offset),
+        P=_rows(map(cpp_numbers, motors.P if determined else np.zeros((n, k)))),
+        counts=cpp_numbers(motors.counts_per_unit),
     )
 
 
-_MOTION = ("lower", "upper", "velocity", "acceleration")
-
-
 # -- numbers and texts as C++ writes them ------------------------------------------------------------------------
-
-
-def _number(value: float) -> str:
-    return f"T({c_number(value)})"
-
-
-def _numbers(values: Iterable[float]) -> str:
-    return "{" + ", ".join(map(_number, values)) + "}"
 
 
 def _doubles(values: Array) -> str:
@@ -147,13 +133,13 @@ def _truth(value: bool) -> str:
 
 def _frame(g: Array) -> str:
     """`twistarm::frame`: the columns x, y, z and p."""
-    return "{" + ", ".join(_numbers(column) for column in np.asarray(g)[:3].T) + "}"
+    return "{" + ", ".join(cpp_numbers(column) for column in np.asarray(g)[:3].T) + "}"
 
 
 def _link(link: Mapping[str, Any]) -> str:
     """`twistarm::link`, in the order of its members."""
-    numbers = ", ".join(_number(link[name]) for name in ("cos_alpha", "sin_alpha", "turn", "phase", "slide"))
-    return f"{{{_numbers(link['offset'])}, {numbers}, {_truth(link['revolute'])}}}"
+    numbers = ", ".join(cpp_number(link[name]) for name in ("cos_alpha", "sin_alpha", "turn", "phase", "slide"))
+    return f"{{{cpp_numbers(link['offset'])}, {numbers}, {_truth(link['revolute'])}}}"
 
 
 def _rows(rows: Iterable[str]) -> str:

@@ -14,7 +14,7 @@ RATES = ("velocity", "acceleration", "jerk", "effort")
 
 
 def limits_yaml(arm: Arm) -> str:
-    """The file's text: of each joint what the arm knows of its limits, and `has_…_limits: false` for the rest.
+    """The file's text: the known limits of each joint, and `has_…_limits: false` for the rest.
 
     Positions in rad or m, the rates per s, s², s³, effort in N m or N. `load_arm(…, limits=FILE)` reads it back.
     """

@@ -1,4 +1,4 @@
-"""An arm as a function of MATLAB and Octave: screws, forward kinematics, both Jacobians, and vectors that test them."""
+"""An arm as a function of MATLAB and Octave: screws, forward kinematics, both Jacobians, and test vectors."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ TOLERANCE = 1e-9
 
 
 def matlab_text(arm: Arm, file: str | None = None) -> str:
-    """The text of a file that is called so, by default after the arm: MATLAB calls a function by its file's name.
+    """The text of a file with this name, by default after the arm: MATLAB calls a function by its file's name.
 
     The test vectors are Pinocchio's where the arm has a description. InputError for a name that no function can have.
     """
@@ -78,7 +78,7 @@ def matlab_text(arm: Arm, file: str | None = None) -> str:
 
 
 def _function_name(name: str) -> str:
-    """A name that a function of MATLAB and of Octave can have: the one given, or one near it."""
+    """The name itself if it can be a function's in MATLAB and Octave, or one near it."""
     identifier = re.sub(r"[^A-Za-z0-9_]+", "_", name).lstrip("_")[:LONGEST] or "arm"
     return f"arm_{identifier}"[:LONGEST] if identifier[0].isdigit() or identifier in KEYWORDS.split() else identifier
 
@@ -98,7 +98,7 @@ def _texts(texts: Iterable[str]) -> str:
 
 
 def _text(text: str) -> str:
-    """A text between single quotes, in which nothing but a quote is special."""
+    """A text between single quotes, which only a quote can end."""
     return "'" + printable(text).replace("'", "''") + "'"
 
 

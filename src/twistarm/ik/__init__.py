@@ -3,15 +3,14 @@
 from . import subproblems
 from .all_solutions import IKSolutions
 from .all_solutions_batch import IKSolutionsBatch, solve_ik_all_batch
+from .answer import StopReason
 from .batch import IKBatch, solve_ik_batch
 from .closed_form.report import ClosedFormReport, closed_form_of
 from .request import POSTURES
 from .solution import IKSolution
 from .solve import solve_ik
 from .solve_all import solve_ik_all
-from .stop_reason import StopReason
-from .targets import AnyTarget, Approach, Pose, Position, TargetLike, Task
-from .task_space import Target
+from .targets import AnyTarget, Approach, Pose, Position, Target, TargetLike, Task
 
 __all__ = [
     "POSTURES",

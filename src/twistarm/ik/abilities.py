@@ -1,4 +1,4 @@
-"""Motions that an arm's tool has around a configuration, from the null spaces of its Jacobian."""
+"""The motions of an arm's tool around a configuration, from the null spaces of its Jacobian."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.directions import nearest_axes
 from .targets import AnyTarget, Approach, Pose
-from .task_space import Target
 
 RANK_SAMPLES = 16
 """Random configurations among which a rank is the largest; almost every one has it."""
@@ -58,23 +57,13 @@ class Split(NamedTuple):
     prevented: float
 
 
-class ApproachPlane(NamedTuple):
-    """The plane that holds the approach axis while the position is held.
-
-    normal: unit vector (3,) in base axes; angle [rad] of the wanted approach out of the plane.
-    """
-
-    normal: Array
-    angle: float
-
-
 def split_rotation(arm: Arm, target: AnyTarget, theta: Array) -> Split:
-    """The rotation error at theta (n,) in two: what no joint can undo with the position held, and what could be undone.
+    """The rotation error at theta (n,) with the position held, split into what no joint can undo and the rest.
 
-    The compiled core splits it (core/include/twistarm/ik/reason.hpp): rotation rows times the null space of the
-    position rows span what can be undone. Where the reach for a rotation ends, a posture lacks what those beside it
-    have: then the least over these is lacking. A `Task` holds a component from the edge of its tolerance on. Without
-    the core both parts are 0.
+    The compiled core splits it (core/include/twistarm/ik/reason.hpp). Rotation rows times the null space of the
+    position rows span what can be undone. At the end of the reach for a rotation, a posture lacks motions that those
+    beside it have: then the least over these counts. A `Task` holds a component from the edge of its tolerance on.
+    Without the core both parts are 0.
     """
     found = arm._compiled.split_rotation(target.kind, target.numbers, theta) if arm._compiled is not None else None
     if found is None:
@@ -82,17 +71,17 @@ def split_rotation(arm: Arm, target: AnyTarget, theta: Array) -> Split:
     return Split(float(found[0]), found[2:], float(found[1]))
 
 
-def short_of(arm: Arm, target: Target, theta: Array) -> float | None:
-    """The least position error [m] inside the limits with the rotation met, None where it is met nowhere.
+def short_of(arm: Arm, target: AnyTarget, theta: Array) -> float | None:
+    """The least position error [m] inside the limits with the rotation met, or None.
 
-    It is looked for from theta (n,), the nearest configuration, and from random ones.
+    The search begins at theta (n,), the nearest configuration, and at random ones.
     """
     starts = [theta, *arm.random_theta(0, OTHER_STARTS)]
     return min((found for start in starts if (found := _with_rotation(arm, target, start)) is not None), default=None)
 
 
-def _with_rotation(arm: Arm, target: Target, theta: Array) -> float | None:
-    """The same from one start: Levenberg and Marquardt's steps, joints at a bound that are pulled outward at rest."""
+def _with_rotation(arm: Arm, target: AnyTarget, theta: Array) -> float | None:
+    """The same from one start, by Levenberg and Marquardt's steps. Joints pulled out of their bounds rest."""
     lower, upper = arm.limits.lower, arm.limits.upper
 
     def look(theta: Array) -> tuple[Array, Array]:
@@ -119,30 +108,28 @@ def _with_rotation(arm: Arm, target: Target, theta: Array) -> float | None:
     return target.position_error(g) if target.orientation_error(g) < ROTATION_MET else None
 
 
-def out_of_surface(arm: Arm, target: Target, theta: Array) -> Array:
+def out_of_surface(arm: Arm, target: AnyTarget, theta: Array) -> Array:
     """Directions (k, 3) in base axes in which the position is missed, and in which the tool's origin never moves."""
     g = arm._fk_and_body_jacobian(theta)[0]
     error, axes = target._position_rows(g, np.vstack([np.eye(3), np.zeros((3, 3))]))
     offset = g[:3, :3] @ axes.T @ error
-    immovable = _immovable_directions(arm)
+    motions = []
+    for each in arm.random_theta(0, RANK_SAMPLES):
+        g, J_b = arm._fk_and_body_jacobian(each)
+        motions.append(g[:3, :3] @ J_b[:3] / arm.reach)
+    U, size, _ = np.linalg.svd(np.hstack(motions))
+    across = U[:, int((size > RANK_TOL).sum()) :]
+    immovable = nearest_axes(across @ across.T, across.shape[1]).T
     missed: Array = immovable[np.abs(immovable @ offset) > MISSED]
     return missed
 
 
-def _immovable_directions(arm: Arm) -> Array:
-    """Directions (k, 3) in base axes along which the tool's origin never moves."""
-    motions = []
-    for theta in arm.random_theta(0, RANK_SAMPLES):
-        g, J_b = arm._fk_and_body_jacobian(theta)
-        motions.append(g[:3, :3] @ J_b[:3] / arm.reach)
-    return _across(np.hstack(motions))
+def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, float] | None:
+    """The plane in which the approach axis can turn with the position held, or None.
 
-
-def approach_plane(arm: Arm, target: Target, theta: Array) -> ApproachPlane | None:
-    """The plane in which the approach axis can turn with the position held, if the arm has such a plane.
-
-    There is one if the arm's free motions turn the axis a only within one plane, ȧ = ω × a of rank 1, and the plane is
-    the same a good way along them.
+    The answer is its unit normal (3,) in base axes, and the angle [rad] of the wanted approach out of it.
+    In such a plane the arm's free motions turn the axis a, ȧ = ω × a of rank 1. The plane is the same a good way along
+    them.
     """
     wanted = _approach(arm, target)
     if wanted is None:
@@ -157,11 +144,11 @@ def approach_plane(arm: Arm, target: Target, theta: Array) -> ApproachPlane | No
         there = _approach_normal(arm, target, moved, tool_axis)
         if there is None or np.linalg.norm(np.cross(there, normal)) > SAME_PLANE:
             return None
-    return ApproachPlane(normal, math.asin(min(abs(float(normal @ direction)), 1.0)))
+    return normal, math.asin(min(abs(float(normal @ direction)), 1.0))
 
 
 def _brought_to(arm: Arm, p: Array, theta: Array) -> Array:
-    """The tool's origin brought to p (3,), limits aside, from a theta nearby: Newton's steps of least length."""
+    """A theta nearby with the tool's origin at p (3,), limits aside, by Newton's steps of least length."""
     for _ in range(STEPS):
         g, J_b = arm._fk_and_body_jacobian(theta)
         offset = g[:3, :3].T @ (p - g[:3, 3])
@@ -171,7 +158,7 @@ def _brought_to(arm: Arm, p: Array, theta: Array) -> Array:
     return theta
 
 
-def _approach_normal(arm: Arm, target: Target, theta: Array, tool_axis: Array) -> Array | None:
+def _approach_normal(arm: Arm, target: AnyTarget, theta: Array, tool_axis: Array) -> Array | None:
     """The normal, in base axes, of the plane in which the approach axis can turn at theta, or None."""
     g, J_b = arm._fk_and_body_jacobian(theta)
     turning = np.cross((J_b[3:] @ _holding_position(target, g, J_b)).T, tool_axis)
@@ -182,8 +169,8 @@ def _approach_normal(arm: Arm, target: Target, theta: Array, tool_axis: Array) -
     return normal
 
 
-def _approach(arm: Arm, target: Target) -> tuple[Array, Array] | None:
-    """The tool axis and where it is to point (base axes), for targets that say so."""
+def _approach(arm: Arm, target: AnyTarget) -> tuple[Array, Array] | None:
+    """The tool axis and its wanted direction (base axes), for targets with both."""
     if isinstance(target, Approach):
         return target.axis, target.direction
     if isinstance(target, Pose):
@@ -191,17 +178,10 @@ def _approach(arm: Arm, target: Target) -> tuple[Array, Array] | None:
     return None
 
 
-def _holding_position(target: Target, g: Array, J_b: Array) -> Array:
-    """Joint velocities (n, k) that leave the target's position error as it is."""
+def _holding_position(target: AnyTarget, g: Array, J_b: Array) -> Array:
+    """Joint velocities (n, k) that keep the target's position error."""
     rows = target._position_rows(g, J_b)[1]
     _, size, Vt = np.linalg.svd(rows)
     rank = int((size > RANK_TOL * size.max(initial=0.0)).sum())
     motions: Array = Vt[rank:].T
     return motions
-
-
-def _across(columns: Array, tolerance: float = RANK_TOL) -> Array:
-    """Unit vectors (k, m) across every one of the columns (m, n): those that are nearest to an axis."""
-    U, size, _ = np.linalg.svd(columns)
-    left = U[:, int((size > tolerance).sum()) :]
-    return nearest_axes(left @ left.T, left.shape[1]).T

@@ -1,18 +1,19 @@
-"""The answer of `solve_ik_all`: every configuration that meets a target, and what is known of the whole set."""
+"""The answer of `solve_ik_all`: every configuration that meets a target, and whether these are all."""
 
 from __future__ import annotations
 
 import operator
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arm.arm import Arm
 from ..support.checks import Array, frozen
 from ..support.errors import printable
-from .all_answers import AllAnswers
 from .closed_form.methods import Method
 from .explain import reached, why_not
 from .ranges import holding, joint_ranges
@@ -22,64 +23,63 @@ from .targets import AnyTarget, target_of
 from .task_space import Tolerances
 
 
+@dataclass(frozen=True, eq=False)
+class AllAnswers:
+    """Configurations theta (k, n), the first `inside` of them inside the limits. The core's own has the same.
+
+    `moves` (k, n): which joints may move while the target stays met. `tries`: the searches or values that were tried.
+    `hits`: how many of them had an answer. theta0 (n,), `kind` and `numbers` are what was asked.
+    """
+
+    theta: Array
+    moves: NDArray[np.bool_]
+    inside: int
+    theta0: Array
+    kind: int
+    numbers: Array
+    tries: int = 0
+    hits: int = 0
+
+    def __post_init__(self) -> None:
+        for array in (self.theta, self.moves, self.theta0, self.numbers):
+            array.flags.writeable = False
+
+
+@dataclass(eq=False, repr=False, slots=True)
 class IKSolutions:
-    """Configurations inside the limits that meet the target, each verified by forward kinematics; it cannot be changed.
+    """Configurations inside the limits that meet the target, each verified by forward kinematics. It cannot be changed.
 
     Nearest to theta0 first, by the largest joint difference in shares of the joint's range (2π or 1 m where it has
     none). `solutions[i]` is theta[i]. Where a wrist is singular, or an arm redundant, configurations form continuous
     families. A family counts once: theta is the member that keeps a free joint at theta0's value, or else the nearest
-    found; `given` chooses another.
+    found. `given` chooses another.
     """
 
-    __slots__ = (
-        "_arm",
-        "_complete",
-        "_found",
-        "_members",
-        "_method",
-        "_rounded",
-        "_target",
-        "_timed_out",
-        "_tolerances",
-    )
-
-    def __init__(
-        self,
-        arm: Arm,
-        found: AllAnswers,
-        members: tuple[Array, ...],
-        method: Method,
-        complete: bool,
-        target: AnyTarget | None,
-        tolerances: Tolerances,
-        timed_out: bool = False,
-        rounded: bool = False,
-    ) -> None:
-        self._arm = arm
-        self._found = found
-        self._method = method
-        self._complete = complete
-        self._target = target
-        self._tolerances = tolerances
-        self._timed_out = timed_out
-        self._rounded = rounded
-        self._members = members
+    _arm: Arm
+    _found: AllAnswers
+    _members: tuple[Array, ...]
+    _method: Method
+    _complete: bool
+    _target: AnyTarget | None
+    _tolerances: Tolerances
+    _timed_out: bool = False
+    _rounded: bool = False
 
     @property
     def arm(self) -> Arm:
-        """Whose configurations they are."""
+        """The arm that was solved for."""
         return self._arm
 
     @property
     def target(self) -> AnyTarget:
-        """What was asked."""
+        """The target that was solved for."""
         if self._target is None:
             self._target = target_of(self._found.kind, self._found.numbers)
         return self._target
 
     @property
     def theta0(self) -> Array:
-        """(n,) [rad, m]: from which distances are counted, joints that are given at their values."""
+        """(n,) [rad, m]: the configuration from which distances are counted, with given joints at their values."""
         return self._found.theta0
 
     @property
@@ -89,12 +89,12 @@ class IKSolutions:
 
     @property
     def outside(self) -> Array:
-        """(m, n) [rad, m], read-only: what meets the target beyond the position limits, as near to them as it gets."""
+        """(m, n) [rad, m], read-only: configurations outside the limits, as near to them as whole turns allow."""
         return frozen(joint_ranges(self._arm).toward_middle(self._found.theta[self._found.inside :]))
 
     @property
     def free(self) -> tuple[tuple[str, ...], ...]:
-        """For each of theta, the joints that may go on moving while the target stays met; () where it stands alone."""
+        """For each of theta, the joints that may go on moving while the target stays met; () if it stands alone."""
         names = self._arm.joint_names
         moving = self._found.moves[: self._found.inside]
         return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in moving)
@@ -106,10 +106,9 @@ class IKSolutions:
 
     @property
     def complete(self) -> bool:
-        """Whether these are all there are, but for others of the same families.
+        """Whether there are no other configurations, except others of the same families.
 
-        False where joints were sampled, where the axes miss the family that was solved, for a search, and where the
-        time was up.
+        False for sampled joints, for axes that miss the family that was solved, for a search, and when the time was up.
         """
         return self._complete
 
@@ -120,7 +119,7 @@ class IKSolutions:
 
     @property
     def rounded(self) -> bool:
-        """Whether these meet the target but for the rounding of the arm's axes; `explain()` says by how much."""
+        """Whether only the rounding of the arm's axes allows these; `explain()` says by how much they miss."""
         return self._rounded and len(self) > 0
 
     @property
@@ -130,12 +129,12 @@ class IKSolutions:
 
     @property
     def family(self) -> str:
-        """Which closed form, or why there is none."""
+        """The closed form in words, or why the arm has no closed form."""
         return self._method.in_words(self._arm)
 
     @property
     def starts(self) -> int:
-        """Searches that were run, or values of sampled joints; 0 where there was nothing to sample."""
+        """Number of searches, or of values of sampled joints; 0 without either."""
         return self._found.tries
 
     @property
@@ -145,16 +144,16 @@ class IKSolutions:
 
     @property
     def position_error(self) -> Array:
-        """(k,) [m], of what the target constrains."""
+        """(k,) [m], in what the target constrains."""
         return np.array([self.target.position_error(g) for g in self.arm.fk(self.theta)])
 
     @property
     def orientation_error(self) -> Array:
-        """(k,) [rad], of what the target constrains."""
+        """(k,) [rad], in what the target constrains."""
         return np.array([self.target.orientation_error(g) for g in self.arm.fk(self.theta)])
 
     def explain(self) -> str:
-        """What was asked, how many configurations meet it, and where none does, how far off the nearest is."""
+        """What was asked and how many configurations meet it, or how far off the nearest is."""
         lines = [
             f"asked of {self.arm.name}: {self.target.describe()}",
             self._counted(),
@@ -181,7 +180,7 @@ class IKSolutions:
         return f"{what}{self._families(count)}{outside}; {all_}{sampled}{late}"
 
     def _families(self, count: int) -> str:
-        """How many of them stand for a continuous family, and what moves in it."""
+        """How many of them are continuous families, and what moves in these."""
         parts = []
         for joints, times in Counter(joints for joints in self.free if joints).items():
             which = f"{times} of them " if times < count else "each " if count > 1 else ""
@@ -203,10 +202,9 @@ class IKSolutions:
         return f"IKSolutions({self.arm.name}, {self._counted()}; {self.method})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        asked = self._target, self._tolerances
-        known = self._members, self._method, self._complete, *asked, self._timed_out, self._rounded
-        fields = [getattr(self._found, name) for name in AllAnswers.__dataclass_fields__]
-        return _unpickled, (self._arm, fields, *known)
+        found = [getattr(self._found, name) for name in AllAnswers.__dataclass_fields__]
+        arm, _, *known = (getattr(self, name) for name in self.__slots__)
+        return _unpickled, (arm, found, *known)
 
 
 def _unpickled(arm: Arm, fields: list[Any], members: tuple[Array, ...], *known: Any) -> IKSolutions:

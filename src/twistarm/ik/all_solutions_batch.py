@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_flag, as_whole, made_by
-from .all_answers import AllAnswers
-from .all_solutions import IKSolutions
+from .all_solutions import AllAnswers, IKSolutions
 from .batch import MAX_THREADS, targets_for
 from .certainty import is_exact
 from .closed_form.methods import Method, method_for
@@ -27,7 +26,7 @@ from .task_space import Tolerances
 @made_by("solve_ik_all_batch")
 @dataclass(frozen=True, eq=False, repr=False)
 class IKSolutionsBatch:
-    """Every configuration of N targets, read-only arrays with a row for each; `batch[i]` is one as an `IKSolutions`.
+    """Every configuration of N targets, read-only arrays with a row for each. `batch[i]` is one as an `IKSolutions`.
 
     count (N,): configurations inside the limits; outside_count (N,): beyond them.
     """
@@ -47,14 +46,12 @@ class IKSolutionsBatch:
     """How, and whether these are all there are: of all targets, or for each."""
     tolerances: Tolerances
     """What was to count as met."""
-    left: NDArray[np.bool_] = field(repr=False)
-    """(N,): where families have still to be told apart, or rounded axes to be allowed for."""
     each: tuple[IKSolutions, ...] = field(default=(), repr=False)
     """The answers where they were found one by one."""
 
     def __post_init__(self) -> None:
         asked = [self.targets] if isinstance(self.targets, np.ndarray) else []
-        for array in (self.count, self.outside_count, self.theta0, self.thetas, self.moves, self.left, *asked):
+        for array in (self.count, self.outside_count, self.theta0, self.thetas, self.moves, *asked):
             array.flags.writeable = False
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -76,13 +73,6 @@ class IKSolutionsBatch:
     def free(self) -> NDArray[np.bool_]:
         """(N, most, n): which joints may go on moving while the target stays met; False behind the last."""
         return self._padded(self.moves > 0.5, False)
-
-    def _completed(self, one: Callable[[TargetLike, Array], IKSolutions]) -> IKSolutionsBatch:
-        """The same where nothing is left to look for; `one` solves one target from its theta0."""
-        if not self.left.any():
-            return self
-        each = [one(found.target, found.theta0) if left else found for found, left in zip(self, self.left, strict=True)]
-        return _gathered(self.arm, self.targets, self.theta0, self.tolerances, each)
 
     def _padded(self, rows: NDArray[Any], nothing: float) -> NDArray[Any]:
         """(N, most, n) from rows (r, n)."""
@@ -136,15 +126,15 @@ def solve_ik_all_batch(
 ) -> IKSolutionsBatch:
     """Every configuration of N targets: `solve_ik_all` of each, at the core's speed where it has the arm's family.
 
-    That is so for targets of one kind, an `Approach` with one tool axis, where no joint is sampled and no copy wanted;
-    then `threads` share the work. The answer to a target depends on nothing but that target. Ctrl-C ends it.
+    The core needs targets of one kind, for an `Approach` with one tool axis, no sampled joint and no copies. Then
+    `threads` share the work. The answer to a target depends on that target alone. Ctrl-C ends it.
 
     Args:
         arm: The arm.
         targets: Poses (N, 4, 4), or a sequence of `Pose`, `Position`, `Approach`, `Task` and poses (4, 4).
         theta0: Configuration from which distances are counted (n,) or (N, n) [rad, m], by default `arm.ready`.
-        given: {joint: value} [rad, m] of joints that are to stand there.
-        samples: Number of values of each joint that is held, in (0, 1000].
+        given: {joint: value} [rad, m] of joints to hold there.
+        samples: Number of values of each other joint that is held, in (0, 1000].
         copies: Whether configurations that differ by whole turns count as different, inside the limits.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
@@ -173,11 +163,10 @@ def solve_ik_all_batch(
         # Poses that are plainly right go straight to the core, which looks at each of them much faster.
         method = method_for(arm, Pose(np.eye(4)))
         plain = method.compiled is not None and not method.swept
-        found = (
-            _by_core(arm, method, targets, arm.ready if theta0 is None else theta0, (*met, threads)) if plain else None
-        )
+        start = arm.ready if theta0 is None else theta0
+        found = _by_core(arm, method, targets, start, (*met, threads), one) if plain else None
         if found is not None:
-            return found._completed(one)
+            return found
     asked = targets_for(arm, targets)
     request = checked(arm, theta0, None, *met, 1, 0, None, count=len(asked))
     exact = request.tolerances
@@ -188,9 +177,9 @@ def solve_ik_all_batch(
     kinds = {(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in asked}
     method = method_for(arm, asked[0] if asked else Pose(np.eye(4)), tuple(stands))
     if len(kinds) <= 1 and not copies and method.compiled is not None and not method.swept:
-        found = _by_core(arm, method, asked, near, (exact.position, exact.orientation, workers))
+        found = _by_core(arm, method, asked, near, (exact.position, exact.orientation, workers), one)
         assert found is not None, "what was checked is plain"
-        return found._completed(one)
+        return found
     starts = np.broadcast_to(near, (len(asked), arm.n))
     return _gathered(arm, asked, near, exact, [one(*each) for each in zip(asked, starts, strict=True)])
 
@@ -201,8 +190,12 @@ def _by_core(
     targets: RealArray | tuple[AnyTarget, ...],
     near: ArrayLike,
     how: tuple[float, float, int],
+    one: Callable[[TargetLike, Array], IKSolutions],
 ) -> IKSolutionsBatch | None:
-    """The core's answer; None where an argument is not plainly right."""
+    """The core's answer. None where an argument is not plainly right.
+
+    `one` solves a target from its theta0, where the core does not tell families apart or allow for rounded axes.
+    """
     assert method.compiled is not None
     numbers = targets
     if isinstance(targets, tuple):
@@ -217,17 +210,20 @@ def _by_core(
     wider = any(arm.rounding) or not known[0][1]
     left = (found.families > 0) | ((found.inside == 0) & wider)
     beyond = found.count - found.inside
-    return IKSolutionsBatch(arm, found.inside, beyond, kept, start, found.theta, found.moves, known, tolerances, left)
+    batch = IKSolutionsBatch(arm, found.inside, beyond, kept, start, found.theta, found.moves, known, tolerances)
+    if not left.any():
+        return batch
+    each = [one(answer.target, answer.theta0) if more else answer for answer, more in zip(batch, left, strict=True)]
+    return _gathered(arm, kept, start, tolerances, each)
 
 
 def _gathered(
     arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, tolerances: Tolerances, each: list[IKSolutions]
 ) -> IKSolutionsBatch:
-    """Answers that were found one by one."""
+    """A batch of answers that were found one by one."""
     count = np.array([len(found) for found in each], dtype=np.int64)
     beyond = np.array([len(found.outside) for found in each], dtype=np.int64)
     thetas = np.concatenate([np.zeros((0, arm.n)), *(found._found.theta for found in each)])
     moves = np.concatenate([np.zeros((0, arm.n)), *(found._found.moves for found in each)])
     known = tuple((found._method, found.complete) for found in each)
-    nothing = np.zeros(len(each), dtype=np.bool_)
-    return IKSolutionsBatch(arm, count, beyond, targets, theta0, thetas, moves, known, tolerances, nothing, tuple(each))
+    return IKSolutionsBatch(arm, count, beyond, targets, theta0, thetas, moves, known, tolerances, tuple(each))

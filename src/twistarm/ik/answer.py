@@ -1,19 +1,45 @@
-"""One answer by name, whoever found it: `IKSolution` reads one, `IKBatch` has a record for each target.
+"""An answer by name: `IKSolution` reads one, `IKBatch` has a record for each target.
 
-What was found stands beside what was asked: an array that the caller has changed since changes nothing.
+An answer holds copies of what was asked, so arrays that the caller changes later do not change it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from enum import Enum
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arm.inability import CANNOT_TURN
 from ..support.checks import Array
 from .targets import numbers_of_kind
+
+DAMPED, NEAREST, CLOSED_FORM = "damped least squares", "nearest configuration", "closed form"
+
+
+class StopReason(Enum):
+    """Why a solver stopped.
+
+    A missed position decides alone, so the reason is the same for every kind of target. It is BLOCKED_BY_LIMITS if the
+    arm reaches it without its position limits, else OUT_OF_REACH. A missed rotation is BLOCKED_BY_LIMITS if the arm
+    meets the whole target without limits. Otherwise the largest part of the missing rotation decides.
+    IMPOSSIBLE_DIRECTION is a turn that this posture and those beside it lack. BLOCKED_BY_LIMITS is what the nearest
+    configuration without limits does not miss. OUT_OF_REACH is the rest.
+    """
+
+    CONVERGED = "the target is met"
+    OUT_OF_REACH = "out of reach"
+    IMPOSSIBLE_DIRECTION = CANNOT_TURN
+    BLOCKED_BY_LIMITS = "blocked by joint limits"
+    EXHAUSTED = "no answer found, and none excluded"
+    TIMED_OUT = "the time was up"
+
+
+STOPS = tuple(StopReason)
+"""The reasons by their numbers in an answer."""
 
 NOT_FINISHED = -1
 """In place of a reason: the time was up before the target was finished."""
@@ -24,13 +50,15 @@ Records = NDArray[np.void]
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """An answer theta (n,), the searches behind it, and what was asked; the core's own `Answer` has the same fields.
+    """An answer theta (n,), the searches behind it, and what was asked. The core's own `Answer` has the same fields.
 
-    `stop`: number of the reason in STOPS. `unlimited` (n,): where limits block, an answer without them;
-    `has_unlimited` says whether it is one. `nearest`: theta is the nearest configuration, looked for because no search
-    met the target. `other_branch`: theta is not near theta0, though the target is near theta0's pose, or cannot be met.
-    `start_moved`: theta0 lay outside the limits. `by_closed_form`: theta is of the closed form, after no search had met
-    the target. `certain`: the closed form shows that no configuration meets the target.
+    `stop`: number of the reason in STOPS.
+    `unlimited` (n,): where limits block, an answer without them, if `has_unlimited`.
+    `nearest`: theta is the nearest configuration, because no search met the target.
+    `other_branch`: theta is not near theta0, though the target is near theta0's pose, or cannot be met.
+    `start_moved`: theta0 lay outside the limits.
+    `by_closed_form`: theta comes from the closed form, because no search met the target.
+    `certain`: the closed form shows that no configuration meets the target.
     """
 
     theta: Array
@@ -61,7 +89,7 @@ FIELDS = tuple(field.name for field in fields(Answer))
 
 
 def answer_from(value: Callable[[str], Any]) -> Answer:
-    """The answer whose fields `value` gives by name."""
+    """The answer with the fields that `value` gives by name."""
     return Answer(*map(value, FIELDS))
 
 
@@ -73,7 +101,7 @@ def answer_in(records: Records, i: int) -> Answer:
 
 
 def write_answer(records: Records, i: int, answer: Answer) -> None:
-    """Put an answer in the place of another one to the same target."""
+    """Replace an answer by another one to the same target."""
     for name in FIELDS:
         if name != "numbers":
             records[name][i] = getattr(answer, name)

@@ -15,12 +15,11 @@ from ..arm import engine
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_whole, frozen, made_by, require_callback
 from ..support.errors import InputError, shown
-from .answer import FIELDS, NOT_FINISHED, Records, answer_in, write_answer
+from .answer import FIELDS, NOT_FINISHED, STOPS, Records, StopReason, answer_in, write_answer
 from .certainty import settled
 from .ranges import joint_ranges
 from .request import Request, checked, named
 from .solution import IKSolution
-from .stop_reason import STOPS, StopReason
 from .targets import AnyTarget, Pose, TargetLike, checked_target, meant_by, target_for, target_of
 
 Progress = Callable[[int, int], object]
@@ -32,9 +31,9 @@ MAX_THREADS = 256
 @made_by("solve_ik_batch")
 @dataclass(frozen=True, eq=False, repr=False)
 class IKBatch:
-    """The answers to N targets, read-only arrays with a row for each; `batch[i]` is one of them as an `IKSolution`.
+    """The answers to N targets, read-only arrays with a row for each. `batch[i]` is one of them as an `IKSolution`.
 
-    A target that was not finished when the time was up has its start as theta, and infinite errors.
+    A target that was not finished in time has its start as theta, and infinite errors.
     """
 
     arm: Arm
@@ -50,7 +49,7 @@ class IKBatch:
 
     @property
     def targets(self) -> Array | tuple[AnyTarget, ...]:
-        """What was asked: poses (N, 4, 4), or targets of any kinds."""
+        """The targets: poses (N, 4, 4), or targets of any kinds."""
         if self.given is not None:
             return self.given
         return self._read("numbers").reshape(-1, 4, 4)
@@ -62,27 +61,27 @@ class IKBatch:
 
     @property
     def theta0(self) -> Array:
-        """(N, n) [rad, m]: where each search was to begin."""
+        """(N, n) [rad, m]: the start of each search."""
         return self._read("theta0")
 
     @property
     def position_error(self) -> Array:
-        """(N,) [m], of what each target constrains."""
+        """(N,) [m], in what each target constrains."""
         return self._read("position_error")
 
     @property
     def orientation_error(self) -> Array:
-        """(N,) [rad], of what each target constrains."""
+        """(N,) [rad], in what each target constrains."""
         return self._read("orientation_error")
 
     @property
     def iterations(self) -> NDArray[np.int64]:
-        """(N,): steps of the search that found theta; of all of them where none did."""
+        """(N,): steps of the search that found theta; of all searches where none did."""
         return self._read("iterations")
 
     @property
     def restarts(self) -> NDArray[np.int64]:
-        """(N,): searches that were run."""
+        """(N,): number of searches."""
         return self._read("restarts")
 
     @cached_property
@@ -131,10 +130,9 @@ def solve_ik_batch(
 ) -> IKBatch:
     """Inverse kinematics of N targets: poses (N, 4, 4), or a sequence of targets of any kinds.
 
-    Arguments and verdicts are those of `solve_ik`. The answer to a target depends on nothing but that target; it may be
-    another root than that of `solve_ik`, which races its searches to be done sooner, where this one takes the first
-    search that converges. `threads` share the work, and change no answer; `progress(done, count)` is called some twenty
-    times a second. Ctrl-C ends it.
+    Arguments and verdicts are those of `solve_ik`. The answer to a target depends on that target alone. It may be
+    another root than that of `solve_ik`, which races its searches. This one takes the first search that converges.
+    `threads` share the work, and change no answer. Ctrl-C ends it.
 
     Args:
         arm: The arm.
@@ -147,7 +145,7 @@ def solve_ik_batch(
         rng: Seed, or a NumPy Generator.
         posture: Preferred configuration (n,) or (N, n), its name, "theta0", "middle", or None.
         threads: Number of threads.
-        progress: Called with the number of finished targets and N, or None.
+        progress: Called some twenty times a second with the number of finished targets and N, or None.
 
     Returns:
         The `IKBatch`: theta (N, n), errors (N,) [m, rad], `converged` (N,); batch[i] is an `IKSolution`.
@@ -163,17 +161,22 @@ def solve_ik_batch(
     # Poses that are plainly right go straight to the core, which looks at each of them much faster.
     records = chain.solve_batch(Pose.kind, targets, start, *how, rather, threads, progress)
     if records is not None:
-        return IKBatch(arm, _settled(arm, _begun(arm, records), None))
+        return IKBatch(arm, _finished(arm, records, None))
     asked = targets_for(arm, targets)
     request = checked(arm, theta0, posture, *how, count=len(asked))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(done, count)")
     records = _by_core(chain, arm, asked, request, workers, progress)
-    return IKBatch(arm, _settled(arm, _begun(arm, records), asked), asked)
+    return IKBatch(arm, _finished(arm, records, asked), asked)
 
 
-def _settled(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None) -> Records:
-    """The answers, those that no search has met as the closed form knows them."""
+def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None) -> Records:
+    """The answers: late ones get their start and infinite errors, the closed form settles missed ones."""
+    late = records["stop"] == NOT_FINISHED
+    if late.any():
+        records["theta"][late] = joint_ranges(arm).inside(records["theta0"][late])
+        records["position_error"][late] = records["orientation_error"][late] = np.inf
+        records["stop"][late] = STOPS.index(StopReason.TIMED_OUT)
     for i in np.flatnonzero((records["stop"] != 0) & (records["restarts"] > 1)).tolist():
         found = answer_in(records, i)
         known = settled(arm, target_of(Pose.kind, found.numbers) if targets is None else targets[i], found)
@@ -182,20 +185,19 @@ def _settled(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None) 
     return records
 
 
-def targets_for(arm: Arm, targets: Any) -> tuple[AnyTarget, ...]:
-    """The targets of a batch, of any kinds; InputError, which says of which, for what is none."""
+def targets_for(arm: Arm, targets: Any, taken: Callable[[Arm, Any], AnyTarget] = target_for) -> tuple[AnyTarget, ...]:
+    """The targets of a batch, of any kinds, each as `taken` makes it. InputError names the place of a wrong one."""
     if isinstance(targets, np.ndarray) and (targets.ndim != 3 or targets.shape[1:] != (4, 4)):
         raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}{meant_by(targets)}")
     if isinstance(targets, str) or not isinstance(targets, (np.ndarray, Sequence)):
         raise InputError(f"targets must be poses (N, 4, 4) or a sequence of targets; got {shown(targets)}")
-    return tuple(_one(i, target, arm, target_for) for i, target in enumerate(targets))
-
-
-def _one(i: int, target: Any, arm: Arm, taken: Callable[[Arm, Any], AnyTarget] = checked_target) -> AnyTarget:
+    found: list[AnyTarget] = []
     try:
-        return taken(arm, target)
+        for target in targets:
+            found.append(taken(arm, target))  # noqa: PERF401
     except InputError as error:
-        raise InputError(f"targets[{i}]: {error}") from error
+        raise InputError(f"targets[{len(found)}]: {error}") from error
+    return tuple(found)
 
 
 def _by_core(
@@ -206,7 +208,7 @@ def _by_core(
     threads: int,
     progress: Progress | None,
 ) -> Records:
-    """The answers to every target: those of a kind together."""
+    """The answers to all targets, those of a kind together."""
     records = np.zeros(len(targets), dtype=chain.widest_record)
     kinds = np.array([target.kind for target in targets], dtype=np.int64)
     for kind in np.unique(kinds).tolist():
@@ -215,8 +217,8 @@ def _by_core(
         how = *_part(request, of_kind).for_core, threads, tell
         found = chain.solve_batch(kind, np.array([targets[i].numbers for i in of_kind]), *how)
         if found is None:  # somebody has written into the arrays of a target
-            again = [_one(int(i), targets[i], arm).numbers for i in of_kind]
-            found = chain.solve_batch(kind, np.array(again), *how)
+            again = targets_for(arm, targets, checked_target)
+            found = chain.solve_batch(kind, np.array([again[i].numbers for i in of_kind]), *how)
         assert found is not None, "what was refused is plain now"
         for name in FIELDS:
             column, into = found[name], records[name]
@@ -228,26 +230,15 @@ def _by_core(
 
 
 def _tell(progress: Progress, before: int, count: int, done: int, _: int) -> None:
-    """How far a batch of `count` targets is, of which `before` were done before this part."""
+    """Report a part of a batch of `count` targets, after `before` of them."""
     progress(before + done, count)
-
-
-def _begun(arm: Arm, records: Records) -> Records:
-    """The answers; those that were not finished have their start, and no error is known."""
-    late = records["stop"] == NOT_FINISHED
-    if late.any():
-        records["theta"][late] = joint_ranges(arm).inside(records["theta0"][late])
-        records["position_error"][late] = records["orientation_error"][late] = np.inf
-        records["stop"][late] = STOPS.index(StopReason.TIMED_OUT)
-    return records
 
 
 def _part(request: Request, indices: NDArray[np.int64]) -> Request:
     """The request for some targets of the batch."""
 
-    def part(values: Array | None) -> Array | None:
-        return values if values is None or values.ndim == 1 else frozen(values[indices])
+    def part(values: Array) -> Array:
+        return values if values.ndim == 1 else frozen(values[indices])
 
-    start = part(request.theta0)
-    assert start is not None
-    return replace(request, theta0=start, posture=part(request.posture))
+    posture = None if request.posture is None else part(request.posture)
+    return replace(request, theta0=part(request.theta0), posture=posture)

@@ -1,7 +1,7 @@
-"""Certainty: what the closed form says of a target that no search has met.
+"""Certainty: what the closed form says about a target that no search has met.
 
-Searches may miss a configuration, and cannot prove that there is none. Where the arm has a closed form in the compiled
-core, it answers in some microseconds. Where the axes are exact and no joint is held at samples, it also proves.
+Searches may miss a configuration, and cannot prove that no configuration exists. An arm's closed form in the core
+answers in some microseconds. It also proves, where the axes are exact and no joint is sampled.
 """
 
 from __future__ import annotations
@@ -13,10 +13,9 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from .answer import NOT_FINISHED, Answer, answer_from
+from .answer import NOT_FINISHED, STOPS, Answer, StopReason, answer_from
 from .closed_form.methods import Method, family_for
 from .ranges import joint_ranges
-from .stop_reason import STOPS, StopReason
 from .targets import AnyTarget
 from .task_space import Tolerances
 
@@ -37,17 +36,17 @@ HARDLY_OUTSIDE = 1e-4
 
 
 def is_exact(tolerances: Tolerances) -> bool:
-    """Whether the closed form knows all that meets a target within these."""
+    """Whether the closed form knows everything that meets a target within these."""
     return max(tolerances.position, tolerances.orientation) <= EXACTLY
 
 
 def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
-    """The answer, with what the closed form knows better.
+    """The answer, corrected by the closed form.
 
-    That is a configuration after all, or one outside the limits, which are to blame then. It is marked as certain
-    where the closed form shows that no configuration inside the limits meets the target within the tolerances. One
-    that is met, was not finished in time, or is of one search alone comes back as it is: who asks for one search wants
-    to know what it finds.
+    The closed form may give a configuration after all, or one outside the limits, which then are the reason. The answer
+    is `certain` where the closed form shows that no configuration inside the limits meets the target within the
+    tolerances. An answer that is met, or was not finished in time, comes back unchanged. So does that of one search: a
+    caller who wants one search wants to know what it finds.
     """
     if answer.stop in (0, TIMED_OUT, NOT_FINISHED) or answer.restarts <= 1:
         return answer
@@ -78,7 +77,7 @@ def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
 
 
 def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:
-    """Values (k, h) of the joints that the closed form holds; None where those of the start will do."""
+    """Values (k, h) of the joints that the closed form holds. None to hold them at the start."""
     if not method.swept:
         return None
     values = np.tile(np.clip(start, arm.limits.lower, arm.limits.upper), (SAMPLES, 1))
@@ -99,7 +98,7 @@ def _met(arm: Arm, target: AnyTarget, answer: Answer, theta: Array) -> Answer:
 
 
 def _with_limits_blamed(arm: Arm, target: AnyTarget, answer: Answer, theta: Array) -> Answer:
-    """The answer with a configuration outside the limits, unless one that meets the whole target is known."""
+    """The answer with a configuration outside the limits, unless it has one already that meets the whole target."""
     tolerances = Tolerances(float(answer.position_tol), float(answer.orientation_tol))
     known = arm.fk(answer.unlimited)
     if answer.has_unlimited and tolerances.met(target.position_error(known), target.orientation_error(known)):
@@ -108,7 +107,7 @@ def _with_limits_blamed(arm: Arm, target: AnyTarget, answer: Answer, theta: Arra
 
 
 def _misses_by_far(arm: Arm, target: AnyTarget, answer: Answer) -> bool:
-    """Whether the tolerances are tight, as those of rounded axes never are, and the nearest misses by many of them."""
+    """Whether the nearest misses by many tolerances, which are tight. Rounded axes never have tight ones."""
     position, orientation = np.maximum((answer.position_tol, answer.orientation_tol), arm.rounding)
     free = not len(target._rotation_tolerance)
     tight = is_exact(Tolerances(position, 0.0 if free else orientation))

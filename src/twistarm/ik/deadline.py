@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Deadline:
-    """A moment on the monotonic clock [s] after which no new work begins; infinity for none."""
+    """A moment on the monotonic clock [s] after which no new work begins; infinity for no deadline."""
 
     moment: float = math.inf
 
@@ -33,7 +33,7 @@ class Deadline:
         return None if math.isinf(self.moment) else max(1e-6, self.moment - time.monotonic())
 
     def until(self, items: Iterable[T]) -> Iterator[T]:
-        """The items, of which none follows once the moment has come."""
+        """The items, until the moment has come."""
         for item in items:
             if self.passed:
                 return

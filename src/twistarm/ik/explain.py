@@ -1,4 +1,4 @@
-"""A solution in plain words: what was asked, what was reached, what stands in the way."""
+"""A solution in plain words: what was asked, what was reached and what prevents more."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from ..support.errors import printable
 from ..support.unit_hints import length_hint
 from ..support.vector_words import axis_in_words, value_in_words
 from .abilities import approach_plane, out_of_surface, short_of, split_rotation
+from .answer import NEAREST, StopReason
 from .ranges import joint_ranges
-from .stop_reason import NEAREST, StopReason
 from .targets import Approach, Pose, Task
 
 if TYPE_CHECKING:
@@ -49,7 +49,8 @@ def explain(solution: IKSolution) -> str:
     lines = [f"asked of {solution.arm.name}: {solution.target.describe()}", f"reached: {reached(solution)}"]
     if not solution.converged:
         lines += why_not(solution)
-    lines.append(f"found by {solution.method}: {solution.iterations} iterations, {_counted(solution.restarts)}")
+    searches = "1 search" if solution.restarts == 1 else f"{solution.restarts} searches"
+    lines.append(f"found by {solution.method}: {solution.iterations} iterations, {searches}")
     return "\n".join(map(printable, [*lines, *(f"note: {note}" for note in solution.notes)]))
 
 
@@ -59,12 +60,12 @@ def why_not(solution: IKSolution) -> list[str]:
 
 
 def summary(solution: IKSolution) -> str:
-    """One line: what was asked, how far from it, the reason."""
+    """One line: what was asked, how far off the answer is, the reason."""
     return f"{solution.arm.name} does not meet {solution.target.describe()}: {reached(solution)}; {solution.stop.value}"
 
 
 def in_one_line(solution: IKSolution) -> str:
-    """What was asked, how far from it, the reason and its details."""
+    """What was asked, how far off the answer is, the reason and its details."""
     why = [printable(line) for line in _why(solution)]
     if why and why[0].startswith(solution.stop.value):
         return "; ".join([summary(solution).removesuffix(f"; {solution.stop.value}"), *why])
@@ -92,14 +93,14 @@ def reached(solution: IKSolution) -> str:
 
 
 def _hardly(error: float, tolerance: float, argument: str, unit: str) -> str:
-    """The tolerance and what widens it, where an error is little more than that."""
+    """The tolerance and the argument that widens it, for an error that is little more than the tolerance."""
     if error >= HARDLY * tolerance:
         return ""
     return f" (the tolerance is {quantity(tolerance, unit)}; {argument}= widens it)"
 
 
 def _traded(solution: IKSolution) -> str:
-    """The wider position tolerance with which a rotation is met that is missed where the position is met."""
+    """The wider position tolerance that lets the arm meet the rotation, where only the rotation is missed."""
     chain, target, met = solution.arm._compiled, solution.target, solution.tolerances
     if chain is None or solution.position_error > met.position or not len(target._position_tolerance):
         return ""
@@ -130,7 +131,7 @@ def _why(solution: IKSolution) -> list[str]:
 
 
 def at_bounds(solution: IKSolution) -> list[str]:
-    """The joints that stand at a bound, in words."""
+    """The joints at a bound, in words."""
     arm, lower, upper = solution.arm, solution.arm.limits.lower, solution.arm.limits.upper
     turns = joint_ranges(arm).turns
     words = []
@@ -143,7 +144,7 @@ def at_bounds(solution: IKSolution) -> list[str]:
 
 
 def _blocked(solution: IKSolution) -> list[str]:
-    """What the joints would need that their limits do not allow, and what is missed without limits too."""
+    """The joint values that the limits do not allow, and what is missed without limits too."""
     arm, theta, turns = solution.arm, solution.unlimited, joint_ranges(solution.arm).turns
     if theta is None:
         return []
@@ -177,7 +178,7 @@ def _missing(solution: IKSolution) -> list[str]:
 
 
 def _impossible(solution: IKSolution, theta: Array) -> list[str]:
-    """What of the rotation no joint can undo at theta (n,), and the plane that holds the approach."""
+    """The rotation that no joint can undo at theta (n,), and the plane that holds the approach."""
     arm, target = solution.arm, solution.target
     split = split_rotation(arm, target, theta)
     lacks = solution.stop is StopReason.IMPOSSIBLE_DIRECTION
@@ -186,14 +187,14 @@ def _impossible(solution: IKSolution, theta: Array) -> list[str]:
     held = "the position" if len(target._position_tolerance) else ""
     lines = [f"{cannot_turn(split.axis, 'tool', held)}; {_degrees(split.impossible)} of the rotation are missing"]
     plane = approach_plane(arm, target, theta)
-    if plane is not None and plane.angle > NEGLIGIBLE:
-        normal = axis_in_words(plane.normal, "base")
-        lines.append(f"the approach is {_degrees(plane.angle)} out of the arm's plane, which has the normal {normal}")
+    if plane is not None and plane[1] > NEGLIGIBLE:
+        normal = axis_in_words(plane[0], "base")
+        lines.append(f"the approach is {_degrees(plane[1])} out of the arm's plane, whose normal is {normal}")
     return lines
 
 
 def _missing_rotation(solution: IKSolution) -> list[str]:
-    """What is missing of the rotation and why, the larger part first; how far the position is out of reach for it."""
+    """The missing rotation and why, the larger part first, and how far the position is out of reach for it."""
     arm, target, theta = solution.arm, solution.target, solution.theta
     split = split_rotation(arm, target, theta)
     prevented, impossible = [], _impossible(solution, theta)
@@ -215,7 +216,3 @@ def _length(metres: float) -> str:
 def _degrees(radians: float) -> str:
     degrees = math.degrees(radians)
     return f"{degrees:.1f}°" if degrees >= 0.1 else f"{degrees:.2g}°"
-
-
-def _counted(searches: int) -> str:
-    return "1 search" if searches == 1 else f"{searches} searches"

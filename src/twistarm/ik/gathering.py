@@ -1,4 +1,4 @@
-"""Gathering: the roots of one target, found by whatever way there is, put into families and told as answers."""
+"""Gathering: the roots of one target by every way there is, put into families and listed as answers."""
 
 from __future__ import annotations
 
@@ -11,35 +11,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arm.arm import Arm
 from ..support.checks import Array, frozen
-from .all_answers import AllAnswers
-from .all_solutions import IKSolutions
+from .all_solutions import AllAnswers, IKSolutions
 from .batch import Progress
 from .certainty import is_exact
 from .closed_form.methods import Method
-from .closed_form.roots import (
-    DEPENDENT,
-    ROUNDED_DIRECTION,
-    ROUNDED_LIMIT,
-    Root,
-    corrected,
-    inside,
-    met,
-    roots,
-    rows_of,
-    self_motion,
-    twin,
-)
-from .closed_form.roots import copies as copied
+from .closed_form.roots import DEPENDENT, ROUNDED_DIRECTION, ROUNDED_LIMIT, Asked, Root, copies_inside
 from .deadline import Deadline
 from .ranges import holding, joint_ranges
 from .searches import searched
 from .self_motions import SelfMotions
 from .solution import IKSolution
 from .solve import solve_ik
-from .targets import AnyTarget
-from .task_space import Tolerances
 
 if TYPE_CHECKING:
     from .._core import AllAnswers as CoreAllAnswers
@@ -61,107 +44,104 @@ MOST_COMBINATIONS = 4096
 
 
 @dataclass(frozen=True, eq=False)
-class Gathering:
-    """What is asked: a target, near which configuration, how exactly, which joints are given, and until when.
+class Gathering(Asked):
+    """One task: a target, tolerances, the configuration to be near, the method and the deadline.
 
-    `progress` is told how many values and searches are done, and of how many. `rounded`: the tolerances are those of
-    rounded axes, which may miss the target in directions that exact ones need not move in.
+    `progress` gets the number of values and searches done, and their count. `rounded`: the tolerances are those of
+    rounded axes. Such axes may miss the target in directions in which exact ones need not move.
     """
 
-    arm: Arm
-    target: AnyTarget
     near: Array
-    tolerances: Tolerances
-    given: tuple[int, ...]
-    idle: tuple[int, ...]
+    method: Method
     deadline: Deadline
     progress: Progress | None
     rounded: bool = False
 
-    def compiled(self, method: Method, values: Array) -> CoreAllAnswers:
-        """What the core has found with the held joints at each of the values (k, h)."""
-        assert method.compiled is not None
+    def compiled(self, values: Array) -> CoreAllAnswers:
+        """What the core finds with the held joints at each of the values (k, h)."""
+        assert self.method.compiled is not None
         held, met = values if len(values) > 1 else None, self.tolerances
-        found = method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
+        found = self.method.compiled.solve(self.target.numbers, self.near, held, met.position, met.orientation)
         assert found is not None, "what was checked is plain"
         return found
 
-    def complete(self, method: Method) -> bool:
+    @property
+    def complete(self) -> bool:
         """Whether the method finds everything."""
-        return method.exact and not method.swept and not self.rounded and is_exact(self.tolerances)
+        return self.method.exact and not self.method.swept and not self.rounded and is_exact(self.tolerances)
 
-    def searches(self, method: Method) -> int:
-        """How many searches are made beside the method, or for want of one."""
-        if not method.there:
+    @property
+    def searches(self) -> int:
+        """The number of searches beside the method, or instead of one."""
+        if not self.method.there:
             return STARTS
-        lossy = method.rooted is not None or not method.exact or self.rounded
-        return BESIDE if lossy and not method.swept else 0
+        lossy = self.method.rooted is not None or not self.method.exact or self.rounded
+        return BESIDE if lossy and not self.method.swept else 0
 
-    def roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
+    def new_roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
         """The different answers among the candidates that are not known yet, until the time is up."""
         until = self.deadline.until(candidates)
         if not self.rounded:
-            return roots(self.arm, self.target, until, self.tolerances, held, known)
-        steady = map(self.as_near, until)
-        return roots(self.arm, self.target, steady, self.tolerances, held, known, ROUNDED_DIRECTION)
+            return self.roots(until, held, known)
+        return self.roots(map(self.as_near, until), held, known, ROUNDED_DIRECTION)
 
     @property
     def dependent(self) -> float:
-        """Singular values below this part of the largest are those of directions that move nothing at first."""
+        """Singular values below this part of the largest belong to directions that move nothing at first."""
         return ROUNDED_DIRECTION if self.rounded else DEPENDENT
 
     def as_near(self, theta: Array) -> Array:
-        """theta (n,) with theta0's value for joints that move nothing but by the rounding of the axes."""
-        size = np.linalg.norm(rows_of(self.arm, self.target, theta)[1], axis=0)
+        """theta (n,) with theta0's value for joints that move the tool only by the rounding of the axes."""
+        size = np.linalg.norm(self.rows(theta)[1], axis=0)
         return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
 
-    def solved(self, method: Method, values: Array) -> tuple[list[Root], int, int]:
-        """Roots with the held joints at each of the values (k, h); how many values, and how many had roots."""
-        found: list[Root] = []
+    def solved(self, values: Array) -> tuple[list[Root], int, int]:
+        """Roots with the held joints at each of the values (k, h), the number of values, and how many had roots."""
+        method, found = self.method, list[Root]()
         tries = hits = 0
         for each in self.deadline.until(values if method.there else ()):
             new: list[Root] = []
             exact = method.exact and not self.rounded
             for candidates in self.deadline.until(method.candidates(self.arm, self.target, self.near, each, exact)):
-                new += self.roots(candidates, method.held, new)
+                new += self.new_roots(candidates, method.held, new)
             held = {*method.idle, *method.swept}
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
             tries += 1
-            self.told_of(tries, len(values) + self.searches(method))
+            self.told_of(tries, len(values) + self.searches)
         return (found, tries, hits) if method.swept else (found, 0, 0)
 
-    def values_met(self, method: Method) -> Array:
-        """Values (k, h) of the joints held, k ≤ 1, in a configuration that a search has found: samples may miss all."""
+    def values_met(self) -> Array:
+        """Values (k, h), k ≤ 1, of the held joints in a configuration found by a search. Samples may miss all."""
         found = self.one_search()
-        return found.theta[None, list(method.held)][: int(found.converged)]
+        return found.theta[None, list(self.method.held)][: int(found.converged)]
 
-    def within(self, method: Method) -> list[Root]:
-        """The answer of a search, which uses loose tolerances as a closed form, made for exact targets, does not."""
+    def within(self) -> list[Root]:
+        """A search's answer within loose tolerances: the closed form solves for exact answers alone."""
         found = self.one_search()
-        return [Root(found.theta, method.idle)] if found.converged else []
+        return [Root(found.theta, self.method.idle)] if found.converged else []
 
     def one_search(self) -> IKSolution:
-        """What `solve_ik` finds from theta0 with the given joints where they are to stand."""
-        arm = holding(self.arm, self.given, self.near)
+        """The solution of `solve_ik` from theta0, with the given joints held."""
+        arm = holding(self.arm, self.method.given, self.near)
         return solve_ik(arm, self.target, self.near, **self.tolerances.keywords, max_time=self.deadline.left)
 
     def told_of(self, done: int, count: int) -> None:
-        """Whoever asked hears how far it is."""
+        """Report the progress to the caller."""
         if self.progress is not None:
             self.progress(done, count)
 
-    def held_values(self, method: Method, count: int) -> Array:
-        """Values (k, h) of the joints held: those given, theta0's of idle ones, and a grid of the others."""
-        while count ** len(method.swept) > MOST_COMBINATIONS:
+    def held_values(self, count: int) -> Array:
+        """Values (k, h) of the held joints: given ones, theta0's of idle ones, and a grid of the others."""
+        while count ** len(self.method.swept) > MOST_COMBINATIONS:
             count -= 1
-        grid = {i: self._with_near(i, self._spread(i, count)) for i in method.swept}
-        choices = [grid.get(i, np.array([self.stand[i]])) for i in method.held]
+        grid = {i: self._with_near(i, self._spread(i, count)) for i in self.method.swept}
+        choices = [grid.get(i, np.array([self.stand[i]])) for i in self.method.held]
         combinations = list(itertools.product(*choices))
-        return np.array(combinations).reshape(len(combinations), len(method.held))
+        return np.array(combinations).reshape(len(combinations), len(self.method.held))
 
     def _spread(self, joint: int, count: int) -> Array:
-        """Values over the range of a joint, an unbounded one's about theta0; no angle twice."""
+        """Different values over the range of a joint, or about theta0 for an unbounded one."""
         lower, upper = self.arm.limits.lower[joint], self.arm.limits.upper[joint]
         half = 0.5 if self.arm.units[joint] == "m" else np.pi
         lower = lower if np.isfinite(lower) else self.near[joint] - half
@@ -171,14 +151,14 @@ class Gathering:
         return np.linspace(lower, end, count, endpoint=not whole)
 
     def _with_near(self, joint: int, values: Array) -> Array:
-        """Those values of a joint, theta0's first, no two of which are the same angle."""
+        """Theta0's value of a joint, followed by the values that are another angle."""
         apart = values - self.near[joint]
         if joint_ranges(self.arm).periodic[joint]:
             apart = (apart + np.pi) % (2.0 * np.pi) - np.pi
         return np.append(self.near[joint], values[np.abs(apart) > ROUNDED_LIMIT])
 
     def searched(self, count: int, known: list[Root], before: int) -> tuple[list[Root], int, int]:
-        """Roots from many starts that are not known yet, how many searches were run, and how many met the target.
+        """New roots from `count` starts, the number of searches, and how many met the target.
 
         `before`: how many values of `progress` are done.
         """
@@ -192,42 +172,45 @@ class Gathering:
         if self.deadline.passed:
             return [], 0, 0
         targets = [self.target] * len(starts)
-        arm = holding(self.arm, self.given, self.near)
+        arm = holding(self.arm, self.method.given, self.near)
         done = searched(arm, targets, starts, max_time=self.deadline.left, progress=progress)
         counted = done.converged & (done.exact | self.rounded)
-        return self.roots(done.met, self.given, known), done.run, int(counted.sum())
+        return self.new_roots(done.met, self.method.given, known), done.run, int(counted.sum())
 
     @cached_property
     def stand(self) -> Array:
-        """theta0's values (n,), or the limits beyond which these are."""
+        """theta0's values (n,), clipped to the limits."""
         return np.clip(self.near, self.arm.limits.lower, self.arm.limits.upper)
 
     @cached_property
     def motions(self) -> SelfMotions:
-        """Along which answers may move; what an idle joint does tells none apart."""
-        still = (*self.given, *self.idle)
-        return SelfMotions(self.arm, self.target, still, self.tolerances, self.deadline, self.dependent)
+        """The self-motions of the answers. Idle joints do not tell answers apart."""
+        still = (*self.method.given, *self.method.idle)
+        return SelfMotions(self.arm, self.target, self.tolerances, still, self.deadline, self.dependent)
 
     def alone(self, root: Root) -> bool:
-        """Whether it belongs to no continuous family, but for what idle joints do."""
+        """Whether a root belongs to no continuous family, apart from the motions of idle joints."""
         return {*self.motions.still}.issuperset(root.free)
 
     def families(self, found: list[Root]) -> list[list[Root]]:
-        """The roots, those together that lie on one self-motion."""
+        """The roots, those of one self-motion together."""
         moving = [root for root in found if not self.alone(root)]
         places = self.motions.families([root.theta for root in moving])
         return [[root] for root in found if self.alone(root)] + [[moving[i] for i in each] for each in places]
 
-    def brought_inside(self, families: list[list[Root]], held: tuple[int, ...]) -> bool:
-        """Add a member that keeps a joint at theta0's value to each family, and one inside where none is yet.
+    def brought_inside(self, families: list[list[Root]]) -> bool:
+        """Add to each family a member with a joint at theta0's value, and one inside the limits where it has none yet.
 
-        Whether every family was met inside: where searches along it find nothing, there may be something yet.
+        The result says whether every family was met inside. If not, searches along it found nothing, but there may be
+        one.
         """
         all_seen = True
         for members in families:
             if self.alone(members[0]) or self.deadline.passed:
                 continue
-            if not {*held}.issuperset(members[0].free) and all(self.inside(root) is None for root in members):
+            if not {*self.method.held}.issuperset(members[0].free) and all(
+                self.inside(root) is None for root in members
+            ):
                 along = [root for root in self.along(members[0], members) if self.inside(root) is not None]
                 passed = self.motions.passed(members[0].theta, [root.theta for root in along])
                 members += [along[i] for i in passed]
@@ -236,7 +219,7 @@ class Gathering:
         return all_seen
 
     def keeping(self, members: list[Root]) -> list[Root]:
-        """Of a family a member with a free joint at theta0's value, the first that can; none where there is one."""
+        """The first member of a family that can keep a free joint at theta0's value; none where the family has one."""
         free = [i for i in members[0].free if i not in self.motions.still]
         there = [theta for root in members if (theta := self.inside(root)) is not None]
         if any(self.at_start(theta, free) for theta in there):
@@ -246,22 +229,18 @@ class Gathering:
             begin = known[int(np.argmin(np.abs(known[:, i] - self.stand[i])))]
             theta = np.array(begin)
             theta[i] = self.stand[i]
-            theta = corrected(self.arm, self.target, theta, (*self.motions.still, i), self.dependent)
+            theta = self.corrected(theta, (*self.motions.still, i), self.dependent)
             root = Root(theta, members[0].free)
-            if (
-                met(self.arm, self.target, theta, self.tolerances)
-                and self.inside(root) is not None
-                and self.motions.together(theta, begin)
-            ):
+            if self.met(theta) and self.inside(root) is not None and self.motions.together(theta, begin):
                 return [root]
         return []
 
     def at_start(self, theta: Array, joints: Sequence[int]) -> int:
-        """How many of the joints stand at theta0's value."""
+        """How many of the joints are at theta0's value."""
         return int((np.abs(theta - self.stand)[list(joints)] <= KEPT).sum())
 
     def along(self, root: Root, known: list[Root]) -> list[Root]:
-        """New roots from starts that differ from this one in the joints that are free."""
+        """New roots from starts that differ from this one in the free joints."""
         lower, upper = self.arm.sampling_bounds
         starts = np.tile(np.clip(root.theta, lower, upper), (IN_FAMILY, 1))
         free = list(root.free)
@@ -269,40 +248,42 @@ class Gathering:
         return self.from_starts(starts, known)[0]
 
     def inside(self, root: Root) -> Array | None:
-        """The root inside the limits, if it is there."""
-        return inside(self.arm, self.target, root.theta, self.near, self.tolerances)
+        """The root inside the limits, or None."""
+        return self.inside_limits(root.theta, self.near)
 
     def distance(self, theta: Array) -> float:
-        """From theta0."""
-        return distance(self.arm, theta, self.near)
+        """The largest joint difference from theta0, in shares of the joint's range, 2π or 1 m where it has none."""
+        span = self.arm.limits.upper - self.arm.limits.lower
+        usual = np.where(np.array(self.arm.units) == "m", 1.0, 2.0 * np.pi)
+        shares = np.abs(theta - self.near) / np.where(np.isfinite(span) & (span > 0.0), span, usual)
+        return float(shares.max(initial=0.0))
 
     def entry(self, members: list[Root], swept: bool) -> Entry:
-        """One answer, or one family by the member that keeps most joints at theta0's value, the nearest of these."""
+        """An answer, or a family by one member: most joints at theta0's value, then the nearest."""
         there = [theta for root in members if (theta := self.inside(root)) is not None]
         free = {i for root in members for i in root.free}
         own = [i for i in free if i not in self.motions.still]
         there.sort(key=lambda theta: (-self.at_start(theta, own), self.distance(theta)))
         first = there[0] if there else members[0].theta
         if swept and not self.deadline.passed:
-            free |= {*self_motion(self.arm, self.target, first, self.tolerances, self.motions.still, self.dependent)}
+            free |= {*self.self_motion(first, self.motions.still, self.dependent)}
         moving = np.array([i in free for i in range(self.arm.n)])
         return Entry(first, moving, there, self.distance(first))
 
-    def told(
-        self, method: Method, families: list[list[Root]], copies: bool, tries: tuple[int, int], all_seen: bool
-    ) -> IKSolutions:
-        """The answers inside the limits, nearest first, and those outside; twins are one."""
+    def told(self, families: list[list[Root]], copies: bool, tries: tuple[int, int], all_seen: bool) -> IKSolutions:
+        """The answers inside the limits, nearest first, then those outside. Twins are one answer."""
         arm, kept = self.arm, list[Entry]()
-        entries = [self.entry(members, bool(method.swept)) for members in families]
+        entries = [self.entry(members, bool(self.method.swept)) for members in families]
         for each in sorted(entries, key=lambda entry: (not entry.inside, entry.distance)):
-            i = twin(arm, self.target, each.theta, [other.theta for other in kept], self.tolerances)
+            i = self.twin(each.theta, [other.theta for other in kept])
             if i is None:
                 kept.append(each)
             else:
-                kept[i].take(each)
+                np.logical_or(kept[i].moving, each.moving, out=kept[i].moving)
+                kept[i].inside.extend(each.inside)
         within = [entry for entry in kept if entry.inside]
         if copies:
-            more = [(theta, entry) for entry in within for theta in copied(arm, entry.theta)]
+            more = [(theta, entry) for entry in within for theta in copies_inside(arm, entry.theta)]
             within = [Entry(theta, entry.moving, [theta], self.distance(theta)) for theta, entry in more]
             within.sort(key=lambda entry: entry.distance)
         every = [*within, *(entry for entry in kept if not entry.inside)]
@@ -313,8 +294,8 @@ class Gathering:
         late = self.deadline.passed
         members = tuple(frozen(np.array(entry.inside)) for entry in within)
         return IKSolutions(
-            arm, found, members, method,
-            all_seen and not late and self.complete(method), self.target, self.tolerances, late, self.rounded,
+            arm, found, members, self.method,
+            all_seen and not late and self.complete, self.target, self.tolerances, late, self.rounded,
         )  # fmt: skip
 
 
@@ -326,15 +307,3 @@ class Entry:
     moving: NDArray[np.bool_]
     inside: list[Array]
     distance: float
-
-    def take(self, other: Entry) -> None:
-        """Make the other one with this."""
-        np.logical_or(self.moving, other.moving, out=self.moving)
-        self.inside.extend(other.inside)
-
-
-def distance(arm: Arm, theta: Array, near: Array) -> float:
-    """The largest joint difference, in shares of the joint's range, 2π or 1 m where it has none."""
-    span = arm.limits.upper - arm.limits.lower
-    usual = np.where(np.array(arm.units) == "m", 1.0, 2.0 * np.pi)
-    return float((np.abs(theta - near) / np.where(np.isfinite(span) & (span > 0.0), span, usual)).max(initial=0.0))

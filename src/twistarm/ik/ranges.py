@@ -25,8 +25,8 @@ Mask = NDArray[np.bool_]
 class JointRanges:
     """Limits `lower`, `upper` (n,), and which joints are `periodic`.
 
-    A periodic joint whose range holds a whole turn `turns` freely during a search: every angle then has a
-    representative inside the limits, so the search need not know them (`search_lower`, `search_upper` are ∓inf).
+    A periodic joint with a range of a whole turn `turns` freely during a search. Every angle then has a representative
+    inside the limits, so the search need not know them.
     """
 
     lower: Array
@@ -35,18 +35,8 @@ class JointRanges:
 
     @property
     def turns(self) -> Mask:
-        """Periodic joints whose range holds a whole turn."""
+        """Periodic joints with a range of a whole turn."""
         return self.periodic & (self.upper - self.lower >= TURN)
-
-    @property
-    def search_lower(self) -> Array:
-        """Lower bounds of a search, −inf where a joint turns freely."""
-        return np.where(self.turns, -np.inf, self.lower)
-
-    @property
-    def search_upper(self) -> Array:
-        """Upper bounds of a search, inf where a joint turns freely."""
-        return np.where(self.turns, np.inf, self.upper)
 
     def wrapped(self, theta: Array, near: Array) -> Array:
         """theta with every freely turning joint at its representative inside the limits nearest to `near`."""
@@ -60,13 +50,13 @@ class JointRanges:
         return np.clip(np.where(kept, turned, theta), self.lower, self.upper)
 
     def toward_middle(self, theta: Array) -> Array:
-        """theta (..., n) by whole turns as near to the middle of the limits as they go: so it is least outside."""
+        """theta (..., n) by whole turns as near to the middle of the limits as possible, where it is least outside."""
         bounded = np.isfinite(self.lower) & np.isfinite(self.upper)
         middle = 0.5 * (np.where(bounded, self.lower, 0.0) + np.where(bounded, self.upper, 0.0))
         return np.where(self.periodic, theta + TURN * np.round((middle - theta) / TURN), theta)
 
     def _turned_back(self, theta: Array) -> Array:
-        """theta less the whole turns by which it lies outside; a hair outside, by rounding, is left."""
+        """theta without the whole turns by which it lies outside. A hair outside, by rounding, stays."""
         below = np.ceil(np.maximum(self.lower - theta, 0.0) / TURN - WHOLE_TURN_TOL)
         above = np.ceil(np.maximum(theta - self.upper, 0.0) / TURN - WHOLE_TURN_TOL)
         turned: Array = theta + TURN * (below - above)
@@ -84,12 +74,12 @@ def joint_ranges(arm: Arm) -> JointRanges:
 
 
 def standing(arm: Arm) -> tuple[int, ...]:
-    """The joints whose limits are one value, at which they stand."""
+    """The joints with limits of one value."""
     return tuple(np.flatnonzero(arm.limits.lower == arm.limits.upper).tolist())
 
 
 def holding(arm: Arm, joints: tuple[int, ...], theta: Array) -> Arm:
-    """The arm with these joints where they stand in theta (n,), or at the limit beyond which that is."""
+    """The arm with these joints held at their values in theta (n,), clipped to the limits."""
     there = np.clip(theta, arm.limits.lower, arm.limits.upper)
     values = {arm.joint_names[i]: float(there[i]) for i in joints}
     return replace(arm, limits=arm.limits.with_({"lower": values, "upper": values}, arm.joint_names)) if joints else arm
@@ -98,8 +88,8 @@ def holding(arm: Arm, joints: tuple[int, ...], theta: Array) -> Arm:
 def periodic(screws: Array, A: Array) -> Mask:
     """Which columns of theta (n,) move nothing in 2π: e^{ξ̂ 2π a} = I for each of its joints' screws ξ, multiplier a.
 
-    That is so for pure rotations (w ≠ 0, wᵀv = 0) making a whole number ‖w‖ a of turns, and for nothing else: a slide
-    goes on, a helical joint advances, a follower at half speed has made half a turn.
+    That holds for pure rotations (w ≠ 0, wᵀv = 0) that make a whole number ‖w‖ a of turns, and for nothing else. A
+    slide goes on, a helical joint advances, a follower at half speed makes half a turn.
     """
     v, w = screws[:3], screws[3:]
     rate = np.linalg.norm(w, axis=0)

@@ -1,4 +1,4 @@
-"""Arguments of a solver besides the target, checked before it begins."""
+"""The arguments of a solver besides the target, checked before it begins."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ POSTURES = ("theta0", "middle")
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """How to solve, beside the target: start theta0 and preferred `posture`, (n,) or, for a batch, also (N, n)."""
+    """How to solve, besides the target: start theta0 and preferred `posture`, (n,) or, for a batch, also (N, n)."""
 
     theta0: Array
     posture: Array | None
@@ -38,16 +38,16 @@ class Request:
 
     @property
     def for_core(self) -> tuple[Array, float, float, int, int, float | None, Array | None]:
-        """The same in the order in which the compiled core takes it, after the target's kind and numbers."""
+        """The request in the order of the compiled core's arguments, after the target's kind and numbers."""
         seconds = None if math.isinf(self.max_time) else self.max_time
         met = self.tolerances
         return self.theta0, met.position, met.orientation, self.restarts, self.seed, seconds, self.posture
 
 
 def named(arm: Arm, given: Any, start: Any = None) -> Any:
-    """The configuration that a name stands for: one of the arm's poses, or one of POSTURES, given the start.
+    """The configuration with a name: one of the arm's poses, or, given the start, one of POSTURES.
 
-    Anything else, names that are none too, comes back as it is.
+    Anything else comes back unchanged, unknown names too.
     """
     if isinstance(given, str):
         if start is not None and given in POSTURES:
@@ -68,9 +68,9 @@ def checked(
     max_time: float | None,
     count: int | None = None,
 ) -> Request:
-    """The arguments of a call as a `Request`; InputError for what cannot be a start, a tolerance, a number of searches.
+    """The arguments of a call as a `Request`. InputError for an unusable start, posture, tolerance or count.
 
-    `count`: that of a batch, whose starts may be one for all (n,), or one for each (count, n).
+    `count`: the size of a batch. It has one start for all (n,), or one for each (count, n).
     """
     searches = as_whole(restarts, "restarts", 1, MAX_RESTARTS)
     start = _start(arm, theta0, count)
@@ -106,7 +106,7 @@ def _each(arm: Arm, count: int | None) -> str:
 
 
 def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int | None) -> Array | None:
-    """Where a redundant arm would rather be."""
+    """The preferred configuration of a redundant arm."""
     if posture is None:
         return None
     known = named(arm, posture, start)
@@ -122,7 +122,7 @@ def _posture(arm: Arm, posture: ArrayLike | str | None, start: Array, count: int
 
 
 def as_tolerance(value: float, name: str) -> float:
-    """A tolerance; InputError for what is no number or too small."""
+    """A tolerance. InputError for a value that is not a number, or is too small."""
     number = as_floats(value, name)
     if number.ndim or not number >= LEAST_TOLERANCE:
         raise InputError(f"{name} must be one number, at least {LEAST_TOLERANCE:g}; got {shown(value)}")

@@ -1,4 +1,4 @@
-"""Searches for many targets, in the compiled core where the arm is in it, else one after the other."""
+"""Searches for many targets: in the compiled core, or one after the other where the arm is not in it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ USUAL = Tolerances(1e-6, 1e-6)
 
 
 class Searched(NamedTuple):
-    """Where each search ended (k, n), whether that meets its target, whether exactly (k,); how many were run."""
+    """The ends of searches (k, n), whether each meets its target, whether exactly (k,), and the number of searches."""
 
     theta: Array
     converged: NDArray[np.bool_]

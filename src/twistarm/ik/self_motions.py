@@ -1,4 +1,4 @@
-"""Self-motions: which answers lie on one connected family, followed from one to the other along the null space."""
+"""Self-motions: which answers lie on one connected family. A walk along the null space leads from one to the other."""
 
 from __future__ import annotations
 
@@ -9,13 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arm.arm import Arm
 from ..support.checks import Array
-from .closed_form.roots import DEPENDENT, apart, corrected, met, rows_of
+from .closed_form.roots import DEPENDENT, Asked, apart
 from .deadline import Deadline
 from .ranges import TURN, joint_ranges
-from .targets import AnyTarget
-from .task_space import Tolerances
 
 STEP = 0.2
 """[rad, m] along a self-motion, the norm over the joints."""
@@ -45,16 +42,13 @@ ENOUGH = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class SelfMotions:
-    """How the arm moves while the target stays met, its joints `still` apart.
+class SelfMotions(Asked):
+    """The motions of the arm that keep the target met, with the joints `still` at rest.
 
-    Singular values below the part `dependent` of the largest are those of directions that move nothing at first.
+    Singular values below the part `dependent` of the largest belong to directions that move nothing at first.
     """
 
-    arm: Arm
-    target: AnyTarget
     still: tuple[int, ...]
-    tolerances: Tolerances
     deadline: Deadline
     dependent: float = DEPENDENT
 
@@ -63,7 +57,7 @@ class SelfMotions:
         return [i for i in range(self.arm.n) if i not in self.still]
 
     def families(self, members: Sequence[Array]) -> list[list[int]]:
-        """The places of those that lie on one connected self-motion; two that no way was found between stay apart."""
+        """The places of those that lie on one connected self-motion. Two without a way between them stay apart."""
         thetas = np.array(members).reshape(-1, self.arm.n)
         thetas = np.where(joint_ranges(self.arm).periodic, thetas % TURN, thetas)
         family = np.arange(len(thetas))
@@ -83,7 +77,7 @@ class SelfMotions:
         return [np.flatnonzero(family == first).tolist() for first in np.unique(family)]
 
     def _join_along(self, thetas: Array, family: NDArray[np.intp], first: int) -> None:
-        """Join to the family of this member all that lie on its self-motion."""
+        """Join all members on one self-motion to the family of this one."""
         others = np.flatnonzero(family > first)
         if not len(others):
             return
@@ -99,12 +93,12 @@ class SelfMotions:
                 family[family == other] = first
 
     def together(self, a: Array, b: Array, steps: int = LONG) -> bool:
-        """Whether a way along the self-motion, of so many steps at most, leads from a to b, (n,)."""
+        """Whether a way along the self-motion, of at most so many steps, leads from a to b, (n,)."""
         left = apart(self.arm, b, a)
         if np.abs(left).max(initial=0.0) < NEARBY:
             halfway = a + 0.5 * left
-            between = corrected(self.arm, self.target, halfway, self.still, self.dependent, ENOUGH)
-            if np.linalg.norm(between - halfway) <= BENT * np.linalg.norm(left) and self._met(between):
+            between = self.corrected(halfway, self.still, self.dependent, ENOUGH)
+            if np.linalg.norm(between - halfway) <= BENT * np.linalg.norm(left) and self.met(between):
                 return True
         x, along = a, left
         for _ in range(steps):
@@ -125,9 +119,9 @@ class SelfMotions:
         return False
 
     def passed(self, start: Array, goals: Sequence[Array]) -> set[int]:
-        """The places of the goals, (n,) each, that lie on the curve through the start (n,), both ways until it closes.
+        """The places of the goals, (n,) each, on the curve through the start (n,), both ways until it closes.
 
-        Where the start may move in several ways, those to which a way leads.
+        Where the start may move in several ways: the places of the goals that a way leads to.
         """
         if len(self._tangents(start)) != 1:
             return {i for i in self.deadline.until(range(len(goals))) if self.together(start, goals[i], LONG // 4)}
@@ -149,31 +143,28 @@ class SelfMotions:
         return found
 
     def _on(self, x: Array, along: Array, length: float) -> Array | None:
-        """The member (n,) a step on in the direction `along`; None where the motion ends."""
+        """The member (n,) one step on in the direction `along`. None where the motion ends."""
         size = float(np.linalg.norm(along))
         if size < 1e-9:
             return None
         for share in (1.0, 0.25):
             step = share * min(length, STEP)
-            on = corrected(self.arm, self.target, x + step / size * along, self.still, self.dependent, ENOUGH)
-            if 0.5 * step <= np.linalg.norm(on - x) <= 1.5 * step and self._met(on):
+            on = self.corrected(x + step / size * along, self.still, self.dependent, ENOUGH)
+            if 0.5 * step <= np.linalg.norm(on - x) <= 1.5 * step and self.met(on):
                 return on
         return None
 
     def _away(self, thetas: Array, theta: Array) -> Array:
-        """The largest joint differences (k,) of thetas (k, n) from theta (n,), less whole turns."""
+        """The largest joint differences (k,) of thetas (k, n) from theta (n,), without whole turns."""
         left = np.abs(thetas - theta)
         turns = joint_ranges(self.arm).periodic
         left[:, turns] = np.minimum(left[:, turns], np.abs(TURN - left[:, turns]))
         largest: Array = left.max(axis=1, initial=0.0)
         return largest
 
-    def _met(self, theta: Array) -> bool:
-        return met(self.arm, self.target, theta, self.tolerances)
-
     def _tangents(self, theta: Array) -> Array:
         """The directions (d, n) that move nothing at first, orthonormal."""
-        J = rows_of(self.arm, self.target, theta)[1][:, self._moving]
+        J = self.rows(theta)[1][:, self._moving]
         _, size, Vt = np.linalg.svd(J)
         rank = int((size > self.dependent * size.max(initial=1e-300)).sum())
         tangents = np.zeros((len(Vt) - rank, self.arm.n))

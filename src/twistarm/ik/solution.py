@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,10 +14,9 @@ from ..support.display import told
 from ..support.errors import NotConvergedError
 from ..support.unit_hints import theta_hint
 from ..support.vector_words import value_in_words
-from .answer import FIELDS, Answer
+from .answer import CLOSED_FORM, DAMPED, FIELDS, NEAREST, STOPS, Answer, StopReason
 from .explain import explain, summary
 from .ranges import joint_ranges
-from .stop_reason import CLOSED_FORM, DAMPED, NEAREST, STOPS, StopReason
 from .targets import AnyTarget, target_of
 from .task_space import Tolerances
 
@@ -48,31 +48,29 @@ WITHOUT_CORE = (
 )
 
 
+@dataclass(eq=False, repr=False, slots=True)
 class IKSolution:
-    """The answer to one target; it cannot be changed, and what costs time is computed when it is asked for."""
+    """The answer to one target, which cannot be changed. It computes what costs time only when you ask for it."""
 
-    __slots__ = ("_answer", "_arm", "_target")
-
-    def __init__(self, arm: Arm, answer: Answer, target: AnyTarget | None = None) -> None:
-        self._arm = arm
-        self._answer = answer
-        self._target = target
+    _arm: Arm
+    _answer: Answer
+    _target: AnyTarget | None = None
 
     @property
     def arm(self) -> Arm:
-        """Whose configuration theta is."""
+        """The arm that was solved for."""
         return self._arm
 
     @property
     def target(self) -> AnyTarget:
-        """What was asked."""
+        """The target that was solved for."""
         if self._target is None:
             self._target = target_of(int(self._answer.kind), self._answer.numbers)
         return self._target
 
     @property
     def tolerances(self) -> Tolerances:
-        """What was to count as met; `rounded` answers miss it by no more than the arm's `rounding`."""
+        """The tolerances of the call; a `rounded` answer may miss by the arm's `rounding` instead."""
         return Tolerances(float(self._answer.position_tol), float(self._answer.orientation_tol))
 
     @property
@@ -86,17 +84,17 @@ class IKSolution:
 
     @property
     def unlimited(self) -> Array | None:
-        """(n,) where limits block: an answer without them, or else what comes nearest, the position first."""
+        """(n,) where limits block: an answer without them, or what comes nearest, the position first. Else None."""
         return self._answer.unlimited if self._answer.has_unlimited else None
 
     @property
     def position_error(self) -> float:
-        """[m], from forward kinematics at theta, of what the target constrains."""
+        """[m], from forward kinematics at theta, in what the target constrains."""
         return float(self._answer.position_error)
 
     @property
     def orientation_error(self) -> float:
-        """[rad], from forward kinematics at theta, of what the target constrains."""
+        """[rad], from forward kinematics at theta, in what the target constrains."""
         return float(self._answer.orientation_error)
 
     @property
@@ -106,17 +104,17 @@ class IKSolution:
 
     @property
     def iterations(self) -> int:
-        """Steps of the search that found theta; of all of them where none did."""
+        """Steps of the search that found theta; of all searches where none did."""
         return int(self._answer.iterations)
 
     @property
     def restarts(self) -> int:
-        """Searches that were run, the one from theta0 included."""
+        """Number of searches, the one from theta0 included."""
         return int(self._answer.restarts)
 
     @property
     def method(self) -> str:
-        """What found theta: a damped search, the search for the nearest configuration, or the closed form."""
+        """The method that found theta: a damped search, the search for the nearest, or the closed form."""
         if self._answer.by_closed_form:
             return CLOSED_FORM
         return NEAREST if self._answer.nearest else DAMPED
@@ -133,17 +131,17 @@ class IKSolution:
 
     @property
     def converged(self) -> bool:
-        """Whether the target is met to the tolerances, or but for the rounding of the arm's axes (`rounded`)."""
+        """Whether the target is met to the tolerances, or to the rounding of the arm's axes (`rounded`)."""
         return bool(self._answer.stop == 0)
 
     @property
     def rounded(self) -> bool:
-        """Whether the target is met but for the rounding of the arm's axes: `notes` says by how much it is missed."""
+        """Whether only the rounding of the arm's axes allows the answer: `notes` says by how much it misses."""
         return self.converged and not self.tolerances.met(self.position_error, self.orientation_error)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the caller should know: rounded axes, joints of theta0 brought inside, another branch, no core."""
+        """Notes on the answer: rounded axes, joints of theta0 brought inside, another branch, no core."""
         notes = self._moved_starts() if self._answer.start_moved else []
         notes += [self._other_branch()] if self._answer.other_branch else []
         notes += [missed_by_rounding(self.position_error, self.orientation_error)] if self.rounded else []
@@ -152,11 +150,11 @@ class IKSolution:
         return tuple(notes if self.converged or self._arm._compiled is not None else [*notes, WITHOUT_CORE])
 
     def explain(self) -> str:
-        """What was asked, what was reached, why not more, in plain words, line by line. Computed when called."""
+        """What was asked, what was reached and why not more, line by line. Computed when called."""
         return explain(self)
 
     def require(self) -> Array:
-        """theta (n,), or NotConvergedError, which carries this solution, where the target is not met."""
+        """theta (n,). Raises NotConvergedError, which carries this solution, where the target is not met."""
         if self.converged:
             return self.theta
         raise NotConvergedError(f"{summary(self)}; solution.explain() says more", self)

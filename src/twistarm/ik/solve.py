@@ -1,4 +1,4 @@
-"""`solve_ik`: an exact answer where there is one; where there is none, the nearest and the reason."""
+"""`solve_ik`: an exact answer where there is one; else the nearest and the reason."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
 from . import textbook
-from .answer import Answer
 from .certainty import settled
 from .request import checked, named
 from .solution import IKSolution
@@ -30,21 +29,19 @@ def solve_ik(
 ) -> IKSolution:
     """Inverse kinematics: joint coordinates inside the limits that bring the tool to `target`.
 
-    The first search begins at `theta0`, brought inside the limits, the others at starts that depend on the seed `rng`
+    The first search begins at `theta0`, brought inside the limits. The starts of the others depend on the seed `rng`
     and their number alone: the same call gives the same bits, unless `max_time` cuts it short. Joints that may turn for
-    ever come back as near to theta0 as the limits allow. Where searches find a configuration within 0.2 rad (0.2 m) of
-    theta0 that meets the target, it is the answer. For a target within 2 cm and 3° of the pose of theta0 it is else the
-    nearest that they find, and `notes` says so.
+    ever come back as near to theta0 as the limits allow. A configuration within 0.2 rad (0.2 m) of theta0 that meets
+    the target is the answer, where a search finds one. Otherwise, for a target within 2 cm and 3° of the pose of
+    theta0, the answer is the nearest that the searches find, and `notes` says so.
 
     The searches look for a configuration within both tolerances, not for an exact one. An arm whose axes a CAD export
-    has rounded also meets what it misses by at most `arm.rounding`; `rounded` and `notes` say so.
+    has rounded may also miss by up to `arm.rounding`. `rounded` and `notes` say so.
 
-    `posture` is where a redundant arm would rather stand while it meets the target. The answer is then moved in the
-    null space to a minimum of ‖θ − posture‖².
+    A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 
-    A target that cannot be met is no error: the solution is then the nearest configuration (the least position error
-    inside the limits, then the least rotation error with the position held), `stop` says why, `explain()` says it
-    in words.
+    A target that cannot be met is no error. The solution is then the nearest configuration: the least position error
+    inside the limits, then the least rotation error with the position held. `stop` and `explain()` say why.
 
     Args:
         arm: The arm.
@@ -74,22 +71,19 @@ def solve_ik(
         if answer is not None:
             if answer.stop == 0:
                 return IKSolution(arm, answer, given)
-            return _settled(arm, answer, Pose(np.asarray(target)) if given is None else given)
+            given = given or Pose(np.asarray(target))
+            return IKSolution(arm, settled(arm, given, answer), given)
     asked = checked_target(arm, target)
     request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
     if chain is None:
         return IKSolution(arm, textbook.solve(arm, asked, request), asked)
     answer = chain.solve(asked.kind, asked.numbers, *request.for_core)
     assert answer is not None, "what was refused is plain now"
-    return _settled(arm, answer, asked)
-
-
-def _settled(arm: Arm, answer: Answer, target: AnyTarget) -> IKSolution:
-    return IKSolution(arm, settled(arm, target, answer), target)
+    return IKSolution(arm, settled(arm, asked, answer), asked)
 
 
 def as_given(arm: Arm, target: Any) -> AnyTarget | None:
-    """A target with its tool axis; None for what is no target yet."""
+    """A target with its tool axis. None for a value that is not a target yet."""
     if not isinstance(target, KINDS):
         return None
     return target.of(arm) if isinstance(target, Approach) else target

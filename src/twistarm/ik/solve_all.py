@@ -12,17 +12,17 @@ from ..arm.arm import Arm, require_arm
 from ..support.caller_words import quantity
 from ..support.checks import as_flag, as_number, as_whole, require_callback
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
-from .all_answers import roots_in
 from .all_solutions import IKSolutions
 from .batch import Progress
 from .certainty import is_exact
-from .closed_form.methods import Method, closest_miss_of, known_method, method_for
+from .closed_form.methods import closest_miss_of, known_method, method_for
+from .closed_form.roots import Root
 from .deadline import Deadline
 from .gathering import Gathering
 from .ranges import standing
 from .request import checked
 from .solve import as_given
-from .targets import AnyTarget, Approach, Pose, TargetLike, checked_target
+from .targets import Approach, Pose, TargetLike, checked_target
 from .task_space import Tolerances
 
 DEFAULT_SAMPLES = 32
@@ -44,39 +44,39 @@ def solve_ik_all(
 ) -> IKSolutions:
     """Every configuration inside the limits that meets `target`, verified, nearest to `theta0` first.
 
-    Nearest by the largest joint difference, in shares of the joint's range (2π or 1 m where it has none).
+    Distance is the largest joint difference, in shares of the joint's range (2π or 1 m where it has none).
 
-    By the closed form of the arm's family (a group of joints whose axes meet in a point or are parallel, at most three
-    joints beside it), or, for five or six joints that turn, by elimination (an eigenvalue problem, for whatever axes);
-    each answer is corrected by Newton's method until forward kinematics meets the target to rounding, and kept only if
-    it does. Where there is neither, searches from many starts are tried, and `complete` is False.
+    The closed form solves an arm's family: a group of joints whose axes meet in a point or are parallel, and at most
+    three joints beside it. Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their
+    axes. Newton's method corrects each answer until forward kinematics meets the target to rounding. Others are
+    dropped. Where neither applies, searches from many starts are tried, and `complete` is False.
 
     A `Pose` takes arms of up to six joints, an `Approach` of up to five, a `Position` of up to three. Arms with fewer
-    meet the targets that fit them; `explain()` says how far off another is. Where there are more joints than the target
-    determines, `given` holds some at values of your own; else they are held at `samples` values over their range. A
-    joint that only rolls the tool about an `Approach`'s axis keeps theta0's value. Two answers less than 0.01 rad or m
-    apart are one where halfway between them the target is met too; that of a stretched arm is one. What lies on one
-    connected self-motion is one answer, which keeps a free joint at theta0's value where it can.
+    joints meet the targets that fit them; `explain()` says how far off another is. An arm with more joints than the
+    target determines holds some: at the values in `given`, else at `samples` values over their range. A joint that only
+    rolls the tool about an `Approach`'s axis keeps theta0's value.
+
+    Two answers less than 0.01 rad or m apart are one if the target is also met halfway between them, as for a stretched
+    arm. The answers on one connected self-motion are one answer, which keeps a free joint at theta0's value where it
+    can.
 
     Sources: MLS §3.3; Pieper 1968; Elias & Wen, IK-Geo, 2022; Raghavan & Roth 1993.
 
     Args:
         arm: The arm.
-        target: `Pose`, `Position`, `Approach` or a pose (4, 4); of a `Task` only a search is made.
+        target: `Pose`, `Position`, `Approach` or pose (4, 4); a `Task` is only searched for.
         theta0: Configuration (n,) [rad, m] from which distances are counted, by default `arm.ready`.
-        given: {joint: value} [rad, m] of joints that are to stand there.
-        samples: Number of values of each joint that is held, in (0, 1000]; at most 4,096 combinations are tried.
+        given: {joint: value} [rad, m] of joints to hold there.
+        samples: Number of values of each other joint that is held, in (0, 1000]; at most 4,096 combinations.
         copies: Whether configurations that differ by whole turns count as different, inside the limits.
         closed_form: Whether to raise NoClosedFormError rather than to search.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
-        max_time: Greatest time [s], of which a microsecond's closed form takes no notice; None for no limit.
-        progress: Called with how many of the values of sampled joints and of the searches are done, and of how many,
-            or None.
+        max_time: Greatest time [s], which a closed form of a microsecond ignores; None for no limit.
+        progress: Called with the number of sampled values and searches that are done, and with their count, or None.
 
-    Returns:
-        The `IKSolutions`: theta (k, n), k ≥ 0, and whether these are all. Where the time was up before, what was found,
-        `complete` False and `timed_out` True.
+    Returns: The `IKSolutions`: theta (k, n), k ≥ 0, and whether these are all. When the time is up it holds what was
+    found, with `complete` False and `timed_out` True.
 
     Raises:
         InputError: The target, theta0, a given value or a number cannot be used.
@@ -98,62 +98,65 @@ def solve_ik_all(
     stands = given_joints(arm, given)
     method = method_for(arm, asked, tuple(stands))
     if closed_form and method.family is None:
-        raise NoClosedFormError(_none(arm, asked, method))
+        miss = f"{closest_miss_of(arm, method)[1]}; elimination solves it numerically, without closed_form=True"
+        raise NoClosedFormError(f"{arm.name} has no closed form for a {type(asked).__name__}: {method.reason or miss}")
     near = np.array(request.theta0)
     near[list(stands)] = list(stands.values())
     deadline = Deadline.after(request.max_time)
-    task = Gathering(arm, asked, near, request.tolerances, method.given, method.idle, deadline, progress)
-    return _in_two_passes(task, method, count, copies) if any(arm.rounding) else _answered(task, method, count, copies)
+    task = Gathering(arm, asked, request.tolerances, near, method, deadline, progress)
+    return _in_two_passes(task, count, copies) if any(arm.rounding) else _answered(task, count, copies)
 
 
-def _in_two_passes(task: Gathering, method: Method, count: int, copies: bool) -> IKSolutions:
-    """What is met exactly; where nothing is, what is met but for the rounding of the axes. Each is half of the way."""
+def _in_two_passes(task: Gathering, count: int, copies: bool) -> IKSolutions:
+    """The exact answers, or else those that only rounded axes allow. Each pass is half of the progress."""
     tell = task.progress or (lambda *_: None)
     exact = replace(task, progress=lambda done, of: tell(done, 2 * of))
-    answer = _answered(exact, method, count, copies)
+    answer = _answered(exact, count, copies)
     if len(answer) or answer.timed_out:
         tell(2, 2)
         return answer
     met = task.tolerances.or_rounding(task.arm.rounding)
     rounded = replace(task, tolerances=met, rounded=True, progress=lambda done, of: tell(of + done, 2 * of))
-    return _answered(rounded, method, count, copies)
+    return _answered(rounded, count, copies)
 
 
-def _answered(task: Gathering, method: Method, count: int, copies: bool) -> IKSolutions:
-    """What the method finds, with `count` values of each joint that is sampled."""
-    values = task.held_values(method, count)
-    known = None if method.compiled is None or task.rounded else task.compiled(method, values)
+def _answered(task: Gathering, count: int, copies: bool) -> IKSolutions:
+    """The answers of the method, with `count` values of each sampled joint."""
+    method, values = task.method, task.held_values(count)
+    known = None if method.compiled is None or task.rounded else task.compiled(values)
     if known is not None and not method.swept:
         if known.families:
             known = None  # the core keeps one of all families that move the same joints
         elif not copies and (known.inside or is_exact(task.tolerances)):
-            return IKSolutions(task.arm, known, (), method, task.complete(method), task.target, task.tolerances)
+            return IKSolutions(task.arm, known, (), method, task.complete, task.target, task.tolerances)
     if known is None:
-        found, starts, hits = task.solved(method, values)
+        found, starts, hits = task.solved(values)
     else:
-        found, starts, hits = [*roots_in(known)], known.tries, known.hits
+        pairs = zip(known.theta, known.moves, strict=True)
+        found = [Root(theta, tuple(np.flatnonzero(moves).tolist())) for theta, moves in pairs]
+        starts, hits = known.tries, known.hits
     if not found and not is_exact(task.tolerances):
-        found = task.within(method)
+        found = task.within()
     if method.there and method.swept and all(task.inside(root) is None for root in found) and not task.deadline.passed:
-        members, tried, met = replace(task, progress=None).solved(method, task.values_met(method))
+        members, tried, met = replace(task, progress=None).solved(task.values_met())
         found, starts, hits = found + members, starts + tried, hits + met
     families = task.families(found)
     missed = False
-    more = task.searches(method)
+    more = task.searches
     if more:
         beside, run, met = task.searched(more, found, int(method.there))
         before, families = len(families), task.families(found + beside) if beside else families
         missed = len(families) > before
         if missed or not method.exact or task.rounded:
             starts, hits = starts + run, hits + met
-    all_seen = task.brought_inside(families, method.held)
-    return task.told(method, families, copies, (starts, hits), all_seen and not missed)
+    all_seen = task.brought_inside(families)
+    return task.told(families, copies, (starts, hits), all_seen and not missed)
 
 
 def _at_once(
     arm: Arm, target: TargetLike, theta0: ArrayLike | None, position_tol: float, orientation_tol: float
 ) -> IKSolutions | None:
-    """The answer of the core, where it has the family and everything is plainly right."""
+    """The core's answer, where it has the family and all arguments are plainly right."""
     asked = None if type(target) is np.ndarray else as_given(arm, target)
     like, numbers = (Pose, target) if asked is None else (type(asked), asked.numbers)
     method = known_method(arm, like, asked.axis.tobytes() if isinstance(asked, Approach) else None)
@@ -168,7 +171,7 @@ def _at_once(
 
 
 def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:
-    """{joint's index: value}, base to tip, those among them whose limits are one value."""
+    """{joint's index: value}, base to tip, with the joints that have limits of one value."""
     stands = {i: float(arm.limits.lower[i]) for i in standing(arm)}
     if given is None:
         return stands
@@ -186,10 +189,3 @@ def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float
             )
         stands[i] = number
     return dict(sorted(stands.items()))
-
-
-def _none(arm: Arm, target: AnyTarget, method: Method) -> str:
-    kind = type(target).__name__
-    miss = f"{closest_miss_of(arm, method)[1]}; elimination solves it numerically, without closed_form=True"
-    why = method.reason or miss
-    return f"{arm.name} has no closed form for a {kind}: {why}"

@@ -1,10 +1,12 @@
 """Subproblems of inverse kinematics: one or two joints that move a point where it is wanted. MLS §3.3.2.
 
-Joints are given by their twists xi (6,) = (v, w), linear part first, as the columns of `arm.screws`: w a unit vector,
-or 0 and v one for a joint that slides. Points are (3,) [m], values in rad or m. Each function returns `Roots`: every
-value there is, and how far the best of them misses. A problem that has no solution returns the values that come
-nearest, so whether there is one is a question of `residual` and of nothing else; where two solutions have come
-together, a stretched arm, one is returned.
+Joints are given by their unit twists xi (6,) = (v, w), linear part first, as the columns of `arm.screws`. w is a unit
+vector, or 0 and v one for a joint that slides. Points are (3,) [m], values in rad or m. InputError names a screw, a
+twist that is not a unit twist, or an argument of another shape.
+
+Each function returns `Roots`: every value there is, and how far the best of them misses. A problem without a solution
+returns the values that come nearest, so only `residual` tells whether there is one. Where two solutions have come
+together, as for a stretched arm, one is returned.
 """
 
 from __future__ import annotations
@@ -41,9 +43,9 @@ BEST = 1e-6
 class Roots:
     """The values of one subproblem.
 
-    values (k,), or (k, 2) for two joints [rad, m]: angles in (−π, π]. residual [m]: how far the best of them misses; 0,
-    but for rounding, where there is a solution. free: whether other values would do as well, because the point lies on
-    an axis; then one of them is given.
+    values (k,), or (k, 2) for two joints [rad, m]: angles in (−π, π].
+    residual [m]: how far the best of them misses; with a solution 0, up to rounding.
+    free: whether other values solve it too, because the point lies on an axis; then one of them is given.
     """
 
     values: Array
@@ -55,22 +57,16 @@ class Roots:
 
 
 def subproblem_1(xi: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
-    """The turn about one axis that takes p to q: e^{ξ̂θ} p = q. Paden–Kahan subproblem 1, MLS §3.3.2.
+    """The turn about one axis that takes p to q: e^{ξ̂θ} p = q, one value. Paden–Kahan subproblem 1, MLS §3.3.2.
 
-    θ = atan2(w · (p' × q'), p' · q'), p' and q' the parts of p − r and q − r across the axis (w, r). Along the axis and
-    in their distance from it p and q have to agree; by how much they do not is the residual. A joint that slides goes
-    w · (q − p). On the axis every θ does: `free`, and 0 is given.
+    θ = atan2(w · (p' × q'), p' · q'), p' and q' the parts of p − r and q − r across the axis (w, r). The residual is by
+    how much p and q differ along the axis and in their distance from it. A joint that slides goes w · (q − p). For a
+    point on the axis every θ is a solution: `free`, and 0 is given.
 
     Args:
         xi: Twist (6,) of a joint that turns or slides.
         p: Point (3,) [m].
-        q: Where it is to be (3,) [m].
-
-    Returns:
-        `Roots`: one value.
-
-    Raises:
-        InputError: The twist is a screw or no unit twist, or an argument has another shape.
+        q: The wanted point (3,) [m].
     """
     axis, start, goal = _axis(xi, "xi"), _point(p, "p"), _point(q, "q")
     x, free = settle(axis, start, goal, 0.0)
@@ -81,21 +77,15 @@ def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -
     """The turns about two axes that take p to q: e^{ξ̂₁θ₁} e^{ξ̂₂θ₂} p = q. Paden–Kahan subproblem 2, MLS §3.3.2.
 
     Turning about the first axis changes neither w₁ · (x − r₁) nor ‖x − r₁‖, so θ₂ has to give both the values that q
-    has: two conditions, linear in cos θ₂ and sin θ₂. θ₁ is then subproblem 1. Two axes that meet have up to two
-    solutions; parallel axes too (the two-link arm); skew ones, of which MLS does not speak, in general one or none.
-    Either joint may slide.
+    has: two conditions, linear in cos θ₂ and sin θ₂. θ₁ is then subproblem 1. There are values (k, 2), k ≤ 2. Two axes
+    that meet have up to two solutions, and so have parallel axes (the two-link arm). Skew ones, which MLS leaves out,
+    in general have one or none. Either joint may slide.
 
     Args:
         xi_1: Twist (6,) of the joint nearer to the base.
         xi_2: Twist (6,) of the other.
         p: Point (3,) [m].
-        q: Where it is to be (3,) [m].
-
-    Returns:
-        `Roots`: values (k, 2), k ≤ 2.
-
-    Raises:
-        InputError: A twist is a screw or no unit twist, or an argument has another shape.
+        q: The wanted point (3,) [m].
     """
     axes, start, goal = (_axis(xi_1, "xi_1"), _axis(xi_2, "xi_2")), _point(p, "p"), _point(q, "q")
     placed = place(axes, start, goal, (0.0, 0.0), NEAREST)
@@ -107,20 +97,15 @@ def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -
 def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> Roots:
     """The turn about one axis that takes p to a distance from q: ‖e^{ξ̂θ} p − q‖ = δ. Paden–Kahan 3, MLS §3.3.2.
 
-    By the law of cosines θ = θ₀ ± acos((‖p'‖² + ‖q'‖² − δ'²) / (2 ‖p'‖ ‖q'‖)), θ₀ the turn from p' to q', δ'² what is
-    left of δ² across the axis. A point on a sliding joint meets the sphere in up to two places.
+    By the law of cosines θ = θ₀ ± acos((‖p'‖² + ‖q'‖² − δ'²) / (2 ‖p'‖ ‖q'‖)). θ₀ is the turn from p' to q', and δ'² is
+    the part of δ² across the axis. There are up to two values. A point on a sliding joint meets the sphere in up to two
+    places.
 
     Args:
         xi: Twist (6,) of a joint that turns or slides.
         p: Point (3,) [m].
         q: Centre of the sphere (3,) [m].
-        distance: Radius δ ≥ 0 [m].
-
-    Returns:
-        `Roots`: values (k,), k ≤ 2.
-
-    Raises:
-        InputError: The twist is a screw or no unit twist, δ is negative, or an argument has another shape.
+        distance: Radius δ [m]; InputError if it is negative.
     """
     axis, start, centre = _axis(xi, "xi"), _point(p, "p"), _point(q, "q")
     radius = as_number(distance, "distance [m]")
@@ -137,20 +122,14 @@ def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> 
 def subproblem_4(xi: ArrayLike, p: ArrayLike, normal: ArrayLike, offset: float) -> Roots:
     """The turn about one axis that takes p into a plane: n · e^{ξ̂θ} p = d. Subproblem 4 of IK-Geo.
 
-    The circle of p meets the plane where a cos θ + b sin θ = c: θ = atan2(b, a) ± acos(c / √(a² + b²)). The line of a
-    joint that slides meets it once, unless it is parallel to it.
+    The circle of p meets the plane where a cos θ + b sin θ = c: θ = atan2(b, a) ± acos(c / √(a² + b²)), up to two
+    values. The line of a joint that slides meets it once, unless it is parallel to it.
 
     Args:
         xi: Twist (6,) of a joint that turns or slides.
         p: Point (3,) [m].
-        normal: Normal n (3,), of any length but zero; it is made a unit vector.
+        normal: Normal n (3,), which is made a unit vector; InputError for zero.
         offset: d [m], the plane's distance from the origin along the normal.
-
-    Returns:
-        `Roots`: values (k,), k ≤ 2.
-
-    Raises:
-        InputError: The twist is a screw or no unit twist, the normal is zero, or an argument has another shape.
 
     Source: A. J. Elias & J. T. Wen, IK-Geo: Unified Robot Inverse Kinematics Using Subproblem Decomposition, 2022.
     """
@@ -207,7 +186,7 @@ def _roots(
     off: Callable[..., float],
     free: bool,
 ) -> Roots:
-    """The values that miss by least, each once."""
+    """The best values, each once."""
     turns = np.array([not axis.slides for axis in axes]).reshape(np.shape(values[0]))
     misses = [off(value) for value in values]
     best = min(misses)

@@ -1,4 +1,11 @@
-"""Targets of inverse kinematics: a pose, a position, a position with an approach axis, a pose with tolerances."""
+"""Targets of inverse kinematics: a pose, a position, a position with an approach axis, a pose with tolerances.
+
+A solver sees the components that a target constrains. `_position_rows` and `_rotation_rows` take the tool's pose g
+(4, 4) and its body Jacobian J_b (6, n), unchecked. They give an error (k,) and rows (k, n). For the position
+d error = rows · dθ. For the rotation rowsᵀ error is the gradient of a function that grows with the angle. A free
+component has no row, so it makes no matrix singular. `_position_tolerance` and `_rotation_tolerance` say how far each
+row may be from 0 beside the solver's tolerance.
+"""
 
 from __future__ import annotations
 
@@ -32,10 +39,7 @@ from ..theory.rotations import from_rpy, from_xyzw
 from . import rotation_errors
 from .task_space import Rows, excess, offset_rows
 
-NONE = frozen(np.zeros(0))
-THREE = frozen(np.zeros(3))
-TWO = frozen(np.zeros(2))
-
+NONE, TWO, THREE = (frozen(np.zeros(count)) for count in (0, 2, 3))
 
 UNIT_LENGTH_TOL = 0.01
 """A quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
@@ -48,7 +52,7 @@ FARTHEST = 1e6
 class Pose(Brief):
     """The whole pose: g_st(θ) = g, (4, 4); from position and orientation by `from_rpy` and `from_quaternion`.
 
-    Position error ‖p − p_g‖; orientation error the angle of R_gᵀ R. Raises InputError for what is not in SE(3).
+    Position error ‖p − p_g‖; orientation error the angle of R_gᵀ R. InputError for a matrix that is not in SE(3).
     """
 
     g: Array
@@ -67,7 +71,7 @@ class Pose(Brief):
 
         Args:
             p: Position (3,) [m].
-            rpy: Angles (3,) [rad]; InputError for one beyond a whole turn, which looks like degrees.
+            rpy: Angles (3,) [rad]. InputError beyond a whole turn, which looks like degrees.
         """
         angles = _one_vector(rpy, "rpy", 3, "")
         if angle_hint(angles):
@@ -76,7 +80,7 @@ class Pose(Brief):
 
     @classmethod
     def from_quaternion(cls, p: Row, *, wxyz: Row | None = None, xyzw: Row | None = None) -> Pose:
-        """The pose at p, its rotation by one quaternion; InputError unless its length is within 0.01 of 1.
+        """The pose at p, its rotation by one quaternion. InputError unless its length is within 0.01 of 1.
 
         Args:
             p: Position (3,) [m].
@@ -97,7 +101,6 @@ class Pose(Brief):
         return self.g
 
     def _position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The offset from the pose's origin, in tool axes."""
         return offset_rows(self.g[:3, 3], g, J_b)
 
     def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
@@ -142,7 +145,6 @@ class Position(Brief):
         return self.p
 
     def _position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The offset from p, in tool axes."""
         return offset_rows(self.p, g, J_b)
 
     def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
@@ -169,13 +171,13 @@ class Position(Brief):
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Approach(Brief):
-    """The tool's origin at p [m] and R @ tool_axis = direction (base axes); turning about the tool axis is free.
+    """The tool's origin at p (3,) [m] and R @ tool_axis = direction (base axes). Turning about the tool axis is free.
 
-    `tool_axis` (3,), in tool axes, is what points along the direction; None means that of the arm, `arm.tool_axis`:
-    the axis about which its last joint rolls the tool. `solve_ik` puts it in, and its solution's target has it.
+    `tool_axis` (3,), in tool axes, points along the direction. None means `arm.tool_axis`, the axis about which the
+    last joint rolls the tool. `solve_ik` puts it in, and its solution's target has it.
 
     Orientation error: the angle between the axes. The rotation has two rows, across the tool axis. Both axes may have
-    any length but zero, which raises InputError.
+    any length. InputError for zero.
     """
 
     p: Array
@@ -198,13 +200,13 @@ class Approach(Brief):
         object.__setattr__(self, "_numbers", numbers)
 
     def of(self, arm: Arm) -> Approach:
-        """The same with a tool axis: its own, or that of the arm."""
+        """The approach with a tool axis: its own, or the arm's."""
         axis = require_arm(arm).tool_axis
         return self if self.tool_axis is not None else Approach(self.p, self.direction, axis)
 
     @property
     def axis(self) -> Array:
-        """The tool axis (3,). Raises InputError where it was left to the arm."""
+        """The tool axis (3,). InputError where the arm chooses it."""
         if self.tool_axis is None:
             raise InputError("this Approach leaves its tool axis to the arm: ask approach.of(arm), or give tool_axis=")
         return self.tool_axis
@@ -217,11 +219,10 @@ class Approach(Brief):
 
     @property
     def numbers(self) -> Array:
-        """p, direction, tool axis; without the last where it was left to the arm."""
+        """p, direction, tool axis; without the last where the arm chooses it."""
         return self._numbers
 
     def _position_rows(self, g: Array, J_b: Array) -> Rows:
-        """The offset from p, in tool axes."""
         return offset_rows(self.p, g, J_b)
 
     def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
@@ -260,8 +261,8 @@ class Task(Brief):
 
     The error is (p − p_g, log(R R_gᵀ)) in base axes, turned into the target's axes for frame="target". A tolerance of 0
     is met to the solver's tolerance; inf, or ≥ π for a rotation, leaves the component free. Position and orientation
-    error are the norms of the excess over the tolerances. Raises InputError for a negative tolerance, an unknown
-    frame, or where nothing is constrained.
+    error are the norms of the excess over the tolerances. InputError for a negative tolerance, an unknown frame, or six
+    free components.
     """
 
     g: Array
@@ -284,7 +285,8 @@ class Task(Brief):
     @cached_property
     def held(self) -> tuple[list[int], list[int]]:
         """Which components of position and of rotation are not left free."""
-        return _held(self.tolerance)
+        position, rotation = self.tolerance[:3] < math.inf, self.tolerance[3:] < math.pi
+        return np.flatnonzero(position).tolist(), np.flatnonzero(rotation).tolist()
 
     @cached_property
     def _position_tolerance(self) -> Array:
@@ -342,6 +344,7 @@ class Task(Brief):
 
 
 AnyTarget = Pose | Position | Approach | Task
+Target = AnyTarget
 
 TargetLike = AnyTarget | Matrix
 """What a caller may ask for: a target, or a bare pose (4, 4)."""
@@ -359,13 +362,13 @@ KINDS = (Pose, Position, Approach, Task)
 
 
 def target_for(arm: Arm, value: Any) -> AnyTarget:
-    """`value` as a target for the arm, whose axis it points if none was given."""
+    """`value` as a target for the arm. An approach without a tool axis gets the arm's."""
     target = as_target(value)
     return target.of(arm) if isinstance(target, Approach) else target
 
 
 def checked_target(arm: Arm, value: Any) -> AnyTarget:
-    """The same, whose numbers are looked at once more: somebody may have written into the arrays of a target."""
+    """The same with its numbers checked again, because a caller may have written into the arrays of a target."""
     target = target_for(arm, value)
     return target_of(target.kind, target.numbers)
 
@@ -383,7 +386,7 @@ def as_target(value: Any) -> AnyTarget:
 
 
 def meant_by(value: Any) -> str:
-    """`; did you mean Position([x, y, z])?`: what numbers of another shape were probably to be, or nothing."""
+    """`; did you mean Position([x, y, z])?`: a guess for numbers of another shape, or ""."""
     try:
         return MEANT.get(as_reals(value, "target").shape[-1:], "")
     except InputError:
@@ -391,12 +394,12 @@ def meant_by(value: Any) -> str:
 
 
 def numbers_of_kind(kind: int) -> int:
-    """How many `numbers` a target of a kind has."""
+    """The number of a target's `numbers`, by its kind."""
     return (16, 3, 9, 23)[kind]
 
 
 def target_of(kind: int, numbers: Array) -> AnyTarget:
-    """The target that `kind` and `numbers` are those of."""
+    """The target with this `kind` and these `numbers`."""
     if kind == Position.kind:
         return Position(numbers)
     if kind == Approach.kind:
@@ -412,9 +415,9 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 def _checked(make: str, *given: Any) -> Array | None:
-    """A target's numbers, read-only, where the compiled core finds what was given plainly right.
+    """A target's numbers, read-only, if the compiled core finds the arguments plainly right.
 
-    None leaves it to Python, which converts it or says what is wrong.
+    None leaves them to Python, which converts them or says what is wrong.
     """
     numbers: Array | None = engine.asked(make, *given)
     return numbers
@@ -461,11 +464,6 @@ def _as_tolerance(value: ArrayLike) -> Array:
         raise InputError(f"tolerance must be six numbers (x, y, z [m], rx, ry, rz [rad]); got shape {tolerance.shape}")
     if not (tolerance >= 0).all():
         raise InputError(f"tolerance must not be negative or NaN (0: exact, inf: free); got {tolerance.tolist()}")
-    if not any(_held(tolerance)):
+    if not (tolerance < np.repeat([math.inf, math.pi], 3)).any():
         raise InputError("tolerance leaves all six components free: there is nothing to solve for")
     return tolerance
-
-
-def _held(tolerance: Array) -> tuple[list[int], list[int]]:
-    position, rotation = tolerance[:3], tolerance[3:]
-    return [i for i in range(3) if position[i] < math.inf], [i for i in range(3) if rotation[i] < math.pi]

@@ -1,7 +1,7 @@
-"""Inverse kinematics as a textbook has it: damped least squares inside the limits, from one start after the other.
+"""Inverse kinematics by the textbook: damped least squares inside the limits, from one start after the other.
 
 It answers where there is no compiled core, with a configuration that meets the target or with the best that it found.
-The nearest configuration and the reason are the core's alone, and so is its speed: docs/inverse_kinematics.md.
+Only the core finds the nearest configuration and the reason, and only the core is fast: docs/inverse_kinematics.md.
 """
 
 from __future__ import annotations
@@ -13,11 +13,10 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from .answer import Answer
+from .answer import STOPS, Answer, StopReason
 from .deadline import Deadline
 from .ranges import JointRanges, joint_ranges
 from .request import Request
-from .stop_reason import STOPS, StopReason
 from .targets import AnyTarget, Task
 from .task_space import Rows, Tolerances, excess_rows
 
@@ -51,7 +50,7 @@ RANK_TOL = 1e-6
 
 
 class Search(NamedTuple):
-    """Where a search ended (n,), what it is off there [m, rad], the steps it took, and whether that is an answer."""
+    """The end of a search (n,), its errors [m, rad], the steps it took, and whether it is an answer."""
 
     theta: Array
     errors: tuple[float, float]
@@ -60,7 +59,7 @@ class Search(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """An arm, where its joints may be, a target, and what counts as met."""
+    """An arm, its joint ranges, a target, and the tolerances."""
 
     arm: Arm
     ranges: JointRanges
@@ -71,8 +70,8 @@ class Problem(NamedTuple):
 def solve(arm: Arm, target: AnyTarget, request: Request) -> Answer:
     """At most `request.restarts` searches, the first from theta0, the others from random configurations.
 
-    The first that meets the tolerances answers, or one that meets them but for the rounding of the axes. Where none
-    does, the best of them answers: the position counts first, then the rotation.
+    The first search that meets the tolerances answers, or one that meets them to the rounding of the axes. Otherwise
+    the best of them answers: the position counts first, then the rotation.
     """
     problem = Problem(arm, joint_ranges(arm), target, request.tolerances)
     deadline, rng = Deadline.after(request.max_time), np.random.default_rng(request.seed)
@@ -101,13 +100,14 @@ def solve(arm: Arm, target: AnyTarget, request: Request) -> Answer:
 
 
 def search(problem: Problem, theta: Array, near: Array) -> Search:
-    """Damped least squares from theta (n,) on; whole turns of the end are taken back to be near `near` (n,).
+    """Damped least squares from theta (n,) on. Whole turns of the end are taken back to be near `near` (n,).
 
-    Each step d minimises ‖J d + e‖² + λ ‖d‖², so (JᵀJ + λ I) d = −Jᵀe, on the joints that do not stand at a bound and
-    are pulled outward; theta + d is clipped to the bounds. In e and J rotations are weighed by √ROTATION_WEIGHT.
+    Each step d minimises ‖J d + e‖² + λ ‖d‖², so (JᵀJ + λ I) d = −Jᵀe. Joints at a bound that are pulled outward rest.
+    theta + d is clipped to the bounds. In e and J rotations are weighed by √ROTATION_WEIGHT.
     Source: S. K. Chan & P. D. Lawrence, General inverse kinematics with the error damped pseudoinverse, ICRA 1988.
     """
-    lower, upper = problem.ranges.search_lower, problem.ranges.search_upper
+    ranges = problem.ranges
+    lower, upper = np.where(ranges.turns, [[-np.inf], [np.inf]], [ranges.lower, ranges.upper])
     theta, best, stalls, iterations = np.clip(theta, lower, upper), math.inf, 0, 0
     while True:
         g, J_b = problem.arm._fk_and_body_jacobian(theta)
@@ -125,7 +125,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
         d[free] = np.linalg.solve(J[:, free].T @ J[:, free] + damping, -slope[free])
         theta = np.clip(theta + d, lower, upper)
         iterations += 1
-    theta = problem.ranges.wrapped(theta, near)
+    theta = ranges.wrapped(theta, near)
     g = problem.arm.fk(theta)
     errors = problem.target.position_error(g), problem.target.orientation_error(g)
     return Search(theta, errors, iterations, problem.tolerances.or_rounding(problem.arm.rounding).met(*errors))
@@ -134,8 +134,8 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
 def toward_posture(problem: Problem, found: Search, posture: Array, deadline: Deadline) -> Search:
     """The answer moved downhill in ‖θ − posture‖² in the null space of the target's rows, inside the limits.
 
-    Each step is (I − J⁺J)(posture − θ), brought back onto the target by a search; half of it is tried where that leads
-    no nearer. Source: B. Siciliano et al., Robotics: Modelling, Planning and Control, 2009, §3.5.1.
+    Each step is (I − J⁺J)(posture − θ), brought back onto the target by a search. A step that leads no nearer is
+    halved. Source: B. Siciliano et al., Robotics: Modelling, Planning and Control, 2009, §3.5.1.
     """
     found = search(problem, found.theta, posture)
     for _ in range(MOST_POSTURE_STEPS):
@@ -151,7 +151,7 @@ def toward_posture(problem: Problem, found: Search, posture: Array, deadline: De
 
 
 def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
-    """(I − J⁺J)(posture − θ) on the joints that it does not lead out of their bounds, as far as the first of those."""
+    """(I − J⁺J)(posture − θ) on the joints that stay inside their bounds, up to the first bound."""
     J = _error_and_rows(problem, *problem.arm._fk_and_body_jacobian(theta))[1]
     free = np.ones(len(theta), dtype=np.bool_)
     while True:
@@ -165,7 +165,7 @@ def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
 
 
 def _error_and_rows(problem: Problem, g: Array, J_b: Array) -> tuple[Array, Array]:
-    """e (k,) and J (k, n) of what the target constrains beyond loose tolerances, rotations weighed."""
+    """e (k,) and J (k, n) of the target's constraints beyond loose tolerances, rotations weighed."""
     target, met = problem.target, problem.tolerances
     e_p, J_p = _beyond(excess_rows(target._position_rows(g, J_b), target._position_tolerance), met.position)
     turned = met.orientation if isinstance(target, Task) else 2.0 * math.sin(0.5 * min(met.orientation, math.pi))
@@ -175,7 +175,7 @@ def _error_and_rows(problem: Problem, g: Array, J_b: Array) -> tuple[Array, Arra
 
 
 def _beyond(rows: Rows, tolerance: float) -> Rows:
-    """What of an error e is beyond a loose tolerance ρ: (1 − ρ/‖e‖) e, and its derivative."""
+    """The part of an error e beyond a loose tolerance ρ: (1 − ρ/‖e‖) e, and its derivative."""
     error, J = rows
     size, radius = float(np.linalg.norm(error)), ALLOWED * tolerance
     if tolerance <= LOOSE:
@@ -187,7 +187,7 @@ def _beyond(rows: Rows, tolerance: float) -> Rows:
 
 
 def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
-    """How good an end is: within the tolerances, or but for rounding; then by the position missed, the rotation."""
+    """A key that sorts ends: tolerances met, then met to rounding, then the position missed, then the rotation."""
     position, orientation = end.errors
     missed = 0.0 if position <= problem.tolerances.position else position
     return not problem.tolerances.met(*end.errors), not end.converged, missed, orientation

@@ -36,6 +36,16 @@ def c_number(value: float) -> str:
     return repr(float(value)) if np.isfinite(value) else "-infinite" if value < 0 else "infinite"
 
 
+def cpp_number(value: float) -> str:
+    """A number of the template's type T."""
+    return f"T({c_number(value)})"
+
+
+def cpp_numbers(values: Iterable[float]) -> str:
+    """Numbers of the template's type T, in braces."""
+    return "{" + ", ".join(map(cpp_number, values)) + "}"
+
+
 def c_string(text: str) -> str:
     """A C string of plain characters that cannot end a comment; others are octal escapes of their UTF-8."""
     return '"' + "".join(c if _PLAIN.fullmatch(c) else _octal(c) for c in text) + '"'

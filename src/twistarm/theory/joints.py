@@ -1,7 +1,10 @@
-"""The six lower-pair joints as products of one-degree-of-freedom twists, columns from base to tip.
+"""The six lower-pair joints as twists of one degree of freedom each, columns from base to tip.
 
-A joint of k degrees of freedom moves by g(x) = e^{ξ̂₁x₁} ⋯ e^{ξ̂ₖxₖ}: one column per coordinate, all given
-in one frame (for `poe` the space frame) with the joint at rest. MLS §3.2.
+A joint of k degrees of freedom moves by g(x) = e^{ξ̂₁x₁} ⋯ e^{ξ̂ₖxₖ}, with one column per coordinate. All columns are
+given in one frame, for `poe` the space frame, with the joint at rest. MLS §3.2.
+
+Directions may have any length but zero. InputError names a zero direction, another shape, or a number that is not
+finite.
 """
 
 from __future__ import annotations
@@ -17,14 +20,8 @@ def revolute(axis: ArrayLike, point: ArrayLike) -> Array:
     """(6, 1): the turn [rad] about the line along `axis` (3,) through `point` (3,) [m]. ξ = (−ω × q, ω).
 
     Args:
-        axis: Direction (3,), of any length but 0.
+        axis: Direction (3,).
         point: A point of the axis (3,) [m].
-
-    Returns:
-        The twist, a column (6, 1).
-
-    Raises:
-        InputError: The axis is zero, or a vector has another shape.
     """
     return helical(axis, point, 0.0)
 
@@ -40,15 +37,9 @@ def helical(axis: ArrayLike, point: ArrayLike, pitch: float) -> Array:
     A thread that advances l metres per full turn has the pitch l/2π. Pitch 0 is `revolute`.
 
     Args:
-        axis: Direction (3,), of any length but 0.
+        axis: Direction (3,).
         point: A point of the axis (3,) [m].
         pitch: Advance h [m/rad].
-
-    Returns:
-        The twist, a column (6, 1).
-
-    Raises:
-        InputError: The axis is zero, or an argument has another shape.
     """
     w, q, h = _unit(axis, "axis"), _vector(point, "point"), as_floats(pitch, "pitch")
     if h.ndim:
@@ -60,14 +51,8 @@ def cylindrical(axis: ArrayLike, point: ArrayLike) -> Array:
     """(6, 2): columns rz, z: the turn [rad] about a line and the slide [m] along it, which commute.
 
     Args:
-        axis: Direction (3,), of any length but 0.
+        axis: Direction (3,).
         point: A point of the axis (3,) [m].
-
-    Returns:
-        Twists (6, 2).
-
-    Raises:
-        InputError: The axis is zero, or a vector has another shape.
     """
     return np.hstack([revolute(axis, point), prismatic(axis)])
 
@@ -75,18 +60,11 @@ def cylindrical(axis: ArrayLike, point: ArrayLike) -> Array:
 def spherical(point: ArrayLike, axes: ArrayLike | None = None) -> Array:
     """(6, 3): columns rz, ry, rx: every turn about `point` (3,) [m], as ZYX Euler angles [rad].
 
-    `axes` (3, 3) is the rotation whose columns are the joint's x, y, z at rest; the identity by default.
     A ball joint has no singularity, but these coordinates have: ry = ±π/2.
 
     Args:
         point: The ball's centre (3,) [m].
-        axes: A rotation (3, 3), or None for the identity.
-
-    Returns:
-        Twists (6, 3).
-
-    Raises:
-        InputError: The point has another shape, or axes is not one rotation.
+        axes: The rotation (3, 3) whose columns are the joint's x, y, z at rest; by default the identity.
     """
     R = np.eye(3) if axes is None else as_rotation(axes, "axes")
     if R.ndim != 2:
@@ -97,19 +75,13 @@ def spherical(point: ArrayLike, axes: ArrayLike | None = None) -> Array:
 def planar(normal: ArrayLike, point: ArrayLike = (0.0, 0.0, 0.0), x_axis: ArrayLike | None = None) -> Array:
     """(6, 3): columns x, y, rz: slides [m] along the axes of a plane, then the turn [rad] about its normal.
 
-    The line of the turn goes through `point` (3,) [m] at rest and rides on the slides. The axes are those of
+    The line of the turn goes through `point` at rest and rides on the slides. The axes are those of
     `plane_axes(normal, x_axis)`.
 
     Args:
-        normal: The plane's normal (3,), of any length but 0.
+        normal: The plane's normal (3,).
         point: A point of the line of the turn (3,) [m].
         x_axis: Direction of the first slide (3,), or None.
-
-    Returns:
-        Twists (6, 3).
-
-    Raises:
-        InputError: The normal is zero, or `x_axis` lies along it.
     """
     R = plane_axes(normal, x_axis)
     return np.hstack([prismatic(R[:, 0]), prismatic(R[:, 1]), revolute(R[:, 2], point)])
@@ -118,18 +90,10 @@ def planar(normal: ArrayLike, point: ArrayLike = (0.0, 0.0, 0.0), x_axis: ArrayL
 def plane_axes(normal: ArrayLike, x_axis: ArrayLike | None = None) -> Array:
     """The rotation (3, 3) whose columns are x, y = n × x and the unit normal n of a plane.
 
-    x is `x_axis` (3,) projected into the plane; by default (1, 0, 0), or (0, 1, 0) where the normal is within some 26°
-    of ±(1, 0, 0).
-
     Args:
-        normal: The plane's normal (3,), of any length but 0.
-        x_axis: A direction (3,), or None.
-
-    Returns:
-        The rotation (3, 3).
-
-    Raises:
-        InputError: The normal is zero, or `x_axis` lies along it.
+        normal: The plane's normal (3,).
+        x_axis: A direction (3,), which is projected into the plane. By default it is (1, 0, 0), or (0, 1, 0) where the
+            normal is within some 26° of ±(1, 0, 0). InputError where it lies along the normal.
     """
     n = _unit(normal, "normal")
     if x_axis is None:

@@ -24,10 +24,10 @@ SAME_TOL = 1e-13
 class LowerPair:
     """One lower pair of a chain, made of `span` consecutive moving joints.
 
-    `frame` (4, 4) is its frame in the base frame at rest: z along the axis or normal, the origin on the line, at the
-    centre of a ball or where a planar joint turns. Its coordinates are `rates` (k,) times the values of the moving
-    joints `rows`, in the order of `joints`: rz, z (cylindrical); rz, ry, rx (spherical); x, y, rz (planar). A helical
-    pair has one, the turn [rad], and the `pitch` [m/rad].
+    `frame` (4, 4) is its frame in the base frame at rest. Its z lies along the axis or normal. Its origin lies on the
+    line, at the centre of a ball, or where a planar joint turns. The pair's coordinates are `rates` (k,) times the
+    values of the moving joints `rows`, in the order of `joints`: rz, z (cylindrical); rz, ry, rx (spherical); x, y, rz
+    (planar). A helical pair has one coordinate, the turn [rad], and the `pitch` [m/rad].
     """
 
     kind: Kind
@@ -45,10 +45,15 @@ class LowerPair:
 def lower_pairs(screws: Array, A: Array) -> tuple[LowerPair, ...]:
     """The lower pairs of the chain with space twists `screws` (6, m) at rest and coupling A (m, n), base to tip.
 
-    Grouped are consecutive joints: two slides at right angles and a turn about their right-handed normal (planar);
-    three turns about the z, y and x of a right-handed frame at rest, through one point (spherical); a turn and a
-    slide along one line, either first, that move by themselves (cylindrical) or in a fixed ratio (helical). Whatever
-    is left is a pair by itself. Joints of a group move independently: a locked or following one is no part of it.
+    These consecutive joints make a group:
+
+    - planar: two slides at right angles and a turn about their right-handed normal;
+    - spherical: three turns about the z, y and x of a right-handed frame at rest, through one point;
+    - cylindrical or helical: a turn and a slide along one line, either first. They move by themselves, or in a fixed
+      ratio.
+
+    Every other joint is a pair by itself. Joints of a planar, spherical or cylindrical pair move independently: none is
+    locked or follows another.
     """
     screw = to_screw(screws.T)
     pairs: list[LowerPair] = []
@@ -81,12 +86,12 @@ def _spherical(screw: Screw, A: Array, i: int) -> LowerPair | None:
 
 
 def _on_one_line(screw: Screw, A: Array, i: int) -> LowerPair | None:
-    """A slide has no line of its own: parallel to the turn's axis, it lies on it."""
+    """A cylindrical or helical pair. A slide parallel to the turn's axis lies on it."""
     if i + 1 >= len(A):
         return None
     turn, slide = (i, i + 1) if _turns(screw, i) else (i + 1, i)
-    along = float(screw.axis[turn] @ screw.axis[slide])
-    if not (_turns(screw, turn) and _slides(screw, slide)) or not abs(_gap(screw, turn, slide)) <= SAME_TOL:
+    along, sine = screw.axis[turn] @ screw.axis[slide], np.linalg.norm(np.cross(screw.axis[turn], screw.axis[slide]))
+    if not (_turns(screw, turn) and _slides(screw, slide)) or not sine <= SAME_TOL:
         return None
     frame = _pose(plane_axes(screw.axis[turn]), screw.point[turn])
     rates = np.array([screw.magnitude[turn], np.sign(along) * screw.magnitude[slide]])
@@ -113,13 +118,8 @@ def _slides(screw: Screw, i: int) -> bool:
     return bool(np.isinf(screw.pitch[i]))
 
 
-def _gap(screw: Screw, i: int, j: int) -> float:
-    """The sine of the angle between two axes."""
-    return float(np.linalg.norm(np.cross(screw.axis[i], screw.axis[j])))
-
-
 def _independent(A: Array, rows: tuple[int, ...]) -> bool:
-    """Every one of those joints is there and moves without the others."""
+    """Whether all these joints are there and move without the others."""
     return max(rows) < len(A) and int(np.linalg.matrix_rank(A[list(rows)])) == len(rows)
 
 

@@ -25,14 +25,14 @@ SEEN = 1e-3
 class Manipulability(Brief):
     """Singular values of the body Jacobian, metres and radians brought together by `length` [m].
 
-    The linear rows are divided by `length`, the columns of prismatic joints multiplied by it, so that every number
-    is rad per rad. `singular_values` (..., k), descending, k = min(6, n); `axes` (..., 6, k): the tool twists (v, w)
-    they belong to, linear part again in units of `length`.
+    The linear rows are divided by `length`, and the columns of prismatic joints are multiplied by it. Every number is
+    then rad per rad. `singular_values` (..., k) descend, k = min(6, n). `axes` (..., 6, k) are the tool twists (v, w)
+    that belong to them, the linear part again in units of `length`.
 
     Singular vectors are unique up to the sign, and for equal values up to a rotation. Here the largest component is
-    positive. The axes of equal values are those in their span that are nearest to the tool's axes: translations along
-    x, y, z count before rotations about x, y, z. The axes of a value 0 are first those motions that postures beside
-    this one have, to first order, then those that they lack too.
+    positive. The axes of equal values are those in their span that are nearest to the tool's axes. Translations along
+    x, y, z come before rotations about x, y, z. The axes of a value 0 begin with the motions that postures beside this
+    one have, to first order. Those that they lack too follow.
     """
 
     singular_values: Array
@@ -50,7 +50,7 @@ class Manipulability(Brief):
         return np.asarray((self.singular_values > NO_MOTION * self.singular_values[..., :1]).sum(-1))
 
     def condition_in(self, directions: int) -> Array:
-        """σ_1 / σ_directions (...): the condition with the directions that the arm lacks everywhere left out."""
+        """σ_1 / σ_directions (...): the condition without the directions that the arm lacks everywhere."""
         last = as_whole(directions, "directions", 1, self.singular_values.shape[-1]) - 1
         largest, smallest = self.singular_values[..., 0], self.singular_values[..., last]
         return np.divide(largest, smallest, out=np.full_like(largest, np.inf), where=smallest > 1e-15 * largest)
@@ -74,7 +74,7 @@ def manipulability_of(
 ) -> Manipulability:
     """The measure for body Jacobians `J` (..., 6, n).
 
-    beside: the body Jacobians (m, 6, n) at the posture of an index, moved by the scaled steps (m, n).
+    `beside` gives the body Jacobians (m, 6, n) at the posture of an index, moved by the scaled steps (m, n).
     """
     U, s, Vt = np.linalg.svd(scaled_jacobian(J, prismatic, length), full_matrices=False)
     if s.shape[-1]:

@@ -1,7 +1,8 @@
 """The product of exponentials: forward kinematics and Jacobians of a serial chain from (screws, home).
 
-`screws` (6, m): the space twists of the m moving joints, base to tip; `home` = g_st; both at theta = 0.
-`x` (..., m): the joint values [rad or m], `A @ theta` for a chain with mimic joints, else theta itself.
+`screws` (6, m) are the space twists of the m moving joints, base to tip, linear part first. `home` (4, 4) is g_st.
+Both hold at theta = 0. `x` (..., m) are the joint values [rad or m]: theta, or `A @ theta` for a chain with mimic
+joints. InputError names another shape, a number that is not finite, or a home that is not in SE(3).
 """
 
 from __future__ import annotations
@@ -19,15 +20,9 @@ def fk(screws: ArrayLike, home: ArrayLike, x: ArrayLike) -> Array:
     """g_st(x) = e^{ξ̂₁x₁} ⋯ e^{ξ̂ₘxₘ} g_st(0), (..., 4, 4). MLS §3.2.2, eq. 3.3.
 
     Args:
-        screws: Space twists (6, m), linear part first.
+        screws: Space twists (6, m).
         home: The tool's pose at rest (4, 4).
         x: Joint values (..., m) [rad, m].
-
-    Returns:
-        Poses (..., 4, 4).
-
-    Raises:
-        InputError: A shape does not fit, a number is not finite, or home is not in SE(3).
     """
     S, home = _as_screws(screws), _as_home(home)
     return _motion(motions(S, x)) @ home
@@ -37,15 +32,9 @@ def fk_body(body_screws: ArrayLike, home: ArrayLike, x: ArrayLike) -> Array:
     """g_st(x) = g_st(0) e^{B̂₁x₁} ⋯ e^{B̂ₘxₘ}, (..., 4, 4), from `body_screws`. Lynch & Park §4.1.3.
 
     Args:
-        body_screws: Twists (6, m) in the tool frame at rest, linear part first.
+        body_screws: Twists (6, m) in the tool frame at rest.
         home: The tool's pose at rest (4, 4).
         x: Joint values (..., m) [rad, m].
-
-    Returns:
-        Poses (..., 4, 4).
-
-    Raises:
-        InputError: A shape does not fit, a number is not finite, or home is not in SE(3).
     """
     B, home = _as_screws(body_screws, "body_screws"), _as_home(home)
     return home @ _motion(motions(B, x))
@@ -55,14 +44,8 @@ def body_screws(screws: ArrayLike, home: ArrayLike) -> Array:
     """The joint twists in the tool frame, at theta = 0: B_i = Ad(g_st(0)⁻¹) ξ_i, (6, m).
 
     Args:
-        screws: Space twists (6, m), linear part first.
+        screws: Space twists (6, m).
         home: The tool's pose at rest (4, 4).
-
-    Returns:
-        Body twists (6, m).
-
-    Raises:
-        InputError: A shape does not fit, a number is not finite, or home is not in SE(3).
     """
     return adjoint_of(inverse_of(_as_home(home))) @ _as_screws(screws)
 
@@ -73,14 +56,8 @@ def spatial_jacobian(screws: ArrayLike, x: ArrayLike) -> Array:
     Column i is the twist of joint i at x. With mimic joints, V^s = J^s A dtheta/dt.
 
     Args:
-        screws: Space twists (6, m), linear part first.
+        screws: Space twists (6, m).
         x: Joint values (..., m) [rad, m].
-
-    Returns:
-        Jacobians (..., 6, m).
-
-    Raises:
-        InputError: A shape does not fit, or a number is not finite.
     """
     S = _as_screws(screws)
     return columns(motions(S, x), S)
@@ -90,15 +67,9 @@ def body_jacobian(screws: ArrayLike, home: ArrayLike, x: ArrayLike) -> Array:
     """J^b (..., 6, m) with V^b = J^b dx/dt: J^b = Ad(g_st(x)⁻¹) J^s. MLS §3.4.1.
 
     Args:
-        screws: Space twists (6, m), linear part first.
+        screws: Space twists (6, m).
         home: The tool's pose at rest (4, 4).
         x: Joint values (..., m) [rad, m].
-
-    Returns:
-        Jacobians (..., 6, m).
-
-    Raises:
-        InputError: A shape does not fit, a number is not finite, or home is not in SE(3).
     """
     S, home = _as_screws(screws), _as_home(home)
     products = motions(S, x)
@@ -106,17 +77,11 @@ def body_jacobian(screws: ArrayLike, home: ArrayLike, x: ArrayLike) -> Array:
 
 
 def motions(S: Array, x: ArrayLike) -> Array:
-    """The motion that each joint has undergone, (..., m, 4, 4): e^{ξ̂₁x₁}, e^{ξ̂₁x₁} e^{ξ̂₂x₂}, …
+    """The motion of each joint, (..., m, 4, 4): e^{ξ̂₁x₁}, e^{ξ̂₁x₁} e^{ξ̂₂x₂}, … The last is that of the tool.
 
     Args:
         S: Space twists (6, m), already checked.
         x: Joint values (..., m) [rad, m].
-
-    Returns:
-        Motions (..., m, 4, 4); the last is that of the tool.
-
-    Raises:
-        InputError: x has another shape, or is not finite.
     """
     products = exp(S.T, as_theta(x, S.shape[1], "x"))
     for i in range(1, S.shape[1]):
@@ -132,14 +97,11 @@ def _motion(products: Array) -> Array:
 
 
 def columns(products: Array, S: Array) -> Array:
-    """J^s: each twist of S carried along. A joint's own motion leaves its twist where it is, so it may be included.
+    """J^s (..., 6, m): each twist of S carried along. A joint's own motion leaves its twist where it is.
 
     Args:
         products: The joints' motions (..., m, 4, 4), as `motions` gives them.
         S: Space twists (6, m).
-
-    Returns:
-        J^s (..., 6, m).
     """
     J = np.empty((*products.shape[:-3], *S.shape))
     v, w = np.moveaxis(products[..., :3, :3] @ S.T.reshape(-1, 2, 3).swapaxes(1, 2), -1, 0)

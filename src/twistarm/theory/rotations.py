@@ -1,6 +1,7 @@
 """Rotations in space: SO(3) as matrices, and its parametrisations by angles, quaternions, axis and angle.
 
-Matrices act on columns, `p_a = R_ab @ p_b`. Every function takes any leading (batch) axes.
+Matrices act on columns, `p_a = R_ab @ p_b`. Every function takes any leading (batch) axes. InputError names a matrix
+that is no rotation, another shape, a number that is not finite, or leading axes that do not broadcast.
 """
 
 from __future__ import annotations
@@ -41,19 +42,12 @@ def skew(w: ArrayLike) -> Array:
 def exp(w: ArrayLike, theta: ArrayLike = 1.0) -> Array:
     """The rotation R = e^{ŵθ} (..., 3, 3) about w (..., 3) by ‖w‖θ [rad], w of any length.
 
-    Rodrigues' formula, MLS §2.2.2 (eq. 2.14), which holds for unit vectors, for u = w/‖w‖ and φ = ‖w‖θ:
+    Rodrigues' formula, MLS §2.2.2 (eq. 2.14), holds for unit vectors. With u = w/‖w‖ and φ = ‖w‖θ it is
     R = I + û sin φ + û² (1 − cos φ), and R = I where w = 0. Accurate to rounding for every φ.
-    `theta` broadcasts against the leading axes of w.
 
     Args:
         w: Rotation vectors (..., 3).
-        theta: Multiples (...).
-
-    Returns:
-        Rotations (..., 3, 3).
-
-    Raises:
-        InputError: The leading axes do not broadcast, or a number is not finite.
+        theta: Multiples (...), which broadcast against the leading axes of w.
     """
     w, theta = as_vector(w, "w"), as_floats(theta, "theta")
     require_broadcast(w=w.shape[:-1], theta=theta.shape)
@@ -66,7 +60,7 @@ def log(R: ArrayLike) -> Array:
     """The shortest w (..., 3) [rad] with e^ŵ = R, ‖w‖ ≤ π; the inverse of `exp`.
 
     w = 2 atan2(‖q‖, q₀) q/‖q‖ from the quaternion (q₀, q), which is accurate near 0 and near π alike.
-    At ‖w‖ = π, where w and −w give the same R, the first non-zero component of w is positive.
+    At ‖w‖ = π, w and −w give the same R: the first non-zero component of w is then positive.
     """
     return log_of(as_rotation(R))
 
@@ -80,10 +74,11 @@ def log_of(R: Array) -> Array:
 def nearest(A: ArrayLike) -> Array:
     """The rotation R (..., 3, 3) nearest to a matrix A (..., 3, 3): the least ‖R − A‖ in the Frobenius norm.
 
-    With the singular values σ₁ ≥ σ₂ ≥ σ₃ of A = U Σ Vᵀ and s = det U Vᵀ = ±1 it is R = U diag(1, 1, s) Vᵀ; where
-    s = 1, the orthogonal factor of the polar decomposition. A positive factor changes nothing, and a rotation is its
-    own nearest. There is one if σ₂ + s σ₃ > 0; raises InputError where there is not (a matrix of rank 1 or 0, or a
-    reflection with σ₂ = σ₃, which many rotations are equally near to).
+    With the singular values σ₁ ≥ σ₂ ≥ σ₃ of A = U Σ Vᵀ and s = det U Vᵀ = ±1 it is R = U diag(1, 1, s) Vᵀ. Where s = 1,
+    that is the orthogonal factor of the polar decomposition. A positive factor of A changes nothing, and a rotation is
+    its own nearest. InputError unless σ₂ + s σ₃ > 0: a matrix of rank 1 or 0, or a reflection with σ₂ = σ₃, is equally
+    near to many rotations.
+
     Source: Kabsch 1976, "A solution for the best rotation to relate two sets of vectors"; Golub & Van Loan, Matrix
     Computations, §6.4.1 (the orthogonal Procrustes problem).
     """
@@ -104,12 +99,6 @@ def angle_between(R1: ArrayLike, R2: ArrayLike) -> Array:
     Args:
         R1: Rotations (..., 3, 3).
         R2: Rotations (..., 3, 3).
-
-    Returns:
-        Angles (...) [rad].
-
-    Raises:
-        InputError: A matrix is no rotation, or the leading axes do not broadcast.
     """
     R1, R2 = as_rotation(R1, "R1"), as_rotation(R2, "R2")
     require_broadcast(R1=R1.shape[:-2], R2=R2.shape[:-2])
@@ -124,14 +113,11 @@ def split(w: Array) -> tuple[Array, Array]:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """The cross product a × b (..., 3), as `numpy.cross`, at a third of its price for single vectors.
+    """The cross product a × b (..., 3), as `numpy.cross`, at a third of its price for single vectors; unchecked.
 
     Args:
         a: Vectors (..., 3).
         b: Vectors (..., 3).
-
-    Returns:
-        Vectors (..., 3). Arguments are not checked.
     """
     result = np.empty(np.broadcast_shapes(a.shape, b.shape))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
@@ -154,17 +140,11 @@ def _rodrigues(u: Array, sin_half: Array, cos_half: Array) -> Array:
 
 
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
-    """The rotation (..., 3, 3) by `angle` (...) [rad] about `axis` (..., 3), whatever the axis's length.
+    """The rotation (..., 3, 3) by `angle` (...) [rad] about `axis` (..., 3).
 
     Args:
         axis: Axes (..., 3), of any length but 0.
         angle: Angles (...) [rad].
-
-    Returns:
-        Rotations (..., 3, 3).
-
-    Raises:
-        InputError: An axis is zero, or the leading axes do not broadcast.
     """
     axis, angle = as_direction(axis, "axis"), as_floats(angle, "angle")
     require_broadcast(axis=axis.shape[:-1], angle=angle.shape)
@@ -174,7 +154,7 @@ def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
 def to_axis_angle(R: ArrayLike) -> tuple[Array, Array]:
     """(axis, angle): the unit axis (..., 3) and the angle (...) in [0, π] [rad] of R (..., 3, 3).
 
-    At angle 0 every axis will do, and z is returned; at π the axis's first non-zero component is positive.
+    At angle 0 the axis is z. At π the axis's first non-zero component is positive.
     """
     return _axis_angle(as_rotation(R))
 
@@ -193,8 +173,7 @@ def _axis_angle(R: Array) -> tuple[Array, Array]:
 def from_quaternion_wxyz(Q: ArrayLike) -> Array:
     """The rotation (..., 3, 3) p ↦ Q p Q⁻¹ of Q = (q₀, q) (..., 4), scalar first. MLS §2.2.3.
 
-    Every multiple of Q, −Q among them, is the same rotation, so Q need not have length 1.
-    Raises InputError for Q = 0.
+    Q need not have length 1: every multiple of Q, −Q among them, is the same rotation. InputError for Q = 0.
     """
     Q, _ = _unit_quaternion(Q)
     axis, sin_half = split(Q[..., 1:])
@@ -225,12 +204,6 @@ def quaternion_product_wxyz(P: ArrayLike, Q: ArrayLike) -> Array:
     Args:
         P: Quaternions (..., 4), scalar first.
         Q: Quaternions (..., 4), scalar first.
-
-    Returns:
-        Quaternions (..., 4), scalar first.
-
-    Raises:
-        InputError: A shape does not fit, or the leading axes do not broadcast.
     """
     P, Q = as_vector(P, "P", 4), as_vector(Q, "Q", 4)
     require_broadcast(P=P.shape[:-1], Q=Q.shape[:-1])
@@ -240,7 +213,7 @@ def quaternion_product_wxyz(P: ArrayLike, Q: ArrayLike) -> Array:
 
 
 def quaternion_inverse_wxyz(Q: ArrayLike) -> Array:
-    """Q⁻¹ = Q*/‖Q‖² (..., 4), scalar first, for Q of any length; ‖Q‖² = Q Q*. Raises InputError for Q = 0."""
+    """Q⁻¹ = Q*/‖Q‖² (..., 4), scalar first, for Q of any length; ‖Q‖² = Q Q*. InputError for Q = 0."""
     unit, length = _unit_quaternion(Q)
     inverse: Array = unit * [1.0, -1.0, -1.0, -1.0] / length
     return inverse
@@ -257,8 +230,8 @@ def _unit_quaternion(Q: ArrayLike) -> tuple[Array, Array]:
 def _quaternion(R: Array) -> Array:
     """`to_quaternion_wxyz` of a rotation already checked.
 
-    The entries of R give the sixteen products 4 QQᵀ; the row with the largest diagonal is 4 q_i Q, where
-    nothing cancels (Shepperd, Quaternion from rotation matrix, 1978).
+    The entries of R give the sixteen products 4 QQᵀ. The row with the largest diagonal is 4 q_i Q, where nothing
+    cancels (Shepperd, Quaternion from rotation matrix, 1978).
     """
     products = _quaternion_products(R)
     largest = np.argmax(np.diagonal(products, axis1=-2, axis2=-1), axis=-1)
@@ -299,20 +272,14 @@ EULER_ORDERS = (*_MOVING, *(order.lower() for order in _MOVING))
 
 
 def from_euler(order: str, angles: ArrayLike) -> Array:
-    """The rotation (..., 3, 3) of three angles (..., 3) [rad], listed as the letters of the order are.
+    """The rotation (..., 3, 3) of three angles (..., 3) [rad], listed as the letters of the order are. MLS §2.2.3.
 
-    Capitals turn about the moving axes: 'ZYZ' is R_Z(α) R_Y(β) R_Z(γ). Small letters turn about the fixed
-    axes: 'xyz' is R_z(γ) R_y(β) R_x(α). `EULER_ORDERS` lists all 24. MLS §2.2.3.
+    Capitals turn about the moving axes: 'ZYZ' is R_Z(α) R_Y(β) R_Z(γ). Small letters turn about the fixed axes: 'xyz'
+    is R_z(γ) R_y(β) R_x(α).
 
     Args:
-        order: One of `EULER_ORDERS`.
+        order: One of the 24 `EULER_ORDERS`.
         angles: Angles (..., 3) [rad].
-
-    Returns:
-        Rotations (..., 3, 3).
-
-    Raises:
-        InputError: There is no such order, or the angles have another shape.
     """
     axes, angles = _left_to_right(order, angles)
     first, second, third = (exp(np.eye(3)[axis], angles[..., n]) for n, axis in enumerate(axes))
@@ -322,21 +289,16 @@ def from_euler(order: str, angles: ArrayLike) -> Array:
 def to_euler(order: str, R: ArrayLike) -> Array:
     """The angles (..., 3) [rad] with `from_euler(order, angles) == R`, for any of the 24 orders.
 
-    The middle angle lies in [0, π] if the outer two turn about the same axis, else in [−π/2, π/2]; the outer
-    two in (−π, π]. At the ends of the middle one's range (gimbal lock) only the sum or difference of the
-    outer two is determined: the last of the list is then 0.
-    For R = R_i(a) R_j(b) R_k(c), the column R e_k = R_i(a) R_j(b) e_k gives a and b, and the row
-    (R_i(a) e_j)ᵀ R = e_jᵀ R_k(c) then gives c, so that R is met even where a is badly determined.
+    The middle angle lies in [0, π] if the outer two turn about the same axis, else in [−π/2, π/2]. The outer two lie in
+    (−π, π]. At the ends of the middle one's range (gimbal lock) only the sum or difference of the outer two is
+    determined: the last of the list is then 0.
+
+    R = R_i(a) R_j(b) R_k(c). Its column R e_k = R_i(a) R_j(b) e_k gives a and b. The row (R_i(a) e_j)ᵀ R = e_jᵀ R_k(c)
+    then gives c, so the angles meet R even where a is badly determined.
 
     Args:
-        order: One of `EULER_ORDERS`.
+        order: One of the 24 `EULER_ORDERS`.
         R: Rotations (..., 3, 3).
-
-    Returns:
-        Angles (..., 3) [rad].
-
-    Raises:
-        InputError: There is no such order, or a matrix is no rotation.
     """
     (i, j, k), fixed = _euler_axes(order)
     R = as_rotation(R)
@@ -363,14 +325,8 @@ def euler_rate_map(order: str, angles: ArrayLike) -> Array:
     `numpy.linalg.cond(B)` grows without bound.
 
     Args:
-        order: One of `EULER_ORDERS`.
+        order: One of the 24 `EULER_ORDERS`.
         angles: Angles (..., 3) [rad].
-
-    Returns:
-        Matrices (..., 3, 3).
-
-    Raises:
-        InputError: There is no such order, or the angles have another shape.
     """
     (i, j, k), angles = _left_to_right(order, angles)
     first = exp(np.eye(3)[i], angles[..., 0])

@@ -1,6 +1,8 @@
 """Twists, screws and rigid motions: se(3), its exponential and logarithm, and the Adjoint.
 
-A twist is xi = (v, w), linear part first; a pose is a homogeneous g. Any leading (batch) axes are taken.
+A twist is xi = (v, w), linear part first; a pose is a homogeneous g. Every function takes any leading (batch) axes.
+InputError names another shape, a number that is not finite, a pose that is not in SE(3), or leading axes that do not
+broadcast.
 """
 
 from __future__ import annotations
@@ -48,8 +50,8 @@ def hat(xi: ArrayLike) -> Array:
 def vee(matrix: ArrayLike) -> Array:
     """The twist (..., 6) of a matrix (..., 4, 4) in se(3), or the vector (..., 3) of one (..., 3, 3) in so(3).
 
-    The inverse of `hat`. What a numerical derivative leaves of a symmetric part is dropped; more than
-    `ALGEBRA_TOL` of the matrix's size raises InputError.
+    The inverse of `hat`. It drops the symmetric part that a numerical derivative leaves. InputError for more than
+    `ALGEBRA_TOL` of the matrix's size.
     """
     matrix = as_floats(matrix, "matrix")
     if matrix.shape[-2:] not in ((3, 3), (4, 4)):
@@ -68,12 +70,6 @@ def bracket(a: ArrayLike, b: ArrayLike) -> Array:
     Args:
         a: Twists (..., 6).
         b: Twists (..., 6).
-
-    Returns:
-        Twists (..., 6).
-
-    Raises:
-        InputError: A shape does not fit, or the leading axes do not broadcast.
     """
     a, b = as_twist(a, "a"), as_twist(b, "b")
     require_broadcast(a=a.shape[:-1], b=b.shape[:-1])
@@ -82,33 +78,21 @@ def bracket(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def from_angular_first(V: ArrayLike, *, twists: Twists | None = None) -> Array:
-    """The twist (v, w) of Lynch & Park's (w, v); wrenches too: (f, τ) from (τ, f).
+    """The twist (v, w) of Lynch & Park's (w, v), an array of the same shape; wrenches too: (f, τ) from (τ, f).
 
     Args:
         V: Twists (w, v) or wrenches (τ, f): rows (..., 6), or columns (..., 6, n) as in a Jacobian.
-        twists: "rows" or "columns". Without it they are rows; (..., 6, 6), which may be either, is refused.
-
-    Returns:
-        An array of the same shape, linear part first.
-
-    Raises:
-        InputError: The shape does not fit, or may be either.
+        twists: "rows" or "columns"; by default rows. InputError for (..., 6, 6) without it, which may be either.
     """
     return _swapped(V, "V", twists)
 
 
 def to_angular_first(xi: ArrayLike, *, twists: Twists | None = None) -> Array:
-    """Lynch & Park's (w, v) of the twist (v, w); wrenches too: (τ, f) from (f, τ).
+    """Lynch & Park's (w, v) of the twist (v, w), an array of the same shape; wrenches too: (τ, f) from (f, τ).
 
     Args:
         xi: Twists (v, w) or wrenches (f, τ): rows (..., 6), or columns (..., 6, n) as in a Jacobian.
-        twists: "rows" or "columns". Without it they are rows; (..., 6, 6), which may be either, is refused.
-
-    Returns:
-        An array of the same shape, angular part first.
-
-    Raises:
-        InputError: The shape does not fit, or may be either.
+        twists: "rows" or "columns"; by default rows. InputError for (..., 6, 6) without it, which may be either.
     """
     return _swapped(xi, "xi", twists)
 
@@ -140,21 +124,15 @@ def _require_algebra(matrix: Array, off: float) -> None:
 def exp(xi: ArrayLike, theta: ArrayLike = 1.0) -> Array:
     """The motion g = e^{ξ̂θ} (..., 4, 4) along the twist xi = (v, w) (..., 6) by θ.
 
-    By Chasles' theorem it turns about a line and slides along it: with u = w/‖w‖, φ = ‖w‖θ and v = v∥ + v⊥
-    along and across u, the turn is A = hat(v⊥/‖w‖, u), the slide C = hat(v∥, 0), and
-    e^{ξ̂θ} = I + A sin φ + A² (1 − cos φ) + C θ;  where w = 0, A = 0 and C = hat(v, 0).
-    This is MLS §2.3.2 (eq. 2.32 and 2.36, there for ‖w‖ = 1) put so that nothing cancels: accurate to
-    rounding for every ‖w‖. `theta` broadcasts against the leading axes of xi.
+    By Chasles' theorem it turns about a line and slides along it. With u = w/‖w‖, φ = ‖w‖θ and v = v∥ + v⊥ along and
+    across u, the turn is A = hat(v⊥/‖w‖, u) and the slide C = hat(v∥, 0):
+    e^{ξ̂θ} = I + A sin φ + A² (1 − cos φ) + C θ. Where w = 0, A = 0 and C = hat(v, 0).
+    This is MLS §2.3.2 (eq. 2.32 and 2.36, there for ‖w‖ = 1) in a form where nothing cancels: accurate to rounding for
+    every ‖w‖.
 
     Args:
         xi: Twists (..., 6), linear part first.
-        theta: Multiples (...).
-
-    Returns:
-        Motions (..., 4, 4).
-
-    Raises:
-        InputError: The leading axes do not broadcast, or a number is not finite.
+        theta: Multiples (...), which broadcast against the leading axes of xi.
     """
     xi, theta = as_twist(xi, "xi"), as_floats(theta, "theta")
     require_broadcast(xi=xi.shape[:-1], theta=theta.shape)
@@ -182,9 +160,8 @@ def _turn_and_slide(v: Array, u: Array, length: Array) -> Array:
 def log(g: ArrayLike) -> Array:
     """The twist xi = (v, w) (..., 6) with e^ξ̂ = g and ‖w‖ ≤ π; the inverse of `exp`.
 
-    w = log R; then, with φ = ‖w‖ and p = p∥ + p⊥ along and across w,
-    v = p∥ + (φ/2) cot(φ/2) p⊥ − ½ w × p;  v = p where w = 0.
-    MLS §2.3.2 (Prop. 2.9); Lynch & Park §3.3.3. Nothing cancels: accurate to rounding for φ in [0, π].
+    w = log R. With φ = ‖w‖ and p = p∥ + p⊥ along and across w, v = p∥ + (φ/2) cot(φ/2) p⊥ − ½ w × p, and v = p where
+    w = 0. MLS §2.3.2 (Prop. 2.9); Lynch & Park §3.3.3. Nothing cancels: accurate to rounding for φ in [0, π].
     At φ = π the first non-zero component of w is positive.
     """
     g = as_pose(g, "pose g")
@@ -216,12 +193,6 @@ def transform_twist(g_ab: ArrayLike, xi_b: ArrayLike) -> Array:
     Args:
         g_ab: Poses (..., 4, 4) of frame b seen from frame a.
         xi_b: Twists (v, w) (..., 6) seen from b.
-
-    Returns:
-        Twists (..., 6) seen from a.
-
-    Raises:
-        InputError: A matrix is not in SE(3), or the leading axes do not broadcast.
     """
     g, xi = as_pose(g_ab, "pose g_ab"), as_twist(xi_b, "xi_b")
     require_broadcast(g_ab=g.shape[:-2], xi_b=xi.shape[:-1])
@@ -237,12 +208,6 @@ def transform_wrench(g_ab: ArrayLike, F_b: ArrayLike) -> Array:
     Args:
         g_ab: Poses (..., 4, 4) of frame b seen from frame a.
         F_b: Wrenches (f, τ) (..., 6) seen from b.
-
-    Returns:
-        Wrenches (..., 6) seen from a.
-
-    Raises:
-        InputError: A matrix is not in SE(3), or the leading axes do not broadcast.
     """
     g, F = as_pose(g_ab, "pose g_ab"), as_twist(F_b, "F_b")
     require_broadcast(g_ab=g.shape[:-2], F_b=F.shape[:-1])

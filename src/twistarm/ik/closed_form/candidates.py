@@ -1,8 +1,8 @@
 """A family's closed form: all candidates for x with E₁(x₁) ⋯ Eₖ(xₖ) = G.
 
-With E_L, E_K, E_R the products of the joints before the group, of it and behind it, E_K = E_L⁻¹ G E_R⁻¹ leaves the
-point or plane X alone: E_L X = G E_R⁻¹ X. The joints behind, seen from the other side of G, come to stand before the
-others, so that one chain of at most three has to place X where G takes it.
+E_L, E_K, E_R are the products of the joints before the group, of it and behind it. E_K = E_L⁻¹ G E_R⁻¹ keeps the point
+or plane X in place: E_L X = G E_R⁻¹ X. Seen from the other side of G, the joints behind come before the others. So one
+chain of at most three joints has to place X where G takes it.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ about a turn or a length of 2π m, the nearest to it first."""
 
 
 class Candidate(NamedTuple):
-    """Values (k,) in the order of the chain, and the joints for which any other value would do."""
+    """Values (k,) in the order of the chain, and the joints that may have any other value."""
 
     x: Array
     free: frozenset[int]
 
 
 def candidates(fitted: FittedFamily, G: Array, near: Array, slack: float) -> Iterator[list[Candidate]]:
-    """Every x (k,) with E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), and some that only nearly do, or not: forward kinematics decides.
+    """Every x (k,) with E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), and some that only nearly solve it: forward kinematics decides.
 
-    Where any value of a joint would do it has that of `near` (k,). Such a candidate may be no answer with that value,
-    and one with another, or the others with whose help it would do are elsewhere: so further lists follow, of what has
-    anything free, where those joints stand at other values. Newton's method brings these to all answers nearby.
+    A joint that may have any value takes that of `near` (k,). Such a candidate may be an answer only with another
+    value, or together with others elsewhere. So further lists follow, of candidates with free joints, where those
+    joints have other values. Newton's method brings these to all answers nearby.
     """
     found = list(_with(fitted, G, near, slack))
     yield found
@@ -83,7 +83,7 @@ def _beside(
 def within_group(
     kept: Point | Plane | None, group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float
 ) -> list[Placed]:
-    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3, for a group that leaves `kept` alone; k ≤ 6 for a decoupled one."""
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3, for a group that keeps `kept` in place. k ≤ 6 for a decoupled one."""
     if kept is None:
         return decoupled(group, E, near, slack)
     if isinstance(kept, Point):
@@ -94,8 +94,8 @@ def within_group(
 def rotating(w: tuple[Array, ...], R: Array, near: tuple[float, ...], slack: float) -> list[Placed]:
     """All x with e^{ŵ₁x₁} ⋯ e^{ŵₖxₖ} = R (3, 3), k ≤ 3.
 
-    Of three, the angle from w₁ to R w₃ gives x₂ (`_middle_turns`); then x₁ turns e^{ŵ₂x₂} w₃ to R w₃, and x₃ is the
-    turn that is left. Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
+    With three axes, the angle from w₁ to R w₃ gives x₂ (`_middle_turns`). Then x₁ turns e^{ŵ₂x₂} w₃ to R w₃, and x₃ is
+    the turn that is left. Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
     """
     axes = tuple(JointAxis(each, NO_ORIGIN, slides=False) for each in w)
     if not w:
@@ -112,11 +112,11 @@ def rotating(w: tuple[Array, ...], R: Array, near: tuple[float, ...], slack: flo
 
 
 def _middle_turns(middle: JointAxis, first: Array, last: Array, goal: Array, slack: float) -> list[float]:
-    """The turns of `last` (3,) about the middle axis to where its angle from `first` is that of `goal`.
+    """The turns of `last` (3,) about the middle axis that give it the angle of `goal` from `first`.
 
     The three directions make a triangle on the sphere with the sides α, γ and β. Its half-angle formulas give the angle
-    at the middle axis to rounding, however small it is; from its cosine half the digits of a nearly singular wrist
-    would be lost.
+    at the middle axis to rounding, however small it is. Its cosine would lose half the digits for a nearly singular
+    wrist.
     """
     alpha, gamma, beta = _angle(middle.w, first), _angle(middle.w, last), _angle(first, goal)
     s = 0.5 * (alpha + beta + gamma)
@@ -141,7 +141,7 @@ def _first_then_rest(
     slack: float,
     middle: float | None = None,
 ) -> list[Placed]:
-    """x₁ turns `moved` to where R takes the last axis; the last joint turns what is left."""
+    """x₁ turns `moved` to where R takes the last axis. The last joint turns the rest."""
     x, free = settle(axes[0], Point(moved), Point(R @ axes[-1].w), near[0])
     left = axes[0].motion(-x)[:3, :3] @ R
     between = () if middle is None else (middle,)
@@ -156,15 +156,15 @@ def sliding(
 ) -> list[Placed]:
     """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4), k ≤ 3, of joints that turn about the normal and slide across it.
 
-    The angles add up. With one turn it is the whole angle, and the slides are two lengths in the plane; else the joints
-    before the last turn take a point of its axis where E takes it.
+    The angles add up. One turn takes the whole angle, and the slides are two lengths in the plane. With more turns, the
+    joints before the last take a point of its axis where E takes it.
     """
     turning = [i for i, axis in enumerate(group) if not axis.slides]
     u, v = across(normal)
     whole = math.atan2(float(v @ E[:3, :3] @ u), float(u @ E[:3, :3] @ u))
     senses = [float(np.sign(group[i].w @ normal)) for i in turning]
     if len(turning) == 1:
-        return [Placed(_one_turn(group, turning[0], senses[0] * whole, E))]
+        return [Placed(_with_slides(group, turning, (senses[0] * whole,), E))]
     last = turning[-1]
     if last < len(group) - 1:
         backward = sliding(group[::-1], normal, inverse(E), tuple(-x for x in near[::-1]), slack)
@@ -179,25 +179,20 @@ def sliding(
 
 
 def decoupled(group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float) -> list[Placed]:
-    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4), at most three that turn, by the rotation, and three that slide."""
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4): at most three turns, by the rotation, and three slides."""
     turning = [i for i, axis in enumerate(group) if not axis.slides]
-    found = []
-    for turns in rotating(tuple(group[i].w for i in turning), E[:3, :3], tuple(near[i] for i in turning), slack):
-        x = np.zeros(len(group))
-        x[turning] = turns.x
-        found.append(Placed(_with_slides(group, x, E), frozenset(turning[i] for i in turns.free)))
-    return found
+    turned = rotating(tuple(group[i].w for i in turning), E[:3, :3], tuple(near[i] for i in turning), slack)
+    return [
+        Placed(_with_slides(group, turning, turns.x, E), frozenset(turning[i] for i in turns.free)) for turns in turned
+    ]
 
 
-def _one_turn(group: tuple[JointAxis, ...], turning: int, angle: float, E: Array) -> tuple[float, ...]:
-    """The one turn, and slides by least squares."""
+def _with_slides(
+    group: tuple[JointAxis, ...], turning: list[int], turns: tuple[float, ...], E: Array
+) -> tuple[float, ...]:
+    """x (k,) from its turns. The slides, which are linear, take the origin where E does, by least squares."""
     x = np.zeros(len(group))
-    x[turning] = angle
-    return _with_slides(group, x, E)
-
-
-def _with_slides(group: tuple[JointAxis, ...], x: Array, E: Array) -> tuple[float, ...]:
-    """x (k,) with the slides, 0 so far, by least squares where E takes the origin: they are linear in it."""
+    x[turning] = turns
     slides = [i for i, axis in enumerate(group) if axis.slides]
     directions = np.array([product(group[:i], x[:i])[:3, :3] @ group[i].w for i in slides]).reshape(-1, 3).T
     x[slides] = np.linalg.lstsq(directions, E[:3, 3] - product(group, x)[:3, 3], rcond=None)[0]

@@ -1,11 +1,11 @@
-"""The chain that is solved for: an arm's joints, and those that stand for what a target leaves free.
+"""The chain to solve: an arm's joints, and joints for what a target leaves free.
 
 E₁(x₁) ⋯ Eₙ(xₙ) V₁(y₁) ⋯ Vₖ(yₖ) = G. A `Pose` adds nothing, and G = g home⁻¹. An `Approach` leaves the turn about the
-tool axis free: that is one joint more, behind the last, whose value nobody asks for; a `Position` leaves every rotation
-free, which are three. So an `Approach` of an arm with five joints, and a `Position` of one with three, are the equation
-of six joints.
+tool axis free. That is one more joint behind the last, with a value that does not matter. A `Position` leaves every
+rotation free, which adds three. So an `Approach` of five joints, and a `Position` of three, are equations of six
+joints.
 
-A joint that is held at a value is no unknown any more: E_h is moved behind all others, which it carries along, and G
+A joint that is held at a value is no longer unknown. E_h is moved behind all others, which it carries along, and G
 becomes G E_h⁻¹.
 """
 
@@ -30,7 +30,7 @@ MOST_JOINTS = 6
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """`axes`: of the arm's n joints, then of what the target leaves free; `rates` (n,): x = rate · theta."""
+    """`axes`: of the arm's n joints, then of what the target leaves free. `rates` (n,): x = rate · theta."""
 
     axes: tuple[JointAxis, ...]
     rates: Array
@@ -41,13 +41,8 @@ class Chain:
         """The arm's own joints."""
         return len(self.rates)
 
-    @property
-    def sliding(self) -> Array:
-        """Which of the arm's joints slide, (n,)."""
-        return np.array([axis.slides for axis in self.axes[: self.n]], dtype=np.bool_)
-
     def held(self, joints: tuple[int, ...], values: Array) -> tuple[tuple[JointAxis, ...], Array]:
-        """The axes without these joints, which stand at `values` of x, and what G is to be multiplied by, (4, 4)."""
+        """The axes without these joints, which are at `values` of x, and the factor (4, 4) for G."""
         carried, left = np.eye(4), []
         for i, axis in enumerate(self.axes):
             if i in joints:
@@ -61,12 +56,12 @@ class Chain:
         return [i for i in range(len(self.axes)) if i not in held]
 
     def surplus(self, held: tuple[int, ...] = ()) -> int:
-        """How many joints more there are, beside those held, than motions that they make: so many more are held."""
+        """How many joints there are beyond those held and the motions that they make. That many more are held."""
         rng, left = np.random.default_rng(0), self.left(held)
         return len(left) - max(_rank(self._jacobian(rng)[:, left]) for _ in range(3))
 
     def idle(self, joint: int) -> bool:
-        """Whether the joint does nothing that what the target leaves free does not do: a roll about the tool axis."""
+        """Whether the joint only moves what the target leaves free: a roll about the tool axis."""
         rng = np.random.default_rng(0)
         J = self._jacobian(rng)
         columns = [joint, *range(self.n, len(self.axes))]
@@ -82,7 +77,7 @@ class Chain:
 
 
 def chain_for(arm: Arm, like: AnyTarget) -> Chain:
-    """The chain for targets like this one. InputError, whose text says why, for an arm or target that has none."""
+    """The chain for targets like this one. InputError says why an arm or a target has none."""
     A = arm.coupling.A
     if A.shape[0] != arm.n or np.count_nonzero(A - np.diag(np.diagonal(A))) or not np.diagonal(A).all():
         raise InputError("its joints are coupled: some follow others, by mimic or a linkage")

@@ -39,9 +39,9 @@ class FamilyNumbers(NamedTuple):
 
 
 def family_numbers(arm: Arm, chain: Chain, family: Family, held: tuple[int, ...], idle: Set[int]) -> FamilyNumbers:
-    """The numbers of a family, with joints `held`; `idle`: those that any answer may move.
+    """The numbers of a family with joints `held`. `idle` joints may have any value in an answer.
 
-    The core holds joints at other values in every call, so it gets the axes as they are where these stand at 0.
+    The core holds joints at other values in every call, so it gets the axes with these joints at 0.
     """
     axes, _ = chain.held(held, np.full(len(held), SAMPLE))
     fitted = family.fitted(axes)
@@ -61,7 +61,7 @@ def family_numbers(arm: Arm, chain: Chain, family: Family, held: tuple[int, ...]
 
 
 def compiled(arm: Arm, kind: int, numbers: FamilyNumbers) -> ClosedForm | None:
-    """The family for targets of a `kind` in the core; None where the arm is not in the core."""
+    """The family for targets of a `kind` in the core. None where the arm is not in the core."""
     found: ClosedForm | None = None
     if arm._compiled is not None:
         found = engine.asked("ClosedForm", arm._compiled, kind, *numbers)
@@ -69,14 +69,14 @@ def compiled(arm: Arm, kind: int, numbers: FamilyNumbers) -> ClosedForm | None:
 
 
 def _kept(kept: Point | Plane | None) -> tuple[int, Array]:
-    """What the group leaves alone: nothing, a point or a plane, and its four numbers."""
+    """What the group keeps: nothing, a point or a plane, and its four numbers."""
     if kept is None:
         return 0, np.zeros(4)
     return (2, np.append(kept.n, kept.d)) if isinstance(kept, Plane) else (1, np.append(kept.p, 0.0))
 
 
 def _carried(chain: Chain, held: tuple[int, ...], joint: int) -> Array:
-    """How the held joints before this one have moved it, (4, 4)."""
+    """The motion (4, 4) that the held joints before this one have given it."""
     g = np.eye(4)
     for i in held:
         if i < joint:

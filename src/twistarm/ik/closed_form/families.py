@@ -1,12 +1,13 @@
-"""Families of arms whose inverse kinematics has a closed form, recognised from the axes.
+"""Families of arms that have a closed form of inverse kinematics, recognised from the axes.
 
-Some joints that follow one another are a *group* if together they leave something alone: axes that meet in a point
-leave the point alone (a spherical group), parallel axes, and slides across them, every plane across the axes (a planar
-group). With at most three joints beside the group, these have to place the point, or the plane, where the target wants
-it (`placing`); the group does the rest. That covers a spherical wrist or shoulder with any three other joints, three
-parallel axes anywhere, and every arm of four joints. A slide along parallel axes commutes with them, so joints may be
-taken in another order than the arm's. Of at most three joints that turn, in different directions, and at most three
-that slide, in whatever order, the rotation alone gives the former: all are one *decoupled* group that keeps nothing.
+Consecutive joints are a *group* if together they keep something in place. Axes that meet in a point keep the point (a
+spherical group). Parallel axes, and slides across them, keep every plane across the axes (a planar group). At most
+three joints beside the group place the point, or the plane, where the target wants it (`placing`). The group does the
+rest. That covers a spherical wrist or shoulder with any three other joints, three parallel axes anywhere, and every arm
+of four joints. A slide along parallel axes commutes with them, so the joints may also be taken in another order.
+
+At most three turns in different directions and three slides, in any order, are one *decoupled* group that keeps
+nothing: the rotation alone gives the turns.
 
 Sources: Pieper 1968 (three axes that meet, three that are parallel); Elias & Wen, IK-Geo, 2022; MLS §3.3.
 """
@@ -42,9 +43,9 @@ SPHERICAL, PLANAR, DECOUPLED = "spherical", "planar", "decoupled"
 
 @dataclass(frozen=True)
 class Family:
-    """Which joints are the group, whatever the values of joints that are held fixed.
+    """Which joints are the group, for any values of held joints.
 
-    `order` (k,): the joints of the chain in the order in which they are taken; those from `first` to before `last` are
+    `order` (k,): the joints of the chain in the order in which they are taken. Those from `first` to before `last` are
     the group of this `kind`.
     """
 
@@ -71,9 +72,9 @@ class Family:
 
 @dataclass(frozen=True, eq=False)
 class FittedFamily:
-    """A family with its axes, in its order; `kept`, the point or plane that the group leaves alone, if there is one.
+    """A family with its axes, in its order. `kept`: the point or plane that the group keeps in place.
 
-    `off`: by how much the arm's own axes miss it, in m for a point and rad for a plane.
+    `off`: how far the arm's axes miss the family, in m for a point and rad for a plane.
     """
 
     family: Family
@@ -115,13 +116,13 @@ def families(axes: tuple[JointAxis, ...], reach: float, tolerance: float = NEARL
 
 
 def closest_miss(axes: tuple[JointAxis, ...], reach: float) -> FittedFamily | None:
-    """The family that the axes miss by least, however far; None where no three could be one."""
+    """The family that the axes miss by least, at any distance. None where no three could be one."""
     found = families(axes, reach, np.inf)
     return min(found, key=lambda fitted: fitted.off_share(reach), default=None)
 
 
 def _rank(fitted: FittedFamily, reach: float) -> tuple[object, ...]:
-    """What is exact goes first, then the largest group, then the arm's own order."""
+    """A key that sorts families: exact ones first, then the largest group, then the arm's order."""
     off = fitted.off_share(reach)
     family = fitted.family
     size = family.last - family.first
@@ -129,13 +130,13 @@ def _rank(fitted: FittedFamily, reach: float) -> tuple[object, ...]:
 
 
 def _kinds(group: list[JointAxis]) -> list[str]:
-    """What the joints may be: axes that slide meet in no point; planes need a normal."""
+    """The kinds the group may be: axes that slide do not meet in a point. Planes need a normal."""
     kinds = [] if any(axis.slides for axis in group) else [SPHERICAL]
     return [*kinds, PLANAR] if len(group) > 1 and any(not axis.slides for axis in group) else kinds
 
 
 def _meeting(group: list[JointAxis]) -> tuple[Point, list[JointAxis], float]:
-    """The point nearest to all axes, the axes moved through it, and how far they were from it [m] at most."""
+    """The point nearest to all axes, the axes moved through it, and their greatest distance from it [m]."""
     across = [np.eye(3) - np.outer(axis.w, axis.w) for axis in group]
     target = np.sum([P @ axis.o for P, axis in zip(across, group, strict=True)], axis=0)
     centre = np.linalg.lstsq(np.sum(across, axis=0), target, rcond=1e-9)[0]
@@ -144,7 +145,7 @@ def _meeting(group: list[JointAxis]) -> tuple[Point, list[JointAxis], float]:
 
 
 def _parallel(group: list[JointAxis]) -> tuple[Plane, list[JointAxis], float]:
-    """A plane across all axes that turn, the axes made parallel, and by how much they were not [rad] at most."""
+    """A plane across all axes that turn, the axes made parallel, and their greatest angle from that [rad]."""
     turning = [axis.w for axis in group if not axis.slides]
     normal = np.sum([w * np.sign(w @ turning[0]) for w in turning], axis=0)
     normal = normal / max(float(np.linalg.norm(normal)), 1e-12)
@@ -159,7 +160,7 @@ def _parallel(group: list[JointAxis]) -> tuple[Plane, list[JointAxis], float]:
 
 
 def _orders(axes: tuple[JointAxis, ...]) -> list[tuple[int, ...]]:
-    """The orders in which the joints may be taken, the arm's first: neighbours that commute change places."""
+    """The orders in which the joints may be taken, the arm's first: neighbours that commute may change places."""
     known = {tuple(range(len(axes))): None}
     for order in (todo := list(known)):
         for i in range(len(axes) - 1):
@@ -191,10 +192,10 @@ def _columns(axes: tuple[JointAxis, ...], x: Array) -> list[Array]:
 
 
 def _determined(fitted: FittedFamily) -> bool:
-    """Whether the joints beside the group move what it keeps in as many ways as they are, and the group's are free.
+    """Whether the joints beside the group move independently what it keeps, and those of the group the rest.
 
-    At random configurations, each with the pose that it makes: for a pose that no configuration makes the joints beside
-    may well move what they cannot move where the arm can be.
+    Tried at random configurations, each with the pose that it makes. For a pose out of reach the joints beside may well
+    move what they cannot move within reach.
     """
     rng = np.random.default_rng(0)
     first, last = fitted.family.first, fitted.family.last
@@ -210,7 +211,7 @@ def _determined(fitted: FittedFamily) -> bool:
 
 
 def _velocity(X: Point | Plane, xi: Array) -> Array:
-    """How X begins to move with the twist xi (6,): (ṅ, ḋ) or ṗ."""
+    """The velocity of X with the twist xi (6,): (ṅ, ḋ) or ṗ."""
     v, w = xi[:3], xi[3:]
     return np.append(np.cross(w, X.n), v @ X.n) if isinstance(X, Plane) else v + np.cross(w, X.p)
 

@@ -36,12 +36,12 @@ def family_in_words(arm: Arm, fitted: FittedFamily, joints: Joints) -> str:
 
 
 def off_in_words(fitted: FittedFamily) -> str:
-    """By how much the axes miss the family: `0.4 mm`."""
+    """How much the axes miss the family: `0.4 mm`."""
     return _length(fitted.off) if fitted.family.kind == SPHERICAL else angle_in_words(fitted.off)
 
 
 def missed_in_words(arm: Arm, fitted: FittedFamily, axes: Sequence[JointAxis], joints: Joints) -> str:
-    """Which two axes of the group are farthest from what would make it one."""
+    """The two axes of the group that are farthest from making it one."""
     group = fitted.family.group
     spherical = fitted.family.kind == SPHERICAL
     between = _distance if spherical else _from_parallel
@@ -63,7 +63,7 @@ def _distance(a: JointAxis, b: JointAxis) -> float:
 
 
 def _from_parallel(a: JointAxis, b: JointAxis) -> float:
-    """The angle [rad] by which they are not parallel, or where one slides, not square."""
+    """The angle [rad] by which they are not parallel; not square, if one of them slides."""
     sine, cosine = float(np.linalg.norm(np.cross(a.w, b.w))), abs(float(a.w @ b.w))
     if a.slides != b.slides:
         return float(np.arctan2(cosine, sine))

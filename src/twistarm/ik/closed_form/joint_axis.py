@@ -20,7 +20,7 @@ NO_TURN = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class JointAxis:
-    """A line along the unit vector w (3,) through the point o (3,) [m]: the joint turns about it, or slides along it.
+    """A line along the unit vector w (3,) through the point o (3,) [m]. The joint turns about it, or slides along it.
 
     E(x) = e^{ξ̂x} with ξ = (o × w, w) for a joint that turns, (w, 0) for one that slides.
     """
@@ -62,7 +62,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """The points x with n · x = d, n (3,) a unit vector, d [m]; with n turned round it is another plane."""
+    """The points x with n · x = d, n (3,) a unit vector, d [m]; −n makes another plane."""
 
     n: Array
     d: float
@@ -74,7 +74,7 @@ class Plane:
 
 
 def axis_of(xi: Array) -> JointAxis:
-    """The axis of a twist (6,); w and v of any length but zero. InputError for a screw: it both turns and slides."""
+    """The axis of a twist (6,), with w and v of any length but zero. InputError for a screw, which turns and slides."""
     v, w = xi[:3], xi[3:]
     rate = float(np.linalg.norm(w))
     if rate < NO_TURN:

@@ -1,6 +1,6 @@
-"""The way in which all configurations of an arm are found for a kind of target: a family, elimination, or none.
+"""The way to find all configurations of an arm for a kind of target: a family, elimination, or a search.
 
-It follows from the axes alone, is looked for once for each arm and kind, and kept with the arm.
+It follows from the axes alone. It is looked for once for each arm and kind, and kept with the arm.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from ma
 
 @dataclass(frozen=True, eq=False)
 class Method:
-    """How: by a `family`, or by elimination as it is `rooted`; with neither, `reason` says why there is none.
+    """A way by a `family`, or by elimination if it is `rooted`. With neither, `reason` says why.
 
-    `held`: joints of the arm that are `given` or sampled, beyond what the target determines; `idle`, those of them that
-    do nothing that the target does not leave free, so that one value stands for all. `numbers` and
-    `compiled`: the family for the core and in it, where it is exact.
+    `held`: joints of the arm that are `given` or sampled, because the target does not determine them.
+    `idle`: held joints that only do what the target leaves free, so one value is enough.
+    `numbers` and `compiled`: the family for the core and in it, where it is exact.
     """
 
     chain: Chain
@@ -62,21 +62,21 @@ class Method:
 
     @property
     def there(self) -> bool:
-        """Whether there is a way."""
+        """Whether there is a family or an elimination."""
         return self.family is not None or self.rooted is not None
 
     @property
     def exact(self) -> bool:
-        """Whether every answer is among the candidates: the axes are those of the family, or elimination was used."""
+        """Whether the candidates hold every answer: the axes fit the family exactly, or elimination is used."""
         return self.rooted is not None or (self.family is not None and self.off <= EXACT)
 
     @property
     def name(self) -> str:
-        """In a word."""
+        """The way in a word or two."""
         return CLOSED_FORM if self.family is not None else ELIMINATION if self.rooted is not None else SEARCH
 
     def in_words(self, arm: Arm) -> str:
-        """The family, or why there is none."""
+        """The family, or why the axes have none."""
         if self.family is None:
             if self.rooted is None:
                 return self.reason
@@ -88,7 +88,7 @@ class Method:
 
     @cached_property
     def swept(self) -> tuple[int, ...]:
-        """Held joints, beside those given, of which each value gives other configurations."""
+        """Held joints, beside those given, that give other configurations for each value."""
         return tuple(i for i in self.held if i not in self.idle and i not in self.given)
 
     @cached_property
@@ -97,9 +97,9 @@ class Method:
         return self.family.fitted(self.chain.axes) if self.family is not None and not self.held else None
 
     def candidates(self, arm: Arm, target: AnyTarget, near: Array, values: Array, exact: bool) -> Iterator[list[Array]]:
-        """Lists of candidates theta (n,), held joints at `values` of theta; in the first, what is free as in `near`.
+        """Lists of candidates theta (n,), held joints at `values`. In the first list free joints are at `near`.
 
-        `exact`: whether what misses a subproblem is rounding of numbers alone, and not of the axes.
+        `exact`: whether only the rounding of numbers makes a candidate miss a subproblem, and not that of the axes.
         """
         chain = self.chain
         rates = chain.rates[list(self.held)]
@@ -131,7 +131,7 @@ _KEPT: WeakKeyDictionary[Arm, dict[object, Method]] = WeakKeyDictionary()
 
 
 def known_method(arm: Arm, like: type[AnyTarget], axis: bytes | None) -> Method | None:
-    """The method for targets of this type, of an Approach with this tool axis, where it has been looked for."""
+    """The kept method for targets of this type, for an Approach with this tool axis. None before `method_for`."""
     kept = _KEPT.get(arm)
     return None if kept is None else kept.get((like, (), axis))
 
@@ -139,43 +139,43 @@ def known_method(arm: Arm, like: type[AnyTarget], axis: bytes | None) -> Method 
 def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Method:
     """The method for targets like this one, with the joints `given` held, and others where there are still too many.
 
-    A joint whose limits are one value is given.
+    A joint with limits of one value is given.
     """
     given = tuple(sorted({*given, *standing(arm)}))
-    key = type(target), given, target.axis.tobytes() if isinstance(target, Approach) else None
-    kept = _KEPT.setdefault(arm, {})
-    if key not in kept:
-        kept[key] = _with_core(arm, target, _looked_for(arm, target, given))
-    return kept[key]
+    return _kept(arm, target, given, lambda: _with_core(arm, target, _looked_for(arm, target, given)))
 
 
 def family_method(arm: Arm, target: AnyTarget) -> Method:
-    """The method for targets like this one by families alone: without elimination, which takes long to set up."""
-    return _kept_family(arm, target, "family", _with_core)
+    """The method by families alone, without elimination, which takes long to set up."""
+    return _kept(arm, target, "family", lambda: _with_core(arm, target, _nearest_family(arm, target)))
 
 
 def family_for(arm: Arm, target: AnyTarget) -> Method | None:
-    """The family for targets like this one in the core, where at most one joint has to be sampled; else None.
+    """The family in the core for targets like this one, where at most one joint has to be sampled; else None.
 
-    Of an arm whose axes miss their family by a little it is that of the nearest exact arm: `Method.exact` says so.
+    Where the axes miss their family by a little it is the nearest exact arm's: `Method.exact` says so.
     """
     free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
     if arm.n - len(standing(arm)) + free > MOST_JOINTS + 1:
         return None
-    method = _kept_family(arm, target, "nearest family", _in_core)
+    method = _kept(arm, target, "nearest family", lambda: _in_core(arm, target, _nearest_family(arm, target)))
     return method if method.compiled is not None and len(method.swept) <= 1 else None
 
 
-def _kept_family(arm: Arm, target: AnyTarget, what: str, in_core: Callable[[Arm, AnyTarget, Method], Method]) -> Method:
-    key = what, type(target), target.axis.tobytes() if isinstance(target, Approach) else None
+def _kept(arm: Arm, target: AnyTarget, what: object, made: Callable[[], Method]) -> Method:
+    key = type(target), what, target.axis.tobytes() if isinstance(target, Approach) else None
     kept = _KEPT.setdefault(arm, {})
     if key not in kept:
-        kept[key] = in_core(arm, target, _looked_for(arm, target, standing(arm), families_alone=True))
+        kept[key] = made()
     return kept[key]
 
 
+def _nearest_family(arm: Arm, target: AnyTarget) -> Method:
+    return _looked_for(arm, target, standing(arm), families_alone=True)
+
+
 def _with_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
-    """The method, with its family in the core where the axes are exact: slack for those that miss is not for it."""
+    """The method, with its family in the core if the axes are exact: the core has no slack for others."""
     return _in_core(arm, target, method) if method.exact else method
 
 
@@ -207,7 +207,7 @@ def _looked_for(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, families
 def _by_family(
     arm: Arm, chain: Chain, ways: list[tuple[int, ...]], given: tuple[int, ...], idle: tuple[int, ...]
 ) -> Method | None:
-    """Of the ways to hold joints the one whose axes are nearest to a family, or the first of those that are exact."""
+    """The way to hold joints that leaves the axes nearest to a family, the first of exact ones."""
     best: Method | None = None
     for held in ways:
         axes, _ = chain.held(held, np.full(len(held), SAMPLE))
@@ -223,7 +223,7 @@ def _by_family(
 def _by_elimination(
     arm: Arm, chain: Chain, ways: list[tuple[int, ...]], given: tuple[int, ...], idle: tuple[int, ...]
 ) -> Method:
-    """Of the ways to hold joints the first that leaves axes for elimination; the reason where none does."""
+    """The first way to hold joints that leaves axes for elimination, or why no way does."""
     for held in ways:
         axes, _ = chain.held(held, np.full(len(held), SAMPLE))
         way = elimination.rooted(axes, arm.reach)
@@ -233,7 +233,7 @@ def _by_elimination(
 
 
 def _why_not(arm: Arm, chain: Chain, ways: list[tuple[int, ...]]) -> str:
-    """Which axes miss a family by least."""
+    """The axes that miss a family by least, in words."""
     misses = [miss for held in ways if (miss := _closest(arm, chain, held)) is not None]
     if not misses:
         return "no three of its axes that follow one another meet in a point or are parallel"
@@ -241,7 +241,7 @@ def _why_not(arm: Arm, chain: Chain, ways: list[tuple[int, ...]]) -> str:
 
 
 def closest_miss_of(arm: Arm, method: Method) -> tuple[float, str]:
-    """By how much its axes miss the family, or the nearest one, in shares of the reach or rad, and in words.
+    """How far the axes miss their family, or the nearest one, in shares of the reach or rad, and in words.
 
     (0, "") where they miss nothing.
     """

@@ -1,6 +1,6 @@
 """Placing a point or a plane by up to three joints: all x with E₁(x₁) ⋯ Eₖ(xₖ) X = Y.
 
-What moves along the middle joint keeps two numbers, so E₃(x₃) X and E₁(x₁)⁻¹ Y must have the same:
+A motion along the middle joint keeps two numbers, so E₃(x₃) X and E₁(x₁)⁻¹ Y must have the same:
 
 | middle joint | of a point p | of a plane (n, d) |
 |---|---|---|
@@ -8,8 +8,8 @@ What moves along the middle joint keeps two numbers, so E₃(x₃) X and E₁(x�
 | slides along w | the two coordinates of p across w | — |
 
 These are two conditions on x₁ and x₃, linear in their sines and cosines, or in a length and its square. Then x₂ is the
-turn or slide that is left (subproblem 1). For points this is how Pieper (1968) solves the first three joints of an arm
-with a spherical wrist; for planes it serves three parallel axes.
+turn or slide that is left (subproblem 1). For points Pieper (1968) solves the first three joints of an arm with a
+spherical wrist like this. For planes it solves three parallel axes.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ where a double root, which has half the digits, brought it there, by which is no
 
 
 class Placed(NamedTuple):
-    """Values of the joints, and the indices of those for which any other value would do (with others for the rest)."""
+    """Values of the joints, and the indices of those that may have any other value (with others for the rest)."""
 
     x: tuple[float, ...]
     free: frozenset[int] = frozenset()
@@ -39,9 +39,9 @@ class Placed(NamedTuple):
 def place(
     axes: tuple[JointAxis, ...], X: Point | Plane, Y: Point | Plane, near: tuple[float, ...], slack: float
 ) -> list[Placed]:
-    """All x (k,), k ≤ 3, with E₁(x₁) ⋯ Eₖ(xₖ) X = Y, in the sense of least squares where there are too few joints.
+    """All x (k,), k ≤ 3, with E₁(x₁) ⋯ Eₖ(xₖ) X = Y. Least squares where there are too few joints.
 
-    Where any value would do, a joint takes that of `near` (k,). What just misses by `slack` counts.
+    A joint that may have any value takes that of `near` (k,). What just misses by `slack` counts.
     """
     if not axes:
         return [Placed(())]
@@ -52,7 +52,7 @@ def place(
 
 
 def settle(axis: JointAxis, X: Point | Plane, Y: Point | Plane, near: float) -> tuple[float, bool]:
-    """x with E(x) X = Y as near as can be, and whether any other would do: subproblem 1, for planes and slides too."""
+    """The x that brings E(x) X nearest to Y, and whether any other does: subproblem 1, for planes and slides too."""
     if axis.slides:
         return _slid(axis, X, Y, near)
     a, b = (Z.n if isinstance(Z, Plane) else Z.p - axis.o for Z in (X, Y))
@@ -74,7 +74,7 @@ def _slid(axis: JointAxis, X: Point | Plane, Y: Point | Plane, near: float) -> t
 def _by_two(
     axes: tuple[JointAxis, ...], X: Point | Plane, Y: Point | Plane, near: tuple[float, ...], slack: float
 ) -> list[Placed]:
-    """The first joint is the middle one: nothing stands before it."""
+    """The first joint is the middle one: none comes before it."""
     first, second = axes
     found = []
     k = _kept_along(first, second, X)
@@ -99,7 +99,7 @@ def _by_three(
 
 
 def _kept(middle: JointAxis, X: Point | Plane) -> Array:
-    """The two numbers (2,) of X that moving along the middle joint does not change."""
+    """The two numbers (2,) of X that a motion along the middle joint does not change."""
     if isinstance(X, Plane):
         if middle.slides:  # the normal is kept: two of its components, across the slide
             u, v = across(middle.w)

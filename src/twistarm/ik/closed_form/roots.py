@@ -58,123 +58,138 @@ MOST_COPIES = 4096
 
 @dataclass(frozen=True, eq=False)
 class Root:
-    """An answer theta (n,), each angle anywhere, and the joints that may change while the target stays met."""
+    """An answer theta (n,), with angles in any turn, and the joints that may move while the target stays met."""
 
     theta: Array
     free: tuple[int, ...]
 
 
-def corrected(
-    arm: Arm,
-    target: AnyTarget,
-    theta: Array,
-    held: tuple[int, ...] = (),
-    singular: float = SINGULAR,
-    enough: float = ROUNDING,
-) -> Array:
-    """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target; `held` joints stay.
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """A target that an arm is to meet to tolerances."""
 
-    No step is long in any of the directions that J tells apart: where one of them hardly moves the tool, near a wrist
-    in line, the others go all their way nevertheless.
-    """
-    for _ in range(STEPS):
-        error, J = rows_of(arm, target, theta)
-        if np.abs(error).max(initial=0.0) <= enough:
-            break
-        J[:, list(held)] = 0.0
-        U, size, Vt = np.linalg.svd(J, full_matrices=False)
-        there = size > singular * size.max(initial=0.0)
-        theta = theta - np.clip((U.T @ error)[there] / size[there], -LONGEST_STEP, LONGEST_STEP) @ Vt[there]
-    return theta
+    arm: Arm
+    target: AnyTarget
+    tolerances: Tolerances
 
+    def errors(self, theta: Array) -> tuple[float, float]:
+        """The errors of forward kinematics at theta (n,): position [m] and orientation [rad]."""
+        g = self.arm.fk(theta)
+        return self.target.position_error(g), self.target.orientation_error(g)
 
-def met(arm: Arm, target: AnyTarget, theta: Array, tolerances: Tolerances) -> bool:
-    """Whether forward kinematics meets the target to the tolerances."""
-    g = arm.fk(theta)
-    return tolerances.met(target.position_error(g), target.orientation_error(g))
+    def met(self, theta: Array) -> bool:
+        """Whether forward kinematics meets the target to the tolerances."""
+        return self.tolerances.met(*self.errors(theta))
 
+    def rows(self, theta: Array) -> tuple[Array, Array]:
+        """By how much theta (n,) misses the target [m, rad] (k,), and the derivative (k, n)."""
+        g, J_b = self.arm._fk_and_body_jacobian(theta)
+        (e_p, J_p), (e_r, J_r) = self.target._position_rows(g, J_b), self.target._rotation_rows(g, J_b)
+        return np.concatenate([e_p, e_r]), np.concatenate([J_p, J_r])
 
-def roots(
-    arm: Arm,
-    target: AnyTarget,
-    candidates: Iterable[Array],
-    tolerances: Tolerances,
-    held: tuple[int, ...] = (),
-    known: Sequence[Root] = (),
-    singular: float = SINGULAR,
-) -> list[Root]:
-    """The different answers among the candidates that are not `known` yet, each corrected and verified.
+    def corrected(
+        self, theta: Array, held: tuple[int, ...] = (), singular: float = SINGULAR, enough: float = ROUNDING
+    ) -> Array:
+        """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target. `held` joints stay.
 
-    `held` joints stay where they are. `singular`: as for `corrected`.
-    """
-    found: list[Root] = []
-    for candidate in candidates:
-        theta = corrected(arm, target, np.array(candidate), held, singular)
-        if not met(arm, target, theta, tolerances):
-            continue
-        if not any(_same(arm, target, theta, other.theta) for other in (*known, *found)):
-            dependent = max(singular, DEPENDENT)
-            found.append(Root(theta, self_motion(arm, target, theta, tolerances, held, dependent)))
-    return found
+        No step is long in any of the directions that J tells apart. Near a wrist in line one of them hardly moves the
+        tool; the others still go all their way.
+        """
+        for _ in range(STEPS):
+            error, J = self.rows(theta)
+            if np.abs(error).max(initial=0.0) <= enough:
+                break
+            J[:, list(held)] = 0.0
+            U, size, Vt = np.linalg.svd(J, full_matrices=False)
+            there = size > singular * size.max(initial=0.0)
+            theta = theta - np.clip((U.T @ error)[there] / size[there], -LONGEST_STEP, LONGEST_STEP) @ Vt[there]
+        return theta
 
+    def roots(
+        self,
+        candidates: Iterable[Array],
+        held: tuple[int, ...] = (),
+        known: Sequence[Root] = (),
+        singular: float = SINGULAR,
+    ) -> list[Root]:
+        """The different answers among the candidates that are not `known` yet, each corrected and verified.
 
-def self_motion(
-    arm: Arm,
-    target: AnyTarget,
-    theta: Array,
-    tolerances: Tolerances,
-    held: tuple[int, ...] = (),
-    dependent: float = DEPENDENT,
-) -> tuple[int, ...]:
-    """The joints, beside those `held`, that move while the target stays met: () for an answer that stands alone.
+        `held` joints stay. `singular`: as for `corrected`.
+        """
+        found: list[Root] = []
+        for candidate in candidates:
+            theta = self.corrected(np.array(candidate), held, singular)
+            if not self.met(theta):
+                continue
+            if not any(self._same(theta, other.theta) for other in (*known, *found)):
+                dependent = max(singular, DEPENDENT)
+                found.append(Root(theta, self.self_motion(theta, held, dependent)))
+        return found
 
-    Where more joints are left than there are rows, and these are independent, the null space is a family's tangent, and
-    all that it moves is free. Else a direction in it moves nothing at first. A step along it, corrected, either comes
-    back, or is another answer, as exact, or so exact that a whole turn would stay within the tolerances: then the two
-    belong to a family.
-    """
-    solved = [i for i in range(arm.n) if i not in held]
-    J = rows_of(arm, target, theta)[1][:, solved]
-    _, size, Vt = np.linalg.svd(J)
-    rank = int((size > dependent * size.max(initial=1e-300)).sum())
-    if rank == len(J) and np.abs(Vt[rank:]).max(axis=0, initial=0.0).min(initial=1.0) > DEPENDENT:
-        return tuple(solved)
-    moving: set[int] = set()
-    alike = max(ALIKE, min(2.0 * _missed(arm, target, theta), HARDLY))
-    if dependent > DEPENDENT:  # rounded axes miss the target all along
-        alike = min(tolerances.position, tolerances.orientation)
-    turned = Tolerances(0.5 * SIDESTEP * tolerances.position, 0.5 * SIDESTEP * tolerances.orientation)
-    for direction in Vt[rank:]:
-        step = np.zeros(arm.n)
-        step[solved] = SIDESTEP * direction
-        beside = corrected(arm, target, theta + step, held, dependent)
-        if (_missed(arm, target, beside) <= alike or met(arm, target, beside, turned)) and np.linalg.norm(
-            beside - theta
-        ) > 0.5 * SIDESTEP:
-            moving |= set(np.flatnonzero(np.abs(beside - theta) > 1e-6).tolist())
-    return tuple(sorted(moving))
+    def self_motion(self, theta: Array, held: tuple[int, ...] = (), dependent: float = DEPENDENT) -> tuple[int, ...]:
+        """The joints, beside those `held`, that move while the target stays met: () for an answer that stands alone.
 
+        Where more joints are left than there are rows, and the rows are independent, the null space is a family's
+        tangent: all that it moves is free. Otherwise a direction in it only moves nothing at first. A step along it,
+        corrected, may come back. If not, it is another answer of the family where it is as exact, or so exact that a
+        whole turn would stay within the tolerances.
+        """
+        solved = [i for i in range(self.arm.n) if i not in held]
+        J = self.rows(theta)[1][:, solved]
+        _, size, Vt = np.linalg.svd(J)
+        rank = int((size > dependent * size.max(initial=1e-300)).sum())
+        if rank == len(J) and np.abs(Vt[rank:]).max(axis=0, initial=0.0).min(initial=1.0) > DEPENDENT:
+            return tuple(solved)
+        moving: set[int] = set()
+        alike = max(ALIKE, min(2.0 * max(self.errors(theta)), HARDLY))
+        if dependent > DEPENDENT:  # rounded axes miss the target all along
+            alike = min(self.tolerances.position, self.tolerances.orientation)
+        share = 0.5 * SIDESTEP
+        turned = Tolerances(share * self.tolerances.position, share * self.tolerances.orientation)
+        for direction in Vt[rank:]:
+            step = np.zeros(self.arm.n)
+            step[solved] = SIDESTEP * direction
+            beside = self.corrected(theta + step, held, dependent)
+            errors, moved = self.errors(beside), np.abs(beside - theta)
+            if (max(errors) <= alike or turned.met(*errors)) and np.linalg.norm(moved) > 0.5 * SIDESTEP:
+                moving |= set(np.flatnonzero(moved > 1e-6).tolist())
+        return tuple(sorted(moving))
 
-def inside(arm: Arm, target: AnyTarget, theta: Array, near: Array, tolerances: Tolerances) -> Array | None:
-    """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow; None where it is outside.
+    def inside_limits(self, theta: Array, near: Array) -> Array | None:
+        """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow. None where it is outside.
 
-    A copy that passes a limit by no more than a multiple root may be wrong is brought to the limit, if the target is
-    met there too, by what the other joints can do; if it is not, other copies are left.
-    """
-    lower, upper = arm.limits.lower, arm.limits.upper
-    for slack in (ROUNDED_LIMIT, LEAST_ROUNDED):
-        moved = _nearest_copy(arm, theta, near, slack)
-        clipped = np.clip(moved, lower, upper)
-        if np.abs(clipped - moved).max(initial=0.0) > slack:
-            return None
-        still, before = clipped != moved, np.zeros(arm.n, dtype=np.bool_)
-        while still.any() and not met(arm, target, clipped, tolerances) and not np.array_equal(still, before):
-            before, moved = still, corrected(arm, target, clipped, tuple(np.flatnonzero(still).tolist()))
+        A copy may pass a limit by the error of a multiple root. It is brought to the limit if the target is met there
+        too, by what the other joints can do.
+        """
+        lower, upper = self.arm.limits.lower, self.arm.limits.upper
+        for slack in (ROUNDED_LIMIT, LEAST_ROUNDED):
+            moved = _nearest_copy(self.arm, theta, near, slack)
             clipped = np.clip(moved, lower, upper)
-            still = still | (clipped != moved)
-        if not still.any() or met(arm, target, clipped, tolerances):
-            return clipped
-    return None
+            if np.abs(clipped - moved).max(initial=0.0) > slack:
+                return None
+            still, before = clipped != moved, np.zeros(self.arm.n, dtype=np.bool_)
+            while still.any() and not self.met(clipped) and not np.array_equal(still, before):
+                before, moved = still, self.corrected(clipped, tuple(np.flatnonzero(still).tolist()))
+                clipped = np.clip(moved, lower, upper)
+                still = still | (clipped != moved)
+            if not still.any() or self.met(clipped):
+                return clipped
+        return None
+
+    def twin(self, theta: Array, others: Sequence[Array]) -> int | None:
+        """The place of another answer (n,) that is one with theta (n,), or None."""
+        if not len(others):
+            return None
+        left = apart(self.arm, np.array(others), theta)
+        near = np.flatnonzero(np.abs(left).max(axis=1, initial=0.0) <= TWINS)
+        return next((int(i) for i in near if self.met(theta + 0.5 * left[i])), None)
+
+    def _same(self, a: Array, b: Array) -> bool:
+        left = apart(self.arm, a, b)
+        if np.abs(left).max(initial=0.0) > SAME:
+            return False
+        here, halfway, there = (max(self.errors(theta)) for theta in (a, b + 0.5 * left, b))
+        return halfway <= max(HALFWAY, 2.0 * here, 2.0 * there)
 
 
 def _nearest_copy(arm: Arm, theta: Array, near: Array, slack: float) -> Array:
@@ -185,8 +200,8 @@ def _nearest_copy(arm: Arm, theta: Array, near: Array, slack: float) -> Array:
     return np.where(joint_ranges(arm).periodic, theta + TURN * counts, theta)
 
 
-def copies(arm: Arm, theta: Array) -> Array:
-    """All of theta's copies by whole turns inside the limits (k, n); unbounded joints within a turn of 0."""
+def copies_inside(arm: Arm, theta: Array) -> Array:
+    """All of theta's copies by whole turns inside the limits (k, n). Unbounded joints within a turn of 0."""
     lower = np.maximum(arm.limits.lower, np.where(np.isfinite(arm.limits.lower), arm.limits.lower, -TURN))
     upper = np.minimum(arm.limits.upper, np.where(np.isfinite(arm.limits.upper), arm.limits.upper, TURN))
     choices = []
@@ -197,35 +212,6 @@ def copies(arm: Arm, theta: Array) -> Array:
 
 
 def apart(arm: Arm, a: Array, b: Array) -> Array:
-    """a − b (…, n), less whole turns."""
+    """a − b (…, n), without whole turns."""
     left: Array = np.where(joint_ranges(arm).periodic, (a - b + np.pi) % TURN - np.pi, a - b)
     return left
-
-
-def twin(arm: Arm, target: AnyTarget, theta: Array, others: Sequence[Array], tolerances: Tolerances) -> int | None:
-    """Which of the others (n,) is one answer with theta (n,), if any is."""
-    if not len(others):
-        return None
-    left = apart(arm, np.array(others), theta)
-    near = np.flatnonzero(np.abs(left).max(axis=1, initial=0.0) <= TWINS)
-    return next((int(i) for i in near if met(arm, target, theta + 0.5 * left[i], tolerances)), None)
-
-
-def _same(arm: Arm, target: AnyTarget, a: Array, b: Array) -> bool:
-    left = apart(arm, a, b)
-    if np.abs(left).max(initial=0.0) > SAME:
-        return False
-    here, halfway, there = (_missed(arm, target, theta) for theta in (a, b + 0.5 * left, b))
-    return halfway <= max(HALFWAY, 2.0 * here, 2.0 * there)
-
-
-def _missed(arm: Arm, target: AnyTarget, theta: Array) -> float:
-    g = arm.fk(theta)
-    return max(target.position_error(g), target.orientation_error(g))
-
-
-def rows_of(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, Array]:
-    """What theta (n,) misses of the target [m, rad] (k,), and its derivative (k, n)."""
-    g, J_b = arm._fk_and_body_jacobian(theta)
-    (e_p, J_p), (e_r, J_r) = target._position_rows(g, J_b), target._rotation_rows(g, J_b)
-    return np.concatenate([e_p, e_r]), np.concatenate([J_p, J_r])

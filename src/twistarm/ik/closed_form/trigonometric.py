@@ -1,8 +1,8 @@
-"""Roots of the equations that subproblems come down to: in the sine and cosine of an angle, or in a length.
+"""Roots of the subproblems' equations: in the sine and cosine of an angle, or in a length.
 
-Each returns its real roots, or None where every value is one. An equation that just misses, by less than `slack` of
-its size, has the root that comes nearest: a stretched arm has one answer, not none, whatever rounding says. Whether a
-root is one is decided later, by forward kinematics.
+Each function returns the real roots, or None where every value is a root. An equation that misses by less than `slack`
+of its size has the root that comes nearest. A stretched arm has one answer, in spite of rounding. Forward kinematics
+decides later which roots are answers.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def second_harmonic(k: Array, slack: float, terms: float = 0.0) -> list[float] |
     """Angles x with k₀ + k₁ c + k₂ s + k₃ c² + k₄ c s + k₅ s² = 0, c = cos x and s = sin x: at most four.
 
     A quartic in tan((x − x₀)/2), with x₀ chosen so that its leading coefficient is large. `terms`: the size of what the
-    coefficients are sums of; where they all cancel but for rounding every x is a root.
+    coefficients are sums of. Where they all cancel to rounding every x is a root.
     """
     scale = float(np.abs(k).max())
     if scale <= NOTHING * terms:
@@ -99,7 +99,7 @@ def _in_half_tangent(k: Array, offset: float) -> Array:
 
 
 def _corrected(k: Array, x: float, scale: float) -> float:
-    """x after some of Newton's steps, none of them far: at a double root there is nothing to gain."""
+    """x after some of Newton's steps, none of them far: they do not improve a double root."""
     for _ in range(CORRECTIONS):
         slope = _slope(k, x)
         if abs(slope) < NOTHING * scale:

@@ -1,12 +1,12 @@
 """Two conditions on two joints, A u(x) + B u(y) = e: where two ellipses, or their kin, meet.
 
 u(x) is (cos x, sin x) for a joint that turns and (x, x²) for one that slides; A and B are (2, 2), e (2,). For two
-joints that turn this is subproblem 6 of Elias & Wen, IK-Geo, 2022: a quartic. Squares of lengths stand in the second
-condition alone.
+joints that turn this is subproblem 6 of Elias & Wen, IK-Geo, 2022: a quartic. Only the second condition has squares of
+lengths.
 
-What just misses counts (see `trigonometric`). Where any value of one joint would do, and the other has none with the
-one at hand, so does what comes nearest: Newton's method moves both from there. Where one condition is nearly a multiple
-of the other both ways of solving are taken. So the answers hold every root, and some that are none.
+What just misses counts (see `trigonometric`). Where one joint may have any value, but the other has none with the
+current one, the nearest counts too: Newton's method moves both from there. Where one condition is nearly a multiple of
+the other, both ways of solving are taken. So the answers hold every root, and some values that are not roots.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ WELL_CONDITIONED = 1e-3
 
 
 class Side(NamedTuple):
-    """One joint's part: the matrix (2, 2), whether it slides, and the value it gets where every one does."""
+    """One joint's part: the matrix (2, 2), whether it slides, and its value where every one solves."""
 
     matrix: Array
     slides: bool
@@ -61,7 +61,7 @@ def two_conditions(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
 
 
 def one_joint(a: Side, e: Array, slack: float) -> list[tuple[float, bool]]:
-    """All x with A u(x) = e, and whether every x does: two conditions, of which one will do."""
+    """All x with A u(x) = e, and whether every x does: two conditions, where one is enough."""
     if a.slides:
         linear, square = a.matrix[:, 0], a.matrix[:, 1]
         if np.abs(square).max() <= NOTHING * np.abs(a.matrix).max():
@@ -80,7 +80,7 @@ def one_joint(a: Side, e: Array, slack: float) -> list[tuple[float, bool]]:
 
 
 def _two_lengths(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
-    """Both slide: one length follows from the first condition; where the slides have come parallel one is free."""
+    """Both slide: one length follows from the first condition; with parallel slides one is free."""
     A, B = a.matrix, b.matrix
     if np.abs(A[:, 1]).max() + np.abs(B[:, 1]).max() <= NOTHING:
         return _two_linear(a, b, e)
@@ -99,7 +99,7 @@ def _two_lengths(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
 
 
 def _two_linear(a: Side, b: Side, e: Array) -> list[Pair]:
-    """Both conditions are linear; where they are one condition the second length is that at hand."""
+    """Both conditions are linear. Where they are one condition the second length keeps its value."""
     both = np.stack([a.matrix[:, 0], b.matrix[:, 0]], axis=1)
     if abs(np.linalg.det(both)) > NOTHING:
         return [Pair(*np.linalg.solve(both, e))]
@@ -141,7 +141,7 @@ def _angle_and_length(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
 
 
 def _two_angles(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
-    """Both turn: x is taken out where A is the better conditioned, by its inverse, or by the row that A has not."""
+    """Both turn: x is eliminated where A is the better conditioned, by its inverse, or by the row that A lacks."""
     (U, size_a, _), size_b = np.linalg.svd(a.matrix), np.linalg.svd(b.matrix)[1]
     scale = float(max(size_a[0], size_b[0]))
     if size_a[0] <= NOTHING * scale:
@@ -168,7 +168,7 @@ def _by_inverse(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
 
 
 def _one_by_one(a: Side, b: Side, e: Array, U: Array, scale: float, slack: float) -> list[Pair]:
-    """A is of rank 1: across its one row y stands alone; x follows."""
+    """A has rank 1: one combination of the conditions has y alone; x follows."""
     row, alone = U[:, 0], U[:, 1]
     pairs = []
     for y, y_free in _or_any(_harmonic(alone @ b.matrix, float(alone @ e), scale, slack), b.near):
@@ -187,5 +187,5 @@ def _u(x: float) -> Array:
 
 
 def _or_any(roots: list[float] | None, near: float) -> list[tuple[float, bool]]:
-    """The roots, none of them free; or, where every value is a root, the one at hand."""
+    """The roots, not free; or, where every value is a root, the current one."""
     return [(near, True)] if roots is None else [(x, False) for x in roots]

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from ...arm.arm import Arm
+from ...ik.answer import StopReason
 from ...ik.solution import IKSolution
 from ...ik.solve import solve_ik
-from ...ik.stop_reason import StopReason
 from ...ik.targets import AnyTarget, Approach, Pose, Position
 from ...ik.task_space import Tolerances
 from ...limits.joint_limits import JointLimits

@@ -1,14 +1,68 @@
-"""Worked examples of L&P.
-
-L&P: Lynch & Park, Modern Robotics, 2017; its twists are (w, v) and are written that way here.
-"""
+"""Worked examples of the two textbooks (`textbook` has their notation); L&P's twists are (w, v)."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from textbook import L1, L2, PRINTED_3, THETAS, close, lynch_park, pose, rot_z, sc
-from twistarm import poe, rotations, screws
+from strategies import close
+from textbook import L0, L1, L2, PRINTED_3, THETAS, Z, lynch_park, pose, rot_z, sc, stanford
+from twistarm import joints, poe, rotations, screws
+
+# MLS, chapter 3 ---------------------------------------------------------------------------------------
+
+SCARA = np.array([[0, 0, 0, 0, 0, 1], [L1, 0, 0, 0, 0, 1], [L1 + L2, 0, 0, 0, 0, 1], [0, 0, 1, 0, 0, 0]]).T
+SCARA_HOME = pose(np.eye(3), [0, L1 + L2, L0])
+
+
+def test_mls_example_3_1_scara():
+    """MLS §3.2.2, example 3.1: g_st(θ) of the SCARA manipulator."""
+    built = np.hstack([
+        joints.revolute(Z, [0, 0, 0]), joints.revolute(Z, [0, L1, 0]),
+        joints.revolute(Z, [0, L1 + L2, 0]), joints.prismatic(Z),
+    ])  # fmt: skip
+    close(built, SCARA)
+    for theta in THETAS[:, :4]:
+        s1, s12, c1, c12 = sc(theta[0], theta[0] + theta[1])
+        p = [-L1 * s1 - L2 * s12, L1 * c1 + L2 * c12, L0 + theta[3]]
+        close(poe.fk(SCARA, SCARA_HOME, theta), pose(rot_z(theta[:3].sum()), p))
+
+
+def test_mls_example_3_8_scara_jacobian():
+    """MLS §3.4.1, example 3.8: the spatial Jacobian of the SCARA manipulator."""
+    for theta in THETAS[:, :4]:
+        s1, s12, c1, c12 = sc(theta[0], theta[0] + theta[1])
+        expected = np.zeros((6, 4))
+        expected[0, 1:3] = L1 * c1, L1 * c1 + L2 * c12
+        expected[1, 1:3] = L1 * s1, L1 * s1 + L2 * s12
+        expected[2, 3] = 1
+        expected[5, :3] = 1
+        close(poe.spatial_jacobian(SCARA, theta), expected)
+
+
+def test_mls_example_3_9_stanford_arm():
+    """Its spatial Jacobian, column i (−ω' × q', ω') for the axis where it stands; its wrist's position."""
+    S, home = stanford()
+    for theta in THETAS[:, :6]:
+        s1, s2, s4, s5, c1, c2, c4, c5 = sc(theta[0], theta[1], theta[3], theta[4])
+        reach = L1 + theta[2]
+        qw = np.array([-reach * s1 * c2, reach * c1 * c2, L0 - reach * s2])
+        w2 = np.array([-c1, -s1, 0])
+        w4 = np.array([-s1 * s2, c1 * s2, c2])
+        w5 = np.array([-c1 * c4 + s1 * c2 * s4, -s1 * c4 - c1 * c2 * s4, s2 * s4])
+        w6 = np.array([
+            -c5 * (s1 * c2 * c4 + c1 * s4) + s1 * s2 * s5,
+            c5 * (c1 * c2 * c4 - s1 * s4) - c1 * s2 * s5,
+            -s2 * c4 * c5 - c2 * s5,
+        ])  # fmt: skip
+        columns = [
+            [0, 0, 0, *Z],
+            [L0 * s1, -L0 * c1, 0, *w2],
+            [-s1 * c2, c1 * c2, -s2, 0, 0, 0],
+            *([*np.cross(qw, w), *w] for w in (w4, w5, w6)),
+        ]
+        close(poe.spatial_jacobian(S, theta), np.transpose(columns))
+        close(poe.fk(S, home, theta)[:3, 3], qw)
+
 
 # L&P, chapter 3 ---------------------------------------------------------------------------------------
 
