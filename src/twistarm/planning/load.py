@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from ..arm.arm import Arm, require_arm
 from ..support.errors import InputError, LimitError
 from ..support.files import as_path
-from .files.csv_reading import read_csv
-from .files.message_reading import read_json, read_yaml
+from .files.csv_file import read_csv
+from .files.joint_trajectory import read_json, read_yaml
 from .files.points import Points
 from .hermite import through
 from .trajectory import Trajectory

@@ -11,7 +11,7 @@ from ..arm.arm import Arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import InputError
-from .cartesian.tool_speed import greatest_tool_speeds
+from .cartesian.tool_derivatives import greatest_tool_speeds
 from .corners import joined, part, rounded
 from .joint_path import JointPath
 from .piecewise import derivative, extremes

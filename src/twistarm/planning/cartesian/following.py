@@ -16,11 +16,11 @@ from ..optional import scipy
 from ..piecewise import extremes
 from ..tolerances import leeway
 from ..within import POSITION_TOL as ROUNDING
-from .curvature import deviation_bend
 from .meeting import met_near
 from .moving_target import MovingTarget
 from .nodes import EXACT, LONGEST_JUMP, Blocked, Node
 from .projection import projected
+from .tool_derivatives import deviation_bend
 
 Flags = NDArray[np.bool_]
 
