@@ -15,7 +15,7 @@ from ..support.files import as_path
 from .files.csv_file import read_csv
 from .files.joint_trajectory import read_json, read_yaml
 from .files.points import Points
-from .hermite import through
+from .piecewise import through
 from .trajectory import Trajectory
 
 READERS: Mapping[str, Callable[[Arm, Path], Points]] = {

@@ -104,3 +104,25 @@ def _edges(slope: Array) -> Array:
         right = (evaluate(slope, middle) < 0) == rising
         low, high = np.where(right, middle, low), np.where(right, high, middle)
     return np.concatenate([ends[0], 0.5 * (low + high), ends[1]])
+
+
+def through(t: Array, theta: Array, theta_dot: Array | None = None, theta_ddot: Array | None = None) -> Array:
+    """Return coefficients (degree + 1, k − 1, n) through states (k, n) at t (k,) [s].
+
+    Positions alone give straight lines, rates too give cubics, accelerations too give quintics. Each piece meets the
+    given states at both ends; at its start they are exact to the last bit.
+    """
+    h = np.diff(t)[:, None]
+    a, way = theta[:-1], np.diff(theta, axis=0)
+    if theta_dot is None:
+        return np.stack([way / h, a])
+    u = theta_dot[:-1]
+    if theta_ddot is None:
+        way, faster = way - u * h, np.diff(theta_dot, axis=0)
+        return np.stack([(faster * h - 2.0 * way) / h**3, (3.0 * way - faster * h) / h**2, u, a])
+    half = 0.5 * theta_ddot[:-1]
+    way = way - (u + half * h) * h
+    faster = (np.diff(theta_dot, axis=0) - 2.0 * half * h) * h
+    bent = 0.5 * np.diff(theta_ddot, axis=0) * h**2
+    fifth, fourth = (6.0 * way - 3.0 * faster + bent) / h**5, (-15.0 * way + 7.0 * faster - 2.0 * bent) / h**4
+    return np.stack([fifth, fourth, (10.0 * way - 4.0 * faster + bent) / h**3, half, u, a])

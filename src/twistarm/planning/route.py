@@ -21,7 +21,7 @@ from .cartesian.refusal import refusal
 from .cartesian.wide_ladder import climb_wide
 from .goals import CURVED, Goals
 from .joint_path import JointPath
-from .segments import Dwell, JointMove, Segment, place
+from .segments import Dwell, JointMove, Move, Segment, place
 from .tolerances import rounding_note
 from .unwrapping import unwrapped
 
@@ -40,6 +40,12 @@ class Leg:
     segment: Segment
     end: Array
     path: JointPath | None
+
+    @property
+    def move(self) -> Move:
+        """The segment, which is a move wherever there is a path."""
+        assert isinstance(self.segment, Move)
+        return self.segment
 
 
 _End = tuple[Array, float, Node | None]
@@ -130,8 +136,8 @@ class Router:
                     continue
             farthest = max(errors, key=lambda error: error.reached)
             tried = len(starts) > 1 and farthest.index == run[0]
-            words = refusal(self.arm, self.limits, farthest.blocked, others=not tried)
-            raise words.within(farthest.index, self._place(farthest.index))
+            where = farthest.index, self._place(farthest.index)
+            raise refusal(self.arm, self.limits, farthest.blocked, *where, others=not tried)
 
     def _nearest(self, run: range, starts: Array, theta: Array, options: dict[int, int]) -> tuple[Array, list[Leg]]:
         """The same with the options chosen: from the nearest starts, from all others, by a wide ladder."""
@@ -165,9 +171,9 @@ class Router:
             if isinstance(nodes, Blocked):
                 raise _BlockedError(k, nodes, more[k])
             ends = [(node.theta, node.cost, node) for node in nodes]
-        ways = (self._followed(run, theta, node, wide, more) for theta, _, node in ends[:FOLLOWED])
         errors = []
-        for found in ways:
+        for end, _, node in ends[:FOLLOWED]:
+            found = self._followed(run, end, node, wide, more)
             if not isinstance(found, _BlockedError):
                 return found
             errors.append(found)
@@ -212,9 +218,3 @@ class Router:
 
     def _place(self, i: int) -> str:
         return place(i, self.segments[i])
-
-
-def path_effort(path: JointPath, limits: JointLimits) -> float:
-    """The least time along a path at the greatest velocities [s], piece by piece from end to end."""
-    points = path(path.breakpoints)
-    return float((np.abs(np.diff(points, axis=0)) / limits.velocity).max(axis=1).sum())

@@ -70,17 +70,8 @@ class PathError(TwistarmError):
         known = self.share, self.theta, self.reason, self.joint, self.start, self.segment, self.place
         return type(self), (self.detail, *known)
 
-    def within(self, segment: int, place: str) -> PathError:
-        """The same of a segment of a motion.
 
-        Args:
-            segment: its index, from 0.
-            place: it and its place in words, which the message begins with.
-        """
-        return PathError(self.detail, self.share, self.theta, self.reason, self.joint, self.start, segment, place)
-
-
-def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, *, others: bool) -> PathError:
+def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, segment: int, place: str, *, others: bool) -> PathError:
     """The error for a path that is blocked; looks for what would help, with `others` in other configurations too."""
     moving = blocked.moving
     met = moving.tolerances
@@ -99,6 +90,8 @@ def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, *, others: bool) ->
         reason,
         joint,
         other,
+        segment,
+        place,
     )
 
 
