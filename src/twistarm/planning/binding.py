@@ -1,4 +1,4 @@
-"""Binding limits: what keeps a motion from being faster, stretch by stretch."""
+"""Binding limits: what keeps each stretch of a motion from being faster."""
 
 from __future__ import annotations
 
@@ -35,9 +35,8 @@ SLIVER = 5e-3
 class Binding:
     """The limit that a motion uses most from `begin` to `end` [s].
 
-    `rate` is "velocity", "acceleration" or "jerk" of `owner` "joint" or "motor", by its `name`, or the "tool speed" or
-    "turn speed" of owner "tool"; `share` is the greatest part of the limit that is used there: 1 where the motion is
-    as fast as it may be.
+    `rate` is "velocity", "acceleration" or "jerk" of `owner` "joint" or "motor", by `name`. For owner "tool" it is
+    "tool speed" or "turn speed". `share` is the greatest part of the limit in use there; 1 is all of it.
     """
 
     begin: float
@@ -59,23 +58,23 @@ def binding_limits(
     limits: JointLimits | Mapping[str, Any] | None = None,
     segments: Sequence[Segment] = (),
 ) -> tuple[Binding, ...]:
-    """The limit that each stretch of a motion uses most: what must be raised for the motion to be faster there.
+    """Return the limit that each stretch of a motion uses most. Raise that limit to make the motion faster there.
 
-    Of every joint and motor j and every rate the share |rate_j(t)| / limit_j is compared, at some 2,000 instants; as
-    long as the same one is the greatest it is one stretch. A rate that is not limited does not count, and where the
-    arm stands nothing binds. Stretches shorter than 0.5 % of the motion belong to the one before.
+    At some 2,000 instants the shares |rate_j(t)| / limit_j are compared, for every rate of every joint and motor j. A
+    stretch lasts as long as the same one is the greatest. Rates without a limit do not count, and nothing binds a
+    standing arm. Stretches shorter than 0.5 % of the motion join the one before.
 
     Args:
         arm: The arm, whose motors' limits count too.
         motion: The motion of its joints.
-        limits: As they were given to `plan` or `plan_joint`; the usual ones stand in for missing ones here too.
-        segments: Those given to `plan`: their shares of the joints' velocities and speeds of the tool count.
+        limits: As given to `plan` or `plan_joint`; usual ones replace missing ones here too.
+        segments: Those given to `plan`: their shares of joint velocities and speeds of the tool count.
 
     Returns:
         The stretches in the order of time, with gaps where the arm stands; () for a motion of duration 0.
 
     Raises:
-        InputError: The motion is not of this arm's joints, or the segments are not those that it was planned by.
+        InputError: The motion is not of this arm's joints, or does not belong to the segments.
     """
     require_arm(arm)
     if not isinstance(motion, Trajectory) or motion.joint_names != arm.joint_names:
@@ -96,7 +95,7 @@ def binding_limits(
 
 
 def _instants(motion: Trajectory) -> tuple[Array, Array]:
-    """Instants (m,) inside the pieces of a motion, and what lies halfway between two, or parts their pieces."""
+    """Return instants (m,) inside the pieces of a motion, and the borders between neighbours."""
     if not motion.duration:
         return np.empty(0), np.empty(0)
     steps = np.diff(motion.breakpoints)
@@ -108,7 +107,7 @@ def _instants(motion: Trajectory) -> tuple[Array, Array]:
 
 
 def _of_joints(motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
-    """(m, 3 r): the shares of velocity, acceleration and jerk of every joint and motor."""
+    """Return (m, 3 r): the shares of velocity, acceleration and jerk of every joint and motor."""
     velocity = np.abs(motion(t, 1) @ bounds.C.T) / bounds.velocity
     n = motion.n
     for move, among in _spans(motion, moves, t):
@@ -119,7 +118,7 @@ def _of_joints(motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment],
 
 
 def _of_tool(arm: Arm, motion: Trajectory, moves: Sequence[Segment], t: Array) -> Array:
-    """(m, 2): the shares of the speeds of the tool's origin and of its rotation, 0 where a segment gives none."""
+    """Return (m, 2): the shares of the tool's linear and angular speed, 0 where a segment gives none."""
     shares = np.zeros((len(t), 2))
     for move, among in _spans(motion, moves, t):
         if move.tool_speed is None and move.turn_speed is None:
@@ -132,14 +131,14 @@ def _of_tool(arm: Arm, motion: Trajectory, moves: Sequence[Segment], t: Array) -
 
 
 def _spans(motion: Trajectory, moves: Sequence[Segment], t: Array) -> Iterator[tuple[Move, NDArray[np.bool_]]]:
-    """The moves, and which of the instants lie in each."""
+    """Yield the moves, and which instants lie in each."""
     for i, move in enumerate(moves):
         if isinstance(move, Move):
             yield move, (t >= motion.times[i]) & (t < motion.times[i + 1])
 
 
 def _rows(arm: Arm, bounds: PathBounds) -> list[tuple[Rate, Literal["joint", "motor", "tool"], str]]:
-    """What each column of the shares is of."""
+    """Name each column of the shares."""
     motors = () if arm.actuators is None else arm.actuators.names
     names = {"joint": arm.joint_names, "motor": motors}
     rates: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
@@ -152,7 +151,7 @@ def _rows(arm: Arm, bounds: PathBounds) -> list[tuple[Rate, Literal["joint", "mo
 def _stretches(
     motion: Trajectory, t: Array, between: Array, shares: Array
 ) -> Iterator[tuple[float, float, int, float]]:
-    """Begin, end, row and greatest share of each stretch in which one row's share is the greatest."""
+    """Yield begin, end, row and greatest share of each stretch with one leading row."""
     if not len(t):
         return
     rows, row = [], -1

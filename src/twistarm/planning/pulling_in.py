@@ -1,4 +1,4 @@
-"""Splines pulled in: the same waypoints at the same times, inside the position limits between them too."""
+"""Splines pulled in: the same waypoints at the same times, inside the position limits in between."""
 
 from __future__ import annotations
 
@@ -26,13 +26,14 @@ Mask = NDArray[np.bool_]
 
 
 def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: JointLimits) -> tuple[Array, Array]:
-    """Breakpoints and coefficients of a spline (d + 1, k − 1, n) through waypoints (k, n), made to keep inside.
+    """Return breakpoints and coefficients of a spline (d + 1, k − 1, n) through waypoints (k, n), kept inside the
+    limits.
 
-    A spline that stays inside comes back as it is. Where a joint leaves, its velocity at the nearer waypoint, in the
-    middle at both, is lowered to a share μ of it, its derivative of order r to μ^r, and a segment becomes d pieces of
-    equal length with d − 1 continuous derivatives, which the values at its ends determine: all is as smooth as the
-    spline. With μ = 1 at both ends they are the spline again; with μ = 0 they are monotone, the integral of a B-spline
-    of degree d − 1: some μ always keeps inside. The Bernstein coefficients of the pieces are what is kept inside.
+    A spline inside them comes back unchanged. Where a joint leaves, its velocity at the nearer waypoint (in the middle:
+    both) drops to a share μ, and its derivative of order r to μ^r. A segment becomes d pieces of equal length with d −
+    1 continuous derivatives, determined by the values at its ends. So the motion stays as smooth as the spline. μ = 1
+    at both ends gives the spline again. μ = 0 gives monotone pieces, the integral of a B-spline of degree d − 1, so
+    some μ always keeps inside. The Bernstein coefficients of the pieces are kept inside.
 
     Source: de Boor, A Practical Guide to Splines, chapters IX and XI.
     """
@@ -64,13 +65,13 @@ def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: Joint
 
 
 def _outside(values: Array, lower: Array, upper: Array) -> Mask:
-    """Which of the pieces (s, n) have a value (c, s, n) beyond the limits (n,)."""
+    """Tell which pieces (s, n) have a value (c, s, n) beyond the limits (n,)."""
     outside: Mask = (values.min(0) < lower - ROUNDING) | (values.max(0) > upper + ROUNDING)
     return outside
 
 
 def _states(coefficients: Array, durations: Array) -> Array:
-    """Derivatives of order 1 … d − 1 of a spline at its waypoints, (d − 1, k, n)."""
+    """Return derivatives of order 1 … d − 1 of a spline at its waypoints, (d − 1, k, n)."""
     degree = len(coefficients) - 1
     rows = []
     for order in range(1, degree):
@@ -80,7 +81,9 @@ def _states(coefficients: Array, durations: Array) -> Array:
 
 
 def _pieces(states: Array, share: Array, waypoints: Array, durations: Array) -> Array:
-    """Coefficients (d + 1, k − 1, d, n) of segments in d pieces, with shares (k, n) of the states at the waypoints."""
+    """Return coefficients (d + 1, k − 1, d, n) of segments in d pieces, with shares (k, n) of the states at
+    waypoints.
+    """
     orders = np.arange(1, len(states) + 1)[:, None, None]
     eased, T = states * share**orders, durations[:, None] ** orders
     way = np.diff(waypoints, axis=0)[None]
@@ -95,7 +98,8 @@ def _pieces(states: Array, share: Array, waypoints: Array, durations: Array) -> 
 
 @cache
 def _smooth_step(degree: int) -> Array:
-    """(d + 1, d, 2 d): d pieces of length 1/d with d − 1 continuous derivatives, from the derivatives at both ends.
+    """Return (d + 1, d, 2 d): d pieces of length 1/d with d − 1 continuous derivatives, from the derivatives at both
+    ends.
 
     Columns are the derivatives of order 0 … d − 1 at 0, then those at 1.
     """
