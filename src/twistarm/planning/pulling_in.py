@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, frozen
 from .bernstein import bernstein
+from .optional import scipy
 from .piecewise import derivative, evaluate
 
 ROUNDING = 1e-10
@@ -98,21 +99,13 @@ def _pieces(states: Array, share: Array, waypoints: Array, durations: Array) -> 
 
 @cache
 def _smooth_step(degree: int) -> Array:
-    """Return (d + 1, d, 2 d): d pieces of length 1/d with d − 1 continuous derivatives, from the derivatives at both
-    ends.
+    """Return (d + 1, d, 2 d): the spline of d pieces of length 1/d with given derivatives at both ends.
 
     Columns are the derivatives of order 0 … d − 1 at 0, then those at 1.
     """
-    d, length = degree, 1.0 / degree
-    rows = np.zeros((2 * d + d * (d - 1), d, d + 1))
-    for order in range(d):
-        powers = np.arange(d, -1, -1)
-        falling = np.array([factorial(p) / factorial(p - order) if p >= order else 0.0 for p in powers])
-        at_end = falling * length ** np.maximum(powers - order, 0.0)
-        at_start = np.where(powers == order, falling, 0.0)
-        rows[order, 0], rows[d + order, -1] = at_start, at_end
-        for joint in range(d - 1):
-            rows[2 * d + order * (d - 1) + joint, joint : joint + 2] = at_end, -at_start
-    given = np.eye(len(rows), 2 * d)
-    solved = np.linalg.solve(rows.reshape(len(rows), -1), given)
-    return frozen(solved.reshape(d, d + 1, 2 * d).swapaxes(0, 1))
+    knots = np.concatenate([np.zeros(degree), np.linspace(0.0, 1.0, degree + 1), np.ones(degree)])
+    unit, starts = np.eye(2 * degree), knots[degree : 2 * degree]
+    ends = [[(order, unit[first + order]) for order in range(1, degree)] for first in (0, degree)]
+    make = scipy("interpolate").make_interp_spline
+    step = make([0.0, 1.0], unit[[0, degree]], k=degree, t=knots, bc_type=tuple(ends))
+    return frozen([step(starts, order) / factorial(order) for order in range(degree, -1, -1)])
