@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -84,7 +84,7 @@ class Actuators:
         return told("Actuators", {"names": self.names, "joint_names": self.joint_names})
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}
+        return {each.name: getattr(self, each.name) for each in fields(self)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -218,9 +218,6 @@ class Actuators:
 
     def _motors(self, values: ArrayLike, name: str) -> Array:
         return as_theta(values, len(self.names), name, self.names)
-
-
-_MADE_WHEN_ASKED = ("undriven", "joint_limits", "P", "counts_per_unit")
 
 
 def _require_countable(name: str, unit: str, ticks: float) -> None:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
@@ -87,7 +86,7 @@ def binding_limits(
         )
     bounds = PathBounds(completed(arm, limits)[0], arm.actuators)
     t, between = _instants(motion)
-    shares = np.concatenate([_of_joints(motion, bounds, moves, t), _of_tool(arm, motion, moves, t)], axis=1)
+    shares = _shares(arm, motion, bounds, moves, t)
     rows = _rows(arm, bounds)
     return tuple(
         Binding(begin, end, *rows[row], share) for begin, end, row, share in _stretches(motion, t, between, shares)
@@ -106,35 +105,26 @@ def _instants(motion: Trajectory) -> tuple[Array, Array]:
     return t, np.where(np.diff(piece) > 0, motion.breakpoints[piece[1:]], 0.5 * (t[1:] + t[:-1]))
 
 
-def _of_joints(motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
-    """Return (m, 3 r): the shares of velocity, acceleration and jerk of every joint and motor."""
-    velocity = np.abs(motion(t, 1) @ bounds.C.T) / bounds.velocity
-    n = motion.n
-    for move, among in _spans(motion, moves, t):
-        velocity[among, :n] /= move.speed
-    acceleration = np.abs(motion(t, 2) @ bounds.C.T) / bounds.acceleration
-    jerk = np.abs(motion(t, 3) @ bounds.C.T) / bounds.given_jerk
-    return np.concatenate([velocity, acceleration, jerk], axis=1)
+def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
+    """Return (m, 3 r + 2): velocity, acceleration and jerk of every joint and motor, then the tool's two speeds.
 
-
-def _of_tool(arm: Arm, motion: Trajectory, moves: Sequence[Segment], t: Array) -> Array:
-    """Return (m, 2): the shares of the tool's linear and angular speed, 0 where a segment gives none."""
-    shares = np.zeros((len(t), 2))
-    for move, among in _spans(motion, moves, t):
+    Each is a share of its limit, 0 where there is none.
+    """
+    limits = (bounds.velocity, bounds.acceleration, bounds.given_jerk)
+    rates = [np.abs(motion(t, order) @ bounds.C.T) / limit for order, limit in enumerate(limits, 1)]
+    tool = np.zeros((len(t), 2))
+    for move, begin, end in zip(moves, motion.times, motion.times[1:], strict=False):
+        if not isinstance(move, Move):
+            continue
+        among = (t >= begin) & (t < end)
+        rates[0][among, : motion.n] /= move.speed
         if move.tool_speed is None and move.turn_speed is None:
             continue
         twist = (arm.body_jacobian(motion(t[among])) @ motion(t[among], 1)[..., None])[..., 0]
         for column, (most, part) in enumerate(((move.tool_speed, twist[:, :3]), (move.turn_speed, twist[:, 3:]))):
             if most is not None:
-                shares[among, column] = np.linalg.norm(part, axis=-1) / most
-    return shares
-
-
-def _spans(motion: Trajectory, moves: Sequence[Segment], t: Array) -> Iterator[tuple[Move, NDArray[np.bool_]]]:
-    """Yield the moves, and which instants lie in each."""
-    for i, move in enumerate(moves):
-        if isinstance(move, Move):
-            yield move, (t >= motion.times[i]) & (t < motion.times[i + 1])
+                tool[among, column] = np.linalg.norm(part, axis=-1) / most
+    return np.concatenate([*rates, tool], axis=1)
 
 
 def _rows(arm: Arm, bounds: PathBounds) -> list[tuple[Rate, Literal["joint", "motor", "tool"], str]]:
