@@ -12,34 +12,35 @@ from twistarm.limits.motion_limits import MotionLimits
 
 DRIVES, STEPS = 12, 300
 
-JOINTS = JointLimits(
-    lower=np.array([-0.3, -1.2, -np.inf]),
-    upper=np.array([0.3, 1.2, np.inf]),
-    velocity=np.array([0.3, 1.2, 2.0]),
-    acceleration=np.array([1.0, 4.0, 6.0]),
-    jerk=np.full(3, np.inf),
-    effort=np.full(3, np.inf),
+JOINTS = JointLimits.unbounded(3).with_(
+    {
+        "lower": [-0.3, -1.2, -np.inf],
+        "upper": [0.3, 1.2, np.inf],
+        "velocity": [0.3, 1.2, 2.0],
+        "acceleration": [1.0, 4.0, 6.0],
+    },
+    ("slide", "pitch", "roll"),
 )
 
 
 def wrist() -> Actuators:
     """A slide, and a differential wrist whose motors cannot do what both joints may do at once."""
+    names = ("rail", "left", "right")
     limits = {
-        "lower": np.array([-100.0, -100.0, -90.0]),
-        "upper": np.array([100.0, 100.0, 95.0]),
-        "velocity": np.array([100.0, 90.0, 90.0]),
-        "acceleration": np.array([300.0, 400.0, 200.0]),
-        "jerk": np.full(3, np.inf),
-        "effort": np.full(3, np.inf),
+        "lower": [-100.0, -100.0, -90.0],
+        "upper": [100.0, 100.0, 95.0],
+        "velocity": [100.0, 90.0, 90.0],
+        "acceleration": [300.0, 400.0, 200.0],
     }
+    G = np.array([[400.0, 0.0, 0.0], [0.0, 60.0, 60.0], [0.0, 60.0, -60.0]])
     return Actuators(
-        names=("rail", "left", "right"),
-        joint_names=("slide", "pitch", "roll"),
-        G=np.array([[400.0, 0.0, 0.0], [0.0, 60.0, 60.0], [0.0, 60.0, -60.0]]),
-        offset=np.array([0.0, 0.5, -0.5]),
-        units=("rad",) * 3,
-        ticks_per_turn=np.full(3, np.nan),
-        limits=JointLimits(**limits),
+        names,
+        ("slide", "pitch", "roll"),
+        G,
+        np.array([0.0, 0.5, -0.5]),
+        ("rad",) * 3,
+        np.full(3, np.nan),
+        JointLimits.unbounded(3).with_(limits, names),
     )
 
 

@@ -9,11 +9,9 @@ from catalogue import load
 from twistarm import Position, Task, arm_from_screws, load_arm, rotations
 from twistarm.arm.arm import Arm
 from twistarm.ik.targets import Pose
-from twistarm.planning.cartesian.curvature import deviation_bend
 from twistarm.planning.cartesian.curves import line, screw
 from twistarm.planning.cartesian.moving_target import MovingTarget
-from twistarm.planning.cartesian.tool_derivatives import ToolDerivatives
-from twistarm.planning.cartesian.tool_speed import greatest_tool_speeds
+from twistarm.planning.cartesian.tool_derivatives import ToolDerivatives, deviation_bend, greatest_tool_speeds
 from twistarm.planning.joint_path import JointPath
 
 MIMIC = """<robot name="lift"><link name="base_link"/><link name="one"/><link name="two"/><link name="tool"/>

@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from test_trajectory import motion, standstill
+from test_trajectory import motion
 from twistarm import Actuators, load_trajectory, plan_joint
 from twistarm.planning import Trajectory
 from twistarm.support.errors import InputError
-
-EXPORTS = [Trajectory.to_csv, Trajectory.to_json, Trajectory.to_yaml]
 
 
 def test_csv_has_a_column_per_joint_and_rate_and_reads_back_exactly(tmp_path):
@@ -48,12 +46,6 @@ def test_json_is_a_joint_trajectory(tmp_path):
         assert np.array_equal([p[key] for p in message["points"]], expected)
     assert message["points"][-1]["velocities"] == [0.0, 0.0]
     assert stamps[-1] == 5 * 10**9
-
-
-@pytest.mark.parametrize("export", EXPORTS)
-def test_a_motion_of_no_length_is_one_point(tmp_path, export):
-    text = export(standstill(), tmp_path / "a").read_text()
-    assert text.count("0.3") == 1
 
 
 def test_a_failure_leaves_what_was_there(tmp_path, monkeypatch):

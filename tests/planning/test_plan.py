@@ -298,7 +298,7 @@ def test_segments_refuse_what_makes_no_sense():
 
 
 @pytest.mark.parametrize("radius", [0.002, 0.1])
-@pytest.mark.parametrize("kind", ["s_curve", "time_optimal", "quintic"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_rounded_corner_never_takes_longer_than_stopping(kind, radius):
     slides = ArmBuilder("slides").prismatic("x", [1, 0, 0], lower=-5, upper=5)
     arm = slides.prismatic("y", [0, 1, 0], lower=-5, upper=5).tool(np.eye(4)).build()

@@ -96,23 +96,19 @@ def test_it_is_plain_read_only_data():
         trajectory.coefficients[0] = 1.0
 
 
-@pytest.mark.parametrize("order", [-1, 4, 1.0, None])
-def test_an_order_that_does_not_exist(order):
-    for ask in (lambda: motion()(0.0, order), lambda: motion().peak(order)):
-        with pytest.raises(InputError, match="order must be"):
-            ask()
-
-
-@pytest.mark.parametrize("dt", [0.0, -0.1, np.nan, 1e-320, "x", [0.1]])
-def test_a_dt_that_makes_no_samples(dt):
-    with pytest.raises(InputError, match="dt must be"):
-        motion().sample(dt)
-
-
-@pytest.mark.parametrize("t", [np.nan, "now", [0.0, np.inf]])
-def test_a_time_that_is_none(t):
-    with pytest.raises(InputError, match="t must be"):
-        motion()(t)
+@pytest.mark.parametrize(
+    ("ask", "name", "bad"),
+    [
+        (lambda order: motion()(0.0, order), "order", [-1, 4, 1.0, None]),
+        (lambda order: motion().peak(order), "order", [4]),
+        (lambda dt: motion().sample(dt), "dt", [0.0, -0.1, np.nan, 1e-320, "x", [0.1]]),
+        (lambda t: motion()(t), "t", [np.nan, "now", [0.0, np.inf]]),
+    ],
+)
+def test_what_is_no_order_step_or_time_is_refused(ask, name, bad):
+    for value in bad:
+        with pytest.raises(InputError, match=f"{name} must be"):
+            ask(value)
 
 
 def test_parts_that_do_not_fit_are_refused():

@@ -1,4 +1,4 @@
-"""Limits of joints and motors, and the motions from which an arm can still stop inside them."""
+"""Limits of joints and motors, and the motions that can still stop inside them."""
 
 from .actuators import Actuators
 from .joint_limits import JointLimits

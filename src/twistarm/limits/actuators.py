@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -33,21 +33,21 @@ class Actuators:
     """k motors that drive n joint coordinates: motor = G theta + o, both sides in rad, or m for slides.
 
     `G` (k, n) holds motor rad per joint rad (rad per m for a slide), `offset` (k,) the motors at theta = 0. A motor on
-    one joint has one entry in its row; the two motors of a differential wrist have two each. `units` are the units of
-    the drives' counts (`UNITS`) and `ticks_per_turn` (k,) their number, NaN if not given: see `to_counts`. `limits` are
-    those of the k motors, on the motors' side of the gears.
+    one joint has one entry in its row; each motor of a differential wrist has two. `units` are the units of each
+    drive's counts (`UNITS`), `ticks_per_turn` (k,) their resolution or NaN: see `to_counts`. `limits` are those of the
+    k motors, on the motors' side of the gears.
 
     - Positions [rad, m]: `to_motor` is G theta + o, `to_theta` is P (motor − o).
     - Velocities and accelerations [per s, s²]: `velocity_to_motor` is G theta_dot, `velocity_to_theta` is P motor_dot.
     - Torques [N m, N]: `torque_to_motor` is Pᵀ tau, `torque_to_theta` is Gᵀ tau_motor.
 
-    Torques follow from the power balance tau_motor · motor_dot = tau · theta_dot without friction. P = G⁻¹ for as many
-    motors as joints. With more motors P is the pseudo-inverse: positions and velocities are least squares [rad, m], and
-    torques have the least ‖tau_motor‖. If a joint is `undriven`, what needs P raises. All accept leading axes: (...,
-    n), (..., k).
+    Torques follow from the power, tau_motor · motor_dot = tau · theta_dot, in gears without friction. P = G⁻¹ for as
+    many motors as joints. With more motors P is the pseudo-inverse: positions and velocities are least squares over all
+    motors [rad, m], torques the least ‖tau_motor‖. Where a joint is `undriven`, methods that need P raise InputError.
+    All take leading axes: (..., n), (..., k).
 
-    Raises InputError for shapes that do not fit, numbers that are not finite, an unknown unit, ticks that are not
-    positive, a unit of ticks without them, or position limits that leave a joint no room.
+    Raises InputError for shapes that do not fit, numbers that are not finite, an unknown unit, bad or missing ticks, or
+    position limits that leave a joint no place.
     """
 
     names: tuple[str, ...]
@@ -84,7 +84,7 @@ class Actuators:
         return told("Actuators", {"names": self.names, "joint_names": self.joint_names})
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}
+        return {each.name: getattr(self, each.name) for each in fields(self)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -102,39 +102,39 @@ class Actuators:
 
     @property
     def motor_units(self) -> tuple[str, ...]:
-        """What each motor's position is in: rad, or m where its drive pushes."""
+        """The unit of each motor's position: rad, or m where its drive pushes."""
         return tuple("m" if unit in LINEAR_UNITS else "rad" for unit in self.units)
 
     # -- positions, velocities, torques ------------------------------------------------------------------------------
 
     def to_motor(self, theta: ArrayLike) -> Array:
-        """motor = G theta + o: theta (..., n) to motors (..., k) [rad or m]."""
+        """Return motor = G theta + o: theta (..., n) to motors (..., k) [rad or m]."""
         motor: Array = self._joints(theta, "theta") @ self.G.T + self.offset
         return motor
 
     def to_theta(self, motor: ArrayLike) -> Array:
-        """theta (..., n) with G theta + o = motor, from motors (..., k) [rad or m].
+        """Return theta (..., n) with G theta + o = motor, from motors (..., k) [rad or m].
 
-        With more motors than joints it minimises ‖G theta + o − motor‖ [rad, m]. Raises InputError with the joints that
-        the motors do not determine (G lacks full column rank).
+        With more motors than joints it minimizes ‖G theta + o − motor‖ [rad, m]. Raises InputError naming the joints
+        that the motors do not determine (G has not full column rank).
         """
         theta: Array = (self._motors(motor, "motor") - self.offset) @ self.P.T
         return theta
 
     def velocity_to_motor(self, theta_dot: ArrayLike) -> Array:
-        """motor_dot = G theta_dot: (..., n) to (..., k) [rad/s or m/s]; accelerations alike."""
+        """Return motor_dot = G theta_dot: (..., n) to (..., k) [rad/s or m/s]; accelerations alike."""
         motor_dot: Array = self._joints(theta_dot, "theta_dot") @ self.G.T
         return motor_dot
 
     def velocity_to_theta(self, motor_dot: ArrayLike) -> Array:
-        """theta_dot (..., n) with G theta_dot = motor_dot (..., k) [rad/s or m/s]; errors and least squares as in
+        """Return theta_dot (..., n) with G theta_dot = motor_dot (..., k) [rad/s or m/s], by the rules of
         `to_theta`.
         """
         theta_dot: Array = self._motors(motor_dot, "motor_dot") @ self.P.T
         return theta_dot
 
     def torque_to_motor(self, tau: ArrayLike) -> Array:
-        """tau_motor (..., k) with Gᵀ tau_motor = tau (..., n) [N m or N] and the least ‖tau_motor‖.
+        """Return tau_motor (..., k) with Gᵀ tau_motor = tau (..., n) [N m or N], of least ‖tau_motor‖.
 
         Raises InputError with the joints that the motors do not determine.
         """
@@ -142,26 +142,26 @@ class Actuators:
         return tau_motor
 
     def torque_to_theta(self, tau_motor: ArrayLike) -> Array:
-        """tau = Gᵀ tau_motor: the joint torques (..., n) [N m or N] of the motors' torques (..., k)."""
+        """Return tau = Gᵀ tau_motor: the joint torques (..., n) [N m or N] of motor torques (..., k)."""
         tau: Array = self._motors(tau_motor, "tau_motor") @ self.G
         return tau
 
     def to_counts(self, motor: ArrayLike) -> Array:
-        """Motors (..., k) [rad or m] in what each drive counts, `units`; ticks are not rounded. Rates alike."""
+        """Return motors (..., k) [rad or m] in each drive's `units`; ticks are not rounded. Rates alike."""
         counts: Array = self._motors(motor, "motor") * self.counts_per_unit
         return counts
 
     def from_counts(self, counts: ArrayLike) -> Array:
-        """Motors (..., k) [rad or m] from what the drives count: the inverse of `to_counts`."""
+        """Return motors (..., k) [rad or m] from counts: the inverse of `to_counts`."""
         motor: Array = self._motors(counts, "counts") / self.counts_per_unit
         return motor
 
     # -- limits ------------------------------------------------------------------------------------------------------
 
     def motion_limits(self, joints: JointLimits | None = None) -> MotionLimits:
-        """The motors' limits for velocity commands, with those of the n joints if given.
+        """Return the motors' limits for commanding velocities, with those of the n joints if given.
 
-        Make it once, and call its `velocity_scale` and `within` in every cycle.
+        Make it once; call its `velocity_scale` and `within` in every cycle.
         """
         if joints is None:
             return MotionLimits(self.names, self.G, self.offset, self.limits)
@@ -174,11 +174,11 @@ class Actuators:
 
     @cached_property
     def joint_limits(self) -> JointLimits:
-        """The limits that the motors leave each joint while the others rest; ∓inf for none.
+        """The limits of each joint alone, while the others stand still; ∓inf where the motors set none.
 
-        velocity_j = min_i velocity_i / abs(G_ij), acceleration alike; effort_j = min_i effort_i / abs(P_ij) holds a
-        torque at joint j only. Positions come from motors of one joint, because with several joints a bound depends on
-        the others.
+        velocity_j = min_i velocity_i / |G_ij|, acceleration alike. effort_j = min_i effort_i / |P_ij| holds a torque at
+        joint j and none elsewhere. Positions come only from motors that drive joint j alone: a bound from a motor of
+        several joints would depend on the others.
         """
         n = len(self.joint_names)
         alone = np.where((self.G != 0).sum(axis=1, keepdims=True) == 1, self.G, 0.0)
@@ -209,7 +209,7 @@ class Actuators:
 
     @cached_property
     def counts_per_unit(self) -> Array:
-        """The counts of each drive in its `units` for one rad (or one m) of its motor, (k,)."""
+        """Counts of each drive, in its `units`, for one rad (or one m) of its motor, (k,)."""
         ticks = self.ticks_per_turn / (2 * np.pi)
         return frozen([t if unit == "tick" else UNITS[unit] for unit, t in zip(self.units, ticks, strict=True)])
 
@@ -218,9 +218,6 @@ class Actuators:
 
     def _motors(self, values: ArrayLike, name: str) -> Array:
         return as_theta(values, len(self.names), name, self.names)
-
-
-_MADE_WHEN_ASKED = ("undriven", "joint_limits", "P", "counts_per_unit")
 
 
 def _require_countable(name: str, unit: str, ticks: float) -> None:
@@ -235,19 +232,19 @@ def _require_countable(name: str, unit: str, ticks: float) -> None:
 
 
 def _factors(G: Array, axis: int) -> Array:
-    """Factors that make rows (axis 1) or columns (axis 0) of G unit vectors, because rad and m are mixed in it."""
+    """Return factors that make rows (axis 1) or columns (axis 0) of G unit vectors, because it mixes rad and m."""
     size = np.linalg.norm(G, axis=axis, keepdims=True)
     factors: Array = 1.0 / np.where(size == 0, 1.0, size)
     return factors
 
 
 def _least(limit: Array, ratio: Array) -> Array:
-    """min_i limit_i / |ratio_ij|, (n,): what motors (k,) allow joints by ratios (k, n); inf where there is none."""
+    """Return min_i limit_i / |ratio_ij|, (n,), for motors (k,) and ratios (k, n); inf where there is none."""
     each = np.where(ratio, limit[:, None] / _divisor(np.abs(ratio)), np.inf)
     least: Array = each.min(axis=0, initial=np.inf)
     return least
 
 
 def _divisor(ratio: Array) -> Array:
-    """The ratios, 1 if there is none."""
+    """Return the ratios, with 1 for 0."""
     return np.where(ratio, ratio, 1.0)

@@ -1,4 +1,4 @@
-"""Joint limits for each degree of freedom, infinite if not given."""
+"""Joint limits of each degree of freedom, infinite where not given."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ AS_GOOD_AS_UNBOUNDED = 1e4
 class JointLimits:
     """Limits of n degrees of freedom, each an (n,) array: rad or m, and their rates; N m or N for effort.
 
-    Missing `lower`, `upper` are ∓inf; missing `velocity`, `acceleration`, `jerk`, `effort` are inf. They are never 0,
-    because descriptions write zero for "not given".
+    `lower`, `upper` are ∓inf where not given. `velocity`, `acceleration`, `jerk`, `effort` are inf where not given. A
+    zero in them reads as inf, because descriptions write it for "not given".
 
     Raises InputError for unequal lengths, NaN, a negative rate or `lower > upper`.
     """
@@ -63,12 +63,12 @@ class JointLimits:
 
     @classmethod
     def unbounded(cls, n: int) -> JointLimits:
-        """Limits that limit nothing."""
+        """Return limits that limit nothing."""
         inf = np.full(as_whole(n, "n", 0, LARGEST_ARRAY), np.inf)
         return cls(-inf, inf, inf, inf, inf, inf)
 
     def contains(self, theta: ArrayLike, tol: float = 0.0) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Whether theta (..., n) lies inside the position limits, `tol` [rad, m] beyond them allowed.
+        """Tell whether theta (..., n) lies inside the position limits, with `tol` [rad, m] to spare.
 
         Args:
             theta: Configurations (..., n) [rad, m].
@@ -84,18 +84,18 @@ class JointLimits:
         return np.asarray(((x >= self.lower - tol) & (x <= self.upper + tol)).all(-1))
 
     def sampling_bounds(self, half: Array) -> tuple[Array, Array]:
-        """Lower and upper (n,) to draw configurations from, ±`half` (n,) where unbounded. See `usual_range`."""
+        """Return lower and upper (n,) to draw configurations from, ±`half` (n,) where unbounded. See `usual_range`."""
         return usual_range(self.lower, self.upper, as_theta(half, self.lower.size, "half"))
 
     def middle(self) -> Array:
-        """Midway between the bounds (n,); as near to 0 as allowed where there are not two."""
+        """Return the middle between the bounds (n,); where there are not two, the allowed value nearest to 0."""
         bounded = (self.lower > -AS_GOOD_AS_UNBOUNDED) & (self.upper < AS_GOOD_AS_UNBOUNDED)
         lower, upper = np.where(bounded, self.lower, 0.0), np.where(bounded, self.upper, 0.0)
         middle: Array = np.clip((lower + upper) / 2, self.lower, self.upper)
         return middle
 
     def with_(self, changes: Mapping[str, Any], names: Sequence[str]) -> JointLimits:
-        """A copy with `changes`: {"velocity": 1.0} for every joint, or {"velocity": {"elbow": 1.0}} by name.
+        """Return a copy with `changes`: {"velocity": 1.0} for every joint, or {"velocity": {"elbow": 1.0}} by name.
 
         Args:
             changes: {field: number}, or {field: {joint: number}}.
@@ -126,12 +126,12 @@ class JointLimits:
 
 
 def usual_half(kind: str) -> float:
-    """Half the range of an unbounded joint: π rad, or 1 m for a slide."""
+    """Return half the range of an unbounded joint: π rad, or 1 m for a slide."""
     return 1.0 if slides(kind) else float(np.pi)
 
 
 def usual_range(lower: ArrayLike, upper: ArrayLike, half: ArrayLike) -> tuple[Array, Array]:
-    """The bounds, with missing ones at ±`half` about zero, or that far from the other bound.
+    """Return the given bounds. A missing one is ±`half` about zero, or that far from the other bound.
 
     A bound beyond `AS_GOOD_AS_UNBOUNDED` counts as missing, but is kept.
     """

@@ -7,10 +7,10 @@ SLIDING = frozenset({"prismatic"})
 
 
 def slides(kind: str) -> bool:
-    """Whether the coordinate of a joint of this type is a length."""
+    """Tell whether the coordinate of a joint of this type is a length."""
     return kind in SLIDING
 
 
 def unit_of(kind: str) -> str:
-    """`m` or `rad`."""
+    """Return `m` or `rad`."""
     return "m" if slides(kind) else "rad"

@@ -21,9 +21,9 @@ ROUNDED = 1.0 + 1e-9
 
 
 class Allowed(NamedTuple):
-    """The allowed `theta_dot` (n,) and its cause: the row `by` at its `limit`.
+    """The velocities theta_dot (n,) to command, with the row named `by` that holds them back at its `limit`.
 
-    `limit` is "position", "velocity" or "acceleration"; both are None if the request is allowed.
+    `limit` is "position", "velocity" or "acceleration". Both are None where nothing holds the command back.
     """
 
     theta_dot: Array
@@ -35,12 +35,12 @@ class Allowed(NamedTuple):
 class MotionLimits(Brief):
     """Limits of x = C theta + c, one row for each motor or joint: C (r, n), c (r,), `limits` of r rows [rad or m].
 
-    A motion is safe while the arm can stop straight on, all joints slowing in proportion. That takes the time T = max
-    |ẋ| / acceleration. No row may reach its position limit, at its present speed, within dt + T/2. Slowing by dt/T in
-    the next step keeps this true for any dt, and every row below its acceleration, so there is always a way out.
-    (Braking each row alone would be shorter, but coupled rows cannot do it.)
+    A motion is safe while the arm could stop straight on, all joints slowing in proportion. That takes the time T = max
+    |ẋ| / acceleration. No row may meet its position limit, at its present speed, within dt + T/2. Slowing by dt/T in
+    the next step keeps this true for any dt, with every row below its acceleration. So there is always a way out.
+    (Braking each row separately would be shorter, but coupled rows cannot move that way.)
 
-    For inner loops: only the constructor checks arguments.
+    For inner loops: only construction checks anything.
     """
 
     names: tuple[str, ...]
@@ -63,15 +63,17 @@ class MotionLimits(Brief):
         self.__post_init__()
 
     def velocity_scale(self, theta_dot: Array) -> float:
-        """The largest s in (0, 1] with |C (s theta_dot)| ≤ the velocity limits; theta_dot (n,) [rad/s or m/s]."""
+        """Return the largest s in (0, 1] with |C (s theta_dot)| ≤ the velocity limits; theta_dot (n,) [rad/s
+        or m/s].
+        """
         return 1.0 / max(1.0, float((np.abs(self.C @ theta_dot) * self._per_limit[0]).max()))
 
     def within(self, theta: Array, theta_dot: Array, previous_theta_dot: Array, dt: float) -> Allowed:
-        """The allowed velocity for the next dt [s] in place of theta_dot (n,), after previous_theta_dot (n,).
+        """Return what to command for the next dt [s] instead of theta_dot (n,), after previous_theta_dot (n,).
 
-        Velocities and positions slow theta_dot as a whole. If the accelerations allow less, it is that motion at
-        another speed in reach, else the possible part of the change. If the arm would then not be safe, the straight
-        stop is mixed in as needed.
+        First theta_dot is slowed as a whole to the velocity and position limits. If the accelerations allow less,
+        another speed of that motion is taken if in reach, else as much of the change as possible. If the arm would then
+        not be safe, as much of the straight stop as needed is mixed in.
         """
         x = self.C @ theta + self.c
         scale, by, limit = self._slowed(x, self.C @ theta_dot, dt)
@@ -89,9 +91,9 @@ class MotionLimits(Brief):
         return Allowed(target, self.names[by], limit) if limit else Allowed(target)
 
     def _slowed(self, x: Array, ahead: Array, dt: float) -> tuple[float, int, str | None]:
-        """The scale s of the velocities `ahead` (r,) allowed by velocities and positions, and its row.
+        """Return the scale s of `ahead` (r,) that velocities and positions allow, and the limiting row.
 
-        By position: s dt + s² T/2 ≤ t, with t the time to the first limit at full speed.
+        By position: s dt + s² T/2 ≤ t, the time to the first limit at full speed.
         """
         used = np.abs(ahead) * self._per_limit
         most, stopping = used.max(axis=1).tolist()
@@ -103,7 +105,7 @@ class MotionLimits(Brief):
         return scale, row, limit
 
     def _speed_in_reach(self, ahead: Array, now: Array, dt: float) -> float | None:
-        """The s nearest to 1 for which the accelerations allow s · ahead (r,) after `now` (r,), or None."""
+        """Return the s nearest to 1 at which the accelerations allow s · ahead (r,) after `now` (r,), or None."""
         room = self.limits.acceleration * dt
         moving = np.abs(ahead) > STILL
         if (np.abs(now) > room)[~moving].any():
@@ -119,10 +121,11 @@ class MotionLimits(Brief):
         return speed if (np.abs(speed * ahead - now) <= room * ROUNDED).all() else None
 
     def _partly_stopped(self, x: Array, previous: Array, target: Array, dt: float) -> tuple[Array, int, str]:
-        """The safe part of `target` (n,), the rest the straight stop from `previous`; and the row of the limit.
+        """Return as much of `target` (n,) as is safe, mixed with the straight stop from `previous`, and the limiting
+        row.
 
-        A stop from between two courses takes no longer than theirs. If the straight stop would not be safe in that
-        time, nothing is mixed in.
+        Between two courses no stop takes longer than the longer of theirs. Where the straight stop would be unsafe at
+        that length, nothing is mixed in.
         """
         stopping = self._stopping_time(self.C @ previous)
         stop = previous * (1.0 - min(1.0, dt / stopping)) if stopping > 0.0 else np.zeros_like(previous)
@@ -135,13 +138,13 @@ class MotionLimits(Brief):
         return stop + min(1.0, share) * (target - stop), row, "position"
 
     def _safe(self, x: Array, x_dot: Array, dt: float, stopping: float) -> bool:
-        """Whether after dt + T/2 at x_dot no row is beyond a position limit, or farther than now."""
+        """Tell whether after dt + T/2 at x_dot no row is beyond a position limit, or farther beyond than now."""
         then = x + (dt + 0.5 * stopping) * np.where(np.abs(x_dot) > STILL, x_dot, 0.0)
         upper, lower = np.maximum(self.limits.upper, x), np.minimum(self.limits.lower, x)
         return bool((then <= upper).all() and (then >= lower).all())
 
     def _until_met(self, x: Array, x_dot: Array) -> tuple[float, int]:
-        """The time [s] to the first position limit at x_dot (inf for none), and its row."""
+        """Return the time [s] until the first row meets a position limit at x_dot (inf for none), and that row."""
         room = np.maximum(np.where(x_dot > 0.0, self.limits.upper - x, x - self.limits.lower), 0.0)
         speed = np.abs(x_dot)
         time = np.where(speed > STILL, room / np.maximum(speed, STILL), np.inf)
@@ -149,5 +152,5 @@ class MotionLimits(Brief):
         return float(time[row]), row
 
     def _stopping_time(self, x_dot: Array) -> float:
-        """The time [s] that a straight stop from x_dot takes."""
+        """Return the time [s] of a straight stop from x_dot."""
         return float((np.abs(x_dot) * self._per_limit[1]).max())

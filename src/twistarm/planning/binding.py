@@ -1,4 +1,4 @@
-"""Binding limits: what keeps a motion from being faster, stretch by stretch."""
+"""Binding limits: what keeps each stretch of a motion from being faster."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
@@ -35,9 +34,8 @@ SLIVER = 5e-3
 class Binding:
     """The limit that a motion uses most from `begin` to `end` [s].
 
-    `rate` is "velocity", "acceleration" or "jerk" of `owner` "joint" or "motor", by its `name`, or the "tool speed" or
-    "turn speed" of owner "tool"; `share` is the greatest part of the limit that is used there: 1 where the motion is
-    as fast as it may be.
+    `rate` is "velocity", "acceleration" or "jerk" of `owner` "joint" or "motor", by `name`. For owner "tool" it is
+    "tool speed" or "turn speed". `share` is the greatest part of the limit in use there; 1 is all of it.
     """
 
     begin: float
@@ -59,23 +57,23 @@ def binding_limits(
     limits: JointLimits | Mapping[str, Any] | None = None,
     segments: Sequence[Segment] = (),
 ) -> tuple[Binding, ...]:
-    """The limit that each stretch of a motion uses most: what must be raised for the motion to be faster there.
+    """Return the limit that each stretch of a motion uses most. Raise that limit to make the motion faster there.
 
-    Of every joint and motor j and every rate the share |rate_j(t)| / limit_j is compared, at some 2,000 instants; as
-    long as the same one is the greatest it is one stretch. A rate that is not limited does not count, and where the
-    arm stands nothing binds. Stretches shorter than 0.5 % of the motion belong to the one before.
+    At some 2,000 instants the shares |rate_j(t)| / limit_j are compared, for every rate of every joint and motor j. A
+    stretch lasts as long as the same one is the greatest. Rates without a limit do not count, and nothing binds a
+    standing arm. Stretches shorter than 0.5 % of the motion join the one before.
 
     Args:
         arm: The arm, whose motors' limits count too.
         motion: The motion of its joints.
-        limits: As they were given to `plan` or `plan_joint`; the usual ones stand in for missing ones here too.
-        segments: Those given to `plan`: their shares of the joints' velocities and speeds of the tool count.
+        limits: As given to `plan` or `plan_joint`; usual ones replace missing ones here too.
+        segments: Those given to `plan`: their shares of joint velocities and speeds of the tool count.
 
     Returns:
         The stretches in the order of time, with gaps where the arm stands; () for a motion of duration 0.
 
     Raises:
-        InputError: The motion is not of this arm's joints, or the segments are not those that it was planned by.
+        InputError: The motion is not of this arm's joints, or does not belong to the segments.
     """
     require_arm(arm)
     if not isinstance(motion, Trajectory) or motion.joint_names != arm.joint_names:
@@ -88,7 +86,7 @@ def binding_limits(
         )
     bounds = PathBounds(completed(arm, limits)[0], arm.actuators)
     t, between = _instants(motion)
-    shares = np.concatenate([_of_joints(motion, bounds, moves, t), _of_tool(arm, motion, moves, t)], axis=1)
+    shares = _shares(arm, motion, bounds, moves, t)
     rows = _rows(arm, bounds)
     return tuple(
         Binding(begin, end, *rows[row], share) for begin, end, row, share in _stretches(motion, t, between, shares)
@@ -96,7 +94,7 @@ def binding_limits(
 
 
 def _instants(motion: Trajectory) -> tuple[Array, Array]:
-    """Instants (m,) inside the pieces of a motion, and what lies halfway between two, or parts their pieces."""
+    """Return instants (m,) inside the pieces of a motion, and the borders between neighbours."""
     if not motion.duration:
         return np.empty(0), np.empty(0)
     steps = np.diff(motion.breakpoints)
@@ -107,39 +105,30 @@ def _instants(motion: Trajectory) -> tuple[Array, Array]:
     return t, np.where(np.diff(piece) > 0, motion.breakpoints[piece[1:]], 0.5 * (t[1:] + t[:-1]))
 
 
-def _of_joints(motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
-    """(m, 3 r): the shares of velocity, acceleration and jerk of every joint and motor."""
-    velocity = np.abs(motion(t, 1) @ bounds.C.T) / bounds.velocity
-    n = motion.n
-    for move, among in _spans(motion, moves, t):
-        velocity[among, :n] /= move.speed
-    acceleration = np.abs(motion(t, 2) @ bounds.C.T) / bounds.acceleration
-    jerk = np.abs(motion(t, 3) @ bounds.C.T) / bounds.given_jerk
-    return np.concatenate([velocity, acceleration, jerk], axis=1)
+def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
+    """Return (m, 3 r + 2): velocity, acceleration and jerk of every joint and motor, then the tool's two speeds.
 
-
-def _of_tool(arm: Arm, motion: Trajectory, moves: Sequence[Segment], t: Array) -> Array:
-    """(m, 2): the shares of the speeds of the tool's origin and of its rotation, 0 where a segment gives none."""
-    shares = np.zeros((len(t), 2))
-    for move, among in _spans(motion, moves, t):
+    Each is a share of its limit, 0 where there is none.
+    """
+    limits = (bounds.velocity, bounds.acceleration, bounds.given_jerk)
+    rates = [np.abs(motion(t, order) @ bounds.C.T) / limit for order, limit in enumerate(limits, 1)]
+    tool = np.zeros((len(t), 2))
+    for move, begin, end in zip(moves, motion.times, motion.times[1:], strict=False):
+        if not isinstance(move, Move):
+            continue
+        among = (t >= begin) & (t < end)
+        rates[0][among, : motion.n] /= move.speed
         if move.tool_speed is None and move.turn_speed is None:
             continue
         twist = (arm.body_jacobian(motion(t[among])) @ motion(t[among], 1)[..., None])[..., 0]
         for column, (most, part) in enumerate(((move.tool_speed, twist[:, :3]), (move.turn_speed, twist[:, 3:]))):
             if most is not None:
-                shares[among, column] = np.linalg.norm(part, axis=-1) / most
-    return shares
-
-
-def _spans(motion: Trajectory, moves: Sequence[Segment], t: Array) -> Iterator[tuple[Move, NDArray[np.bool_]]]:
-    """The moves, and which of the instants lie in each."""
-    for i, move in enumerate(moves):
-        if isinstance(move, Move):
-            yield move, (t >= motion.times[i]) & (t < motion.times[i + 1])
+                tool[among, column] = np.linalg.norm(part, axis=-1) / most
+    return np.concatenate([*rates, tool], axis=1)
 
 
 def _rows(arm: Arm, bounds: PathBounds) -> list[tuple[Rate, Literal["joint", "motor", "tool"], str]]:
-    """What each column of the shares is of."""
+    """Name each column of the shares."""
     motors = () if arm.actuators is None else arm.actuators.names
     names = {"joint": arm.joint_names, "motor": motors}
     rates: tuple[Rate, ...] = ("velocity", "acceleration", "jerk")
@@ -152,7 +141,7 @@ def _rows(arm: Arm, bounds: PathBounds) -> list[tuple[Rate, Literal["joint", "mo
 def _stretches(
     motion: Trajectory, t: Array, between: Array, shares: Array
 ) -> Iterator[tuple[float, float, int, float]]:
-    """Begin, end, row and greatest share of each stretch in which one row's share is the greatest."""
+    """Yield begin, end, row and greatest share of each stretch with one leading row."""
     if not len(t):
         return
     rows, row = [], -1

@@ -1,4 +1,4 @@
-"""Goals: the configuration in which a move ends, and the curve on which it goes there."""
+"""Goals: the configuration at the end of a move, and the curve that leads there."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ CURVED = (LineMove, ScrewMove, ArcMove)
 
 @dataclass(frozen=True, eq=False)
 class Goals:
-    """Where moves of an arm go. `where` is a segment and its place, in words, for errors."""
+    """The ends of an arm's moves. `where` names a segment in errors."""
 
     arm: Arm
     limits: JointLimits
 
     def tolerances(self, move: JointMove | Curved) -> Tolerances:
-        """How far off the targets of a move still count as met."""
+        """Return how far off the targets of a move still count as met."""
         return decided(self.arm, move.position_tol, move.orientation_tol)
 
     def configuration(self, move: JointMove | Curved, theta: Array, where: str) -> Array:
-        """Where a move ends that begins at theta (n,); joints that a mapping leaves out stay."""
+        """Return the end of a move that begins at theta (n,); joints that a mapping leaves out stay."""
         goal: Any = move.to
         met = self.tolerances(move)
         if isinstance(goal, KINDS):
@@ -59,7 +59,7 @@ class Goals:
         return end
 
     def moving(self, move: Curved, start: Array, where: str) -> list[MovingTarget]:
-        """What is to be followed from start (n,): of several the first that can be; nothing where it ends there."""
+        """Return what to follow from start (n,): the first of these that can be; nothing if the move ends there."""
         g0, met = self.arm.fk(start), self.tolerances(move)
         if move.to is None:
             found = [MovingTarget(_free_curve(move, g0), like, met) for like in self._likes(move.constrain, g0)]
@@ -72,7 +72,7 @@ class Goals:
         return [each for each in found if not each.is_still]
 
     def _goal_pose(self, move: Curved, g0: Array, start: Array, where: str) -> tuple[list[AnyTarget], Array]:
-        """What the goal constrains, and the pose at the end: what it leaves free turns no more than it must."""
+        """Return what the goal constrains, and the pose at the end, with the least turn of what it leaves free."""
         if not isinstance(move.to, KINDS):
             g1 = self.arm.fk(self.configuration(move, start, where))
             return self._likes(None, g1), g1
@@ -86,14 +86,14 @@ class Goals:
         return [target], target.g
 
     def _likes(self, constrain: Constrained | None, g: Array) -> list[AnyTarget]:
-        """What of a pose is followed; unless it is said, by arms of fewer than six joints as much as they can."""
+        """Return what to follow of a pose. By default arms of fewer than six joints follow as much as they can."""
         if constrain is not None:
             return [_like(self.arm, constrain, g)]
         return [_like(self.arm, each, g) for each in (CONSTRAINED if self.arm.n < 6 else CONSTRAINED[:1])]
 
 
 def _free_curve(move: Curved, g0: Array) -> Curve:
-    """The curve of a move that has no goal but says how it goes."""
+    """Return the curve of a move without a goal."""
     if isinstance(move, LineMove):
         offset = np.asarray(move.offset)
         return line(g0, _with_position(g0, g0[:3, 3] + (g0[:3, :3] @ offset if move.frame == "tool" else offset)))
@@ -126,7 +126,7 @@ def _with_position(g: Array, p: Any) -> Array:
 
 
 def _shortest_turn(a: Array, b: Array) -> Array:
-    """The rotation (3, 3) by the least angle that takes the unit vector a to b; half a turn has many, and takes one."""
+    """Return the rotation (3, 3) by the least angle from the unit vector a to b; of many half turns, one."""
     axis = np.cross(a, b)
     sine, cosine = float(np.linalg.norm(axis)), float(a @ b)
     if sine < 1e-12:

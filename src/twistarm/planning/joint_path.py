@@ -1,4 +1,4 @@
-"""JointPath: a curve in joint space, which says where a motion goes and not yet when."""
+"""JointPath: a curve in joint space, without time."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ STILL = 1e-12
 class JointPath:
     """q(s) of n joints, a polynomial on each of m pieces of a path parameter s, which has no unit.
 
-    `breakpoints` (m + 1,) starts at 0 and increases; `coefficients` (degree + 1, m, n) [rad, m], highest power of
-    s − breakpoints[i] first, as those of a `Trajectory`. Position, tangent q' and curvature q'' are continuous. A path
-    that stays where it is may have one piece of no length.
+    `breakpoints` (m + 1,) starts at 0 and increases. `coefficients` (degree + 1, m, n) [rad, m] hold the highest power
+    of s − breakpoints[i] first, as in a `Trajectory`. Position, tangent q' and curvature q'' are continuous. A path
+    without motion may have one piece of no length.
     """
 
     breakpoints: Array
@@ -67,7 +67,7 @@ class JointPath:
         return bool(ways.max(initial=0.0) > STILL)
 
     def in_pieces(self, most: float) -> tuple[JointPath, Indices]:
-        """The same path in pieces no longer than `most`, equal ones of each piece, and of which piece each is."""
+        """Cut the path evenly into pieces no longer than `most`. Also return the old piece of each new one."""
         steps = np.diff(self.breakpoints)
         count = np.maximum(np.ceil(steps / most - ROUNDING), 1.0).astype(np.intp)
         piece = np.repeat(np.arange(len(steps)), count)
@@ -77,16 +77,16 @@ class JointPath:
         return JointPath(breakpoints, shifted(self.coefficients[:, piece], by)), piece
 
     def piece_at(self, s: Array) -> Indices:
-        """Indices of the pieces in which s (...) lies; at a breakpoint the later one."""
+        """Return the indices of the pieces at s (...); at a breakpoint the later one."""
         inner = self.breakpoints[1:-1]
         return np.searchsorted(inner, s, side="right")
 
     def __call__(self, s: ArrayLike, order: int = 0) -> Array:
-        """The derivative of that order by s at s (...), (..., n); at a breakpoint the limit from above."""
+        """Return the derivative of that order by s at s (...), (..., n); at a breakpoint the limit from above."""
         at = np.asarray(s, dtype=np.float64)
         piece = self.piece_at(at.ravel())
         return self.within(piece, at.ravel() - self.breakpoints[piece], order).reshape(*at.shape, self.n)
 
     def within(self, piece: Indices, sigma: Array, order: int = 0) -> Array:
-        """The derivative of that order in pieces (k,), each at sigma (k,) from where it begins, (k, n)."""
+        """Return the derivative of that order in pieces (k,), each at sigma (k,) from its start, (k, n)."""
         return evaluate(derivative(self.coefficients[:, piece], order), sigma[:, None])

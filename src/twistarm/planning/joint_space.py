@@ -86,54 +86,53 @@ def plan_joint(
     smooth: float | None = None,
     progress: Progress | None = None,
 ) -> Trajectory:
-    """A motion through `waypoints`, at rest at the first and the last, that keeps the joint limits everywhere.
+    """Plan a motion through `waypoints`, at rest at the first and the last, inside the joint limits.
 
-    A waypoint is a configuration, or a target of the tool (`Pose`, `Position`, `Approach`, `Task` or a pose (4, 4)),
-    which stands for the configuration that `solve_ik` finds from the waypoint before it (`arm.ready` for the first).
-    Joints that turn without end come to a target by the shorter way; to a configuration they go as it says, from 0 to
-    2π by a full turn. With `unwrap` they take the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18.
+    A waypoint is a configuration or a target of the tool (`Pose`, `Position`, `Approach`, `Task` or a pose (4, 4)).
+    `solve_ik` finds the configuration of a target from the waypoint before it, or from `arm.ready`. Continuous joints
+    go to a target by the shorter way. To a configuration they go as it says, from 0 to 2π by a full turn. With `unwrap`
+    they take the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18.
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
-    - `quintic`: the C⁴ spline, acceleration zero at both ends; smoother, and it swings wider between waypoints.
-    - Where either would leave the position limits between waypoints it is pulled in: the joint passes the waypoints
-      nearby at a lower velocity, if need be at rest, on added pieces; the cubic stays C² and the quintic C⁴.
-    - `trapezoid`: straight from waypoint to waypoint, stopping at each; all joints accelerate, coast and brake
-      together. Its jerk is infinite: a jerk limit is not looked at.
-    - `time_optimal`: the shortest motion along a cubic spline through the waypoints. Some velocity or acceleration is
-      at its limit all the time; a jerk limit is not looked at. It takes no `times`.
-    - `s_curve`: straight from waypoint to waypoint in the shortest time that velocity, acceleration and jerk limits
-      allow, stopping at each. Where no jerk limit is given, the acceleration limit is reached in 0.1 s. Each joint has
-      a profile of its own, and all arrive together; where joints share a motor, they move in proportion.
+    - `quintic`: the C⁴ spline, acceleration zero at both ends. It is smoother and swings wider between waypoints.
+    - Where either would leave the position limits it is pulled in: the joint passes nearby waypoints at a lower
+      velocity, if need be at rest, on added pieces. The cubic stays C² and the quintic C⁴.
+    - `trapezoid`: straight from waypoint to waypoint, stopping at each. All joints accelerate, coast and brake
+      together. Jerk is not limited.
+    - `time_optimal`: the shortest motion along a cubic spline. Some velocity or acceleration is always at its limit.
+      Jerk is not limited. It takes no `times`.
+    - `s_curve`: straight from waypoint to waypoint in the shortest time within velocity, acceleration and jerk,
+      stopping at each. A joint without a jerk limit takes 0.1 s to its acceleration limit. Each joint has a separate
+      profile and all arrive together; joints that share a motor move in proportion.
 
-    Limits of the arm's motors (`arm.actuators`) are kept as those of its joints. The extremes of the polynomials are
-    checked, not samples (to 1e-9).
+    Limits of the arm's motors (`arm.actuators`) hold as well. The exact extremes of the polynomials are checked, to
+    1e-9.
 
-    Without `times` one velocity, acceleration or (where given, for cubic and quintic) jerk limit is met exactly. Where
-    a joint has no velocity or acceleration limit, the usual one counts (1 rad/s, 0.25 m/s, 3 rad/s², 1 m/s²). For
-    segments that stop that is the minimum. The proportions of a spline's segments are searched: within 1 % of the
-    minimum, but where a spline was pulled in typically within 2 % for cubic and 15 % for quintic. Either may be slower
-    than stopping where a path turns back. Consecutive waypoints nearer than 1e-6 are merged; if none other remains, the
-    motion has duration 0. With `times` limits that are missing are not checked. Its `notes` say what was assumed,
-    merged, unwrapped or smoothed away.
+    Without `times` the motion just meets one velocity, acceleration or (if given, for cubic and quintic) jerk limit.
+    Joints without a velocity or acceleration limit get the usual one (1 rad/s, 0.25 m/s, 3 rad/s², 1 m/s²). Motions
+    that stop at each waypoint are then the shortest. Splines are within 1 % of the shortest; pulled-in ones typically
+    within 2 % for cubic and 15 % for quintic. Where a path turns back, stopping may be faster. Consecutive waypoints
+    nearer than 1e-6 are merged; if one remains, the motion has duration 0. With `times`, missing limits are not
+    checked. `notes` tell what was assumed, merged, unwrapped or smoothed away.
 
     Source: Lynch & Park, Modern Robotics, §9.2 and §9.3.
 
     Args:
         arm: The arm.
-        waypoints: One or more configurations (k, n) [rad, m]; each an array, a mapping {joint: value}, the name of a
-            pose (`arm.configurations`) or a target.
+        waypoints: One or more arrays (n,) [rad, m], mappings {joint: value}, pose names (`arm.configurations`) or
+            targets.
         kind: "cubic", "quintic", "trapezoid", "time_optimal" or "s_curve".
-        limits: By default those of the arm; a `JointLimits`, or changes to the arm's such as
-            {"velocity": 1.0, "acceleration": {"elbow": 2.0}} [rad/s, m/s and so on].
+        limits: By default those of the arm; a `JointLimits`, or changes such as {"velocity": 1.0, "acceleration":
+            {"elbow": 2.0}} [rad/s, m/s and so on].
         times: Times of the waypoints (k,) [s], increasing from 0; None for a motion as short as the limits allow.
-        stop_at_waypoints: Whether cubic and quintic move straight, and rest at every waypoint; without it a spline may
-            swing beyond the range of its waypoints, inside the limits.
-        position_tol: How far off a target [m] a waypoint still meets it; 1e-6 by default.
-        orientation_tol: The same of its rotation [rad].
-        unwrap: Whether joints of which a whole turn moves nothing go to configurations by the shorter way too.
-        smooth: How far [rad, m] each joint may leave recorded waypoints, which are rounded or noisy, such as 0.01 for
-            two decimals: it then has the smallest third differences within that, and where the recording stays at one
-            place it is passed once. The first and the last are kept; None: all are passed exactly.
+        stop_at_waypoints: Whether cubic and quintic move straight and rest at every waypoint. Without it a spline may
+            swing beyond its waypoints, inside the limits.
+        position_tol: Tolerance of a target [m]; 1e-6 by default.
+        orientation_tol: Tolerance of its rotation [rad], likewise.
+        unwrap: Whether continuous joints go to configurations by the shorter way too.
+        smooth: How far [rad, m] each joint may leave recorded waypoints, such as 0.01 for two decimals. Third
+            differences become as small as that allows, and a stay is passed once. The first and the last waypoint are
+            kept. None: all are passed exactly.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
@@ -168,7 +167,7 @@ def plan_joint(
 
 
 def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) -> tuple[Array, list[str]]:
-    """Waypoints (k, n), k ≥ 1, from arrays, {joint: value} mappings, names and targets; and what is said of them."""
+    """Return waypoints (k, n), k ≥ 1, from arrays, {joint: value} mappings, names and targets; and notes."""
     if isinstance(waypoints, str | Mapping) or not np.iterable(waypoints):
         raise InputError(f"waypoints must be a sequence of configurations; got {shown(waypoints)}")
     points: list[Array] = []
@@ -186,7 +185,7 @@ def as_waypoints(arm: Arm, waypoints: Waypoints, met: Tolerances, unwrap: bool) 
 
 
 def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> JointLimits:
-    """The arm's limits, those given in their place, or the arm's with the changes given."""
+    """Return the arm's limits, those given instead, or the arm's with the given changes."""
     if limits is None:
         return arm.limits
     if isinstance(limits, Mapping):
@@ -199,14 +198,14 @@ def as_limits(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> Joint
 
 
 def completed(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> tuple[JointLimits, tuple[str, ...]]:
-    """The limits that a motion is timed by, the usual ones where none are given, and what is said of these."""
+    """Return the limits that time a motion, completed by usual ones, and notes on these."""
     given = as_limits(arm, limits)
     said = defaults_line(arm, given)
     return with_defaults(arm, given), (said,) if said else ()
 
 
 def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array, met: Tolerances) -> Array:
-    """The configuration (n,) of a waypoint, for a target the nearest found to `near` (n,)."""
+    """Return the configuration (n,) of a waypoint; for a target the one found nearest to `near` (n,)."""
     if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
         solution = solve_ik(arm, waypoint, near, **met.keywords, posture="theta0")
         if not solution.converged:
@@ -219,7 +218,6 @@ def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array, met: Tolerances)
 
 
 def _is_pose(waypoint: Any) -> bool:
-    """Whether it is a pose (4, 4) rather than a configuration, or nothing of use."""
     if isinstance(waypoint, str | Mapping) or waypoint is None:
         return False
     numbers = waypoint if isinstance(waypoint, np.ndarray) else as_reals(waypoint, "a waypoint")
@@ -244,7 +242,7 @@ def _as_times(times: ArrayLike, count: int) -> Array:
 
 
 def _distinct(points: Array) -> tuple[Array, Array]:
-    """The waypoints that differ from their predecessor, (j, n), and which of them stands for each given, (k,)."""
+    """Return the waypoints that differ from the one before, (j, n), and the index of each given one among them."""
     kept, owner = [0], [0]
     for i in range(1, len(points)):
         if np.abs(points[i] - points[kept[-1]]).max(initial=0.0) > MERGE_TOL:
@@ -255,7 +253,7 @@ def _distinct(points: Array) -> tuple[Array, Array]:
 
 
 def _prepared(points: Array, smooth: float | None, limits: JointLimits, merge: bool) -> tuple[Array, list[str]]:
-    """The waypoints (k, n) that are led through, and which of those given are no places of their own."""
+    """Return the waypoints (k, n) to pass, smoothed if asked, and notes on those that were merged."""
     spare, stays = np.full(points.shape, smooth or 0.0), list[tuple[int, int]]()
     if smooth is not None:
         stays, given = _stays(points, STAY_WIDTH * smooth), points
@@ -284,7 +282,7 @@ def _named(each: Sequence[str]) -> str:
 
 
 def _stays(points: Array, width: float) -> list[tuple[int, int]]:
-    """First and last of waypoints that stay within `width` in each joint for far longer than others, ends left out."""
+    """Return first and last of waypoints that stay within `width` in each joint far longer than others."""
     runs, start = [], 0
     low = high = points[0]
     for i, point in enumerate(points):
@@ -307,7 +305,7 @@ def _timed(
     bounds: PathBounds,
     progress: Progress | None,
 ) -> Motion:
-    """Times of the waypoints, breakpoints and coefficients: at the times given, else as short as was found."""
+    """Return the motion at the given times, else as short as was found."""
     if times is not None:
         if kind == "time_optimal":
             raise InputError("a time_optimal motion takes no times: it is as fast as it can be; other kinds take them")
@@ -327,7 +325,7 @@ def _timed(
 
 
 def _fastest(points: Array, kind: Kind, stop: bool, bounds: PathBounds, progress: Progress | None) -> Motion:
-    """The shortest motion found through waypoints of which each is unlike the one before."""
+    """Return the shortest motion found through waypoints that all differ from the one before."""
     if kind == "trapezoid":
         times, ramps = timing.fastest_trapezoid(points, bounds)
         return times, *spline.trapezoid(points, times, ramps)

@@ -1,4 +1,4 @@
-"""load_trajectory: a motion read back from a file, checked, as a trajectory of an arm."""
+"""load_trajectory: a motion read from a file and checked, as a trajectory of an arm."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from ..arm.arm import Arm, require_arm
 from ..support.errors import InputError, LimitError
 from ..support.files import as_path
-from .files.csv_reading import read_csv
-from .files.message_reading import read_json, read_yaml
+from .files.csv_file import read_csv
+from .files.joint_trajectory import read_json, read_yaml
 from .files.points import Points
-from .hermite import through
+from .piecewise import through
 from .trajectory import Trajectory
 
 READERS: Mapping[str, Callable[[Arm, Path], Points]] = {
@@ -37,18 +37,18 @@ BEYOND_LIMIT = 1e-6
 
 
 def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
-    """The motion of `arm` in a file, as `Trajectory.to_csv`, `to_json` and `to_yaml` write it, or as others do.
+    """Read a motion of `arm` from a file that `to_csv`, `to_json`, `to_yaml` or another program wrote.
 
-    At the file's instants it is what stands there; between two of them it is a polynomial with the positions, rates and
-    (where the file has them) accelerations of both: quintic or cubic, and a straight line where there are positions
-    alone, as ROS's joint_trajectory_controller does it. The first instant is t = 0; before the first and after the last
-    the arm is at rest. Every instant is one of its waypoints. Labels are read too; motors are those of the arm.
+    Between two instants of the file the motion is a polynomial that meets the positions, rates and accelerations of
+    both: quintic, cubic, or a straight line for positions alone, as in ROS's joint_trajectory_controller. The first
+    instant is t = 0. The arm is at rest before the first and after the last. Every instant is a waypoint. Labels are
+    read too; motors are those of the arm.
 
-    - CSV: columns `time [s]`, and of each joint `<joint>.position [rad]` and `<joint>.velocity [rad/s]`, with or
-      without `<joint>.acceleration [rad/s^2]` (m for slides), in any order. In their place may stand what the motors'
-      drives count, as `to_csv(counts=True)` writes it. Other columns are passed over.
-    - JSON, YAML: a `trajectory_msgs/JointTrajectory`, joints in any order, others passed over; rad and m.
-      Of YAML some minutes are read at most.
+    - CSV: columns `time [s]`, and for each joint `<joint>.position [rad]` and `<joint>.velocity [rad/s]`, with or
+      without `<joint>.acceleration [rad/s^2]` (m for slides), in any order. Counts of the motors' drives may replace
+      them, as `to_csv(counts=True)` writes. Other columns are ignored.
+    - JSON, YAML: a `trajectory_msgs/JointTrajectory` in rad and m, joints in any order, others ignored. YAML may last
+      some minutes at most.
 
     Args:
         arm: The arm.
@@ -58,8 +58,8 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
         The `Trajectory`.
 
     Raises:
-        InputError: The file cannot be read; a joint is missing; a value is not a finite number, or a time does not
-            increase: the message gives the line or the point.
+        InputError: The file cannot be read, a joint is missing, a value is not finite, or a time does not increase. The
+            message gives the line or the point.
         LimitError: A position lies outside the arm's limits.
     """
     require_arm(arm)

@@ -1,4 +1,4 @@
-"""plan: a motion of segments (joint moves, lines, screws, arcs, dwells), timed to the limits."""
+"""plan: a motion of joint moves, lines, screws, arcs and dwells, timed to the limits."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .piecewise import side_by_side
 from .route import Leg, Router
 from .segments import SEGMENTS, Dwell, Move, Segment, place
 from .spans import Progress
-from .stretches import Stretch, runs, stretch_along
+from .stretches import path_along, runs
 from .time_laws.bounds import PathBounds
 from .time_laws.double_s import double_s
 from .time_laws.law import TimeLaw
@@ -53,15 +53,14 @@ def plan(
     unwrap: bool = False,
     progress: Progress | None = None,
 ) -> Trajectory:
-    """A motion through `segments`, from rest to rest, that keeps the limits of joints and motors everywhere.
+    """Plan a motion through `segments`, from rest to rest, inside the limits of joints and motors.
 
-    Joint moves go straight in joint space; lines, screws and arcs keep the tool within 0.1 mm and 0.05° of the ideal
-    everywhere, or within wider tolerances, in what their goals constrain. Where a joint move to a target leads to such
-    curves, the branch of inverse kinematics is chosen that can follow all of them with the least joint motion. The arm
-    stops between two moves, or rounds the corner inside the ball of radius `blend`, where stopping there is not sooner
-    done.
+    Joint moves go straight in joint space. Lines, screws and arcs keep the tool within 0.1 mm and 0.05° of the ideal,
+    or within wider tolerances, in what their goals constrain. Curves may follow a joint move to a target: `plan` then
+    chooses the branch of inverse kinematics that follows all of them with the least joint motion. The arm stops between
+    two moves, or rounds the corner inside the ball of radius `blend`. It stops there too if that takes less time.
 
-    - `s_curve`: acceleration is continuous and jerk within its limits; a joint without a jerk limit takes 0.1 s to its
+    - `s_curve`: acceleration is continuous and jerk within its limits. A joint without a jerk limit takes 0.1 s to its
       acceleration limit. A joint move that stops at both ends is the shortest possible.
     - `time_optimal`: the shortest time along the path; acceleration jumps.
     - `quintic`: s(t) = 10 u³ − 15 u⁴ + 6 u⁵ along the whole stretch from stop to stop.
@@ -76,19 +75,19 @@ def plan(
         kind: "s_curve", "time_optimal" or "quintic".
         tool_speed: Greatest speed of the tool's origin [m/s] where a segment gives none.
         turn_speed: Greatest angular speed of the tool [rad/s] where a segment gives none.
-        position_tol: How far off a target [m] the tool still meets it, where a segment gives none; 1e-6 by default.
-        orientation_tol: The same of its rotation [rad].
-        unwrap: Whether joints of which a whole turn moves nothing go to configurations by the shorter way, from 3.1 to
-            −3.1 by 0.08 rad; to targets they do anyway.
+        position_tol: Tolerance of a target [m] where a segment gives none; 1e-6 by default.
+        orientation_tol: Tolerance of its rotation [rad], likewise.
+        unwrap: Whether continuous joints go to configurations by the shorter way, from 3.1 to −3.1 by 0.08 rad. To
+            targets they always do.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
-        The `Trajectory`; its waypoints are the start and the end of every segment, its labels those of the segments.
-        Its `notes` name the usual limits that stand in for missing ones, and joints that whole turns bring nearer,
-        and curves that end where they begin: there the arm stays.
+        The `Trajectory`. Its waypoints are the start and the end of every segment, its labels those of the segments.
+            Its `notes` name usual limits used for missing ones, shorter ways by whole turns, and curves that do not
+            move.
 
     Raises:
-        PathError: A curve cannot be followed; the message says how far it can, why not farther and what would help.
+        PathError: A curve cannot be followed; the message says how far it can, why no farther and what would help.
         LimitError: A goal lies outside the position limits.
         NotConvergedError: The target of a joint move cannot be met; the message says why.
         InputError: An argument does not fit the arm, or a blend is too large.
@@ -105,8 +104,8 @@ def plan(
     require_waypoints(origin[None], bounds, arm.joint_names, arm.units, "start")
 
     legs, said = _legs(planned, moves, origin, bounds, as_flag(unwrap, "unwrap"), progress)
-    timed = [stretch for run in runs(legs) for stretch in _fastest(planned, run, bounds, kind)]
-    motion = replace(_assembled(arm, origin, legs, timed), notes=(*notes, *said))
+    timed = [each for run in runs(legs) for each in _fastest(planned, run, bounds, kind)]
+    motion = _assembled(arm, origin, timed, (*notes, *said))
     if progress is not None:
         progress(1.0)
     return motion
@@ -115,7 +114,7 @@ def plan(
 def _legs(
     arm: Arm, moves: list[Segment], origin: Array, limits: JointLimits, unwrap: bool, progress: Progress | None
 ) -> tuple[list[Leg], list[str]]:
-    """The legs from `origin` (n,) on and what is said of them; within what rounded axes miss, where not exactly."""
+    """Return the legs from `origin` (n,) on, and notes. Axes that are off by rounding may widen the tolerances."""
 
     def told(done: int) -> None:
         if progress is not None:
@@ -133,7 +132,7 @@ def _legs(
 
 
 def _with_ranges(arm: Arm, limits: JointLimits) -> Arm:
-    """The arm with these position limits, itself where they are its own: inverse kinematics looks at those alone."""
+    """Return the arm with these position limits, because inverse kinematics looks at the arm's own."""
     same = all(np.array_equal(getattr(limits, side), getattr(arm.limits, side)) for side in ("lower", "upper"))
     return arm if same else replace(arm, limits=limits)
 
@@ -145,7 +144,7 @@ def as_segments(
     position_tol: float | None = None,
     orientation_tol: float | None = None,
 ) -> list[Segment]:
-    """The segments; moves that give no speed of the tool, or no tolerance, have the one of the whole."""
+    """Return the segments. Moves without a speed of the tool, or a tolerance, take the ones given here."""
     whole: dict[str, Any] = {
         "tool_speed": None if tool_speed is None else as_positive(tool_speed, "tool_speed"),
         "turn_speed": None if turn_speed is None else as_positive(turn_speed, "turn_speed"),
@@ -170,9 +169,9 @@ def as_segments(
 
 @dataclass(frozen=True, eq=False)
 class Timed:
-    """A stretch in time: breakpoints (m + 1,) [s] from 0, coefficients, and when each of its legs ends [s]."""
+    """Legs from stop to stop in time: breakpoints (m + 1,) [s] from 0, coefficients, and the end of each leg [s]."""
 
-    stretch: Stretch
+    legs: list[Leg]
     breakpoints: Array
     coefficients: Array
     ends: Array
@@ -184,70 +183,61 @@ class Timed:
 
 
 def _fastest(arm: Arm, run: list[Leg], limits: JointLimits, kind: str) -> list[Timed]:
-    """The legs of a run in time: corners are rounded, but stopped at where that is sooner done."""
-
-    def timed(legs: list[Leg]) -> Timed:
-        stretch = stretch_along(arm, legs, limits)
-        return _timed(stretch, PathBounds(limits, arm.actuators, stretch.ceiling), kind)
-
-    rounded = [timed(run)]
+    """Return the legs of a run in time. Corners are rounded unless stopping there is sooner done."""
+    rounded = [_timed(arm, run, limits, kind)]
     if len(run) == 1:
         return rounded
-    stopped = [timed([leg]) for leg in run]
+    stopped = [_timed(arm, [leg], limits, kind) for leg in run]
     known = np.concatenate([[0.0], rounded[0].ends])
-    alone = np.array([stretch.duration for stretch in stopped])
+    alone = np.array([each.duration for each in stopped])
     slow = np.flatnonzero(known[2:] - known[:-2] > alone[1:] + alone[:-1]) + 1
     options = [rounded, stopped]
     if 0 < len(slow) < len(run) - 1:
         cuts = [0, *slow.tolist(), len(run)]
-        options.append([timed(run[i:j]) for i, j in pairwise(cuts)])
-    return min(options, key=lambda option: sum(stretch.duration for stretch in option))
+        options.append([_timed(arm, run[i:j], limits, kind) for i, j in pairwise(cuts)])
+    return min(options, key=lambda option: sum(each.duration for each in option))
 
 
-def _timed(stretch: Stretch, bounds: PathBounds, kind: str) -> Timed:
-    path, straight = stretch.path, stretch.path.coefficients.shape[:2] == (2, 1)
-    if path.length == 0.0:
-        return Timed(stretch, np.zeros(2), path.coefficients, np.zeros(1))
-    if kind == "s_curve" and stretch.ceiling is None and straight:
+def _timed(arm: Arm, legs: list[Leg], limits: JointLimits, kind: str) -> Timed:
+    """Return the legs in time, all corners between them rounded."""
+    segment, theta = legs[0].segment, legs[0].end
+    if legs[0].path is None:
+        stay = segment.seconds if isinstance(segment, Dwell) else 0.0
+        return Timed(legs, np.array([0.0, stay]), theta[None, None], np.array([stay]))
+    path, ends, ceiling = path_along(arm, legs, limits)
+    bounds = PathBounds(limits, arm.actuators, ceiling)
+    if kind == "s_curve" and ceiling is None and path.coefficients.shape[:2] == (2, 1):
         breakpoints, coefficients = double_s(path.start, path.end, bounds)
-        return Timed(stretch, breakpoints, coefficients, breakpoints[-1:])
+        return Timed(legs, breakpoints, coefficients, breakpoints[-1:])
     law = LAWS[kind](path, bounds)
     known = np.append(law.coefficients[-1], path.length)
-    return Timed(stretch, *law.along(path), np.interp(stretch.ends, known, law.breakpoints))
+    return Timed(legs, *law.along(path), np.interp(ends, known, law.breakpoints))
 
 
-def _assembled(arm: Arm, origin: Array, legs: list[Leg], timed: list[Timed]) -> Trajectory:
-    """One trajectory of all stretches and dwells."""
-    times, labels, steps, pieces, at = [0.0], [], [], [], 0.0
-    for each in timed:
-        for leg, end in zip(legs[each.stretch.first : each.stretch.last + 1], each.ends.tolist(), strict=True):
-            segment = leg.segment
-            if segment.label:
-                labels.append((at + end, segment.label))
-            dwell = segment.seconds if isinstance(segment, Dwell) else 0.0  # alone in its stretch, which takes no time
-            if dwell:
-                steps.append(np.array([dwell]))
-                pieces.append(leg.end[None, None])
-            times.append(at + end + dwell)
-        if each.duration:
-            steps.append(np.diff(each.breakpoints))
-            pieces.append(each.coefficients)
-        at += each.duration + dwell
-    if not steps:
-        steps, pieces = [np.zeros(1)], [origin[None, None]]
-    coefficients = side_by_side(pieces)
-    breakpoints = np.concatenate([[0.0], np.cumsum(np.concatenate(steps))])
-    when = np.minimum(times, breakpoints[-1])
-    through = np.array([origin, *(leg.end for leg in legs)])
-    rounded = np.array([False, *(isinstance(leg.segment, Move) and leg.segment.blend > 0.0 for leg in legs)])
+def _assembled(arm: Arm, origin: Array, timed: list[Timed], notes: tuple[str, ...]) -> Trajectory:
+    """Join everything in time to one trajectory."""
+    legs = [leg for each in timed for leg in each.legs]
+    starts = np.cumsum([0.0, *(each.duration for each in timed)])
+    times = np.concatenate([[0.0], *(start + each.ends for start, each in zip(starts, timed, strict=False))])
+    moving = [each for each in timed if each.duration]
+    steps = np.concatenate([np.diff(each.breakpoints) for each in moving] or [np.zeros(1)])
+    breakpoints = np.concatenate([[0.0], np.cumsum(steps)])
+    times = np.minimum(times, breakpoints[-1])
     motion = Trajectory(
         arm.joint_names,
         arm.units,
-        through,
-        when,
+        np.array([origin, *(leg.end for leg in legs)]),
+        times,
         breakpoints,
-        coefficients,
+        side_by_side([each.coefficients for each in moving] or [origin[None, None]]),
         arm.actuators,
-        tuple((min(t, float(breakpoints[-1])), text) for t, text in labels),
+        # A dwell's label is due when it begins, the label of a move when it ends.
+        tuple(
+            (float(times[i - isinstance(leg.segment, Dwell)]), leg.segment.label)
+            for i, leg in enumerate(legs, 1)
+            if leg.segment.label
+        ),
+        notes,
     )
-    return replace(motion, waypoints=np.where(rounded[:, None], motion(when), through))
+    rounded = np.array([False, *(isinstance(leg.segment, Move) and leg.segment.blend > 0.0 for leg in legs)])
+    return replace(motion, waypoints=np.where(rounded[:, None], motion(times), motion.waypoints))

@@ -1,4 +1,4 @@
-"""motion.toml: a motion as a list of segments, with its start, kind and limits."""
+"""motion.toml: a motion as a list of segments, with start, kind and limits."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ ANGLES = ("rpy", "angle", "turn_speed", "orientation_tol")
 
 @dataclass(frozen=True)
 class MotionFile:
-    """The content of a motion.toml: what `plan` takes beside the arm, None where it is left to the defaults."""
+    """The content of a motion.toml: the arguments of `plan` after the arm, None for a default."""
 
     segments: tuple[Segment, ...]
     start: Goal | None = None
@@ -158,7 +158,7 @@ class _Reader:
         return Dwell(as_not_negative(self._number({"dwell": value}, "dwell"), "dwell"), **options)
 
     def _start(self, value: Any) -> Goal:
-        """A configuration: a target is no place to be."""
+        """Read a configuration; a target is refused."""
         if isinstance(value, dict) and "xyz" in value:
             raise InputError("start must be a configuration: a pose's name, the joints' values or { joint = value, … }")
         start = self._goal(value)
@@ -166,7 +166,7 @@ class _Reader:
         return start
 
     def _goal(self, value: Any) -> Goal:
-        """The name of a configuration, its numbers, {joint: value}, or a target by xyz and what turns the tool."""
+        """Read a goal: a configuration's name, its numbers, {joint: value}, or a target by xyz."""
         if isinstance(value, str):
             self.arm.theta_from(value)  # says which there are
             return value
@@ -222,7 +222,7 @@ class _Reader:
 
 
 def _described(value: Any, needed: Sequence[str], others: Sequence[str]) -> Mapping[str, Any] | None:
-    """The table of a move without a goal, which has one of `needed`: all of them then, and nothing but `others`."""
+    """Return the table of a move without a goal: all of `needed`, and nothing but `others` besides."""
     if not isinstance(value, dict) or not set(value) & {*needed, *others}:
         return None
     _only(value, (*needed, *others))
@@ -238,13 +238,13 @@ def _given(table: Mapping[str, Any], *names: str) -> dict[str, Any]:
 
 
 def _needs(table: Mapping[str, Any], name: str, others: Sequence[str]) -> None:
-    """An entry that says nothing without one of the `others` is a mistake."""
+    """Refuse an entry that has no meaning without one of the `others`."""
     if name in table and not set(others) & set(table):
         raise InputError(f"{name} goes with {' or '.join(others)}, and it is missing beside it")
 
 
 def _real(value: Any, name: str) -> float:
-    """A finite number; true and false are none in TOML."""
+    """Return a finite number. Booleans are refused."""
     if isinstance(value, bool):
         raise InputError(f"{name} must be a number; got {str(value).lower()}")
     return as_number(value, name)

@@ -1,7 +1,7 @@
-"""Piecewise polynomials of many joints at once: value, derivative, and where their extremes lie.
+"""Piecewise polynomials of many joints: values, derivatives, extremes, and polynomials through given states.
 
-Coefficients are (degree + 1, segments, n), highest power first, in the time since the segment's start [s]: the
-layout of SciPy's `PPoly`.
+Coefficients are (degree + 1, segments, n), highest power first, in the time since the segment's start [s]. SciPy's
+`PPoly` has the same layout.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ BISECTIONS = 30
 
 
 def derivative(coefficients: Array, order: int = 1) -> Array:
-    """Coefficients of the derivative of that order; a zero polynomial keeps one row of zeros."""
+    """Return the coefficients of that derivative; a zero polynomial keeps one row of zeros."""
     for _ in range(order):
         powers = np.arange(len(coefficients) - 1, 0, -1.0)
         lowered = coefficients[:-1] * powers[:, None, None]
@@ -29,7 +29,9 @@ def derivative(coefficients: Array, order: int = 1) -> Array:
 
 
 def evaluate(coefficients: Array, tau: Array) -> Array:
-    """Σ c_k tau^(degree − k) by Horner's rule, tau [s] since the segment's start, broadcast against c_k."""
+    """Return Σ c_k tau^(degree − k) by Horner's rule. tau [s] counts from the segment's start and broadcasts against
+    c_k.
+    """
     value: Array = coefficients[0] + 0.0 * tau
     for row in coefficients[1:]:
         value = value * tau + row
@@ -37,20 +39,22 @@ def evaluate(coefficients: Array, tau: Array) -> Array:
 
 
 def stretched(coefficients: Array, factor: float) -> Array:
-    """The same path, `factor` times as slow: p(t / factor)."""
+    """Return the same path, `factor` times as slow: p(t / factor)."""
     powers = np.arange(len(coefficients) - 1, -1, -1.0)
     slower: Array = coefficients * (1.0 / factor) ** powers[:, None, None]
     return slower
 
 
 def side_by_side(pieces: Sequence[Array]) -> Array:
-    """Coefficients of all these pieces, one after the other, of the highest degree among them."""
+    """Join pieces one after the other, with the highest degree among them."""
     degree = max(map(len, pieces))
     return np.concatenate([np.pad(each, ((degree - len(each), 0), (0, 0), (0, 0))) for each in pieces], axis=1)
 
 
 def composed(outer: Array, inner: Array) -> Array:
-    """Coefficients of outer(inner(t)): (d + 1, k, n) of (e + 1, k) on the same k pieces give (d e + 1, k, n)."""
+    """Return the coefficients of outer(inner(t)): (d + 1, k, n) of (e + 1, k) on the same k pieces give (d e + 1, k,
+    n).
+    """
     result = outer[:1]
     for row in outer[1:]:
         product = np.zeros((len(result) + len(inner) - 1, *outer.shape[1:]))
@@ -62,7 +66,7 @@ def composed(outer: Array, inner: Array) -> Array:
 
 
 def shifted(coefficients: Array, by: Array) -> Array:
-    """The same polynomials in the time since `by` (s,) [s] after each segment's start: p(tau + by)."""
+    """Return the same polynomials in the time since `by` (s,) [s] after each segment's start: p(tau + by)."""
     binomials, powers = _binomials(len(coefficients) - 1)
     moved = binomials[:, :, None] * by ** powers[:, :, None]
     same: Array = np.einsum("kps,ps...->ks...", moved, coefficients)
@@ -71,18 +75,18 @@ def shifted(coefficients: Array, by: Array) -> Array:
 
 @cache
 def _binomials(degree: int) -> tuple[Array, Array]:
-    """By which number, and which power of `by`, each coefficient (columns) adds to each of the shifted (rows)."""
+    """Return the factor and the power of `by` with which each coefficient (columns) enters each shifted one (rows)."""
     down = np.arange(degree, -1, -1)
     binomials = [[float(comb(p, k)) for p in down] for k in down]
     return frozen(binomials), frozen(np.maximum(down[None, :] - down[:, None], 0))
 
 
 def extremes(coefficients: Array, durations: Array) -> tuple[Array, Array]:
-    """Times tau (c, s, n) [s] since each segment's start at which every extreme is found, and the values there.
+    """Return times tau (c, s, n) [s] since each segment's start that include every extreme, and the values there.
 
-    The candidates are both ends and the zeros of the derivative, which are found between the zeros of the next
-    derivative, and so on up to the linear one: on each interval between those the polynomial is monotone and
-    bisection cannot fail. Where there is no zero a candidate falls on an interval's end, which does no harm.
+    The candidates are both ends and the zeros of the derivative. These lie between the zeros of the next derivative,
+    and so on up to the linear one. Between those the polynomial is monotone and bisection cannot fail. Where there is
+    no zero, the candidate falls harmlessly on an interval's end.
     """
     powers = np.arange(len(coefficients) - 1, -1, -1.0)
     unit = coefficients * durations[:, None] ** powers[:, None, None]
@@ -92,7 +96,7 @@ def extremes(coefficients: Array, durations: Array) -> tuple[Array, Array]:
 
 
 def _edges(slope: Array) -> Array:
-    """0, the zeros of `slope` in [0, 1] in order, 1: (degree + 2, s, n)."""
+    """Return 0, the zeros of `slope` in [0, 1] in order, and 1: (degree + 2, s, n)."""
     ends = np.zeros((1, *slope.shape[1:])), np.ones((1, *slope.shape[1:]))
     if len(slope) == 1:
         return np.concatenate(ends)
@@ -104,3 +108,25 @@ def _edges(slope: Array) -> Array:
         right = (evaluate(slope, middle) < 0) == rising
         low, high = np.where(right, middle, low), np.where(right, high, middle)
     return np.concatenate([ends[0], 0.5 * (low + high), ends[1]])
+
+
+def through(t: Array, theta: Array, theta_dot: Array | None = None, theta_ddot: Array | None = None) -> Array:
+    """Return coefficients (degree + 1, k − 1, n) through states (k, n) at t (k,) [s].
+
+    Positions alone give straight lines, rates too give cubics, accelerations too give quintics. Each piece meets the
+    given states at both ends; at its start they are exact to the last bit.
+    """
+    h = np.diff(t)[:, None]
+    a, way = theta[:-1], np.diff(theta, axis=0)
+    if theta_dot is None:
+        return np.stack([way / h, a])
+    u = theta_dot[:-1]
+    if theta_ddot is None:
+        way, faster = way - u * h, np.diff(theta_dot, axis=0)
+        return np.stack([(faster * h - 2.0 * way) / h**3, (3.0 * way - faster * h) / h**2, u, a])
+    half = 0.5 * theta_ddot[:-1]
+    way = way - (u + half * h) * h
+    faster = (np.diff(theta_dot, axis=0) - 2.0 * half * h) * h
+    bent = 0.5 * np.diff(theta_ddot, axis=0) * h**2
+    fifth, fourth = (6.0 * way - 3.0 * faster + bent) / h**5, (-15.0 * way + 7.0 * faster - 2.0 * bent) / h**4
+    return np.stack([fifth, fourth, (10.0 * way - 4.0 * faster + bent) / h**3, half, u, a])

@@ -1,4 +1,4 @@
-"""Splines pulled in: the same waypoints at the same times, inside the position limits between them too."""
+"""Splines pulled in: the same waypoints at the same times, inside the position limits in between."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, frozen
 from .bernstein import bernstein
+from .optional import scipy
 from .piecewise import derivative, evaluate
 
 ROUNDING = 1e-10
@@ -26,13 +27,14 @@ Mask = NDArray[np.bool_]
 
 
 def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: JointLimits) -> tuple[Array, Array]:
-    """Breakpoints and coefficients of a spline (d + 1, k − 1, n) through waypoints (k, n), made to keep inside.
+    """Return breakpoints and coefficients of a spline (d + 1, k − 1, n) through waypoints (k, n), kept inside the
+    limits.
 
-    A spline that stays inside comes back as it is. Where a joint leaves, its velocity at the nearer waypoint, in the
-    middle at both, is lowered to a share μ of it, its derivative of order r to μ^r, and a segment becomes d pieces of
-    equal length with d − 1 continuous derivatives, which the values at its ends determine: all is as smooth as the
-    spline. With μ = 1 at both ends they are the spline again; with μ = 0 they are monotone, the integral of a B-spline
-    of degree d − 1: some μ always keeps inside. The Bernstein coefficients of the pieces are what is kept inside.
+    A spline inside them comes back unchanged. Where a joint leaves, its velocity at the nearer waypoint (in the middle:
+    both) drops to a share μ, and its derivative of order r to μ^r. A segment becomes d pieces of equal length with d −
+    1 continuous derivatives, determined by the values at its ends. So the motion stays as smooth as the spline. μ = 1
+    at both ends gives the spline again. μ = 0 gives monotone pieces, the integral of a B-spline of degree d − 1, so
+    some μ always keeps inside. The Bernstein coefficients of the pieces are kept inside.
 
     Source: de Boor, A Practical Guide to Splines, chapters IX and XI.
     """
@@ -64,13 +66,13 @@ def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: Joint
 
 
 def _outside(values: Array, lower: Array, upper: Array) -> Mask:
-    """Which of the pieces (s, n) have a value (c, s, n) beyond the limits (n,)."""
+    """Tell which pieces (s, n) have a value (c, s, n) beyond the limits (n,)."""
     outside: Mask = (values.min(0) < lower - ROUNDING) | (values.max(0) > upper + ROUNDING)
     return outside
 
 
 def _states(coefficients: Array, durations: Array) -> Array:
-    """Derivatives of order 1 … d − 1 of a spline at its waypoints, (d − 1, k, n)."""
+    """Return derivatives of order 1 … d − 1 of a spline at its waypoints, (d − 1, k, n)."""
     degree = len(coefficients) - 1
     rows = []
     for order in range(1, degree):
@@ -80,7 +82,9 @@ def _states(coefficients: Array, durations: Array) -> Array:
 
 
 def _pieces(states: Array, share: Array, waypoints: Array, durations: Array) -> Array:
-    """Coefficients (d + 1, k − 1, d, n) of segments in d pieces, with shares (k, n) of the states at the waypoints."""
+    """Return coefficients (d + 1, k − 1, d, n) of segments in d pieces, with shares (k, n) of the states at
+    waypoints.
+    """
     orders = np.arange(1, len(states) + 1)[:, None, None]
     eased, T = states * share**orders, durations[:, None] ** orders
     way = np.diff(waypoints, axis=0)[None]
@@ -95,20 +99,13 @@ def _pieces(states: Array, share: Array, waypoints: Array, durations: Array) -> 
 
 @cache
 def _smooth_step(degree: int) -> Array:
-    """(d + 1, d, 2 d): d pieces of length 1/d with d − 1 continuous derivatives, from the derivatives at both ends.
+    """Return (d + 1, d, 2 d): the spline of d pieces of length 1/d with given derivatives at both ends.
 
     Columns are the derivatives of order 0 … d − 1 at 0, then those at 1.
     """
-    d, length = degree, 1.0 / degree
-    rows = np.zeros((2 * d + d * (d - 1), d, d + 1))
-    for order in range(d):
-        powers = np.arange(d, -1, -1)
-        falling = np.array([factorial(p) / factorial(p - order) if p >= order else 0.0 for p in powers])
-        at_end = falling * length ** np.maximum(powers - order, 0.0)
-        at_start = np.where(powers == order, falling, 0.0)
-        rows[order, 0], rows[d + order, -1] = at_start, at_end
-        for joint in range(d - 1):
-            rows[2 * d + order * (d - 1) + joint, joint : joint + 2] = at_end, -at_start
-    given = np.eye(len(rows), 2 * d)
-    solved = np.linalg.solve(rows.reshape(len(rows), -1), given)
-    return frozen(solved.reshape(d, d + 1, 2 * d).swapaxes(0, 1))
+    knots = np.concatenate([np.zeros(degree), np.linspace(0.0, 1.0, degree + 1), np.ones(degree)])
+    unit, starts = np.eye(2 * degree), knots[degree : 2 * degree]
+    ends = [[(order, unit[first + order]) for order in range(1, degree)] for first in (0, degree)]
+    make = scipy("interpolate").make_interp_spline
+    step = make([0.0, 1.0], unit[[0, degree]], k=degree, t=knots, bc_type=tuple(ends))
+    return frozen([step(starts, order) / factorial(order) for order in range(degree, -1, -1)])

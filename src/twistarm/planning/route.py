@@ -1,4 +1,4 @@
-"""Route: the joint paths of a motion's segments, one after the other, without time."""
+"""Route: the joint paths of a motion's segments, without time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .cartesian.refusal import refusal
 from .cartesian.wide_ladder import climb_wide
 from .goals import CURVED, Goals
 from .joint_path import JointPath
-from .segments import Dwell, JointMove, Segment, place
+from .segments import Dwell, JointMove, Move, Segment, place
 from .tolerances import rounding_note
 from .unwrapping import unwrapped
 
@@ -34,12 +34,18 @@ FOLLOWED = 4
 
 @dataclass(frozen=True, eq=False)
 class Leg:
-    """What segment `index` makes: a joint path, or None for a dwell and where the arm is already."""
+    """The joint path of segment `index`. The path is None for a dwell and where the arm does not move."""
 
     index: int
     segment: Segment
     end: Array
     path: JointPath | None
+
+    @property
+    def move(self) -> Move:
+        """The segment, which is a move wherever there is a path."""
+        assert isinstance(self.segment, Move)
+        return self.segment
 
 
 _End = tuple[Array, float, Node | None]
@@ -47,7 +53,7 @@ _End = tuple[Array, float, Node | None]
 
 
 class _BlockedError(Exception):
-    """Curve `index` is blocked; `more`: less of its pose may be followed instead."""
+    """Curve `index` is blocked. `more`: a smaller part of its pose may still be followed."""
 
     def __init__(self, index: int, blocked: Blocked, more: bool) -> None:
         super().__init__(index)
@@ -55,12 +61,12 @@ class _BlockedError(Exception):
 
     @property
     def reached(self) -> float:
-        """Segments done, and the share of the one that is blocked."""
+        """How far the run comes: segments done, plus the share of the blocked one."""
         return self.index + self.blocked.share
 
 
 class Router:
-    """Finds the legs of a motion. `done(k)` is told how many segments have theirs."""
+    """Finds the legs of a motion. It calls `done(k)` when k segments have theirs."""
 
     def __init__(
         self,
@@ -75,7 +81,9 @@ class Router:
         self.goals = Goals(arm, limits)
 
     def legs(self, origin: Array) -> list[Leg]:
-        """The legs from `origin` (n,) on; PathError, LimitError or NotConvergedError where there are none."""
+        """Return the legs from `origin` (n,) on. Raises PathError, LimitError or NotConvergedError where there are
+        none.
+        """
         legs: list[Leg] = []
         theta = origin
         while len(legs) < len(self.segments):
@@ -87,7 +95,9 @@ class Router:
         return legs
 
     def _next(self, i: int, theta: Array) -> list[Leg]:
-        """The leg of segment i, or those of a run: a joint move to a target, and the curves and dwells after it."""
+        """Return the leg of segment i. For a joint move to a target also return those of the curves and dwells after
+        it.
+        """
         segment = self.segments[i]
         after = i + 1
         while after < len(self.segments) and not isinstance(self.segments[after], JointMove):
@@ -114,9 +124,9 @@ class Router:
         return Leg(i, self.segments[i], end, path)
 
     def _run(self, run: range, starts: Array, theta: Array) -> tuple[Array, list[Leg]]:
-        """Where among `starts` (b, n), nearest to theta first, a run of curves and dwells begins, and its legs.
+        """Return which of `starts` (b, n), nearest to theta first, begins a run of curves and dwells, and its legs.
 
-        Of several parts of a pose that a curve may follow each is tried when the one before cannot be.
+        A curve may follow several parts of a pose. Each is tried when the one before fails.
         """
         options = dict.fromkeys(run, 0)
         errors: list[_BlockedError] = []
@@ -130,11 +140,11 @@ class Router:
                     continue
             farthest = max(errors, key=lambda error: error.reached)
             tried = len(starts) > 1 and farthest.index == run[0]
-            words = refusal(self.arm, self.limits, farthest.blocked, others=not tried)
-            raise words.within(farthest.index, self._place(farthest.index))
+            where = farthest.index, self._place(farthest.index)
+            raise refusal(self.arm, self.limits, farthest.blocked, *where, others=not tried)
 
     def _nearest(self, run: range, starts: Array, theta: Array, options: dict[int, int]) -> tuple[Array, list[Leg]]:
-        """The same with the options chosen: from the nearest starts, from all others, by a wide ladder."""
+        """Do the same for chosen options: from the nearest starts, then from all others, then by a wide ladder."""
         farthest: _BlockedError | None = None
         for group, wide in ((starts[:NEAREST], False), (starts[NEAREST:], False), (starts, True)):
             if not len(group) or (wide and farthest and not farthest.blocked.moving.freedom(self.arm.n)):
@@ -150,7 +160,7 @@ class Router:
     def _climbed(
         self, run: range, starts: Array, theta: Array, options: dict[int, int], wide: bool
     ) -> tuple[Array, list[Leg]]:
-        """The same by ladders, one on top of the other: the way of least joint motion that can be followed."""
+        """Do the same by ladders, one on top of the other: the way of least joint motion that can be followed."""
         moved = efforts(theta, starts, self.limits.velocity)
         ends: list[_End] = [(start, float(effort), None) for start, effort in zip(starts, moved, strict=True)]
         more: dict[int, bool] = {}
@@ -165,16 +175,16 @@ class Router:
             if isinstance(nodes, Blocked):
                 raise _BlockedError(k, nodes, more[k])
             ends = [(node.theta, node.cost, node) for node in nodes]
-        ways = (self._followed(run, theta, node, wide, more) for theta, _, node in ends[:FOLLOWED])
         errors = []
-        for found in ways:
+        for end, _, node in ends[:FOLLOWED]:
+            found = self._followed(run, end, node, wide, more)
             if not isinstance(found, _BlockedError):
                 return found
             errors.append(found)
         raise max(errors, key=lambda error: error.reached)
 
     def _roots(self, k: int, ends: list[_End], option: int) -> tuple[list[Node], bool]:
-        """The first nodes of curve k, which begins where what comes before ends, and whether more options follow."""
+        """Return the first nodes of curve k at the `ends` of what comes before, and whether more options follow."""
         segment = self.segments[k]
         assert isinstance(segment, CURVED)
         known: list[MovingTarget] = []
@@ -192,9 +202,9 @@ class Router:
     def _followed(
         self, run: range, end: Array, last: Node | None, even: bool, more: dict[int, bool]
     ) -> tuple[Array, list[Leg]] | _BlockedError:
-        """The start and the legs of a run that ends at theta (n,), its last curve at that node, or where it is blocked.
+        """Return start and legs of a run that ends at theta (n,) and node `last`, or the error where it is blocked.
 
-        A curve that is not among `more` ends where it begins.
+        A curve that is not in `more` does not move.
         """
         curves = [list(nodes) for _, nodes in groupby(way(last), key=lambda node: id(node.moving))]
         start = theta = curves[0][0].theta if curves else end
@@ -212,9 +222,3 @@ class Router:
 
     def _place(self, i: int) -> str:
         return place(i, self.segments[i])
-
-
-def path_effort(path: JointPath, limits: JointLimits) -> float:
-    """The least time along a path at the greatest velocities [s], piece by piece from end to end."""
-    points = path(path.breakpoints)
-    return float((np.abs(np.diff(points, axis=0)) / limits.velocity).max(axis=1).sum())

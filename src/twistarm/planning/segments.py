@@ -44,13 +44,13 @@ class Segment(Brief):
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Move(Segment):
-    """What every move may be told.
+    """The options of every move.
 
-    blend: radius [m] of the ball about the end of this move in which the tool may leave the path and round the corner
-    to the next; 0: it stops there. speed: the greatest share, in (0, 1], of the joints' velocity limits. tool_speed,
-    turn_speed: the greatest speed [m/s] of the tool's origin, and of its rotation [rad/s]. position_tol,
-    orientation_tol: how far off the target [m, rad] the tool still meets it, at the goal and along a curve. label: an
-    action that is due at the end of the move, such as "close gripper", carried into files.
+    blend: radius [m] of the ball about the move's end in which the tool may round the corner to the next; 0 stops
+    there. speed: the greatest share, in (0, 1], of the joints' velocity limits. tool_speed, turn_speed: the greatest
+    speed of the tool's origin [m/s] and of its rotation [rad/s]. position_tol, orientation_tol: tolerances of the
+    target [m, rad], at the goal and along a curve. label: an action that is due at the move's end, such as "close
+    gripper"; files carry it.
     """
 
     blend: float = 0.0
@@ -81,10 +81,10 @@ class Move(Segment):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointMove(Move):
-    """Every joint from where it is to where it is to be, straight in joint space.
+    """A move of every joint to the goal, straight in joint space.
 
-    To a target the arm goes by the configuration nearest to where it is, or, where moves along curves follow, by one
-    from which these can be followed.
+    To a target the arm takes the nearest configuration. Where curves follow, it takes one from which it can follow
+    them.
 
     Raises InputError for a goal, a blend, a speed or a label that cannot be used.
     """
@@ -98,12 +98,12 @@ class JointMove(Move):
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class _CurveMove(Move):
-    """A move along a curve, to a goal or as far as it says itself; `constrain`: what of the pose is kept then."""
+    """A move along a curve, to a goal or as far as it gives. `constrain` is the part of the pose to keep then."""
 
     constrain: Constrained | None = None
 
     def _check_way(self, name: str, size: int, way: str) -> None:
-        """Check the goal, or else the attribute of that name (size,) which stands in its place."""
+        """Check the goal, or the attribute of that name (size,) that replaces it."""
         goal, given = getattr(self, "to", None), getattr(self, name)
         if (goal is None) == (given is None):
             raise InputError(f"a {type(self).__name__} needs a goal, or {way}")
@@ -119,10 +119,10 @@ class _CurveMove(Move):
 class LineMove(_CurveMove):
     """The tool's origin along a straight line, its rotation about one fixed axis (slerp), both in proportion.
 
-    What the target leaves free is left free on the way: to a `Position` the rotation, to an `Approach` the turn about
-    the tool axis, whose direction swings in one plane; a `Task` keeps its tolerances. To a configuration the tool goes
-    to the pose it has there, or, on an arm of fewer than six joints, to as much of it as it can follow: all but the
-    turn about the tool axis, or the position.
+    What the target leaves free stays free on the way: to a `Position` the rotation, to an `Approach` the turn about the
+    tool axis, whose direction swings in one plane. A `Task` keeps its tolerances. To a configuration the tool goes to
+    its pose there. An arm of fewer than six joints keeps what it can follow: all but the turn about the tool axis, or
+    the position.
 
     Raises InputError for a goal, a blend, a speed or a label that cannot be used.
     """
@@ -138,16 +138,13 @@ class LineMove(_CurveMove):
 
     @classmethod
     def by(cls, offset: Row, *, frame: str = "tool", constrain: Constrained | None = None, **options: Any) -> LineMove:
-        """A line of that length and direction (3,) [m], along the tool's axes where it begins or the base's.
-
-        The rotation is kept: all of it ("pose"), but for turning about the tool axis ("approach"), or not at all
-        ("position").
+        """Make a line of that length and direction (3,) [m], along the axes of the tool at its start, or of the base.
 
         Args:
             offset: From the start to the end (3,) [m].
             frame: Whose axes: "tool" or "base".
-            constrain: What of the pose is kept: "pose", "approach" (all but turning about the tool axis) or "position";
-                None: the pose, and by arms of fewer than six joints the first of the three that they can.
+            constrain: The part of the pose to keep: "pose", "approach" (all but turning about the tool axis) or
+                "position". None: the pose, or the first of the three that an arm of fewer than six joints can keep.
             **options: Those of every `Move`: blend, speed and so on.
         """
         return cls(None, offset=_one(offset, "offset"), frame=frame, constrain=constrain, **options)
@@ -157,7 +154,7 @@ class LineMove(_CurveMove):
 class ScrewMove(_CurveMove):
     """The tool along one screw, g(s) = exp(s ξ̂) g0, s from 0 to 1 (MLS §2.3.3, Chasles' theorem).
 
-    To a goal, ξ = log(g1 g0⁻¹), the one screw of at most half a turn that leads there.
+    To a goal, ξ = log(g1 g0⁻¹): the screw of at most half a turn that leads there.
 
     Raises InputError for a goal, a blend, a speed or a label that cannot be used.
     """
@@ -180,9 +177,10 @@ class ScrewMove(_CurveMove):
         constrain: Constrained | None = None,
         **options: Any,
     ) -> ScrewMove:
-        """A turn about an axis in the base frame, advancing by `pitch` per radian: ξ = (−ω × q + h ω, ω) · angle.
+        """Make a turn about an axis in the base frame that advances by `pitch` per radian: ξ = (−ω × q + h ω, ω) ·
+        angle.
 
-        MLS §2.3.3: ω the unit axis, q a point on it, h the pitch [m/rad]. Any angle goes, several turns too.
+        MLS §2.3.3: ω is the unit axis, q a point on it, h the pitch [m/rad]. The angle may be several turns.
 
         Args:
             axis: Direction of the axis (3,), of any length but 0.
@@ -199,11 +197,11 @@ class ScrewMove(_CurveMove):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ArcMove(_CurveMove):
-    """The tool's origin along the circular arc from where it is through `via` to the goal, rotation by slerp.
+    """The tool's origin along the circular arc from its start through `via` to the goal, rotation by slerp.
 
-    `via` (3,) [m] in base axes, or a target of which the position counts. The three points must not lie on a line, nor
-    two of them be one, within 20 µm and 1e-5 rad: nothing but rounding would choose the plane. To a goal that leaves
-    rotation free, it is left free on the way, as by `LineMove`.
+    `via` is (3,) [m] in base axes, or a target with a position. The three points must differ and not lie on a line,
+    within 20 µm and 1e-5 rad; otherwise rounding would choose the plane. What the goal leaves free stays free, as in
+    `LineMove`.
 
     Raises InputError for a goal, a blend, a speed or a label that cannot be used.
     """
@@ -233,7 +231,7 @@ class ArcMove(_CurveMove):
         constrain: Constrained | None = None,
         **options: Any,
     ) -> ArcMove:
-        """An arc about an axis through `centre` in the base frame.
+        """Make an arc about an axis through `centre` in the base frame.
 
         Args:
             axis: Direction of the axis (3,), of any length but 0.
@@ -250,7 +248,7 @@ class ArcMove(_CurveMove):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Dwell(Segment):
-    """A stay [s] where the arm is; its label, such as "close gripper", is due when it begins.
+    """A stay [s] of the arm. Its label, such as "close gripper", is due when it begins.
 
     Raises InputError for a negative time or a label that cannot be used.
     """
@@ -267,12 +265,12 @@ SEGMENTS = (JointMove, LineMove, ScrewMove, ArcMove, Dwell)
 
 
 def place(i: int, segment: Segment) -> str:
-    """`segment 2 (LineMove)`: the segment at index 1, as people count."""
+    """Name a segment in words: `segment 2 (LineMove)` is at index 1."""
     return f"segment {i + 1} ({type(segment).__name__})"
 
 
 def as_goal(value: Any) -> Goal:
-    """A goal: names, mappings and targets as they are, numbers as an array; (4, 4) is a `Pose`."""
+    """Return a goal: names, mappings and targets unchanged, numbers as an array, (4, 4) as a `Pose`."""
     if isinstance(value, (str, Mapping, *KINDS)):
         return value
     if value is None:
@@ -282,7 +280,7 @@ def as_goal(value: Any) -> Goal:
 
 
 def as_label(value: Any) -> str:
-    """A label: one line of text."""
+    """Check a label: one line of text."""
     if not isinstance(value, str) or len(value) > LABEL_LENGTH or not (value.isprintable() or not value):
         raise InputError(f"label must be one line of text of at most {LABEL_LENGTH} characters; got {shown(value)}")
     return value
@@ -303,7 +301,7 @@ def _shape(value: Array, name: str, size: int) -> Array:
 
 
 def _point(value: Any) -> Array:
-    """The position of a target, or the point itself."""
+    """Return the position of a target, or the point itself."""
     if isinstance(value, KINDS):
         return np.array(value.g[:3, 3] if hasattr(value, "g") else value.p)
     numbers = as_floats(value, "via")

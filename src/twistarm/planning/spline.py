@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..support.checks import Array
-from .hermite import through
 from .optional import scipy
+from .piecewise import through
 
 
 def cubic(waypoints: Array, times: Array) -> Array:

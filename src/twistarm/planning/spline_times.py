@@ -14,9 +14,8 @@ import numpy as np
 from ..arm import engine
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, frozen
-from .hermite import through
 from .optional import scipy
-from .piecewise import derivative, evaluate
+from .piecewise import derivative, evaluate, through
 
 LOOKS = 17
 """Places in each segment at which rates are looked at."""

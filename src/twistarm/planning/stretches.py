@@ -1,9 +1,8 @@
-"""Stretches: what lies between two stops of a motion, as one joint path with rounded corners."""
+"""Stretches: the joint path from one stop of a motion to the next, with rounded corners."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,122 +10,167 @@ from ..arm.arm import Arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import InputError
-from .cartesian.tool_speed import greatest_tool_speeds
-from .corners import joined, part, rounded
+from .cartesian.nodes import efforts
+from .cartesian.tool_derivatives import greatest_tool_speeds
 from .joint_path import JointPath
-from .piecewise import derivative, extremes
-from .route import Leg, path_effort
+from .piecewise import derivative, extremes, shifted, side_by_side, through
+from .route import Leg
 from .segments import Move, place
+from .within import POSITION_TOL, overshoot
 
 BEND_PIECES = 8
-"""Of a rounded corner: each has its own greatest speed."""
+"""Pieces of a rounded corner. Each has a speed limit."""
 
 STRAIGHT_PIECES = 32
-"""A straight joint path is cut into so many where the tool's speed is limited."""
+"""Pieces of a straight joint path where the tool's speed is limited."""
 
+SAMPLES = 256
+"""Samples of the tool along a path, to find where it leaves the ball. Bisection refines the crossing."""
 
-@dataclass(frozen=True, eq=False)
-class Stretch:
-    """What lies between two stops: legs `first` to `last`, their paths and roundings one after the other.
+BISECTIONS = 40
 
-    `ends` (last − first + 1,): where on the path each leg ends, a rounded one in the middle of its rounding. `ceiling`
-    (m,) is the greatest ṡ on each piece, None where there is none.
-    """
+ROUNDING = 1e-12
+"""A piece shorter than this part of its path is rounding."""
 
-    first: int
-    last: int
-    path: JointPath
-    ends: Array
-    ceiling: Array | None
+SHRINKS, SMALLER = 20, 0.8
+"""How often, and by what factor, a corner shrinks that leaves the ball or the position limits."""
 
 
 def runs(legs: list[Leg]) -> Iterator[list[Leg]]:
-    """The legs from one stop that was asked for to the next, in order; about one that goes nowhere the arm stops."""
+    """Yield the legs between requested stops, in order. The arm also stops before and after a leg without a path."""
     i = 0
     while i < len(legs):
         run = [legs[i]]
-        while isinstance(run[-1].segment, Move) and run[-1].segment.blend and run[-1].path is not None:
-            if legs[i + len(run)].path is None:
-                break
+        while run[-1].path is not None and run[-1].move.blend and legs[i + len(run)].path is not None:
             run.append(legs[i + len(run)])
         yield run
         i += len(run)
 
 
-def stretch_along(arm: Arm, run: list[Leg], limits: JointLimits) -> Stretch:
-    """The stretch along legs with the corners between them rounded; InputError where a blend does not fit."""
-    first, last = run[0].index, run[-1].index
-    if run[0].path is None and len(run) == 1:
-        return Stretch(first, last, JointPath(np.zeros(2), run[0].end[None, None]), np.zeros(1), None)
+def path_along(arm: Arm, run: list[Leg], limits: JointLimits) -> tuple[JointPath, Array, Array | None]:
+    """Return one path along legs that move, the end of each leg on it, and the greatest ṡ on each piece (m,).
+
+    A leg that is rounded ends in the middle of its rounding. The greatest ṡ is None where nothing limits it. Raises
+    InputError where a blend does not fit.
+    """
     paths = [_of_unit_speed(leg, limits) for leg in run]
-    begins, parts, ends, caps = 0.0, [], [], []
-    at = 0.0
-    for k, (leg, path) in enumerate(zip(run, paths, strict=True)):
-        segment = leg.segment
-        assert isinstance(segment, Move)
-        bend = None
-        finishes = path.length
-        if k + 1 < len(run):
-            bend = rounded(arm, path, paths[k + 1], segment.blend, limits)
-            if bend is None or bend[0] <= begins:
-                raise InputError(_too_large(arm, leg, path, paths[k + 1], begins))
-            finishes = bend[0]
-        own = part(path, begins, finishes)
-        parts.append(own)
-        caps.append(_caps(arm, own, segment, limits))
-        at += own.length
-        if bend is not None:
-            following = run[k + 1].segment
-            assert isinstance(following, Move)
-            bend = bend[0], bend[1].in_pieces(bend[1].length / BEND_PIECES)[0], bend[2]
-            parts.append(bend[1])
-            caps.append(np.minimum(_caps(arm, bend[1], segment, limits), _caps(arm, bend[1], following, limits)))
-            ends.append(at + 0.5 * bend[1].length)
-            at += bend[1].length
-            begins = bend[2]
+    at, begins, parts, ends, caps = 0.0, 0.0, list[JointPath](), list[float](), list[Array]()
+    for leg, path, following, on in zip(run, paths, [*run[1:], None], [*paths[1:], None], strict=True):
+        corner, finishes = None, path.length
+        if following is not None and on is not None:
+            corner = _rounded(arm, path, on, leg.move.blend, limits)
+            if corner is None or corner[0] <= begins:
+                raise InputError(_too_large(arm, leg, path, on, begins))
+            finishes = corner[0]
+        parts.append(_part(path, begins, finishes))
+        caps.append(_caps(arm, parts[-1], leg.move, limits))
+        at += parts[-1].length
+        if corner is not None and following is not None:
+            bend, begins = corner[1].in_pieces(corner[1].length / BEND_PIECES)[0], corner[2]
+            parts.append(bend)
+            caps.append(np.minimum(_caps(arm, bend, leg.move, limits), _caps(arm, bend, following.move, limits)))
+            ends.append(at + 0.5 * bend.length)
+            at += bend.length
     ends.append(at)
-    cap = np.concatenate(caps)
-    return Stretch(first, last, joined(parts), np.array(ends), cap if np.isfinite(cap).any() else None)
+    steps, cap = np.concatenate([np.diff(each.breakpoints) for each in parts]), np.concatenate(caps)
+    breakpoints = np.concatenate([[0.0], np.cumsum(steps)])
+    whole = JointPath(breakpoints, side_by_side([each.coefficients for each in parts]))
+    return whole, np.array(ends), cap if np.isfinite(cap).any() else None
 
 
 def _too_large(arm: Arm, leg: Leg, path: JointPath, following: JointPath, begins: float) -> str:
-    """The words for a corner that finds no room on the paths beside it."""
-    segment = leg.segment
-    assert isinstance(segment, Move)
     corner = arm.fk(path.end)[:3, 3]
     room = min(float(np.linalg.norm(arm.fk(each)[:3, 3] - corner)) for each in (path(begins), following.end))
     return (
-        f"the blend of {place(leg.index, segment)}, {segment.blend:g} m, does not fit between its "
+        f"the blend of {place(leg.index, leg.segment)}, {leg.move.blend:g} m, does not fit between its "
         f"neighbours: the tool is at most {room:.3g} m from that corner on the paths beside it: make it smaller, or 0 "
         "to stop there"
     )
 
 
 def _of_unit_speed(leg: Leg, limits: JointLimits) -> JointPath:
-    """The leg's path with a parameter that counts the least time at the greatest velocities, so that corners round
-    evenly; a straight one is cut into pieces where the tool's speed is limited.
+    """Return the leg's path by a parameter that counts the least time at full velocity, so that corners round evenly.
+
+    A straight path is cut into pieces where the tool's speed is limited.
     """
-    path, segment = leg.path, leg.segment
-    if path is None:
-        raise InputError(f"{place(leg.index, segment)} does not move: there is no corner to blend")
-    assert isinstance(segment, Move)
-    length = path_effort(path, limits) / path.length
+    path = leg.path
+    assert path is not None
+    points = path(path.breakpoints)
+    length = float(efforts(points[:-1], points[1:], limits.velocity).sum()) / path.length
     powers = np.arange(len(path.coefficients) - 1, -1, -1.0)
     scaled = JointPath(path.breakpoints * length, path.coefficients / length ** powers[:, None, None])
-    if len(path.breakpoints) > 2 or (segment.tool_speed is None and segment.turn_speed is None):
+    if len(path.breakpoints) > 2 or (leg.move.tool_speed is None and leg.move.turn_speed is None):
         return scaled
     return scaled.in_pieces(scaled.length / STRAIGHT_PIECES)[0]
 
 
-def _caps(arm: Arm, path: JointPath, segment: Move, limits: JointLimits) -> Array:
-    """The greatest ṡ on each piece (m,) by the segment's share of joint velocities and its speeds of the tool."""
+def _caps(arm: Arm, path: JointPath, move: Move, limits: JointLimits) -> Array:
+    """Return the greatest ṡ on each piece (m,) by the move's share of joint velocities and its speeds of the tool."""
     cap = np.full(len(path.breakpoints) - 1, np.inf)
     with np.errstate(divide="ignore"):
-        if segment.speed < 1.0:
+        if move.speed < 1.0:
             _, rates = extremes(derivative(path.coefficients), np.diff(path.breakpoints))
-            cap = segment.speed / (np.abs(rates) / limits.velocity).max(axis=(0, 2))
-        if segment.tool_speed is not None or segment.turn_speed is not None:
-            most = [np.inf if speed is None else speed for speed in (segment.tool_speed, segment.turn_speed)]
+            cap = move.speed / (np.abs(rates) / limits.velocity).max(axis=(0, 2))
+        if move.tool_speed is not None or move.turn_speed is not None:
+            most = [np.inf if speed is None else speed for speed in (move.tool_speed, move.turn_speed)]
             for speed, greatest in zip(most, greatest_tool_speeds(arm, path, limits, *most), strict=True):
                 cap = np.minimum(cap, speed / greatest)
     return cap
+
+
+def _rounded(
+    arm: Arm, before: JointPath, after: JointPath, radius: float, limits: JointLimits
+) -> tuple[float, JointPath, float] | None:
+    """Return where to leave `before`, the rounding, and where to join `after`. None: the tool does not leave the ball.
+
+    The rounding is the quintic with position, first and second derivative of both paths at its ends (Lynch & Park
+    §9.2.2.1), so the whole is C². It shrinks until it stays inside the ball and the position limits.
+    """
+    centre = arm.fk(before.end)[:3, 3]
+    for shrink in range(SHRINKS):
+        begins = _leaves_ball(arm, before, radius * SMALLER**shrink, at_end=True)
+        ends = _leaves_ball(arm, after, radius * SMALLER**shrink, at_end=False)
+        if begins is None or ends is None:
+            return None
+        t = np.array([0.0, before.length - begins + ends])
+        states = (np.stack([before(begins, order), after(ends, order)]) for order in range(3))
+        bend = JointPath(t, through(t, *states))
+        inside = overshoot(bend.coefficients, np.diff(bend.breakpoints), limits) <= POSITION_TOL
+        if inside and _distance(arm, bend, np.linspace(0.0, bend.length, SAMPLES), centre).max() <= radius:
+            return begins, bend, ends
+    return None
+
+
+def _leaves_ball(arm: Arm, path: JointPath, radius: float, *, at_end: bool) -> float | None:
+    """Return where the tool first leaves the ball about one end of `path`, seen from that end. None: nowhere."""
+    centre = arm.fk(path.end if at_end else path.start)[:3, 3]
+    s = np.linspace(0.0, path.length, SAMPLES)
+    if at_end:
+        s = s[::-1]
+    outside = _distance(arm, path, s, centre) > radius
+    if not outside.any():
+        return None
+    first = int(outside.argmax())
+    inner, outer = float(s[first - 1]), float(s[first])
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (inner + outer)
+        if _distance(arm, path, np.array([middle]), centre)[0] > radius:
+            outer = middle
+        else:
+            inner = middle
+    return inner
+
+
+def _distance(arm: Arm, path: JointPath, s: Array, centre: Array) -> Array:
+    distance: Array = np.linalg.norm(arm.fk(path(s))[..., :3, 3] - centre, axis=-1)
+    return distance
+
+
+def _part(path: JointPath, begins: float, ends: float) -> JointPath:
+    """Return the path between two values of its parameter, as a path that begins at 0."""
+    rounding = ROUNDING * path.length
+    inner = path.breakpoints[(path.breakpoints > begins + rounding) & (path.breakpoints < ends - rounding)]
+    breakpoints = np.concatenate([[begins], inner, [ends]])
+    piece = path.piece_at(0.5 * (breakpoints[1:] + breakpoints[:-1]))
+    moved = shifted(path.coefficients[:, piece], breakpoints[:-1] - path.breakpoints[piece])
+    return JointPath(breakpoints - begins, moved)

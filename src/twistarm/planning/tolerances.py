@@ -1,4 +1,4 @@
-"""Tolerances: how far off a target still counts as met, decided here for every motion."""
+"""Tolerances: how far off a target still counts as met, for every motion."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ROUNDED = (
 
 
 def decided(arm: Arm, position_tol: float | None, orientation_tol: float | None) -> Tolerances:
-    """The tolerances that count for a motion of this arm: those given, the usual ones for None."""
+    """Return the tolerances of a motion of this arm: those given, the usual ones for None."""
     return Tolerances(
         USUAL.position if position_tol is None else as_tolerance(position_tol, "position_tol [m]"),
         USUAL.orientation if orientation_tol is None else as_tolerance(orientation_tol, "orientation_tol [rad]"),
@@ -34,7 +34,7 @@ def decided(arm: Arm, position_tol: float | None, orientation_tol: float | None)
 
 
 def but_for_rounding(arm: Arm, segments: list[Segment]) -> list[Segment]:
-    """The segments, their moves with what rounded axes may miss a target by; [] where that is no wider."""
+    """Widen the segments' tolerances by what rounded axes may miss; [] where that changes nothing."""
     if not any(arm.rounding):
         return []
     wider: list[Segment] = []
@@ -48,7 +48,7 @@ def but_for_rounding(arm: Arm, segments: list[Segment]) -> list[Segment]:
 
 
 def rounding_note(arm: Arm, target: Any, theta: Array, where: str, met: Tolerances) -> list[str]:
-    """The note on a goal that theta (n,) meets but for the rounding of the arm's axes; none where it is no target."""
+    """Return the note on a target that theta (n,) meets only within the rounding of the arm's axes."""
     if not isinstance(target, KINDS) or not any(arm.rounding):
         return []
     asked, g = target_for(arm, target), arm.fk(theta)
@@ -57,6 +57,6 @@ def rounding_note(arm: Arm, target: Any, theta: Array, where: str, met: Toleranc
 
 
 def leeway(tolerances: Tolerances) -> Tolerances | None:
-    """The tolerances where they are wider than the usual ones; else None, and configurations are sought exactly."""
+    """Return the tolerances if they are wider than usual. None: configurations are sought exactly."""
     wide = tolerances.position > USUAL.position or tolerances.orientation > USUAL.orientation
     return tolerances if wide else None

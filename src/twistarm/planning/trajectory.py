@@ -48,15 +48,15 @@ class Samples(NamedTuple):
 @made_by("plan, plan_joint or load_trajectory")
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
-    """theta(t) of n joints, a polynomial on each of s pieces; at rest before, at the start, at the end and after.
+    """theta(t) of n joints, a polynomial on each of s pieces. The motion begins and ends at rest.
 
-    `breakpoints` (s + 1,) [s] starts at 0 and increases; `coefficients` (degree + 1, s, n), highest power of
-    t − breakpoints[i] first, as in SciPy's `PPoly(coefficients, breakpoints)`. `waypoints` (k, n) are what it
-    was planned through and `times` (k,) [s] when it passes them: equal for waypoints that were merged into one.
-    A motion from a point to itself has duration 0 and one piece of no length. `actuators` are the motors of the arm
-    that it was planned for, if it has any: files say them too. `labels` are what else happens on the way, such as
-    (1.5, "close gripper"): pairs of time [s] and a line of text, in the order of time; every file carries them. `notes`
-    are what whoever asked for the motion should know, such as limits that were assumed; no file carries them.
+    `breakpoints` (s + 1,) [s] starts at 0 and increases. `coefficients` (degree + 1, s, n) hold the highest power of t
+    − breakpoints[i] first, as in SciPy's `PPoly(coefficients, breakpoints)`. `waypoints` (k, n) are the planned
+    waypoints, `times` (k,) [s] when the motion passes them; merged waypoints have equal times. A motion from a point to
+    itself has duration 0 and one piece of no length. `actuators` are the motors of the arm, or None; files hold their
+    values too. `labels` are actions on the way, such as (1.5, "close gripper"): pairs of time [s] and a line of text,
+    in the order of time. Every file carries them. `notes` tell you what was assumed, such as limits. No file carries
+    them.
     """
 
     joint_names: tuple[str, ...]
@@ -98,11 +98,11 @@ class Trajectory:
         return float(self.breakpoints[-1])
 
     def __call__(self, t: ArrayLike, order: int = 0) -> Array:
-        """The derivative of that order (0 … 3) at t (...) [s], (..., n): rad or m, and per s, s², s³.
+        """Return the derivative of that order (0 … 3) at t (...) [s], (..., n): rad or m, and per s, s², s³.
 
-        Outside [0, duration] the ends are held: their position, and zero derivatives. At both ends the velocity
-        is exactly zero and the others are the limits from inside; at a breakpoint, where one may jump, the limit
-        from above.
+        Outside [0, duration] the position of the nearer end holds and derivatives are zero. At both ends the velocity
+        is exactly zero and other derivatives are the limits from inside. At a breakpoint, where a derivative may jump,
+        it is the limit from above.
         """
         _check_order(order)
         times = as_floats(t, "t")
@@ -113,14 +113,14 @@ class Trajectory:
         return self._held(values, at, order).reshape(*times.shape, self.n)
 
     def peak(self, order: int) -> Array:
-        """The largest magnitude of the derivative of that order (0 … 3) over the whole motion, (n,), exactly."""
+        """Return the largest magnitude of that derivative (0 … 3) over the whole motion, (n,), exactly."""
         _check_order(order)
         _, values = extremes(derivative(self.coefficients, order), np.diff(self.breakpoints))
         peak: Array = np.abs(values).max(axis=(0, 1))
         return peak
 
     def sample(self, dt: float) -> Samples:
-        """Position, velocity and acceleration every `dt` [s] from 0 on, and at `duration` exactly.
+        """Return position, velocity and acceleration every `dt` [s] from 0 on, and at `duration` exactly.
 
         The last step may be shorter. A trajectory of duration 0 gives one sample.
         """
@@ -135,9 +135,9 @@ class Trajectory:
         return Samples(t, self(t), self(t, 1), self(t, 2))
 
     def of_motors(self, actuators: Actuators | None = None) -> Trajectory:
-        """The same motion as its motors make it: motor = G theta + o of k motors [rad, or m where a drive pushes].
+        """Return the same motion of its k motors, motor = G theta + o [rad, or m where a drive pushes].
 
-        Of `actuators`, else of those of the arm. Raises InputError where there are none, or they drive other joints.
+        `actuators` default to those of the arm. Raises InputError where there are none, or they drive other joints.
         """
         motors = require_motors(motors_of(self, actuators))
         if motors.joint_names != self.joint_names:
@@ -160,37 +160,35 @@ class Trajectory:
         actuators: Actuators | None = None,
         counts: bool = False,
     ) -> Path:
-        """Write a row every `dt` [s] and one at the end: time, then position, velocity, acceleration of each joint.
+        """Write CSV: a row every `dt` [s] and one at the end.
 
-        The header names column and unit, `slide.position [m]`. Then, where there are motors (`actuators`, else those of
-        the arm), of each `left.motor_position [rad]` and `left.motor_velocity [rad/s]`, on its side of the gears, and
-        what its drive counts, `left.counts [tick]` and `left.counts_rate [tick/s]`, not rounded. The last column is
-        `label`, where there are labels: each stands in a row at its time. Numbers are written so that reading gives
-        the same floats. The file is written whole or not at all; `load_trajectory` reads it.
+        A row has the time, then position, velocity and acceleration of each joint. The header names column and unit,
+        `slide.position [m]`. Each motor adds `left.motor_position [rad]` and `left.motor_velocity [rad/s]` on its side
+        of the gears, `left.counts [tick]` and `left.counts_rate [tick/s]`, not rounded. Labels stand in a last column
+        `label`, each in a row at its time. Numbers read back as the same floats. The file is written whole or not at
+        all. `load_trajectory` reads it.
 
         Args:
             path: The file to write.
             dt: Time between rows [s].
             actuators: The motors; by default those of the arm.
-            counts: Whether time, what the drives count and labels are all: a file for firmware that knows no joints.
+            counts: Whether to write only time, counts and labels, for firmware that knows no joints.
 
         Returns:
             The path written.
 
         Raises:
-            InputError: The file cannot be written, dt is not positive, the actuators are of other joints, or there are
-                none to count.
+            InputError: The file cannot be written, dt is not positive, or the actuators are missing or of other joints.
         """
         return write_whole(path, csv_text(self, dt, actuators, counts=counts))
 
     def to_json(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
-        """Write a `trajectory_msgs/JointTrajectory`: joint_names, and a point every `dt` [s] and one at the end.
+        """Write a `trajectory_msgs/JointTrajectory` as JSON: a point every `dt` [s] and one at the end.
 
         Each point has positions, velocities, accelerations (rad or m, and per s, s²) and time_from_start as `sec` and
-        `nanosec`, strictly increasing from 0; the last velocity is zero. Where there are motors (as in `to_csv`),
-        `motors` stands beside: names, units, count_units, and as many points of positions, velocities, counts and
-        counts_rates. So do `labels`, where there are any, each with `time` [s] and `text`. The file is written whole or
-        not at all.
+        `nanosec`, strictly increasing from 0. The last velocity is zero. Two fields are extra: `motors`, with names,
+        units, count_units and points of positions, velocities, counts and counts_rates, and `labels`, each with `time`
+        [s] and `text`. The file is written whole or not at all.
 
         Args:
             path: The file to write.
@@ -206,9 +204,9 @@ class Trajectory:
         return write_whole(path, json_text(self, dt, actuators))
 
     def to_yaml(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
-        """Write the same as YAML, as `ros2 topic pub` takes it. YAML that twistarm has not written is never replaced.
+        """Write the message of `to_json` as YAML, for `ros2 topic pub`. Only YAML that twistarm wrote is replaced.
 
-        ROS's tools refuse what stands beside a message's own fields: motors and labels.
+        ROS's tools refuse the extra fields: motors and labels.
 
         Args:
             path: The file to write.
@@ -226,22 +224,22 @@ class Trajectory:
     def to_header(
         self, path: str | os.PathLike[str], *, actuators: Actuators | None = None, counts: bool = False
     ) -> Path:
-        """Write a C99 and C++17 header: the polynomials as a table, and the functions that evaluate them.
+        """Write a C99 and C++17 header: the polynomials as a table, and functions that evaluate them.
 
-        No samples: `motion_theta(t, theta)`, `motion_velocity` and `motion_acceleration` of a motion.h give what this
-        trajectory does at any t, in float or double. Names begin with the file's. Labels are a table of their own.
+        From motion.h, `motion_theta(t, theta)`, `motion_velocity` and `motion_acceleration` give the values of this
+        trajectory at any t, in float or double. Names begin with the file's. Labels are a table too.
 
         Args:
             path: The file to write, named .h, .hpp, .hh or .hxx at its end.
             actuators: The motors; by default those of the arm.
-            counts: Whether it gives what the motors' drives count, in place of the joints.
+            counts: Whether the header gives counts of the motors' drives instead of joint values.
 
         Returns:
             The path written.
 
         Raises:
-            InputError: The file cannot be written or is not named like a header, the actuators are of other joints, or
-                there are none to count.
+            InputError: The file cannot be written or has another ending, or the actuators are missing or of other
+                joints.
         """
         target = writable(path)
         if target.suffix not in SUFFIXES:

@@ -1,4 +1,4 @@
-"""Unwrapping: configurations moved by whole turns of joints, so that no joint turns farther than it must."""
+"""Unwrapping: configurations moved by whole turns of joints, so that joints take the shorter way."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ FAR = np.pi * (1.0 + 1e-9)
 
 
 def unwrapped(arm: Arm, theta: Array, near: Array, where: str, asked: bool) -> tuple[Array, list[str]]:
-    """theta (n,) by whole turns as near to `near` (n,) as the limits allow, if that is `asked`; and what is said of it.
+    """Return theta (n,) moved by whole turns to the nearest to `near` (n,) within the limits, if `asked`, and notes.
 
-    Only joints turn of which a whole turn moves nothing and whose limits leave room for one.
+    It moves only joints that come back to the same place after a whole turn.
     """
     nearest = joint_ranges(arm).wrapped(theta, near)
     shorter = np.abs(nearest - near) < np.minimum(np.abs(theta - near), FAR)

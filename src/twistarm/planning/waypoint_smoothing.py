@@ -1,4 +1,4 @@
-"""Smoothing: recorded waypoints moved within a tolerance, so that rounding and noise do not slow a motion down."""
+"""Smoothing: recorded waypoints moved within a tolerance, so that noise does not slow a motion down."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ PINNED = 1e12
 
 
 def smoothed(points: Array, tolerance: Array) -> Array:
-    """Waypoints (k, n) as smooth as can be within `tolerance` (k, n) of the given ones, the first and the last kept.
+    """Return the smoothest waypoints (k, n) within `tolerance` (k, n) of the given ones. The first and the last stay.
 
-    Each joint's z makes Σ (Δ³z_i)² least under |z_i − y_i| ≤ tolerance: a quadratic program, solved by a logarithmic
+    Each joint's z minimizes Σ (Δ³z_i)² under |z_i − y_i| ≤ tolerance. This quadratic program is solved by a logarithmic
     barrier and Newton's method (Boyd & Vandenberghe 2004, §11.3) on banded systems. Fewer than five waypoints stay.
     """
     if len(points) <= ORDER + 1:
@@ -37,7 +37,7 @@ def smoothed(points: Array, tolerance: Array) -> Array:
 
 
 def _column(y: Array, tolerance: Array) -> Array:
-    """One joint's values (k,): u = (z − y) / tolerance makes weight/2 Σ (Δ³z)² − Σ log(1 − u²) least."""
+    """Return one joint's values (k,): u = (z − y) / tolerance minimizes weight/2 Σ (Δ³z)² − Σ log(1 − u²)."""
     solve = scipy("linalg").solveh_banded
     rough = float((np.diff(y, ORDER) ** 2).sum())
     if rough == 0.0:
@@ -64,7 +64,7 @@ def _column(y: Array, tolerance: Array) -> Array:
 
 
 def _bands(scale: Array) -> Array:
-    """The upper bands (4, k) of the matrix of Σ (Δ³z_i)² in z / scale (k,)."""
+    """Return the upper bands (4, k) of the matrix of Σ (Δ³z_i)² in z / scale (k,)."""
     k = len(scale)
     row = [(-1.0) ** (ORDER - i) * comb(ORDER, i) for i in range(ORDER + 1)]
     bands = np.zeros((ORDER + 1, k))
@@ -77,5 +77,5 @@ def _bands(scale: Array) -> Array:
 
 
 def _turned_back(differences: Array) -> Array:
-    """The transpose of Δ³ times (k − 3,)."""
+    """Return the transpose of Δ³ times (k − 3,)."""
     return (-1.0) ** ORDER * np.diff(np.pad(differences, ORDER), ORDER)

@@ -1,4 +1,4 @@
-"""Joint limits along a motion, checked at its exact extremes, and the error that says where one is broken."""
+"""Joint limits along a motion, checked at its exact extremes, and the error that tells where one is broken."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ RATES = ("velocity", "acceleration", "jerk")
 
 
 def stretch_needed(coefficients: Array, durations: Array, limits: JointLimits) -> Array:
-    """By what factor each segment's rates would have to be slowed, (s,): 1 where one just meets its limit.
+    """Return the factor by which each segment must be slowed, (s,); 1 where one rate just meets its limit.
 
     A motion `f` times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """
@@ -38,7 +38,7 @@ def stretch_needed(coefficients: Array, durations: Array, limits: JointLimits) -
 
 
 def slowed_by(coefficients: Array, durations: Array, limits: JointLimits) -> float:
-    """The largest `stretch_needed` of all segments, to 1e-10, of which only those near it are looked at closely."""
+    """Return the largest `stretch_needed` of all segments, to 1e-10, looking closely at few of them."""
     used = (
         largest(derivative(coefficients, order) / limit, durations) ** (1.0 / order)
         for order, limit in _limited(limits)
@@ -47,7 +47,7 @@ def slowed_by(coefficients: Array, durations: Array, limits: JointLimits) -> flo
 
 
 def stretch_sampled(coefficients: Array, durations: Array, limits: JointLimits) -> Array:
-    """`stretch_needed` of samples, (s,): at most a hundredth less, and much cheaper, for searches."""
+    """Return `stretch_needed` of samples, (s,): at most a hundredth less and much cheaper, for searches."""
     degree = len(coefficients) - 1
     unit = coefficients * (durations ** np.arange(degree, -1, -1.0)[:, None])[:, :, None]
     worst = np.zeros(len(durations))
@@ -58,7 +58,7 @@ def stretch_sampled(coefficients: Array, durations: Array, limits: JointLimits) 
 
 
 def _limited(limits: JointLimits) -> Iterator[tuple[int, Array]]:
-    """Order and limit (n,) of each rate of which any joint has a limit."""
+    """Yield order and limit (n,) of each rate that any joint limits."""
     for order, rate in enumerate(RATES, 1):
         limit: Array = getattr(limits, rate)
         if np.isfinite(limit).any():
@@ -67,14 +67,14 @@ def _limited(limits: JointLimits) -> Iterator[tuple[int, Array]]:
 
 @cache
 def _samplers(degree: int, order: int) -> Array:
-    """(17, d + 1): derivatives of that order of σ^d, …, σ, 1 at σ from 0 to 1."""
+    """Return (17, d + 1): derivatives of that order of σ^d, …, σ, 1 at σ from 0 to 1."""
     sigma = np.linspace(0.0, 1.0, 17)[:, None]
     powers = derivative(np.eye(degree + 1)[:, None], order)
     return frozen(evaluate(powers, sigma))
 
 
 def overshoot(coefficients: Array, durations: Array, limits: JointLimits) -> float:
-    """How far [rad, m] the motion leaves the position limits anywhere; 0 inside."""
+    """Return how far [rad, m] the motion leaves the position limits anywhere; 0 inside."""
     _, values = extremes(coefficients, durations)
     return float(np.maximum(limits.lower - values, values - limits.upper).max(initial=0.0))
 
@@ -82,8 +82,8 @@ def overshoot(coefficients: Array, durations: Array, limits: JointLimits) -> flo
 def require_within(trajectory: Trajectory, limits: JointLimits, advice: str = "plan it again") -> None:
     """Raise LimitError naming joint, limit, value and time where `trajectory` leaves `limits`.
 
-    `advice` is what the caller tells a user to do against an excursion beyond a position limit: no planned motion has
-    one, a motion of another arm or of somebody else's may.
+    `advice` tells a user what to do about an excursion beyond a position limit. Only motions planned elsewhere have
+    one.
     """
     tau, values = extremes(trajectory.coefficients, np.diff(trajectory.breakpoints))
     beyond = np.maximum(limits.lower - values, values - limits.upper)
@@ -102,7 +102,7 @@ def require_within(trajectory: Trajectory, limits: JointLimits, advice: str = "p
 def require_rates(trajectory: Trajectory, limits: JointLimits, moved: str = "joint") -> None:
     """Raise LimitError naming joint, limit, value and time where a rate of `trajectory` is above its limit.
 
-    `moved` says what it moves: a `Trajectory.of_motors` moves motors.
+    `moved` is the word for what moves: "motor" for a `Trajectory.of_motors`.
     """
     durations = np.diff(trajectory.breakpoints)
     for order, limit in _limited(limits):
@@ -123,7 +123,7 @@ def require_rates(trajectory: Trajectory, limits: JointLimits, moved: str = "joi
 def require_waypoints(
     waypoints: Array, limits: JointLimits, names: Sequence[str], units: Sequence[str], what: str = ""
 ) -> None:
-    """Raise LimitError naming the waypoint, or `what` it is, the joint and the limit where a waypoint is outside."""
+    """Raise LimitError naming the waypoint, or `what` it is, with joint and limit, where one is outside."""
     beyond = np.maximum(limits.lower - waypoints, waypoints - limits.upper)
     i, j = (int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
     if beyond[i, j] <= POSITION_TOL:

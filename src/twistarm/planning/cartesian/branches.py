@@ -1,4 +1,4 @@
-"""Branches: the configurations in which an arm meets a target, by its closed form or from many starts."""
+"""Branches: the configurations that meet a target, by the arm's closed form or from many starts."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ SEED = 0
 
 
 def branches(arm: Arm, target: AnyTarget, near: Array, tolerances: Tolerances = USUAL) -> Array:
-    """Configurations (b, n) that meet the target, b ≥ 0, nearest to `near` (n,) first.
+    """Return configurations (b, n) that meet the target, b ≥ 0, nearest to `near` (n,) first.
 
-    By the closed form of the arm's family, at random values of the joints that the target leaves free; where there is
-    none, and where an answer is one of a continuous family, by searches from random starts. Of answers that are close
-    together the nearest is kept. Joints that may turn for more than a turn are given by the windings their limits
-    allow. What meets it within the tolerances counts where nothing does exactly, or where they are wide.
+    The closed form of the arm's family gives them, at random values of the joints that the target leaves free. Searches
+    from random starts replace it where there is none, or where answers form a continuous family. Of close answers the
+    nearest stays. Joints with room for whole turns give all their windings. Tolerances count where nothing meets the
+    target exactly, or where they are wide.
     """
     starts = np.vstack([near, arm.random_theta(SEED, MOST)])
     met, all_found = _by_closed_form(arm, target, starts)
@@ -45,10 +45,9 @@ def branches(arm: Arm, target: AnyTarget, near: Array, tolerances: Tolerances = 
 
 
 def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, bool]:
-    """Configurations (k, n), and whether nothing is left to search for.
+    """Return configurations (k, n), and whether nothing is left to search for.
 
-    Joints that are held stand where they do in some of the `starts`. Of more than `MOST` the nearest half of so many
-    are kept, and others evenly.
+    Held joints take their values from `starts`. Of more than `MOST` the nearest half stays, and others evenly.
     """
     method = family_method(arm, target)
     if method.compiled is None:
@@ -67,22 +66,22 @@ def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, 
 
 
 def _by_searches(arm: Arm, target: AnyTarget, starts: Array, met: Tolerances) -> Array:
-    """What a search from each of the starts finds, (k, n)."""
+    """Return what searches from each of the starts find, (k, n)."""
     return searched(arm, [target] * len(starts), starts, met).met
 
 
 def _nearest(arm: Arm, target: AnyTarget, near: Array) -> Array:
-    """The configuration that is as near to `near` as the target leaves it, (1, n), or none."""
+    """Return the configuration nearest to `near` that meets the target, (1, n), or none."""
     return searched(arm, [target], near[None], ALL_BUT_EXACT, restarts=100, posture="theta0").met
 
 
 def _in_order(thetas: Array, near: Array) -> Array:
-    """The same, nearest first."""
+    """Sort configurations, nearest first."""
     return thetas[np.argsort(np.linalg.norm(thetas - near, axis=1), kind="stable")]
 
 
 def _apart(thetas: Array) -> Array:
-    """Of those that are close together the first."""
+    """Drop configurations close to an earlier one."""
     left = thetas
     kept: list[Array] = []
     while len(left):
@@ -92,7 +91,7 @@ def _apart(thetas: Array) -> Array:
 
 
 def _windings(arm: Arm, thetas: Array) -> Array:
-    """The same, and each with one joint a whole turn on or back, where its limits allow."""
+    """Add each configuration with one joint a whole turn on or back, where its limits allow."""
     more = [thetas]
     for joint, unit in enumerate(arm.units):
         if unit != "rad" or not np.isfinite(arm.limits.upper[joint] - arm.limits.lower[joint]):

@@ -26,13 +26,13 @@ class Curve:
 
     @property
     def length(self) -> float:
-        """‖p'(s)‖ [m], the same everywhere: how far the position goes."""
+        """‖p'(s)‖ [m], the same everywhere: the length of the position's path."""
         v, w = self.twist[:3], self.twist[3:]
         return float(np.linalg.norm(v + np.cross(w, self.g0[:3, 3])))
 
     @property
     def angle(self) -> float:
-        """How far the rotation goes [rad]."""
+        """The angle of the rotation [rad]."""
         return float(np.linalg.norm(self.turn))
 
     @property
@@ -58,10 +58,10 @@ def screw(g0: Array, twist: Array) -> Curve:
 
 
 def arc(g0: Array, via: Array, g1: Array) -> Curve:
-    """The circular arc from p0 through the point via (3,) to p1, and a slerp from R0 to R1.
+    """Return the circular arc from p0 through the point via (3,) to p1, with a slerp from R0 to R1.
 
-    The centre lies on both perpendicular bisectors in the plane of the three points. Raises InputError where they
-    lie on a line, or two of them are one point, within 20 µm and 1e-5 rad.
+    The centre lies on both perpendicular bisectors in the plane of the three points. Raises InputError where they lie
+    on a line or coincide, within 20 µm and 1e-5 rad.
     """
     p0, p1 = g0[:3, 3], g1[:3, 3]
     a, b = via - p0, p1 - p0

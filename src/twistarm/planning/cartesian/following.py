@@ -1,4 +1,4 @@
-"""Following: the joint path through the configurations of a ladder that keeps the tool on its curve."""
+"""Following: the joint path through a ladder's configurations that keeps the tool on its curve."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from ..optional import scipy
 from ..piecewise import extremes
 from ..tolerances import leeway
 from ..within import POSITION_TOL as ROUNDING
-from .curvature import deviation_bend
 from .meeting import met_near
 from .moving_target import MovingTarget
 from .nodes import EXACT, LONGEST_JUMP, Blocked, Node
 from .projection import projected
+from .tool_derivatives import deviation_bend
 
 Flags = NDArray[np.bool_]
 
@@ -43,9 +43,7 @@ EVENINGS = 20
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """`path`: the joint path, s from 0 to 1 as the curve's; `position_error` [m] and `angle_error` [rad] bound how far
-    the tool is from the curve anywhere.
-    """
+    """A joint path, s from 0 to 1 as the curve's, and bounds of the tool's distance from the curve [m, rad]."""
 
     path: JointPath
     position_error: float
@@ -53,12 +51,11 @@ class Followed:
 
 
 def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed | Blocked:
-    """The joint path through samples of one curve, from its beginning to its end, or where it leaps.
+    """Return the joint path through samples of one curve to its end, or where it leaps.
 
-    A cubic spline, C², goes through them, and intervals are halved in which the tool may be farther from the curve than
-    `POSITION_TOL` and `ANGLE_TOL`, or than its tolerances where these are wider: at check points that is measured, and
-    between them it is bounded by the curvature of the tool's path. `even`: samples of an arm that is left free are
-    evened out first.
+    A C² cubic spline goes through the samples. Intervals are halved where the tool may be farther from the curve than
+    `POSITION_TOL` and `ANGLE_TOL`, or than wider tolerances. The deviation is measured at check points and bounded
+    between them by the curvature of the tool's path. `even`: samples of an arm that is left free are evened out first.
     """
     moving = samples[0].moving
     s, theta = np.array([node.s for node in samples]), np.array([node.theta for node in samples])
@@ -88,7 +85,7 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed
 
 
 def _well_within(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flags:
-    """Which configurations (k, n) at s (k,) are well within wide tolerances: one more sample only proves it."""
+    """Tell which configurations (k, n) at s (k,) are well within wide tolerances, so that a sample only proves it."""
     if leeway(moving.tolerances) is None:
         return np.zeros(len(s), dtype=bool)
     position, angle = moving.errors(s, arm.fk(theta))
@@ -96,7 +93,7 @@ def _well_within(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flag
 
 
 def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
-    """The samples (k, n) drawn to the straight line between their neighbours, as far as the targets leave them free."""
+    """Draw the samples (k, n) to the line between their neighbours, as far as the targets leave them free."""
     ideal = moving.curve(s[1:-1])
     share = ((s[1:-1] - s[:-2]) / (s[2:] - s[:-2]))[:, None]
     theta = theta.copy()
@@ -122,10 +119,9 @@ def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) ->
 
 
 def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, float, float]:
-    """In which pieces (m,) the tool may be too far from the curve, and how far at most anywhere [m, rad].
+    """Return in which pieces (m,) the tool may be too far from the curve, and its greatest distance [m, rad].
 
-    Between check points a distance d apart the deviation e, with e'' bounded, is at most the greater of both plus
-    d² ‖e''‖ / 8.
+    Between check points a distance d apart the deviation e is at most the greater of both plus d² ‖e''‖ / 8.
     """
     h = np.diff(path.breakpoints)
     bend = deviation_bend(arm, moving, path)
@@ -146,7 +142,7 @@ def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, 
 
 
 def _outside(arm: Arm, path: JointPath) -> Flags:
-    """In which pieces (m,) a joint passes its limit by more than rounding."""
+    """Tell in which pieces (m,) a joint passes its limit by more than rounding."""
     h = np.diff(path.breakpoints)
     outside: Flags = _beyond(arm, bernstein(path.coefficients, h)) > ROUNDING
     if outside.any():  # the Bernstein coefficients may lie beyond where the spline does not

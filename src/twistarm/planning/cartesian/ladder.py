@@ -1,4 +1,4 @@
-"""Ladder: curves climbed from rung to rung, from all configurations at once, without a leap of the joints."""
+"""Ladder: curves climbed rung by rung from all configurations together, without a leap of the joints."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ MOST_HALVINGS = 4096
 
 
 def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
-    """The configurations at the ends of their curves that are reached from `roots`, least joint motion first, or how
-    far any of them comes.
+    """Return the configurations that `roots` reach at the ends of their curves, least joint motion first, or where all
+    stop.
 
-    A rung is solved for from every configuration at the one before, all in one batch, by the arm's closed form where
-    that needs no joint held; where a joint would leap, or there is no answer, halfway first.
+    Each rung is solved from every configuration at the one before, in one batch. The closed form does it if no joint is
+    held. Where a joint would leap or there is no answer, a rung halfway comes first.
     """
     climber = _Climber(arm, limits, Rungs(roots, FEWEST))
     nodes = list(roots)
@@ -45,7 +45,7 @@ def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | 
 
 
 class _Climber:
-    """One climb: how many more rungs in between it may take, and the farthest of what was blocked."""
+    """One climb: the rungs in between that are left, and the farthest node that was blocked."""
 
     def __init__(self, arm: Arm, limits: JointLimits, rungs: Rungs) -> None:
         self.arm, self.limits, self.rungs = arm, limits, rungs
@@ -53,7 +53,7 @@ class _Climber:
         self.farthest: Blocked | None = None
 
     def advance(self, nodes: list[Node], s: float, k: int | None = None) -> list[Node]:
-        """What follows the nodes, all of them at one s, at another: at rung k, or between two."""
+        """Return what follows the nodes, all at one s, at another: at rung k, or between two."""
         if not nodes:
             return []
         found, halved = self._step(nodes, s, k)
@@ -62,7 +62,7 @@ class _Climber:
         return found
 
     def _step(self, nodes: list[Node], s: float, k: int | None) -> tuple[list[Node], list[Node]]:
-        """What follows the nodes in one step, and the nodes that nothing follows but by way of the middle."""
+        """Return what follows the nodes in one step, and the nodes that need a rung halfway."""
         here = np.array([node.theta for node in nodes])
         theta, met = self._solved(nodes, s, k)
         moved, leap = efforts(here, theta, self.limits.velocity), np.abs(theta - here).max(axis=1) > LONGEST_JUMP
@@ -78,13 +78,13 @@ class _Climber:
         return found, halved
 
     def _solved(self, nodes: list[Node], s: float, k: int | None) -> Met:
-        """The answers (b, n) at s, sought where each node would be if it went on as it came, and which there are."""
+        """Return answers (b, n) at s near where each node is heading, and which there are."""
         g = np.array([node.moving.curve(np.array(s)) for node in nodes]) if k is None else self.rungs.poses(nodes, k)
         near = np.clip([_ahead(node, s) for node in nodes], self.arm.limits.lower, self.arm.limits.upper)
         return met_near(self.arm, nodes[0].moving, g, near, self._by_closed_form)
 
     def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Met | None:
-        """Of all answers to each target the nearest, where the arm's family gives all of them without a joint held."""
+        """Return the nearest answer to each target, where the arm's family gives all of them without a held joint."""
         method = family_method(self.arm, moving.like)
         if method.compiled is None or method.swept:
             return None

@@ -28,11 +28,11 @@ def met_near(
     near: Array,
     closed_form: Callable[[MovingTarget, Array, Array], Met | None] | None = None,
 ) -> Met:
-    """Configurations near `near` (k, n) that meet the targets at the poses `ideal` (k, 4, 4), and which do.
+    """Return configurations near `near` (k, n) that meet the targets at the poses `ideal` (k, 4, 4), and which do.
 
-    They meet them exactly where they can, so that a spline through them is smooth. Where the tolerances are wide, the
-    nearest configuration within them comes first. What a search finds within them comes last. `closed_form` takes the
-    place of a search for exact configurations where it gives them.
+    They meet targets exactly where possible, so that a spline through them is smooth. With wide tolerances, the nearest
+    configuration within them comes first. A search within tolerances comes last. `closed_form` replaces the search for
+    exact configurations where it applies.
     """
 
     def exactly(arm: Arm, moving: MovingTarget, ideal: Array, near: Array) -> Met:
@@ -64,5 +64,5 @@ def _searched(arm: Arm, moving: MovingTarget, ideal: Array, near: Array, met: To
 
 
 def targets_at(like: AnyTarget, ideal: Array) -> Array | list[AnyTarget]:
-    """The targets like that one at poses (k, 4, 4), as `searched` takes them: those of poses are an array."""
+    """Return targets like that one at poses (k, 4, 4), in the form that `searched` takes."""
     return ideal if isinstance(like, Pose) else [like.at(each) for each in ideal]

@@ -1,4 +1,4 @@
-"""Moving target: a curve of the tool, and what of its pose is to be followed."""
+"""Moving target: a curve of the tool, and the part of its pose to follow."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ SAME = 1e-8
 
 @dataclass(frozen=True)
 class MovingTarget:
-    """`curve` is followed as far as `like`, a target of any kind, constrains a pose: `like.at(g(s))` at every s.
+    """A `curve` that the tool follows as far as `like`, a target of any kind, constrains a pose: `like.at(g(s))`.
 
-    `tolerances`: how far off the tool still meets it.
+    `tolerances` are the distances at which the tool still meets it.
     """
 
     curve: Curve
@@ -38,12 +38,12 @@ class MovingTarget:
         return self.like.at(self.curve(np.array(s)))
 
     def freedom(self, n: int) -> int:
-        """How many of n joints the targets leave free; those of a `Task` that are within tolerances count as free."""
+        """Return how many of n joints the targets leave free, those within tolerances of a `Task` included."""
         tolerances = np.concatenate([self.like._position_tolerance, self.like._rotation_tolerance])
         return max(n - int(np.count_nonzero(tolerances == 0.0)), 0)
 
     def same(self, other: MovingTarget) -> bool:
-        """Whether the targets of both are the same, up to rounding, at the beginning, halfway and at the end."""
+        """Tell whether both targets agree, up to rounding, at the beginning, halfway and at the end."""
         if self.like.kind != other.like.kind:
             return False
         s = np.array([0.0, 0.5, 1.0])
@@ -52,22 +52,22 @@ class MovingTarget:
 
     @property
     def is_still(self) -> bool:
-        """Whether a tool that stays where the curve begins is on it everywhere, in what is constrained."""
+        """Whether a tool at the curve's start is on it everywhere, in what is constrained."""
         g = np.broadcast_to(self.curve(np.array(0.0)), (len(SPREAD), 4, 4))
         return float(max(map(np.max, self.errors(SPREAD, g)))) <= NO_WAY
 
     @property
     def angle(self) -> float:
-        """How far the rotation that counts goes [rad]; 0 for a position."""
+        """The angle [rad] of the rotation to follow; 0 for a position."""
         return 0.0 if isinstance(self.like, Position) else self.curve.angle
 
     def errors(self, s: Array, g: Array) -> tuple[Array, Array]:
-        """How far poses g (k, 4, 4) are from the targets at s (k,): [m] and [rad], of what is constrained."""
+        """Return the distances of poses g (k, 4, 4) from the targets at s (k,): [m] and [rad]."""
         return errors_from(self.like, self.curve(s), g)
 
 
 def errors_from(like: AnyTarget, ideal: Array, g: Array) -> tuple[Array, Array]:
-    """How far poses g (k, 4, 4) are from targets like that one at `ideal` (k, 4, 4): [m] and [rad], (k,) each."""
+    """Return the distances (k,) of poses g (k, 4, 4) from targets like that one at `ideal`: [m] and [rad]."""
     if isinstance(like, Task):
         both = [
             (t.position_error(one), t.orientation_error(one)) for t, one in zip(map(like.at, ideal), g, strict=True)
@@ -84,7 +84,7 @@ def errors_from(like: AnyTarget, ideal: Array, g: Array) -> tuple[Array, Array]:
 
 
 def _angles(R: Array) -> Array:
-    """Angles of rotations (k, 3, 3) [rad], small ones too: the chord ‖R − 1‖ is 2√2 sin(angle/2)."""
+    """Return the angles of rotations (k, 3, 3) [rad], accurate for small ones: ‖R − 1‖ is 2√2 sin(angle/2)."""
     chord = np.linalg.norm(R - np.eye(3), axis=(-2, -1))
     angle: Array = 2.0 * np.arcsin(np.minimum(chord / np.sqrt(8.0), 1.0))
     return angle

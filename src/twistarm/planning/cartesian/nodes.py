@@ -27,7 +27,7 @@ LONGEST_JUMP = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Node:
-    """A configuration at s of a curve, reached from `parent` with `cost` [s] of joint motion since the beginning."""
+    """A configuration at s of a curve, reached from `parent`. `cost` [s] is the joint motion since the beginning."""
 
     moving: MovingTarget
     s: float
@@ -37,7 +37,7 @@ class Node:
 
 
 def way(last: Node | None) -> list[Node]:
-    """The nodes on the way to the last one, in order."""
+    """Return the nodes on the way to the last one, in order."""
     nodes = []
     while last is not None:
         nodes.append(last)
@@ -46,13 +46,13 @@ def way(last: Node | None) -> list[Node]:
 
 
 def cheapest_first(nodes: list[Node]) -> list[Node]:
-    """Least joint motion first; of nodes that differ by rounding the one that comes first in the list."""
+    """Sort nodes by joint motion, ignoring rounding."""
     return sorted(nodes, key=lambda node: float(f"{node.cost:.6g}"))
 
 
 @dataclass(frozen=True, eq=False)
 class Blocked:
-    """A curve was followed to `node`, and not to s = `ahead`. `leap`: there it is met, but only by a leap."""
+    """A curve that can be followed to `node`, but not to s = `ahead`. `leap`: only a leap would meet it there."""
 
     node: Node
     ahead: float
@@ -60,7 +60,7 @@ class Blocked:
 
     @property
     def share(self) -> float:
-        """How much of the curve was followed, s in [0, 1)."""
+        """The part of the curve that was followed, s in [0, 1)."""
         return self.node.s
 
     @property
@@ -80,7 +80,7 @@ class Blocked:
 
 
 class Rungs:
-    """Places s (k + 1,) on the curves of some nodes, near enough together for all of them, and the poses there."""
+    """Places s (k + 1,) on the curves of some nodes, close enough for all of them, and the poses there."""
 
     def __init__(self, nodes: Sequence[Node], fewest: int) -> None:
         movings = {id(node.moving): node.moving for node in nodes}
@@ -90,7 +90,7 @@ class Rungs:
 
     @property
     def count(self) -> int:
-        """How many steps there are."""
+        """The number of steps."""
         return len(self.s) - 1
 
     def poses(self, nodes: Sequence[Node], k: int) -> Array:
@@ -99,6 +99,6 @@ class Rungs:
 
 
 def efforts(start: Array, end: Array, velocity: Array) -> Array:
-    """The least times (...) from configurations to others (..., n) at the greatest velocities [s]."""
+    """Return the least times (...) between configurations (..., n) at full velocity [s]."""
     least: Array = (np.abs(end - start) / velocity).max(axis=-1)
     return least

@@ -1,4 +1,4 @@
-"""Projection: many configurations at once brought onto the targets of a curve by Newton's method, inside the limits."""
+"""Projection: many configurations brought onto a curve's targets by Newton's method, inside the limits."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ LIMIT = 1e-12
 def projected(
     arm: Arm, like: AnyTarget, ideal: Array, theta: Array, exact: float, within: Tolerances | None = None
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Configurations near theta (k, n) that meet targets like that one at the poses `ideal` (k, 4, 4); which do.
+    """Return configurations near theta (k, n) that meet targets like that one at `ideal` (k, 4, 4), and which do.
 
-    Damped Gauss-Newton: θ ← θ − Jᵀ (J Jᵀ + λ 1)⁻¹ e, of all steps the shortest, so that what a target leaves free stays
-    (Nakamura & Hanafusa 1986). Joints at a limit that would go on out of it are held. Met to `exact` [m, rad], or
-    `within` tolerances: errors as shares of their tolerances are then made least, λ grows where they do not shrink.
+    Damped Gauss-Newton takes the shortest step, so that what a target leaves free stays: θ ← θ − Jᵀ (J Jᵀ + λ 1)⁻¹ e
+    (Nakamura & Hanafusa 1986). A joint at a limit is held if it would leave. Targets are met to `exact` [m, rad], or
+    `within` tolerances. These weigh the errors, and λ grows where errors do not shrink.
     """
     lower, upper = arm.limits.lower, arm.limits.upper
     theta = np.clip(theta, lower, upper)
@@ -74,7 +74,7 @@ def projected(
 
 
 def _weights(within: Tolerances, count: int) -> Array:
-    """Weights (r,) of the rows of an error: 1 for the wider tolerance, more for the narrower one."""
+    """Return weights (r,) of an error's rows: 1 for the wider tolerance, more for the narrower one."""
     tolerances = np.array([within.position] * 3 + [within.orientation] * (count - 3))
     weights: Array = np.minimum(max(within.position, within.orientation) / tolerances, MOST_WEIGHT)
     return weights
@@ -87,10 +87,10 @@ def _shortest(e: Array, J: Array, damping: Array) -> Array:
 
 
 def errors_and_rows(like: AnyTarget, ideal: Array, g: Array, J_b: Array) -> tuple[Array, Array]:
-    """What of poses g (k, 4, 4) is off the targets at `ideal`, (k, r), and its rows of the Jacobian (k, r, n).
+    """Return the errors of poses g (k, 4, 4) from targets at `ideal`, (k, r), and their Jacobian rows (k, r, n).
 
-    Those of the targets' own `position_rows` and `rotation_rows`, but for the size of errors that are not small; what a
-    `Task` tolerates is no error and has no rows.
+    They match the targets' `position_rows` and `rotation_rows`, except for the size of large errors. What a `Task`
+    tolerates is no error and has no rows.
     """
     turned = np.swapaxes(ideal[:, :3, :3], -1, -2)
     R, offset = g[:, :3, :3], (g[:, :3, 3] - ideal[:, :3, 3])[..., None]
@@ -117,9 +117,9 @@ def errors_and_rows(like: AnyTarget, ideal: Array, g: Array, J_b: Array) -> tupl
 
 
 def _log_rate(phi: Array) -> Array:
-    """The matrices (k, 3, 3) by which a body's angular velocity changes the logarithms φ (k, 3) of its rotation.
+    """Return matrices (k, 3, 3) from a body's angular velocity to the rates of the logarithms φ (k, 3) of its rotation.
 
-    1 + φ̂/2 + (1/φ² − (1 + cos φ)/(2 φ sin φ)) φ̂², Lynch & Park §3.2.3; the last factor goes to 1/12 at 0.
+    1 + φ̂/2 + (1/φ² − (1 + cos φ)/(2 φ sin φ)) φ̂², Lynch & Park §3.2.3. The last factor goes to 1/12 at 0.
     """
     angle = np.linalg.norm(phi, axis=1)
     near = angle < 1e-3

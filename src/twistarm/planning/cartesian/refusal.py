@@ -45,10 +45,10 @@ FEW = 2
 class PathError(TwistarmError):
     """A path that the arm cannot follow to its end.
 
-    `share`: how much of it, s in [0, 1); `theta` (n,): the configuration there; `reason`: "limit", "singular" or "out
-    of reach"; `joint`: which has come to its limit, or None; `start` (n,): another configuration at the beginning from
-    which the whole path can be followed, or None; `segment`: the index of the segment in the motion, of which `place`
-    says the same in words; `detail`: the message without it.
+    `share`: the part that it can follow, s in [0, 1). `theta` (n,): the configuration there. `reason`: "limit",
+    "singular" or "out of reach". `joint`: the joint at its limit, or None. `start` (n,): another configuration at the
+    beginning from which the whole path can be followed, or None. `segment`: the index of the segment in the motion,
+    with `place` in words. `detail`: the message without the place.
     """
 
     def __init__(
@@ -70,18 +70,9 @@ class PathError(TwistarmError):
         known = self.share, self.theta, self.reason, self.joint, self.start, self.segment, self.place
         return type(self), (self.detail, *known)
 
-    def within(self, segment: int, place: str) -> PathError:
-        """The same of a segment of a motion.
 
-        Args:
-            segment: its index, from 0.
-            place: it and its place in words, which the message begins with.
-        """
-        return PathError(self.detail, self.share, self.theta, self.reason, self.joint, self.start, segment, place)
-
-
-def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, *, others: bool) -> PathError:
-    """The error for a path that is blocked; looks for what would help, with `others` in other configurations too."""
+def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, segment: int, place: str, *, others: bool) -> PathError:
+    """Return the error for a blocked path. With `others`, other configurations are tried as a remedy too."""
     moving = blocked.moving
     met = moving.tolerances
     beyond = None if blocked.leap else solve_ik(arm, moving.at(blocked.ahead), blocked.theta, **met.keywords)
@@ -99,11 +90,13 @@ def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, *, others: bool) ->
         reason,
         joint,
         other,
+        segment,
+        place,
     )
 
 
 def _part(moving: MovingTarget, share: float) -> str:
-    """So far of so much, in m, or in rad where it only turns."""
+    """Word the part of the path that was followed, in m, or in rad where it only turns."""
     turns = moving.curve.length < 1e-9
     whole, unit = (moving.curve.angle, "rad") if turns else (moving.curve.length, "m")
     so_far, all_ = (quantity(float(f"{part:.3g}"), unit) for part in (share * whole, whole))
@@ -111,9 +104,9 @@ def _part(moving: MovingTarget, share: float) -> str:
 
 
 def _why(arm: Arm, blocked: Blocked, beyond: IKSolution | None) -> tuple[str, str | None, str]:
-    """Reason, joint and words. A joint's limit is the reason where the arm would go on if that joint had more room.
+    """Return reason, joint and words. A limit is the reason if the arm would go on with more room at that joint.
 
-    `beyond`: what is nearest to the target farther on, None where that is met.
+    `beyond` is the nearest solution farther on, or None where the target there is met.
     """
     theta, limits = blocked.theta, arm.limits
     room = np.minimum(theta - limits.lower, limits.upper - theta)
@@ -136,7 +129,7 @@ def _why(arm: Arm, blocked: Blocked, beyond: IKSolution | None) -> tuple[str, st
 
 
 def _goes_on(arm: Arm, blocked: Blocked, joints: list[int]) -> bool:
-    """Whether the arm would follow the path farther if these joints had more room."""
+    """Tell whether the arm would follow the path farther if these joints had more room."""
     lower, upper = arm.limits.lower.copy(), arm.limits.upper.copy()
     lower[joints] -= MORE_ROOM
     upper[joints] += MORE_ROOM
@@ -147,7 +140,7 @@ def _goes_on(arm: Arm, blocked: Blocked, joints: list[int]) -> bool:
 
 
 def _other_start(arm: Arm, limits: JointLimits, blocked: Blocked) -> Array | None:
-    """Another configuration at the beginning of the path from which all of it can be followed."""
+    """Return another configuration at the beginning from which the arm can follow the whole path."""
     moving, start = blocked.moving, blocked.start
     roots = [Node(moving, 0.0, theta, 0.0) for theta in branches(arm, moving.at(0.0), start, moving.tolerances)]
     found = climb(arm, limits, roots) if roots else []
@@ -177,7 +170,7 @@ def _help(arm: Arm, limits: JointLimits, blocked: Blocked, other: Array | None) 
 
 
 def _loose_enough(arm: Arm, limits: JointLimits, blocked: Blocked) -> str:
-    """The tolerances with which all of the path can be followed; "" where ten times those asked for do not do."""
+    """Return tolerances that allow the whole path; "" where ten times the requested ones do not."""
     moving, met = blocked.moving, blocked.moving.tolerances
     looser = replace(moving, tolerances=Tolerances(NEAR_MISS * met.position, NEAR_MISS * met.orientation))
     nodes = _followed(arm, limits, looser, blocked.start)
@@ -193,7 +186,7 @@ def _loose_enough(arm: Arm, limits: JointLimits, blocked: Blocked) -> str:
 
 
 def _followed(arm: Arm, limits: JointLimits, moving: MovingTarget, start: Array) -> list[Node]:
-    """The nodes on the way from there to the end of a path, none where it cannot be followed."""
+    """Return the nodes on the way to the end of a path; none where it cannot be followed."""
     nodes = [] if moving.is_still else climb(arm, limits, [Node(moving, 0.0, start, 0.0)])
     found = way(nodes[0]) if isinstance(nodes, list) and nodes else []
     return found if found and isinstance(follow(arm, found), Followed) else []

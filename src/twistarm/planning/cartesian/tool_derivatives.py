@@ -1,4 +1,4 @@
-"""ToolDerivatives: bounds of how fast the tool moves and turns along a joint path, and how fast that changes."""
+"""Bounds of the tool's motion along a joint path: its speed, how fast that changes, and how a deviation bends."""
 
 from __future__ import annotations
 
@@ -7,16 +7,28 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arm.arm import Arm
+from ...ik.targets import Position, Task
+from ...limits.joint_limits import JointLimits
 from ...support.checks import Array
 from ..bernstein import bernstein
-from ..joint_path import JointPath
+from ..joint_path import Indices, JointPath
 from ..piecewise import derivative
+from .moving_target import MovingTarget
+
+LOOKS = 8
+"""Intervals of each piece at whose ends the tool's velocity is first sampled."""
+
+NEAR = 1e-4
+"""A bound that matters exceeds the greatest sampled speed by at most this part."""
+
+MOST_LOOKS = 512
+"""The most intervals of one piece."""
 
 
 class ToolDerivatives(NamedTuple):
-    """Bounds on each piece of a path, (m,), of the derivatives by s of the tool's origin p and of its turn, ω.
+    """Bounds on each piece of a path, (m,), of derivatives by s of the tool's origin p and its rotation.
 
-    velocity, acceleration, jerk: of ‖p'‖, ‖p''‖, ‖p'''‖ [m]; turn_velocity, turn_acceleration, turn_jerk: of ‖ω‖, ‖ω'‖,
+    velocity, acceleration, jerk: of ‖p'‖, ‖p''‖, ‖p'''‖ [m]. turn_velocity, turn_acceleration, turn_jerk: of ‖ω‖, ‖ω'‖,
     ‖ω''‖ [rad].
     """
 
@@ -29,28 +41,28 @@ class ToolDerivatives(NamedTuple):
 
     @classmethod
     def along(cls, arm: Arm, path: JointPath) -> ToolDerivatives:
-        """The bounds by the joints' values x = A θ, joint k with ω_k and the greatest lever ρ about its axis.
+        """Return the bounds from the joints' values x = A θ. Joint k has the axis ω_k and the greatest lever ρ.
 
-        Joints act on what comes after them (MLS §3.4): ∂p/∂x_k is at most D_k = ‖ω_k‖ ρ + |h_k|, for a slide ‖v_k‖;
-        ∂²p/∂x_j∂x_k = ω_j × ∂p/∂x_k for j not after k, and ∂³p/∂x_i∂x_j∂x_k = ω_i × (ω_j × ∂p/∂x_k) for i not after j.
-        ω is Σ ω_k x_k', where ∂ω_k/∂x_j = ω_j × ω_k for j before k, 0 for others. With w_k = ‖ω_k x_k'‖,
-        u_k = ‖ω_k x_k''‖, and W, U their sums over the joints before k,
+        A joint moves only what comes after it (MLS §3.4). So ∂p/∂x_k is at most D_k = ‖ω_k‖ ρ + |h_k|, or ‖v_k‖ for a
+        slide. Further derivatives are cross products: ∂²p/∂x_j∂x_k = ω_j × ∂p/∂x_k for j not after k,
+        ∂³p/∂x_i∂x_j∂x_k = ω_i × (ω_j × ∂p/∂x_k) for i not after j. ω is Σ ω_k x_k', with ∂ω_k/∂x_j = ω_j × ω_k for j
+        before k, else 0. Let w_k = ‖ω_k x_k'‖, u_k = ‖ω_k x_k''‖, and W, U their sums over the joints before k. Then
 
             ‖p''‖ ≤ Σ D_k (|x_k''| + |x_k'| (w_k + 2 W)),
             ‖p'''‖ ≤ Σ D_k (|x_k'''| + 3 |x_k''| (w_k + W) + 3 |x_k'| U + |x_k'| (w_k² + 3 w_k W + 3 W²)),
             ‖ω'‖ ≤ Σ u_k + w_k W,
             ‖ω''‖ ≤ Σ ‖ω_k x_k'''‖ + 2 u_k W + w_k U + w_k W².
 
-        The lever is the arm's reach and how far slides are out.
+        The lever is the arm's reach plus the extension of its slides.
         """
         h = np.diff(path.breakpoints)
         values = path.coefficients @ arm.coupling.A.T
         out, x1, x2, x3 = (np.abs(bernstein(derivative(values, k), h)).max(axis=0) for k in range(4))
-        turns = np.linalg.norm(arm.screws[3:], axis=0)
+        turns, pushes = np.linalg.norm(arm.screws[3:], axis=0), np.linalg.norm(arm.screws[:3], axis=0)
         slides = turns == 0.0
         pitches = np.abs((arm.screws[:3] * arm.screws[3:]).sum(axis=0)) / np.where(slides, 1.0, turns)
-        lever = arm.reach + (out * np.where(slides, np.linalg.norm(arm.screws[:3], axis=0), pitches)).sum(axis=1)
-        D = np.where(slides, np.linalg.norm(arm.screws[:3], axis=0), lever[:, None] * turns + pitches)
+        lever = arm.reach + (out * np.where(slides, pushes, pitches)).sum(axis=1)
+        D = np.where(slides, pushes, lever[:, None] * turns + pitches)
         w, u = x1 * turns, x2 * turns
         W, U = np.cumsum(w, axis=1) - w, np.cumsum(u, axis=1) - u
         bounds = (
@@ -62,3 +74,64 @@ class ToolDerivatives(NamedTuple):
             x3 * turns + 2.0 * u * W + w * U + w * W**2,
         )
         return cls(*(each.sum(axis=1) for each in bounds))
+
+
+def deviation_bend(arm: Arm, moving: MovingTarget, path: JointPath) -> Array:
+    """Bound the second derivatives of position error [m] and rotation error [rad] on each piece, (m, 2).
+
+    The curve has p_c and a constant ω_c. Then ‖p'' − p_c''‖ ≤ ‖p''‖ + ‖p_c''‖. For E = R_cᵀ R,
+    E'' = R_cᵀ (ω̂' + (ω − ω_c)^ ω̂ − ω̂_c (ω − ω_c)^) R, so the angle's is at most ‖ω'‖ + (‖ω‖ + ‖ω_c‖)². Errors
+    along axes that turn with the target, R_cᵀ (p − p_c), have two more terms.
+    """
+    motion = ToolDerivatives.along(arm, path)
+    curve, w = moving.curve, moving.angle
+    position = motion.acceleration + curve.bend
+    if isinstance(moving.like, Task) and moving.like.frame == "target":
+        apart = motion.velocity + curve.length
+        offset = np.linalg.norm(arm.fk(path(path.breakpoints))[:, :3, 3] - curve(path.breakpoints)[:, :3, 3], axis=1)
+        farthest = np.maximum(offset[:-1], offset[1:]) + apart * np.diff(path.breakpoints)
+        position = position + 2.0 * w * apart + w**2 * farthest
+    rotation = motion.turn_acceleration + (motion.turn_velocity + w) ** 2
+    return np.stack([position, 0.0 * rotation if isinstance(moving.like, Position) else rotation], axis=1)
+
+
+def greatest_tool_speeds(
+    arm: Arm, path: JointPath, limits: JointLimits, tool_speed: float, turn_speed: float
+) -> tuple[Array, Array]:
+    """Bound ‖p'‖ [m] and ‖ω‖ [rad] by s on each piece, (m,) each.
+
+    Between samples a distance d apart, a vector v(s) is within d² max ‖v''‖ / 8 of the chord. So ‖v‖ exceeds the
+    greater of both ends by at most that. `ToolDerivatives` bounds v''. Samples are refined until the bound is tight,
+    except where the joints' velocity limits (n,) keep the tool below both speeds anyway.
+    """
+    bounds = ToolDerivatives.along(arm, path)
+    bend = np.stack([bounds.jerk, bounds.turn_jerk], axis=1)
+    most = np.array([tool_speed, turn_speed])
+    count = np.full(len(bend), LOOKS)
+    seen, pace = _seen(arm, path, limits, count)
+    slack = (np.diff(path.breakpoints) / LOOKS)[:, None] ** 2 / 8.0 * bend
+    with np.errstate(divide="ignore", invalid="ignore"):
+        counts = (slack > NEAR * seen) & ((seen + slack) * pace[:, None] > most)
+        finer = np.where(counts, np.sqrt(slack / (NEAR * seen)), 1.0).max(axis=1)
+    if counts.any():
+        count = np.ceil(LOOKS * np.minimum(finer, MOST_LOOKS / LOOKS)).astype(np.int64)
+        seen, _ = _seen(arm, path, limits, count)
+        slack = (np.diff(path.breakpoints) / count)[:, None] ** 2 / 8.0 * bend
+    linear, angular = (seen + slack).T
+    return linear, angular
+
+
+def _seen(arm: Arm, path: JointPath, limits: JointLimits, count: Indices) -> tuple[Array, Array]:
+    """Return the greatest speeds (m, 2) by s at the ends of `count` intervals of each piece.
+
+    The second array (m,) is the greatest ṡ there by the joints' velocity limits.
+    """
+    piece = np.repeat(np.arange(len(count)), count + 1)
+    first = np.cumsum(count + 1) - (count + 1)
+    sigma = (np.diff(path.breakpoints) / count)[piece] * (np.arange(len(piece)) - first[piece])
+    theta, rate = (path.within(piece, sigma, order) for order in (0, 1))
+    twist = (arm.body_jacobian(theta) @ rate[..., None])[..., 0]
+    speeds = np.linalg.norm(twist.reshape(-1, 2, 3), axis=2)
+    with np.errstate(divide="ignore"):
+        pace = 1.0 / (np.abs(rate) / limits.velocity).max(axis=1)
+    return np.maximum.reduceat(speeds, first), np.maximum.reduceat(pace, first)

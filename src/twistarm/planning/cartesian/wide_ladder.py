@@ -1,4 +1,4 @@
-"""Wide ladder: curves climbed by an arm that is left free, in many postures at each rung."""
+"""Wide ladder: curves climbed by an arm with freedom left, in many postures at each rung."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ SEED = 0
 
 
 def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
-    """The configurations at the ends of their curves that are reached from `roots`, least joint motion first, or how
-    far any of them comes.
+    """Return the configurations that `roots` reach at the ends of their curves, least joint motion first, or how far
+    they come.
 
-    From rung to rung each goes on as near to itself as it can, nearer to the middle of the joints, and in random
-    postures; of all that are found `WIDTH` which are apart are kept, each as it is reached with the least joint motion.
+    At each rung a posture goes on near itself, nearer to the middle of the joints, and at random. `WIDTH` of them that
+    are apart stay, each with the least joint motion that reaches it.
     """
     rng = np.random.default_rng(SEED)
     rungs, nodes = Rungs(roots, FEWEST), list(roots)
@@ -64,7 +64,7 @@ def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Nod
 def _spread(
     arm: Arm, rungs: Rungs, k: int, nodes: list[Node], rng: np.random.Generator
 ) -> tuple[Array, NDArray[np.intp]]:
-    """What follows the nodes at rung k, (c, n), and which node each follows (c,)."""
+    """Return what follows the nodes at rung k, (c, n), and which node each follows (c,)."""
     here, moving = np.array([node.theta for node in nodes]), nodes[0].moving
     drawn = PULL * (arm.limits.middle() - here)
     drawn *= np.minimum(1.0, LONGEST_PULL / np.maximum(np.abs(drawn).max(axis=1, keepdims=True), LONGEST_PULL))
@@ -79,7 +79,7 @@ def _spread(
 
 
 def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float, theta: Array) -> NDArray[np.bool_]:
-    """Which configurations (c, n) at s follow their parents without a leap: halfway the arm is about halfway."""
+    """Tell which configurations (c, n) at s follow their parents without a leap: halfway the arm is about halfway."""
     before = np.array([nodes[i].theta for i in parents])
     middle = np.array(0.5 * (nodes[0].s + s))
     poses = {id(node.moving): node.moving.curve(middle) for node in nodes}
@@ -93,7 +93,7 @@ def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float
 
 
 def _apart(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.intp]:
-    """Which to keep: the cheapest in each cell; of more than `WIDTH` the very cheapest, and others."""
+    """Return which to keep: the cheapest in each cell; of more than `WIDTH` the cheapest and random others."""
     order = np.argsort(costs, kind="stable")
     _, first = np.unique(np.round(theta[order] / CELL), axis=0, return_index=True)
     kept: NDArray[np.intp] = order[np.sort(first)]
@@ -103,5 +103,5 @@ def _apart(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.i
 
 
 def _room(arm: Arm, theta: Array) -> float:
-    """How far the nearest limit is."""
+    """Return the distance to the nearest limit."""
     return float(np.minimum(theta - arm.limits.lower, arm.limits.upper - theta).min())

@@ -1,4 +1,4 @@
-"""A trajectory as a header for C99 and C++17: the table of its polynomials, and the functions that evaluate them."""
+"""A trajectory as a header for C99 and C++17: a table of polynomials and the functions that evaluate it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SUFFIXES = (".h", ".hpp", ".hh", ".hxx")
 def header_text(
     trajectory: Trajectory, file: str = "motion.h", actuators: Actuators | None = None, *, counts: bool = False
 ) -> str:
-    """What `Trajectory.to_header` writes; every name in it begins as that of the file."""
+    """Return the text that `Trajectory.to_header` writes. Every name in it begins with that of the file."""
     name = identifier_of(Path(file).stem, "motion")
     if as_flag(counts, "counts"):
         trajectory = counted(trajectory, require_motors(motors_of(trajectory, actuators)))
@@ -43,7 +43,6 @@ def header_text(
 
 
 def _piece(coefficients: Array) -> str:
-    """Of each joint the coefficients of one piece (n, degree + 1)."""
     return "{" + ",\n     ".join(f"{{{_numbers(row)}}}" for row in coefficients) + "}"
 
 

@@ -1,32 +1,46 @@
-"""A trajectory as ROS's trajectory_msgs/JointTrajectory, its motors and labels beside the message's own fields."""
+"""ROS's trajectory_msgs/JointTrajectory, written and read as JSON or YAML; motors and labels are extra fields."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...arm.arm import Arm
+from ...description.yaml_reading import parse_yaml
 from ...limits.actuators import Actuators
+from ...support import strict_json
 from ...support.checks import Array
-from ...support.errors import InputError
-from ...support.files import WRITTEN_YAML
+from ...support.errors import DescriptionError, InputError, closest, listed
+from ...support.files import WRITTEN_YAML, read_bounded, why_no_file
 from ...support.yaml_text import block
 from .motor_values import motor_values, motors_of
+from .points import Points
 
 if TYPE_CHECKING:
     from ..trajectory import Trajectory
 
 NANOSECOND = 1e-9
 
+MAX_BYTES = 50_000_000
+"""Twenty minutes of five joints at 100 Hz."""
+
+MAX_VALUES = 500_000
+"""Of a YAML file: three minutes of five joints at 100 Hz. JSON is read twenty times as fast."""
+
+FIELDS = ("positions", "velocities", "accelerations")
+
 
 def json_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = None) -> str:
-    """What `Trajectory.to_json` writes."""
+    """Return the text that `Trajectory.to_json` writes."""
     return json.dumps(_message(trajectory, dt, actuators), indent=1, allow_nan=False) + "\n"
 
 
 def yaml_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = None) -> str:
-    """What `Trajectory.to_yaml` writes."""
+    """Return the text that `Trajectory.to_yaml` writes."""
     message = _message(trajectory, dt, actuators)
     return "\n".join([f"{WRITTEN_YAML}: a trajectory_msgs/JointTrajectory", *block(message), ""])
 
@@ -36,32 +50,113 @@ def _message(trajectory: Trajectory, dt: float, actuators: Actuators | None) -> 
     nanoseconds = np.rint(samples.t / NANOSECOND).astype(np.int64)
     if not (np.diff(nanoseconds) > 0).all():
         raise InputError(f"dt = {dt:g} s is too short for JointTrajectory, which counts time in nanoseconds")
-    points = [
-        {
-            "positions": theta.tolist(),
-            "velocities": theta_dot.tolist(),
-            "accelerations": theta_ddot.tolist(),
-            "time_from_start": {"sec": int(ns // 10**9), "nanosec": int(ns % 10**9)},
-        }
-        for ns, theta, theta_dot, theta_ddot in zip(nanoseconds, *samples[1:], strict=True)
-    ]
+    stamps = [{"time_from_start": {"sec": ns // 10**9, "nanosec": ns % 10**9}} for ns in nanoseconds.tolist()]
+    states = _points_of(FIELDS, samples[1:])
+    points = [state | stamp for state, stamp in zip(states, stamps, strict=True)]
     message: dict[str, Any] = {"joint_names": list(trajectory.joint_names), "points": points}
     if motors := motors_of(trajectory, actuators):
-        message["motors"] = _motors_message(trajectory, motors, samples.t)
+        names = ("positions", "velocities", "counts", "counts_rates")
+        message["motors"] = {
+            "names": list(motors.names),
+            "units": list(motors.motor_units),
+            "count_units": list(motors.units),
+            "points": _points_of(names, motor_values(trajectory, motors, samples.t)),
+        }
     if trajectory.labels:
         message["labels"] = [{"time": time, "text": text} for time, text in trajectory.labels]
     return message
 
 
-def _motors_message(trajectory: Trajectory, motors: Actuators, t: Array) -> dict[str, Any]:
-    """Beside the joints' points, which keep to ROS's fields: as many points of the motors."""
-    position, velocity, counts, rate = motor_values(trajectory, motors, t)
-    return {
-        "names": list(motors.names),
-        "units": list(motors.motor_units),
-        "count_units": list(motors.units),
-        "points": [
-            {"positions": p, "velocities": v, "counts": c, "counts_rates": r}
-            for p, v, c, r in zip(position.tolist(), velocity.tolist(), counts.tolist(), rate.tolist(), strict=True)
-        ],
-    }
+def _points_of(names: tuple[str, ...], values: Sequence[Array]) -> list[dict[str, Any]]:
+    """Return one mapping per row of these arrays (m, k)."""
+    return [dict(zip(names, rows, strict=True)) for rows in zip(*(each.tolist() for each in values), strict=True)]
+
+
+def read_json(arm: Arm, file: Path) -> Points:
+    """Read the points of `arm` from a JSON file. Raises InputError, with the line or the point."""
+    text = _text(file)
+    try:
+        message = strict_json.parsed(text)
+    except ValueError as error:
+        raise InputError(f"{file} is no JSON: {error}") from error
+    return _points(arm, message, str(file))
+
+
+def read_yaml(arm: Arm, file: Path) -> Points:
+    """Read the points of `arm` from YAML, or from what `ros2 topic echo` prints. Raises InputError as `read_json`."""
+    # An echoed message ends with the separator of a next document, which does not follow.
+    text = _text(file).rstrip().removesuffix("\n---")
+    try:
+        message = parse_yaml(text, file, MAX_VALUES)
+    except DescriptionError as error:
+        raise InputError(str(error)) from error
+    return _points(arm, message, str(file))
+
+
+def _text(file: Path) -> str:
+    try:
+        return read_bounded(file, MAX_BYTES).decode("utf-8-sig")
+    except (OSError, ValueError) as error:
+        why = why_no_file(file) or getattr(error, "strerror", None) or error
+        raise InputError(f"cannot read {file}: {why}") from error
+
+
+def _points(arm: Arm, message: Any, file: str) -> Points:
+    names, points = _listed(message, "joint_names", file), _listed(message, "points", file)
+    order = _order(arm, names, file)
+
+    def place(k: int) -> str:
+        return f"{file}, point {k} (counted from 0)"
+
+    t = np.array([_time(point, place(k)) for k, point in enumerate(points)])
+    states = []
+    for name in FIELDS:
+        if name != FIELDS[0] and not all(point.get(name) for point in points):
+            break  # ROS leaves out what is not known, or leaves it empty
+        rows = [
+            strict_json.numbers(_entry(point, name, place(k)), f"{place(k)}: {name}", len(names))
+            for k, point in enumerate(points)
+        ]
+        states.append(np.reshape(rows, (len(points), len(names)))[:, order])
+    return Points(t, _labels(message, file), place, *states)
+
+
+def _entry(mapping: Any, name: str, place: str) -> Any:
+    if not isinstance(mapping, dict):
+        raise InputError(f"{place}: a mapping with {name!r} is needed; got {strict_json.short(mapping)}")
+    if name not in mapping:
+        raise InputError(f"{place}: {name!r} is missing{closest(name, map(str, mapping))}")
+    return mapping[name]
+
+
+def _listed(mapping: Any, name: str, place: str) -> list[Any]:
+    value = _entry(mapping, name, place)
+    if not isinstance(value, list):
+        raise InputError(f"{place}: {name} must be a list; got {strict_json.short(value)}")
+    return value
+
+
+def _order(arm: Arm, names: list[Any], file: str) -> list[int]:
+    """Return the index of each of the arm's joints among those of the message."""
+    others = [name for name in names if isinstance(name, str) and name not in arm.joint_names]
+    for name in arm.joint_names:
+        if names.count(name) != 1:
+            what = "twice" if name in names else f"not{closest(name, others)}"
+            raise InputError(f"{file}: the joint_names of {arm.name} have {listed([name])} once; here it is {what}")
+    return [names.index(name) for name in arm.joint_names]
+
+
+def _time(point: Any, place: str) -> float:
+    time = _entry(point, "time_from_start", place)
+    parts = [_entry(time, name, f"{place}, time_from_start") for name in ("sec", "nanosec")]
+    if not all(isinstance(part, int) and not isinstance(part, bool) and 0 <= part < 2**32 for part in parts):
+        raise InputError(f"{place}: time_from_start is in whole sec and nanosec from 0; got {strict_json.short(time)}")
+    return float(parts[0] + parts[1] * NANOSECOND)
+
+
+def _labels(message: dict[str, Any], file: str) -> list[tuple[float, str]]:
+    place = f"{file}, labels"
+    return [
+        (strict_json.number(_entry(label, "time", place), f"{place}: time"), _entry(label, "text", place))
+        for label in (_listed(message, "labels", file) if "labels" in message else ())
+    ]

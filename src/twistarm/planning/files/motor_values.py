@@ -1,4 +1,4 @@
-"""Positions, velocities and counts of an arm's motors along a motion, which every file has beside its joints."""
+"""Positions, velocities and counts of an arm's motors along a motion, which files hold beside the joints."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def motors_of(trajectory: Trajectory, actuators: Actuators | None) -> Actuators | None:
-    """The motors to write: those given, else those of the arm that was planned for, if it has any."""
+    """Return the motors to write: those given, else those of the planned arm, else None."""
     motors = trajectory.actuators
     if actuators is not None:
         motors = require(actuators, Actuators, "actuators", "as arm.actuators is")
@@ -22,21 +22,21 @@ def motors_of(trajectory: Trajectory, actuators: Actuators | None) -> Actuators 
 
 
 def require_motors(motors: Actuators | None) -> Actuators:
-    """The motors, or InputError where there are none."""
+    """Return the motors. Raises InputError for None."""
     if motors is None:
         raise InputError("this trajectory knows no motors: give actuators=, or plan for an arm with [actuators]")
     return motors
 
 
 def motor_values(trajectory: Trajectory, motors: Actuators, t: Array) -> list[Array]:
-    """Where the motors are and how fast they turn at t (m,), in rad or m, then as their drives count: (m, k) each."""
+    """Return position and velocity [rad or m, per s] of the k motors at t (m,), then both in counts: (m, k) each."""
     moved = trajectory.of_motors(motors)
     turned = [moved(t), moved(t, 1)]
     return [*turned, *map(motors.to_counts, turned)]
 
 
 def counted(trajectory: Trajectory, motors: Actuators) -> Trajectory:
-    """The motion in what the motors' drives count, as a trajectory of the motors."""
+    """Return the motion of the motors in what their drives count."""
     moved, scale = trajectory.of_motors(motors), motors.counts_per_unit
     waypoints, coefficients = moved.waypoints * scale, moved.coefficients * scale
     return replace(moved, units=motors.units, waypoints=waypoints, coefficients=coefficients)

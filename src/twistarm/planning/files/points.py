@@ -1,4 +1,4 @@
-"""The points of a motion as they stand in a file."""
+"""The points of a motion as a file holds them."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from ...support.checks import Array
 
 
 class Points(NamedTuple):
-    """k instants t (k,) [s] with the arm's joints (k, n), rates and accelerations where the file has them.
+    """k instants t (k,) [s] of n joints (k, n), with rates and accelerations where the file has them.
 
-    `place(i)` says where point i stands in the file.
+    `place(i)` tells the place of point i in the file.
     """
 
     t: Array
