@@ -6,6 +6,7 @@ It follows from the axes alone. It is looked for once for each arm and kind, and
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -36,6 +37,9 @@ SLACK = 1e-6
 
 SLACK_NEARLY = 0.05
 """The same for an arm whose axes miss its family: a root of the true arm may be none of the exact one."""
+
+MOST_WAYS = 1000
+"""Ways to hold surplus joints that are tried: ten joints have 210 for a pose, twenty some 39,000. A thousand take a second."""
 
 CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from many starts"
 
@@ -196,8 +200,11 @@ def _looked_for(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, families
     surplus = chain.surplus(given)
     rest = [i for i in range(arm.n) if i not in idle and i not in given]
     first = (*given, *idle[:surplus])
-    more = itertools.combinations(rest[::-1], max(surplus - len(idle), 0))
-    ways = [tuple(sorted((*first, *each))) for each in more]
+    more = max(surplus - len(idle), 0)
+    if math.comb(len(rest), more) > MOST_WAYS:
+        reason = f"{more} of its {len(rest)} joints would have to be held, in too many ways to try"
+        return Method(chain, given, given, idle, reason=reason)
+    ways = [tuple(sorted((*first, *each))) for each in itertools.combinations(rest[::-1], more)]
     found = _by_family(arm, chain, ways, given, idle)
     if families_alone or (found is not None and found.exact):
         return found or Method(chain, given, given, idle)
