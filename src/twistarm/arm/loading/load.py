@@ -87,21 +87,12 @@ def load_arm(
         InputError: An argument cannot be used.
         ComparisonError: The screws and Pinocchio's model disagree.
     """
+    wishes: dict[str, Any] = {"base": base, "tip": tip, "locked": locked, "srdf": srdf, "xacro_args": xacro_args}
+    wishes |= {"package_dirs": as_paths(package_dirs, "package_dirs"), "without": package_names(without)}
+    wishes |= {"env": variable_names(env)}
     if is_baked(source):
-        wishes = {"base": base, "tip": tip, "locked": locked, "srdf": srdf, "xacro_args": xacro_args}
-        packages = {"package_dirs": as_paths(package_dirs, "package_dirs"), "without": package_names(without)}
-        return _baked_arm(as_path(source), {**wishes, **packages, "env": variable_names(env)}, limits)
-    specification = specify(
-        source,
-        base=base,
-        tip=tip,
-        package_dirs=package_dirs,
-        xacro_args=xacro_args,
-        locked=locked,
-        srdf=srdf,
-        without=without,
-        env=env,
-    )
+        return _baked_arm(as_path(source), wishes, limits)
+    specification = specify(source, **wishes)
     description = read(specification)
     with blaming(description.findings):
         arm = assemble(description, specification, {} if limits is None else limits)
