@@ -1,4 +1,4 @@
-"""Keys typed at the terminal while something runs, one by one and without Enter."""
+"""Keys typed at the terminal while a command runs, without Enter."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
 AT_ONCE = 64
-"""Bytes taken at once: nobody types faster than that between two cycles."""
+"""The most bytes to read between two cycles."""
 
 
 @contextmanager
 def typed_keys() -> Iterator[Callable[[], str] | None]:
-    """A function that gives what was typed since it was last asked, without waiting; None where nobody can type: stdin
-    is no terminal, or belongs to another program in the foreground. The terminal is left as it was; Ctrl-C still works.
+    """A function that returns the keys typed since its last call, without waiting.
+
+    None if stdin is no terminal, or belongs to another program in the foreground. The terminal is restored at the end.
+    Ctrl-C still works.
     """
     try:
         terminal = sys.stdin.fileno()
@@ -36,7 +38,7 @@ def typed_keys() -> Iterator[Callable[[], str] | None]:
 
 
 def _is_ours(terminal: int) -> bool:
-    """Whether it is a terminal that this program is in the foreground of: else asking it would stop the program."""
+    """Whether it is a terminal with this program in the foreground. Otherwise a read would stop the program."""
     return os.isatty(terminal) and os.tcgetpgrp(terminal) == os.getpgrp()
 
 

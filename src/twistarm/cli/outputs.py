@@ -1,4 +1,4 @@
-"""Output files of a command: `-o FILE`, its kind by the ending; `-` is standard output; no file is replaced unasked."""
+"""Output files of a command: `-o FILE`. The ending gives the kind, and `-` is standard output."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ Format = Annotated[
 Force = Annotated[bool, typer.Option("--force", help="Replace files that are there.")]
 
 Kinds = Mapping[str, tuple[str, ...]]
-"""What a command can write: each kind's name and the endings of such files."""
+"""The kinds of files that a command can write, with their endings."""
 
 
 @dataclass(frozen=True)
 class Outputs:
-    """The files that a command was told to write, as kind and name, seen to be possible before it begins."""
+    """The files that a command writes, as kind and name, checked before it begins."""
 
     files: tuple[tuple[str, str], ...] = ()
     over_description: bool = False
 
     @property
     def words(self) -> TextIO:
-        """Where the command speaks: beside standard output, if that is one of its files."""
+        """The stream for messages: stderr if standard output is one of the files."""
         return sys.stderr if any(name == STDOUT for _, name in self.files) else sys.stdout
 
     def write(self, contents: Mapping[str, Callable[[], str | bytes]]) -> list[str]:
-        """Write every file, each whole or not at all, with what the function of its kind returns; the names."""
+        """Write every file with the result of the function of its kind. Return the names."""
         made = [(name, contents[kind]()) for kind, name in self.files]
         for name, content in made:
             if name == STDOUT:
@@ -56,7 +56,7 @@ class Outputs:
 
 
 def _to_stdout(content: str | bytes) -> None:
-    """As it is into a pipe or a file; a terminal shows it."""
+    """Write unchanged into a pipe or a file; show printable text on a terminal."""
     if isinstance(content, str) and sys.stdout.isatty():
         say(*content.splitlines())
     else:
@@ -72,9 +72,9 @@ def outputs_of(
     json: bool = False,
     over_description: bool = False,
 ) -> Outputs:
-    """The outputs of a command as typed, and InputError for one that cannot be written or would replace a file.
+    """The outputs of a command as typed. InputError for one that cannot be written or would replace a file.
 
-    The kind is that of the ending, else `form`, else the only one, or for standard output the first, of `kinds`.
+    The ending gives the kind, else `form`, else the only one of `kinds`. Standard output takes the first of `kinds`.
     """
     names = [typed] if isinstance(typed, str) else list(typed or ())
     if form is not None and form not in kinds:

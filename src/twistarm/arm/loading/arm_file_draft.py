@@ -1,4 +1,4 @@
-"""A first arm.toml: what can be found out about an arm written down, the rest as comments to fill in."""
+"""A first arm.toml: the known facts about an arm, and comments to fill in."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from ..arm import Arm
 from .load import assemble, prove, specify
 
 FILL_IN = "?"
-"""Stands where only the team knows the number: no TOML, so that nobody takes it over unread."""
+"""Mark for a number that only the team knows. It is not TOML, so an unread mark does not load."""
 
 
 @dataclass(frozen=True)
 class Draft:
-    """The text of an arm.toml; `unclear` tells what has to be filled in before it loads, empty if nothing."""
+    """The text of an arm.toml. `unclear` says what is missing before it loads; it is empty for a complete file."""
 
     text: str
     unclear: str = ""
@@ -46,11 +46,10 @@ def draft_arm_file(
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> Draft:
-    """An arm.toml for a URDF or xacro file, to stand in `folder`: paths are written relative to that.
+    """An arm.toml for a URDF or xacro file, with paths relative to `folder`.
 
-    It loads as the same arm that `load_arm` makes of these arguments, given the same `env`, which is never written.
-    Where no tip is clear the candidates stand in it, and `Draft.unclear` says so. Raises what `load_arm` raises for
-    every other reason.
+    It loads as the same arm that `load_arm` makes of these arguments, with the same `env`. It does not contain `env`.
+    If the tip is unclear, it lists the candidates and `Draft.unclear` says so. Any other error is that of `load_arm`.
     """
     file, folders, arguments = as_path(source), tuple(package_dirs), dict(xacro_args or {})
     absent, env = package_names(without), variable_names(env)
@@ -110,7 +109,7 @@ def _ends(description: Description, arm: Arm | None, base: str | None) -> list[s
 
 
 def _beside(description: Description, where: Path, srdf: str | os.PathLike[str] | None) -> list[str]:
-    """The SRDF in use, and joint_limits.yaml files, which count only where somebody names them."""
+    """The SRDF in use, and joint_limits.yaml files as comments."""
     semantics, _ = srdf_beside(description)
     used = as_path(srdf) if srdf else semantics.path if semantics else None
     limits = files_beside(description.path, "joint_limits.yaml") if description.path else ()
@@ -161,7 +160,7 @@ def _limits(description: Description, arm: Arm | None) -> list[str]:
 
 
 def _rows(description: Description, arm: Arm | None) -> list[tuple[str, str, dict[str, float]]]:
-    """Name, unit and limits of the arm's coordinates, or of every joint where the arm is not known."""
+    """Name, unit and limits of the arm's coordinates; of every joint if the arm is not known."""
     fields = ("lower", "upper", "velocity", "effort")
     if arm is not None:
         columns = zip(arm.joint_names, arm.units, *(getattr(arm.limits, field) for field in fields), strict=True)

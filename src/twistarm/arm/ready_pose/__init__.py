@@ -1,4 +1,4 @@
-"""The posture that one would put an arm in: one that its description names, else a tidy one that is computed."""
+"""The ready posture of an arm: one that its description names, else a computed one in round numbers."""
 
 from .bodies import Bodies
 from .merit import Mechanism
