@@ -8,6 +8,14 @@ from twistarm.cli.wording import DEGREES, in_options
 from twistarm.support.caller_words import argument, package_folder, posture, quantity
 
 
+@pytest.fixture(autouse=True)
+def degrees():
+    """Angles are in degrees, although commands of other tests may have left them in radians."""
+    token = DEGREES.set(True)
+    yield
+    DEGREES.reset(token)
+
+
 @pytest.mark.parametrize(
     ("message", "typed"),
     [
@@ -31,8 +39,5 @@ def test_messages_are_said_in_options_and_degrees(message, typed):
 
 
 def test_radians_stay_where_they_were_typed():
-    before = DEGREES.set(False)
-    try:
-        assert in_options("0.5 rad, orientation_tol=0.01") == "0.5 rad, --orientation-tol 0.01"
-    finally:
-        DEGREES.reset(before)
+    DEGREES.set(False)
+    assert in_options("0.5 rad, orientation_tol=0.01") == "0.5 rad, --orientation-tol 0.01"

@@ -1,7 +1,7 @@
-"""Axes of an arm that are almost parallel, square or intersecting, because CAD exports round.
+"""Axes of an arm that are almost parallel, square or meeting, because CAD exports round.
 
 The angle and the distance between neighbouring axes are constants of the arm. Closed forms of inverse kinematics need
-exact ones: an arm with rpy="1.5708" has none of the special geometries of its drawing.
+them exact. An arm with rpy="1.5708" loses the special geometry of its drawing.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ import numpy as np
 from ..support.checks import Array
 
 EXACT_ANGLE, EXACT_DISTANCE = 1e-9, 1e-9
-"""[rad], [m]: numbers written in full are nearer."""
+"""[rad], [m]: closer than this counts as exact."""
 
 ALMOST_ANGLE, ALMOST_DISTANCE = math.radians(0.5), 2e-3
-"""[rad], [m]: further apart is on purpose."""
+"""[rad], [m]: further apart is intended."""
 
 POSITION_ROUNDING, ORIENTATION_ROUNDING = 5e-5, 1e-4
-"""[m], [rad]: an arm with rounded axes meets a target that it misses by no more."""
+"""[m], [rad]: the largest error with which an arm with rounded axes still meets a target."""
 
 ROUNDED_ANGLE, ROUNDED_DISTANCE = 1e-3, 1e-3
-"""[rad], [m]: what is further off no export has rounded."""
+"""[rad], [m]: a larger deviation is not rounding."""
 
 SHARE = 10.0
-"""Nor by more than so many times what the axes are off together."""
+"""The error is also at most this many times the sum of the deviations."""
 
 
 @dataclass(frozen=True)
 class Near:
-    """An almost exact relation of some joints, its deviation, and the resulting error of the tool [m], roughly.
+    """A relation that almost holds for some joints, and roughly how far it moves the tool [m].
 
     `apart`: the deviation is a distance, not an angle.
     """
@@ -45,10 +45,9 @@ class Near:
 
 
 def almost_exact(screws: Array, home: Array, joints: Sequence[str], reach: float) -> list[Near]:
-    """The almost exact relations of the axes of screws (6, m): neighbours base to tip, the wrist, then base and tool
-    frame.
+    """The relations that almost hold for the axes of screws (6, m): neighbours, the wrist, then base and tool frame.
 
-    The first axis is compared with the base's axes, the last one with those of the tool in `home` (4, 4).
+    The first axis is compared with the axes of the base, the last with the axes of the tool in `home` (4, 4).
     """
     v, w = screws[:3].T, screws[3:].T
     turning = np.linalg.norm(w, axis=1) > 0.5
@@ -67,7 +66,7 @@ def almost_exact(screws: Array, home: Array, joints: Sequence[str], reach: float
 
 
 def rounding_of(found: Sequence[Near], reach: float) -> tuple[float, float]:
-    """The allowed miss of such an arm: position [m] and orientation [rad]."""
+    """The errors with which an arm with such axes still meets a target: position [m] and orientation [rad]."""
     angle = sum(near.moves / reach for near in found if not near.apart and near.moves <= ROUNDED_ANGLE * reach)
     distance = sum(near.moves for near in found if near.apart and near.moves <= ROUNDED_DISTANCE)
     position, orientation = SHARE * (distance + angle * reach), SHARE * (angle + distance / reach)
@@ -75,7 +74,7 @@ def rounding_of(found: Sequence[Near], reach: float) -> tuple[float, float]:
 
 
 def _among(axis: Array, frame: Array, reach: float) -> list[tuple[str, float, bool]]:
-    """The relation of an axis to those of a frame (3, 3): parallel to one, else square to some."""
+    """The relations of an axis with the rows of a frame (3, 3): almost parallel to one, else almost square to some."""
     along = int(np.abs(frame @ axis).argmax())
     if np.linalg.norm(np.cross(axis, frame[along])) < ALMOST_ANGLE:
         return [*_pair(axis, frame[along], None, reach)]
@@ -83,9 +82,9 @@ def _among(axis: Array, frame: Array, reach: float) -> list[tuple[str, float, bo
 
 
 def _pair(a: Array, b: Array, offset: Array | None, reach: float) -> Iterator[tuple[str, float, bool]]:
-    """The relation of two axes, the tool's error, and whether the deviation is a distance.
+    """The relations that almost hold for two axes, how far each moves the tool, and whether it is a distance.
 
-    `offset` is between revolute ones.
+    `offset` is the vector between two turning axes.
     """
     sine, cosine = float(np.linalg.norm(np.cross(a, b))), abs(float(a @ b))
     for what, angle in (("parallel", math.atan2(sine, cosine)), ("square", math.atan2(cosine, sine))):
@@ -100,7 +99,7 @@ def _pair(a: Array, b: Array, offset: Array | None, reach: float) -> Iterator[tu
 
 
 def _wrist(joints: Sequence[str], axes: Array, points: Array, turning: Array) -> list[Near]:
-    """Whether the last three revolute axes almost meet in one point while each neighbouring pair meets exactly."""
+    """The relation of the last three axes if all turn and almost meet in one point."""
     if len(axes) < 3 or not turning[-3:].all():
         return []
     across = np.eye(3) - axes[-3:, :, None] * axes[-3:, None, :]
@@ -116,10 +115,10 @@ def _wrist(joints: Sequence[str], axes: Array, points: Array, turning: Array) ->
 
 
 def angle_in_words(radians: float) -> str:
-    """In degrees, or a tiny one in rad."""
+    """An angle in degrees; a tiny angle in rad."""
     return f"{math.degrees(radians):.2g}°" if radians > 1e-4 else f"{radians:.1e} rad"
 
 
 def length_in_words(metres: float) -> str:
-    """In mm, or a tiny one in µm."""
+    """A length in mm; a tiny length in µm."""
     return f"{1e3 * metres:.2g} mm" if metres >= 1e-5 else f"{1e6 * metres:.2g} µm" if metres >= 1e-8 else "nothing"

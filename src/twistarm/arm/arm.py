@@ -1,4 +1,4 @@
-"""The arm: a chain of joints from base to tip, as plain data, with its kinematics."""
+"""The arm: a chain of joints from base to tip with its kinematics."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ _MADE_WHEN_ASKED = (
 
 
 class Coupling(NamedTuple):
-    """Joint values = A @ theta + b: A (m, n) and b (m,), one row per moving joint of the chain."""
+    """Joint values A @ theta + b: A (m, n) and b (m,), one row per moving joint of the chain."""
 
     A: Array
     b: Array
@@ -69,7 +69,7 @@ class Coupling(NamedTuple):
 
 
 class Proof(NamedTuple):
-    """The check at load: worst differences between product of exponentials and Pinocchio, over `samples` postures."""
+    """The check at load: the largest differences between screws and Pinocchio over `samples` postures."""
 
     pose_error: float
     jacobian_error: float
@@ -81,16 +81,16 @@ class Proof(NamedTuple):
 class Arm:
     """A robot arm with n independent joint coordinates `theta` (..., n) [rad or m], base to tip.
 
-    g_st(theta) = Π exp(ξ_i (A θ)_i) · home (MLS §3.2.2, the product of exponentials), with the columns ξ_i of `screws`
-    (6, m) and `home` (4, 4) at theta = 0, and the mimic coupling (A, b) in `coupling`. Poses are in the base frame.
-    Every method accepts any finite theta, inside the limits or not, and any leading axes.
+    g_st(theta) = Π exp(ξ_i (A θ)_i) · home is the product of exponentials, MLS §3.2.2. `screws` (6, m) has the columns
+    ξ_i, and `home` (4, 4) is the pose at theta = 0. `coupling` is the mimic coupling (A, b). Poses are seen from the
+    base link. Every method accepts any finite theta, also outside the limits, with any leading axes.
 
-    `actuators` are the motors of an arm.toml. `disabled_pairs` are the sorted pairs of links that an SRDF exempts from
-    collision checks. `moving_names` are the moving joints of the chain, base to tip, followers included: one per column
-    of `screws`.
+    `actuators` are the motors that an arm.toml describes. `disabled_pairs` are the pairs of links, each sorted, that
+    an SRDF exempts from collision checks. `moving_names` are the moving joints of the chain, base to tip. There is one
+    per column of `screws`, and followers count.
 
-    An arm is plain data, can be pickled, and works without Pinocchio. The compiled core answers `fk` and the Jacobians.
-    Without it Pinocchio (`pinocchio`) answers, or `poe` for an arm without a description.
+    An arm is plain data and picklable. The compiled core computes `fk` and the Jacobians. Without the core Pinocchio
+    does, and `poe` for an arm without a description.
     """
 
     name: str
@@ -131,7 +131,7 @@ class Arm:
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}
-        # What keeps a mapping from being changed cannot be pickled.
+        # A mapping proxy cannot be pickled.
         return kept | {name: dict(kept[name]) for name in ("named_states", "couplings")}
 
     def __repr__(self) -> str:
@@ -171,38 +171,37 @@ class Arm:
 
     @cached_property
     def tool_axis(self) -> Array:
-        """The unit vector (3,) in tool axes about which the last joint rolls the tool, outward; z without a roll.
+        """The unit vector (3,) in tool axes about which the last joint rolls the tool, outward. The default is z.
 
-        It is the default direction of an `Approach`; `twistarm.arm.roll_axis` has the exact rule.
+        An `Approach` points this axis by default. `twistarm.arm.roll_axis` has the exact rule.
         """
         return roll_axis(self.body_screws, self.coupling.A, self.reach)
 
     @property
     def frame_names(self) -> tuple[str, ...]:
-        """Each link of the description and the tool, or base and tool without a description."""
+        """Every link of the description, and the tool. Without a description: base and tool."""
         links = tuple(self.description.links) if self.description else (self.base,)
         return links if self.tip in links else (*links, self.tip)
 
     @property
     def configurations(self) -> Configurations:
-        """Configurations by name: `ready`, `zero`, `named_states`. Every theta argument accepts these names."""
+        """Configurations by name: `ready`, `zero` and `named_states`. Methods take a name as theta."""
         return Configurations(self.name, self.n, self.named_states, lambda: self.ready)
 
     @cached_property
     def ready(self) -> Array:
         """The configuration to start from, inside the limits, (n,): a named one, else `computed_ready`.
 
-        The names are `ready`, `home`, `default`, `rest` and `stowed`, in this order and any capitals.
+        It has the first of these names that exists, in any case: `ready`, `home`, `default`, `rest`, `stowed`.
         """
         name = named_ready(self.named_states)
         return self.computed_ready if name is None else self.named_states[name]
 
     @cached_property
     def computed_ready(self) -> Array:
-        """A computed configuration (n,): round numbers off the limits, well conditioned, the tool in front and above
-        the base.
+        """A well-conditioned posture (n,) in round numbers, off the limits, the tool in front of and above the base.
 
-        No two links overlap in it, as far as the description has shapes.
+        No two links overlap in it if the description has shapes.
         """
         numbers = self.screws, self.home, self.coupling.A, self.reach
         mechanism = Mechanism(*numbers, self.limits, self.sampling_bounds, self.units)
@@ -210,33 +209,34 @@ class Arm:
 
     @cached_property
     def middle(self) -> Array:
-        """The middle of the limits, (n,); as near to 0 as allowed for a joint without two limits."""
+        """The middle of the limits, (n,). A joint without two limits is as near to 0 as its limits allow."""
         return frozen(self.limits.middle())
 
     @cached_property
     def rounding(self) -> tuple[float, float]:
-        """The allowed miss of a target due to rounded axes [m], [rad]: (0, 0) for exact axes.
+        """The errors [m], [rad] with which a pose still meets a target: (0, 0) for exact axes.
 
-        It is at most (5e-5, 1e-4) and ten times the deviation of almost exact axes, as CAD exports round them.
+        CAD exports round axes that are parallel, square or meeting. For such axes the errors are ten times the
+        rounding, at most (5e-5, 1e-4).
         """
         return rounding_of(almost_exact(self.screws, self.home, self.moving_names, self.reach), self.reach)
 
     @cached_property
     def pinocchio(self) -> PinocchioModel:
-        """Pinocchio's model and data (per thread) of the whole description. Raises TwistarmError without one."""
+        """Pinocchio's model of the whole description, with data per thread. Without a description: TwistarmError."""
         if self.description is None:
             raise TwistarmError(f"{self.name} was {self._whence}: it has no Pinocchio model")
         return PinocchioModel(self.description, self.couplings, self.joint_names, self.moving_names)
 
     @cached_property
     def _compiled(self) -> engine.Chain | None:
-        """The arm in the compiled core; None without a core (`engine.why_not()`) or beyond 32 joints."""
+        """The arm in the compiled core; None without a core (`engine.why_not()`) or for more than 32 joints."""
         bounds = self.limits.lower, self.limits.upper
         numbers = self.screws, self.home, self.coupling.A
         return engine.chain_of(*numbers, bounds, self.sampling_bounds, self.reach, self.rounding)
 
     def _core(self, what: str) -> engine.Chain:
-        """The arm in the compiled core. Raises TwistarmError with the remedy if `what` cannot have it."""
+        """The arm in the compiled core. Without it raise TwistarmError, which names `what` and the remedy."""
         engine.need(what)
         if self._compiled is None:
             raise TwistarmError(f"{what} needs the compiled core: {self._why_not_compiled}")
@@ -244,7 +244,7 @@ class Arm:
 
     @property
     def _why_not_compiled(self) -> str:
-        """Why the arm is not in the compiled core; empty where it is."""
+        """Why the arm is not in the compiled core; empty if it is."""
         if self._compiled is not None:
             return ""
         count = max(self.coupling.A.shape)
@@ -252,18 +252,18 @@ class Arm:
 
     @cached_property
     def _readable(self) -> ByExponentials | ByPinocchio:
-        """The kinematics in Python: by Pinocchio, or by exponentials for an arm without a description."""
+        """The kinematics in Python: by Pinocchio, or by exponentials without a description."""
         if self.description is None:
             return ByExponentials(self.screws, self.home, self.coupling.A)
         return ByPinocchio(self.pinocchio, self.base, self.tip_link, self.tool)
 
     @cached_property
     def _kinematics(self) -> engine.Chain | ByExponentials | ByPinocchio:
-        """Who answers forward kinematics and Jacobians: the compiled core, where it has the arm."""
+        """The engine of `fk` and the Jacobians: the compiled core if it has the arm."""
         return self._readable if self._compiled is None else self._compiled
 
     def by_pinocchio(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
-        """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, for proofs."""
+        """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, independent of the engine of `fk`."""
         kernels = ByPinocchio(self.pinocchio, self.base, self.tip_link, self.tool)
         return (
             self._each(kernels.fk, theta, (4, 4)),
@@ -284,12 +284,9 @@ class Arm:
             theta: Configurations (..., n) [rad, m].
             frame: A name of `frame_names`.
 
-        Returns:
-            Poses (..., 4, 4).
-
         Raises:
             InputError: theta does not fit the arm.
-            UnknownNameError: The arm has no such frame; the message gives the closest names.
+            UnknownNameError: The arm has no such frame.
         """
         if not isinstance(frame, str) or frame not in self.frame_names:
             listing = f"{len(self.frame_names)} frames: {FRAME_NAMES}"
@@ -310,9 +307,6 @@ class Arm:
         Args:
             theta: Configurations (..., n) [rad, m].
             others: Values of joints outside the chain by name (fingers, a second arm) [rad, m]; 0 where not given.
-
-        Returns:
-            {frame: poses (..., 4, 4)}.
 
         Raises:
             InputError: theta does not fit the arm, or a value is not a finite number.
@@ -355,14 +349,11 @@ class Arm:
         return np.concatenate([R @ J[..., :3, :], R @ J[..., 3:, :]], axis=-2)
 
     def manipulability(self, theta: ArrayLike, length: float | None = None) -> Manipulability:
-        """Singular values of the body Jacobian; metres are measured in `length` [m], by default `reach`.
+        """Singular values, condition number and ellipsoids of the body Jacobian, with metres measured in `length`.
 
         Args:
             theta: Configurations (..., n) [rad, m].
-            length: The length [m] that is weighed like 1 rad; by default `reach`.
-
-        Returns:
-            The `Manipulability`: singular values, condition number and ellipsoids.
+            length: The length [m] that counts like 1 rad; by default `reach`.
 
         Raises:
             InputError: theta does not fit the arm, or length is not positive.
@@ -377,23 +368,18 @@ class Arm:
         )  # fmt: skip
 
     def _fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
-        """g_st (4, 4) and J^b (6, n) of one configuration, unchecked, for inner loops of solvers."""
+        """g_st (4, 4) and J^b (6, n) of one configuration in one pass, for inner loops. theta is not checked."""
         both = self._kinematics.fk_and_body_jacobian(theta)
         return self._readable.fk_and_body_jacobian(theta) if both is None else both
 
     # -- statics -------------------------------------------------------------------------------------------------
 
     def joint_torques(self, theta: ArrayLike, wrench_body: ArrayLike) -> Array:
-        """τ = J_bᵀ F (..., n) [N m or N]: the joint torques if the tool exerts F = (f, τ) on the world.
-
-        F (..., 6) is in tool axes at the tool's origin. MLS §3.4.2.
+        """τ = J_bᵀ F (..., n) [N m or N]: the joints' torques when the tool exerts F on the world. MLS §3.4.2.
 
         Args:
             theta: Configurations (..., n) [rad, m].
-            wrench_body: Wrenches F = (f, τ) (..., 6) [N, N m].
-
-        Returns:
-            Torques and forces of the joints (..., n) [N m, N].
+            wrench_body: Wrenches F = (f, τ) (..., 6) [N, N m], in tool axes at the tool's origin.
 
         Raises:
             InputError: theta or the wrench has another shape, or is not finite.
@@ -410,16 +396,13 @@ class Arm:
         payload: float = 0.0,
         payload_com: ArrayLike = (0.0, 0.0, 0.0),
     ) -> Array:
-        """The torques that hold the arm against gravity, (..., n) [N m or N], mimic followers included.
+        """Torques (..., n) [N m or N] that hold the arm still against gravity. Mimic followers count.
 
         Args:
             theta: Configurations (..., n) [rad, m].
             gravity: Acceleration of free fall (3,) [m/s²], in base axes.
             payload: Mass carried by the tool [kg].
             payload_com: The payload's centre of mass (3,) [m], in tool axes.
-
-        Returns:
-            Torques and forces of the joints (..., n) [N m, N].
 
         Raises:
             InputError: An argument has another shape, or the payload is negative.
@@ -444,7 +427,7 @@ class Arm:
     # -- configurations ------------------------------------------------------------------------------------------
 
     def random_theta(self, rng: int | np.random.Generator, size: int | tuple[int, ...] | None = None) -> Array:
-        """Random configurations, uniform within the limits; where a joint has none, within ± `usual_half`: π rad, 1 m.
+        """Random configurations, uniform in `sampling_bounds`.
 
         Args:
             rng: A seed, which gives the same configurations each time, or a NumPy Generator.
@@ -461,14 +444,14 @@ class Arm:
 
     @property
     def sampling_bounds(self) -> tuple[Array, Array]:
-        """Lower and upper (n,) that random configurations are drawn from: the limits, made finite."""
+        """The limits, lower and upper (n,). ± `usual_half` replaces a limit that is infinite."""
         return self.limits.sampling_bounds(self.usual_half)
 
     @cached_property
     def usual_half(self) -> Array:
-        """Half the assumed range (n,) of an unbounded coordinate: π rad, 1 m.
+        """Half the range (n,) assumed for an unbounded coordinate: π rad, 1 m.
 
-        A helical joint gets the turn that advances it 1 m, if that is more.
+        For a thread it is the turn that advances it 1 m, if that is more.
         """
         half = np.array([usual_half(kind) for kind in self.joint_types])
         for pair in lower_pairs(self.screws, self.coupling.A):
@@ -484,7 +467,7 @@ class Arm:
         *,
         name: str = "theta",
     ) -> Array:
-        """theta (..., n) from numbers; (n,) from a name in `configurations`, {joint: value}, or joints and values.
+        """Check theta (..., n), or make (n,) from a name in `configurations`, {joint: value}, or joints and values.
 
         Values by joint must name every joint, in any order.
 
@@ -493,15 +476,12 @@ class Arm:
             numbers: The values that belong to joint names (n,); None otherwise.
             name: The argument's name in the text of an error.
 
-        Returns:
-            theta (..., n), checked.
-
         Raises:
             InputError: The shape does not fit, a number is not finite, or a joint is missing.
             UnknownNameError: No such configuration or joint.
 
         Warns:
-            UnitsWarning: The numbers lie outside the limits and are plainly degrees.
+            UnitsWarning: The numbers lie outside the limits and look like degrees.
         """
         if isinstance(values, str):
             return self.configurations[values]
@@ -529,17 +509,14 @@ class Arm:
         return {name: float(value) for name, value in zip(self.joint_names, x, strict=True)}
 
     def with_tool(self, g_tip_tool: ArrayLike, name: str) -> Arm:
-        """The same arm with a tool frame `name` at g_tip_tool (4, 4) in the present tip frame.
+        """A new arm with a tool frame `name` beyond the present tip.
 
         Args:
             g_tip_tool: The tool's pose (4, 4), seen from the present tip.
             name: The name of the new frame.
 
-        Returns:
-            A new `Arm`; this one does not change.
-
         Raises:
-            InputError: It is not one pose in SE(3), or the arm has a frame of that name.
+            InputError: g_tip_tool is not one pose in SE(3), or the arm has a frame of that name.
         """
         g = as_pose(g_tip_tool, "g_tip_tool")
         if g.ndim != 2:
@@ -556,8 +533,8 @@ class Arm:
     def bake(self, path: str | os.PathLike[str]) -> Path:
         """Write the arm as numbers to an arm.json, which `load_arm` reads without Pinocchio and the description.
 
-        The file has everything but `description` and `findings`, so the chain answers as before. The same arm gives the
-        same bytes. The file is written whole or not at all. Returns its path.
+        The file holds everything except `description` and `findings`. The same arm gives the same bytes. An error
+        leaves no partial file. Returns the path.
         """
         return write_baked(self._baked, path)
 
@@ -574,7 +551,7 @@ class Arm:
         return tuple(joint.name for joint in self.description.chain(self.base, self.tip_link) if joint.moving)
 
     def _overlapping(self) -> Overlapping | None:
-        """A test for overlapping links; None without a description or shapes."""
+        """A check for overlapping links; None without shapes in the description."""
         if self.description is None or not self.description.has_shapes:
             return None
         return Bodies(
@@ -583,7 +560,7 @@ class Arm:
 
     @property
     def _whence(self) -> str:
-        """Where an arm without a description comes from."""
+        """The origin of an arm without a description."""
         if self.source == "screws":
             return "made from screws, not from a description"
         return f"baked without its description (load {self.source!r} for that)"
@@ -597,7 +574,7 @@ class Arm:
         return np.tile(np.eye(4), (*self.theta_from(theta).shape[:-1], 1, 1))
 
     def _asked(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
-        """`kernel` of theta, converted to float64 (N, n) if the core does not accept it unchanged."""
+        """`kernel` of theta. If the core does not take theta as given, `_each` converts it."""
         answer = kernel(theta) if self._compiled is not None else None
         return self._each(kernel, theta, shape) if answer is None else answer
 
@@ -631,7 +608,7 @@ def require_arm(arm: Any) -> Arm:
 
 
 def _or_none(value: float) -> str:
-    """A limit in a table; nothing where it was not given."""
+    """A limit in a table; a dash if it is not given."""
     return f"{value:.4g}" if np.isfinite(value) else "–"
 
 

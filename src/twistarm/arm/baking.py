@@ -1,4 +1,4 @@
-"""Baked arms: the chain as one file of numbers (arm.json), read without Pinocchio or the description."""
+"""Baked arms: a chain as one file of numbers (arm.json), read without Pinocchio or the description."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ MAX_BYTES = 10_000_000
 """Six joints have some 5 kB; 250 joints and a coupling between all of them 2 MB."""
 
 LARGEST, LEAST = 1e12, 1e-9
-"""What the numbers of no chain exceed, and what no reach [m] and no screw falls short of: beyond, products overflow."""
+"""The largest number of a chain, and the least reach [m] or screw. Beyond these, products overflow."""
 
 FARTHEST = 1e6
-"""How far [rad, m] a joint may be from 0: farther out an angle has lost the digits of an answer."""
+"""The largest joint value [rad, m]. A larger angle has too few digits left for an answer."""
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "helical")
 
@@ -40,9 +40,9 @@ _AGAIN = "bake it again from the description: twistarm bake ARM -o FILE --force"
 
 
 class Baked(NamedTuple):
-    """The stored data of an arm: everything but its description and findings, in SI units as in `Arm`.
+    """The contents of the file: an arm without its description and findings. SI, as in `Arm`.
 
-    `source` is the name of the original file, without its folder.
+    `source` is the name of the description's file, without its folder.
     """
 
     name: str
@@ -70,9 +70,9 @@ class Baked(NamedTuple):
 
 
 def write_baked(baked: Baked, path: str | os.PathLike[str]) -> Path:
-    """Write an arm.json, whole or not at all; the same arm gives the same bytes. Returns the path.
+    """Write an arm.json and return its path. An error leaves no partial file. The same arm gives the same bytes.
 
-    Raises InputError for a name that `load_arm` does not recognise as a baked arm, and as `write_whole` does.
+    Raises InputError for a name without the ending .json, and for the reasons of `write_whole`.
     """
     target = writable(path)
     if target.suffix != SUFFIX:
@@ -81,14 +81,14 @@ def write_baked(baked: Baked, path: str | os.PathLike[str]) -> Path:
 
 
 def text_of(baked: Baked) -> str:
-    """The file's text: JSON with numbers that read back bit by bit, and a digest of the rest."""
+    """The file's text: JSON with a digest of the rest. Every number reads back as the same bits."""
     content = _content(baked)
     entries = {"format": FORMAT, "version": VERSION, "digest": _digest_of(content), **content}
     return "{\n" + ",\n".join(f"  {json.dumps(key)}: {_laid_out(value)}" for key, value in entries.items()) + "\n}\n"
 
 
 def digest_of(baked: Baked) -> str:
-    """`sha256:…` of all stored data. Arms with the same digest are equal to the last bit."""
+    """`sha256:…` of the contents. Two arms with the same digest are equal to the last bit."""
     return _digest_of(_content(baked))
 
 
@@ -120,7 +120,7 @@ _PROOF = ("pose_error", "jacobian_error", "samples")
 
 
 def joints_entry(names: Sequence[str], types: Sequence[str], limits: JointLimits) -> list[dict[str, Any]]:
-    """The joints for an arm.json and a golden file."""
+    """The joints as written to an arm.json and a golden file."""
     bounds = _bounds(limits)
     return [
         {"name": name, "type": kind, "unit": unit_of(kind)} | {field: bounds[field][i] for field in FIELDS}
@@ -129,7 +129,7 @@ def joints_entry(names: Sequence[str], types: Sequence[str], limits: JointLimits
 
 
 def actuators_entry(motors: Actuators) -> dict[str, Any]:
-    """The motors for an arm.json and a golden file."""
+    """The motors as written to an arm.json and a golden file."""
     return {
         "names": list(motors.names),
         "G": motors.G.tolist(),
@@ -145,12 +145,12 @@ def _bounds(limits: JointLimits) -> dict[str, list[float | None]]:
 
 
 def _or_null(values: Array) -> list[float | None]:
-    """null for "not given", because JSON has no infinity and no NaN."""
+    """Numbers for JSON, with null for infinity and NaN."""
     return [float(value) if np.isfinite(value) else None for value in values]
 
 
 def _digest_of(content: Mapping[str, Any]) -> str:
-    """The digest of the content, independent of the file's layout and order. Raises ValueError for invalid numbers."""
+    """A digest independent of the file's layout and order. ValueError for a number that JSON lacks."""
     canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return f"sha256:{hashlib.sha256(canonical.encode('ascii')).hexdigest()}"
 
@@ -166,7 +166,7 @@ def _laid_out(value: Any) -> str:
 
 
 def read_baked(path: Path) -> Baked:
-    """The checked arm in an arm.json. Raises DescriptionError for an invalid or damaged one."""
+    """Read and check an arm.json. DescriptionError for any other file, and for one that was changed."""
     content = _content_of(path)
     try:
         return _checked(content)
@@ -175,7 +175,7 @@ def read_baked(path: Path) -> Baked:
 
 
 def _content_of(path: Path) -> dict[str, Any]:
-    """The file's content, of this format and version, and as it was written."""
+    """The file's content, after a check of format, version and digest."""
     try:
         content = parsed(read_text(path, MAX_BYTES))
         if not isinstance(content, dict) or content.get("format") != FORMAT:
@@ -194,12 +194,12 @@ def _content_of(path: Path) -> dict[str, Any]:
 
 
 def reason(error: Exception) -> str:
-    """Why a file of numbers does not fit, in words."""
+    """The words for an error in a file of numbers."""
     return f"{error} is missing" if isinstance(error, KeyError) else str(error)
 
 
 def _checked(content: dict[str, Any]) -> Baked:
-    """Names, shapes, units and finite numbers; KeyError, TypeError or ValueError for what does not fit."""
+    """Check names, shapes, units and numbers. Raise KeyError, TypeError or ValueError."""
     joints = content["joints"]
     names = _names([joint["name"] for joint in joints], "joints")
     moving = _names(content["moving"], "moving")
@@ -265,7 +265,7 @@ def _reach(value: ArrayLike) -> float:
 
 
 def _pose(value: ArrayLike, name: str) -> Array:
-    """As it stands, not cleaned: an arm that is baked again gives the same file."""
+    """The pose as written. It is not cleaned, so the arm baked again gives the same file."""
     g = _array(value, name, (4, 4))
     as_pose(g, name)
     return g
@@ -278,7 +278,7 @@ def _given(values: list[float | None], name: str, absent: float) -> Array:
 
 
 def read_actuators(content: Mapping[str, Any] | None, joint_names: tuple[str, ...]) -> Actuators | None:
-    """The motors of such an entry. Raises KeyError, TypeError or ValueError for an invalid one."""
+    """The motors of an entry. Raise KeyError, TypeError or ValueError for a wrong entry."""
     if content is None:
         return None
     return Actuators(
@@ -293,7 +293,7 @@ def read_actuators(content: Mapping[str, Any] | None, joint_names: tuple[str, ..
 
 
 def read_limits(content: Mapping[str, Any]) -> JointLimits:
-    """Limits by field, null where not given."""
+    """Limits by field; null means not given."""
     absent = {field: -np.inf if field == "lower" else np.inf for field in FIELDS}
     return JointLimits(**{field: _given(content[field], field, absent[field]) for field in FIELDS})
 

@@ -15,8 +15,8 @@ READY, ZERO = "ready", "zero"
 class Configurations(Mapping[str, Array]):
     """An arm's configurations by name, theta (n,) [rad, m], in this order: ready, zero, the named states.
 
-    A named state called `ready` or `zero` replaces it. `ready` is computed on demand. An unknown name raises
-    UnknownNameError, a LookupError, which lists the names.
+    A named state `ready` or `zero` replaces the computed one. `ready` is computed on first use. An unknown name
+    raises UnknownNameError, a LookupError that lists the names.
     """
 
     def __init__(self, arm: str, n: int, named: Mapping[str, Array], ready: Callable[[], Array]) -> None:

@@ -1,4 +1,4 @@
-"""The compiled core: `twistarm._core` where it was built, and the reason where it was not."""
+"""The compiled core `twistarm._core`, or the reason why it is missing."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from .._core import Servo as Servo
 
 INTERFACE = 16
-"""Of the compiled core that this Python speaks to; one more whenever the meaning of a call changes."""
+"""Version of the compiled core that this Python needs. It rises with each change of a call."""
 
 MOST_JOINTS = 32
-"""Moving joints, or coordinates, that a chain of the core holds."""
+"""The most moving joints or coordinates of a chain in the core."""
 
 _PACKAGE = __package__.partition(".")[0]
 _LOG = logging.getLogger(_PACKAGE)
@@ -28,17 +28,17 @@ _AGAIN = "pip install --force-reinstall --no-deps --no-cache-dir twistarm (or . 
 
 
 def core() -> ModuleType | None:
-    """The compiled core (its names are in _core.pyi), or None; `why_not` then says why."""
+    """The compiled core, typed in _core.pyi, or None. `why_not` gives the reason."""
     return _found()[0]
 
 
 def why_not() -> str:
-    """Why there is no compiled core and the remedy, in one line; empty with a core."""
+    """One line with the reason for a missing core and the remedy; empty with a core."""
     return _found()[1]
 
 
 def need(what: str) -> ModuleType:
-    """The compiled core. Raises TwistarmError with the remedy if `what` cannot have it."""
+    """The compiled core. Without it raise TwistarmError, which names `what` and the remedy."""
     module = core()
     if module is None:
         raise TwistarmError(f"{what} needs the compiled core: {why_not()}")
@@ -46,7 +46,7 @@ def need(what: str) -> ModuleType:
 
 
 def asked(name: str, *given: object) -> Any:
-    """The answer of a core function; None without a core, or if Python must check the arguments."""
+    """The answer of a function of the core; None without a core, or if Python must check the input."""
     module = core()
     return None if module is None else getattr(module, name)(*given)
 

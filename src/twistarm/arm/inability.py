@@ -1,4 +1,4 @@
-"""Motions that an arm cannot make, in words, for the servo, inverse kinematics and the page."""
+"""Words for motions that an arm cannot make, shared by servo, inverse kinematics and the page."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ CANNOT_MOVE = "this arm cannot move that way"
 CANNOT_TURN = "this arm cannot turn that way"
 
 NO_MOTION = 1e-3
-"""A singular value [rad per rad] below this counts as none: descriptions write 1.57 for a right angle, and mean it."""
+"""A singular value [rad per rad] below this counts as zero. Descriptions write 1.57 for a right angle."""
 
 SAMPLES = 16
-"""Random postures; almost every one has the largest rank, so the largest among them is the arm's."""
+"""Number of random postures. Almost every posture has the largest rank of the arm."""
 
 BESIDE = 0.05
-"""How far beside a singular posture one looks for the directions that it lacks [scaled rad]."""
+"""Distance [scaled rad] from a singular posture at which its missing directions are found."""
 
 MOSTLY = 0.5
-"""The share of a direction that an arm has if it has that direction."""
+"""An arm has a direction if it has at least this share of it."""
 
 Half = tuple[int, int, int]
 
@@ -44,11 +44,11 @@ class Lack(Enum):
 
 
 def lack(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, before: Sequence[int] = ()) -> Lack:
-    """Whether the tool moves along, or turns about, the unit vector (3,) at theta (n,), or anywhere.
+    """Whether the tool can move along or turn about the unit vector (3,), at theta (n,) or at any posture.
 
-    It considers motions that keep the components `before`: J_half N, with N the null space of J_before, metres divided
-    by the reach, in axes of `frame`. If their rank is below that at random configurations, this configuration lacks
-    motions that its neighbours have. (An analytic Jacobian has its largest rank almost everywhere.)
+    Only motions that leave the components `before` unchanged count: J_half N, with N the null space of J_before.
+    Metres are measured in the reach, in axes of `frame`. An analytic Jacobian has its largest rank almost everywhere.
+    If the rank here is less than at random postures, this posture lacks some directions.
     """
     span = _span(arm, theta, half, before, frame)[0]
     if _holds(span, direction):
@@ -64,24 +64,24 @@ def lack(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, befor
 
 
 def cannot_move(axis: Array, frame: str, held: str = "") -> str:
-    """Words for a unit vector (3,) along which no joint moves the tool while `held` stays."""
+    """The words for a unit vector (3,) along which no joint moves the tool with `held` fixed."""
     return f"{CANNOT_MOVE}: {_while(held)}no joint moves its tool along {axis_in_words(axis, frame)}"
 
 
 def cannot_turn(axis: Array, frame: str, held: str = "") -> str:
-    """Words for a unit vector (3,) about which no joint turns the tool while `held` stays."""
+    """The words for a unit vector (3,) about which no joint turns the tool with `held` fixed."""
     return f"{CANNOT_TURN}: {_while(held)}no joint turns its tool about {axis_in_words(axis, frame)}"
 
 
 def must_turn(axis: Array, frame: str) -> str:
-    """For a motion that turns the tool about the unit vector (3,) on its way."""
+    """The words for a motion that must turn the tool about the unit vector (3,)."""
     return f"{CANNOT_MOVE} without turning its tool about {axis_in_words(axis, frame)}"
 
 
 def singular(what: str, share: float, joint: str | None, axis: str = "") -> str:
-    """Words for a configuration near a singularity: `what` is "move" or "turn", and a share of it is done.
+    """The words for a posture near a singularity, with `what` "move" or "turn" and the `share` that is done.
 
-    joint: the one that would have to move most, if known; axis: along or about which the motion is lost.
+    `joint` is the joint that would have to move most, if known. `axis` is the lost direction.
     """
     if share >= 0.5:
         return f"near a singularity: this arm does not {what} quite that way from here"
@@ -91,7 +91,7 @@ def singular(what: str, share: float, joint: str | None, axis: str = "") -> str:
 
 
 def position_limit(side: str, joint: str) -> str:
-    """The "lower" or the "upper" end of a joint, or of a motor."""
+    """The words for the "lower" or "upper" end of a joint or motor."""
     return f"the {side} position limit of {joint}"
 
 
@@ -103,7 +103,7 @@ _RANKS: weakref.WeakKeyDictionary[Arm, dict[tuple[object, ...], int]] = weakref.
 
 
 def _rank(arm: Arm, half: Half, before: Sequence[int], frame: str) -> int:
-    """The largest rank of `_span` at random configurations, cached for the arm."""
+    """The largest rank of `_span` among random postures, cached with the arm."""
     kept = _RANKS.setdefault(arm, {})
     key = (half, tuple(before), frame)
     if key not in kept:
@@ -112,7 +112,7 @@ def _rank(arm: Arm, half: Half, before: Sequence[int], frame: str) -> int:
 
 
 def _span(arm: Arm, theta: Array, half: Half, before: Sequence[int], frame: str) -> tuple[Array, Array]:
-    """Orthonormal U (3, k) and σ (k,): the directions of one half in which the tool moves with `before` fixed."""
+    """Orthonormal U (3, k) and σ (k,): the directions of one half in which the tool moves with `before` at rest."""
     g, J = arm._fk_and_body_jacobian(theta)
     turned = J if frame == "tool" else np.kron(np.eye(2), g[:3, :3]) @ J
     rows = scaled_jacobian(turned, np.array(arm.units) == "m", arm.reach)

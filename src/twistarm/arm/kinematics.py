@@ -1,6 +1,6 @@
-"""Kinematics without the compiled core: by Pinocchio, or by exponentials without a description.
+"""Kinematics of a chain without the compiled core: by Pinocchio, or by exponentials without a description.
 
-Both answer as `_core.Chain` does, for configurations (N, n).
+Both have the methods of `_core.Chain`, for configurations (N, n).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class ByExponentials:
 
 
 class ByPinocchio:
-    """The same by Pinocchio, one configuration at a time; `tool` (4, 4) is the tip in its link's frame."""
+    """Kinematics by Pinocchio, one configuration at a time. `tool` (4, 4) is the tip seen from its link."""
 
     def __init__(self, model: PinocchioModel, base: str, link: str, tool: Array) -> None:
         self._model, self._links = model, (base, link)

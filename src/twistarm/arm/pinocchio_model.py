@@ -1,4 +1,4 @@
-"""The one door to Pinocchio: the model from a description, reference kinematics, gravity torques."""
+"""The only access to Pinocchio: model of a description, reference kinematics, gravity torques."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _WHEEL = wheels.Wheel("pinocchio", "pin", has="buildModelFromXML", oldest="3.4")
 """`pinocchio` on the registry is another project."""
 
 _STDERR = threading.Lock()
-"""File descriptor 2 belongs to the whole process: one redirection at a time."""
+"""The process has one file descriptor 2, so only one redirection runs at a time."""
 
 
 class PinocchioModel:
@@ -63,7 +63,7 @@ class PinocchioModel:
         return self._local.data
 
     def frame_id(self, link: str) -> int:
-        """Index of a link's frame: Pinocchio's own look-up answers unknown names without an error."""
+        """Index of a link's frame. Pinocchio's look-up gives no error for an unknown name."""
         return self._frames[link]
 
     def q(self, theta: Array, others: Mapping[str, float] | None = None) -> Array:
@@ -106,7 +106,7 @@ class PinocchioModel:
         return spatial
 
     def gravity_torques(self, theta: Array, base: str, gravity: Array) -> Array:
-        """Joint efforts (n,) that hold every body of the description; `gravity` (3,) in axes of `base`."""
+        """Joint efforts (n,) that hold every body still, with `gravity` (3,) in axes of `base`."""
         q = self._A @ theta + self._b
         model, data = self._own_model(), self.data
         self._pin.forwardKinematics(self.model, data, q)
@@ -116,7 +116,7 @@ class PinocchioModel:
         return torques
 
     def _own_model(self) -> Any:
-        """A model for this thread alone: Pinocchio keeps gravity in the model."""
+        """A model for this thread, because Pinocchio keeps gravity in the model."""
         if not hasattr(self._local, "model"):
             self._local.model = self.model.copy()
         return self._local.model
@@ -133,12 +133,12 @@ class PinocchioModel:
 
 
 def import_pinocchio() -> Any:
-    """The module of the `pin` wheel. Raises TwistarmError with the remedy if another one hides it."""
+    """The module of the `pin` wheel. Otherwise raise TwistarmError with the cause and the remedy."""
     return wheels.load(_WHEEL)
 
 
 def model_of(text: str) -> tuple[Any, str]:
-    """The model of a URDF text and nothing, or None and the error of Pinocchio's parser."""
+    """The model of a URDF text and an empty text, or None and the message of Pinocchio's parser."""
     pin = import_pinocchio()
     with _captured_stderr() as complaint:
         try:
@@ -162,7 +162,7 @@ def _build(description: Description) -> Any:
 
 @contextmanager
 def _captured_stderr() -> Iterator[Callable[[], str]]:
-    """Capture the C++ stderr inside the block, because Pinocchio's parser gives its reason only there."""
+    """Capture the C++ stderr as text. Pinocchio's parser writes the cause of an error only there."""
     with _STDERR, tempfile.TemporaryFile() as file:
         try:
             saved = os.dup(2)

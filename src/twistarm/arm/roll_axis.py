@@ -1,4 +1,4 @@
-"""The tool axis: the axis about which the last joint rolls the tool."""
+"""The axis of the tool about which the last joint of an arm rolls it."""
 
 from __future__ import annotations
 
@@ -8,29 +8,30 @@ from ..support.checks import Array, frozen
 from ..theory.rotations import cross
 
 Z = frozen([0.0, 0.0, 1.0])
-"""Where no joint rolls the tool: by the usual convention it points along its z axis."""
+"""The axis if no joint rolls the tool. By convention a tool points along z."""
 
 ALIGNED = 1e-3
-"""Sine and share of the reach below which axes are parallel, and a point lies on an axis: CAD exports round."""
+"""Sine below which axes are parallel, and share of the reach below which a point lies on an axis."""
 
 DECIMALS = 12
-"""Of the axis: what lies beyond is the rounding of a product of matrices, which differs from machine to machine."""
+"""Decimals of the axis. Further digits are rounding, which differs between machines."""
 
 DECISIVE = 0.5
 """Some component of every unit vector is at least 1/√3."""
 
 
 def roll_axis(body_screws: Array, coupling: Array, reach: float) -> Array:
-    """The unit vector (3,) in tool axes about which the last turning joint rolls the tool; z without a roll.
+    """The unit vector (3,) in tool axes about which the last turning joint rolls the tool, or z.
 
-    It follows from the columns (v, w) of `body_screws` (6, m) at rest and the rows of `coupling` (m, n); a locked
-    joint's row is zero. Joints beyond the last turning one only slide, so its axis w is fixed in the tool. It is a roll
-    if the turning joint before it is not parallel and the tool is ahead along it: seen from the wrist (the point of the
-    axis nearest to that joint's axis), the tool's origin is within 45° of ±w, or at the wrist. Without a joint before
-    it, the tool's origin must be on its axis. A last joint that pitches is no roll.
+    The columns (v, w) of `body_screws` (6, m) are the screws at rest. The row of a locked joint in `coupling` (m, n) is
+    zero. Joints after the last turning joint only slide, so its axis w is fixed in the tool.
 
-    Its sense is outward, from the wrist to the tool's origin. If both coincide, or nothing turns before it, the first
-    decisive component of z, x, y is positive.
+    The wrist is the point of that axis nearest to the axis of the turning joint before it. The last joint is a roll
+    if the two axes are not parallel, and the tool's origin is at the wrist or within 45° of ±w seen from there. With
+    one turning joint only, it is a roll if the tool's origin lies on its axis. A last joint that pitches gives z.
+
+    The axis points outward, from the wrist to the tool's origin. If the two coincide, or only one joint turns, the
+    first component of z, x, y of at least 0.5 in size is positive.
     """
     turning = np.flatnonzero((np.linalg.norm(body_screws[3:], axis=0) > 0.5) & coupling.any(axis=1))
     if not len(turning):

@@ -1,4 +1,4 @@
-"""Assumed velocity and acceleration limits for arms that give none."""
+"""Default velocity and acceleration limits for arms that give none."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from ..support.checks import Array
 from .arm import Arm
 
 DEFAULTS = {"velocity": {"rad": 1.0, "m": 0.25}, "acceleration": {"rad": 3.0, "m": 1.0}}
-"""Limits where an arm gives none, per s and s²: brisk for a small arm, and slow enough to let go of a key."""
+"""Default limits per s and s². They leave time to let go of a key."""
 
 POWERS = {"velocity": "s", "acceleration": "s²"}
 
 
 def with_defaults(arm: Arm, limits: JointLimits | None = None) -> JointLimits:
-    """`limits`, by default the arm's, with `DEFAULTS` where they have no velocity or acceleration.
+    """`limits`, by default the arm's, with `DEFAULTS` for missing velocities and accelerations.
 
-    A number from `AS_GOOD_AS_UNBOUNDED` on counts as missing, because files write it for "no limit".
+    A number from `AS_GOOD_AS_UNBOUNDED` on counts as missing. Some files write it for no limit.
     """
     given = arm.limits if limits is None else limits
     changes = {}
@@ -32,13 +32,13 @@ def with_defaults(arm: Arm, limits: JointLimits | None = None) -> JointLimits:
 
 
 def usually_limited(arm: Arm) -> Arm:
-    """The arm with `with_defaults` as its limits; itself where it gives them all."""
+    """The arm with `with_defaults` as its limits, or the same arm if it gives them all."""
     lacks = any(_lacking(getattr(arm.limits, name)).any() for name in DEFAULTS)
     return replace(arm, limits=with_defaults(arm)) if lacks else arm
 
 
 def defaults_line(arm: Arm, limits: JointLimits | None = None) -> str:
-    """The missing limits and their assumed values, or ""."""
+    """A line about the limits that are missing and their defaults, "" if there are none."""
     parts = [
         f"{name} {DEFAULTS[name][unit]:g} {unit}/{POWERS[name]} for {', '.join(joints)}"
         for name, unit, joints in _missing(arm, arm.limits if limits is None else limits)
@@ -47,7 +47,7 @@ def defaults_line(arm: Arm, limits: JointLimits | None = None) -> str:
 
 
 def _missing(arm: Arm, limits: JointLimits) -> Iterator[tuple[str, str, list[str]]]:
-    """(limit, unit, the joints of that unit without it), where there are such joints."""
+    """(limit, unit, joints of that unit without the limit) for each limit that is missing."""
     for name in DEFAULTS:
         for unit in ("rad", "m"):
             rows = zip(arm.joint_names, arm.units, _lacking(getattr(limits, name)), strict=True)

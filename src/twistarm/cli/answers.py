@@ -1,16 +1,18 @@
-"""The answers of `ik` to the targets of a CSV file: shown, counted and written."""
+"""The answers of `ik` to the targets of a CSV file, and of `ik --all`: shown, counted and written."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from ..arm.arm import Arm
-from ..ik import IKBatch, IKSolution, StopReason
+from ..ik import IKBatch, IKSolution, IKSolutions, StopReason
 from ..ik.solution import missed_by_rounding
 from ..support.csv_lines import csv_text
 from .csv_rows import ROWS_SHOWN, Sheet, few
-from .output import console, print_json, say, table, theta_typed
+from .grid import Grid
+from .output import console, print_json, say, shown, table, theta_typed, units
 from .outputs import Outputs
+from .wording import in_options
 
 ERRORS = ("position_error", "orientation_error")
 
@@ -42,7 +44,7 @@ def _row_json(line: int, answer: IKSolution) -> dict[str, Any]:
     return {"line": line, "stop": answer.stop.name} | {field: getattr(answer, field) for field in fields}
 
 
-def _answers(arm: Arm, lines: list[int], answers: list[IKSolution], radians: bool) -> Any:
+def _answers(arm: Arm, lines: list[int], answers: list[IKSolution], radians: bool) -> Grid:
     """The first answers, each as it can be typed."""
     rows = [
         [line, answer.stop.name, theta_typed(arm, answer.theta, radians)]
@@ -69,9 +71,70 @@ def _counted(sheet: Sheet, lines: list[int], answers: list[IKSolution]) -> list[
 
 def answers_csv(arm: Arm, lines: list[int], answers: list[IKSolution]) -> str:
     """The answers as CSV: theta, whether and why not, and how far off."""
-    joints = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)]
     rows = (
         [line, *answer.theta.tolist(), answer.stop.name, answer.position_error, answer.orientation_error]
         for line, answer in zip(lines, answers, strict=True)
     )
-    return csv_text(["line", *joints, "answer", "position_error [m]", "orientation_error [rad]"], rows)
+    return csv_text(["line", *_joint_columns(arm), "answer", "position_error [m]", "orientation_error [rad]"], rows)
+
+
+def _joint_columns(arm: Arm) -> list[str]:
+    """The heads of a CSV file's columns of joints, with units."""
+    return [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)]
+
+
+def tell_all(solutions: IKSolutions, outputs: Outputs, *, radians: bool, json: bool) -> int:
+    """Write and say all configurations; the exit code."""
+    written = outputs.write({"csv": lambda: all_csv(solutions)})
+    if json:
+        print_json(_all_json(solutions) | {"written": written})
+    else:
+        if len(solutions):
+            console(outputs.words).print(_all_table(solutions, radians))
+            say(theta_typed(solutions.arm, solutions[0], radians), file=outputs.words)
+        say(*in_options(solutions.explain()).splitlines(), file=outputs.words)
+        outputs.say(written)
+    return 0 if len(solutions) else 1
+
+
+def _all_table(solutions: IKSolutions, radians: bool) -> Grid:
+    """A row for each configuration, nearest first."""
+    arm, count = solutions.arm, len(solutions)
+    moving = any(solutions.free)
+    rows = [
+        [i + 1, *shown(arm, theta, radians, digits=3), *([", ".join(free)] if moving else [])]
+        for i, (theta, free) in enumerate(zip(solutions.theta[:ROWS_SHOWN], solutions.free, strict=False))
+    ]
+    heads = [f"{name} {unit}" for name, unit in zip(arm.joint_names, units(arm, radians), strict=True)]
+    more = f", the {ROWS_SHOWN} nearest of them (-o FILE.csv has all)" if count > ROWS_SHOWN else ", nearest first"
+    title = f"{arm.name}: {count} configuration{'s' * (count != 1)}{more if count > 1 else ''}"
+    last = ["may go on moving"] if moving else []
+    return table(title, ["", *heads, *last], rows, text=last)
+
+
+def _all_json(solutions: IKSolutions) -> dict[str, Any]:
+    fields = ("theta", "free", "outside", "complete", "timed_out", "method", "family", "starts", "hits")
+    return {
+        "arm": solutions.arm.name,
+        "joint_names": solutions.arm.joint_names,
+        **{field: getattr(solutions, field) for field in fields},
+        "position_error": solutions.position_error,
+        "orientation_error": solutions.orientation_error,
+        "explanation": in_options(solutions.explain()),
+    }
+
+
+def all_csv(solutions: IKSolutions) -> str:
+    """All configurations as CSV, also those outside the limits: theta, joints that may go on moving, within or not.
+
+    Members of one family have one number.
+    """
+    arm = solutions.arm
+    free = (*solutions.free, *((),) * len(solutions.outside))
+    families = (*solutions.members, *solutions.outside[:, None])
+    rows = (
+        [i + 1, *each.tolist(), " ".join(moving), "no" if i >= len(solutions) else "yes"]
+        for i, (members, moving) in enumerate(zip(families, free, strict=True))
+        for each in members
+    )
+    return csv_text(["number", *_joint_columns(arm), "free", "within_limits"], rows)

@@ -1,4 +1,4 @@
-"""The program: its commands, and what becomes of an error."""
+"""The program: its commands and its handling of errors."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from .versions import version
 from .wording import DEGREES, told
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
-"""Exit codes: an answer that is not good; input that cannot be used; a fault of ours; Ctrl-C."""
+"""Exit codes: a bad answer, unusable input, a fault of twistarm, Ctrl-C."""
 
 app = typer.Typer(
     name="twistarm",
@@ -86,7 +86,7 @@ def _program(context: typer.Context, show_version: Version = False, debug: Debug
 
 
 def program() -> None:
-    """Run the command line, and end with its exit code or by the received signal."""
+    """Run the typed command. End with its exit code, or by the signal that ended it."""
     for stream in (sys.stdout, sys.stderr):
         # A terminal that lacks ° or ξ shows a question mark instead of stopping the program.
         if isinstance(stream, io.TextIOWrapper):
@@ -99,11 +99,9 @@ def program() -> None:
 
 
 def run(arguments: Sequence[str], sent: Sequence[int] = ()) -> int:
-    """Run the program and return its exit code.
+    """Run the program and return its exit code. Every error is one line on stderr; --debug shows the traceback.
 
-    Errors are one line on stderr, unless --debug.
-
-    A failure after a signal was `sent` counts as the interruption, because imports and libraries turn it into errors.
+    An error after a signal was `sent` counts as the interruption.
     """
     debug = "--debug" in arguments
     # --debug may stand anywhere, not only before the command.
@@ -141,5 +139,5 @@ def _report(error: Exception) -> int:
 
 
 def _say(message: str) -> None:
-    """Print an error as one line."""
+    """Print an error in one line."""
     say(f"error: {' '.join(message.split())}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""A motion from the command line: consistent options, typed goals, and their plan."""
+"""The motion of a command line: its options, its typed goals and their plan."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Planned = tuple[Trajectory, list[Segment]]
 
 @dataclass(frozen=True)
 class Asked:
-    """The arm, the typed start, and the options: None and False if not given."""
+    """The arm, the typed start and the options. None and False mean not typed."""
 
     arm: Arm
     start: str | None = None
@@ -46,7 +46,7 @@ class Asked:
     unwrap: bool = False
 
     def require_fitting(self, *, by_file: bool, by_joints: bool, goals: int) -> None:
-        """InputError for an option that the others leave nothing to say: none is ignored."""
+        """Raise InputError for an option that has no effect beside the others."""
         if self.blend is not None:
             as_not_negative(self.blend, "--blend")
         if self.tool_speed is not None:
@@ -70,18 +70,18 @@ class Asked:
             raise InputError(f"--kind {self.kind} leads through the poses of --to alone; on other motions: {laws}")
 
     def origin(self, file: MotionFile | None = None) -> Any:
-        """The typed start, or the file's; None for the pose ready."""
+        """The start as typed, or of the file; None for the pose ready."""
         return self.start if self.start is not None or file is None else file.start
 
     def poses(self, typed: Sequence[str] | None) -> list[Array]:
-        """The start and the typed poses. A joint that one leaves out keeps its value of the pose before."""
+        """The typed start and poses. A joint that a pose leaves out keeps its value of the pose before."""
         poses = [parse_theta(self.arm, "ready" if self.start is None else self.start, self.radians)]
         for text in typed or ():
             poses.append(parse_theta(self.arm, text, self.radians, ("the pose before", poses[-1])))
         return poses
 
     def of_file(self, content: MotionFile, limits: JointLimits, progress: Progress) -> Planned:
-        """The motion of a motion.toml; options precede its entries."""
+        """The motion of a motion.toml. Typed options win over the file."""
         start: Any = content.start if self.start is None else self.poses(())[0]
         speed = content.tool_speed if self.tool_speed is None else self.tool_speed
         met = {"position_tol": content.position_tol, "orientation_tol": content.orientation_tol, **self.tolerances}
@@ -104,7 +104,7 @@ class Asked:
 def typed_targets(
     xyz: Sequence[str], rpy: Sequence[str], direction: Sequence[str], axis: str | None, radians: bool
 ) -> list[Target]:
-    """The targets at positions, with one orientation for all or one each."""
+    """The targets at positions, with one orientation for all or one for each."""
     if (rpy or direction or axis) and not xyz:
         raise InputError("--rpy, --direction and --axis turn the tool at the positions of --xyz: give --xyz too")
     option, turned = ("--rpy", rpy) if rpy else ("--direction", direction)
@@ -122,7 +122,7 @@ def typed_targets(
 
 
 def motion_of_file(arm: Arm, path: Path, caps: Caps) -> tuple[Arm, Trajectory]:
-    """The motion of a file, or of its segments (*.toml), and the arm with its limits."""
+    """The motion of a file, or of the segments of a *.toml, and the arm with the limits of that motion."""
     if path.suffix.lower() != ".toml":
         driven = replace(arm, limits=capped(arm, caps))
         return driven, load_trajectory(driven, path)
@@ -134,7 +134,7 @@ def motion_of_file(arm: Arm, path: Path, caps: Caps) -> tuple[Arm, Trajectory]:
 
 
 def capped(arm: Arm, caps: Caps, changes: Mapping[str, Any] | None = None) -> JointLimits:
-    """The arm's limits capped by `changes`. A missing limit takes the typed value."""
+    """The arm's limits, each at most the typed value. A missing limit takes the typed value."""
     limits = arm.limits.with_(changes or {}, arm.joint_names)
     for name, cap in caps.items():
         if cap is not None:

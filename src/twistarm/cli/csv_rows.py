@@ -1,4 +1,4 @@
-"""Rows of numbers in CSV, with or without a header, by commas, semicolons, tabs or spaces."""
+"""Rows of numbers in CSV, with or without a header, separated by commas, semicolons, tabs or spaces."""
 
 from __future__ import annotations
 
@@ -27,27 +27,27 @@ BOUNDS = Bounds(bytes=15_000_000, lines=100_000)
 STDIN = "-"
 
 ROWS_SHOWN = 20
-"""Of answers to a file, and of the numbers of its lines: another file has all."""
+"""The most rows of answers and line numbers to show."""
 
 FACTORS = {
     "m": {"m": 1.0, "cm": 0.01, "mm": 0.001},
     "rad": {"rad": 1.0, "radians": 1.0, "deg": np.pi / 180, "degrees": np.pi / 180, "°": np.pi / 180},
     "1": {"1": 1.0, "-": 1.0},
 }
-"""What one of a header's unit is in that of a quantity [m, rad, 1]."""
+"""The size of a header's unit in the unit of the quantity [m, rad, 1]."""
 
 UNIT = re.compile(r"(.*?)(?:\s*[\[(]\s*([^\])]*?)\s*[\])]|[_ ](m|cm|mm|rad|deg|degrees))?")
 """A column's name with or without its unit: `x`, `x [mm]`, `roll (deg)`, `elbow_deg`."""
 
 OURS = re.compile(r"(line|answer|position_error|orientation_error|time|.*\.velocity|.*\.acceleration)( \[.*\])?$")
-"""Columns of the files that twistarm writes, beside those that it reads again."""
+"""Further columns of the files that twistarm writes. It does not read them."""
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Column:
-    """Where a quantity stands, and what one of its unit is in SI."""
+    """The column of a quantity, and its unit in SI."""
 
     index: int
     factor: float
@@ -85,12 +85,12 @@ class Sheet:
         return found
 
     def numbers(self, row: Row, columns: Sequence[Column]) -> Array:
-        """The row's values of `columns`, in SI. Raises InputError for what is missing or no number."""
+        """The row's values of `columns`, in SI. Raises InputError for a cell that is missing or not a number."""
         values = row.numbers([column.index for column in columns], len(self.header or self.rows[0].cells))
         return np.multiply(values, [column.factor for column in columns])
 
     def each(self, make: Callable[[Row], T]) -> list[T]:
-        """`make` of every row. Raises InputError with the line numbers of all bad rows."""
+        """The results of `make` for every row. Raises InputError with the numbers of all lines that fail."""
         made = [_attempt(make, row) for row in self.rows]
         bad = [(row.line, one) for row, one in zip(self.rows, made, strict=True) if isinstance(one, InputError)]
         if bad:
@@ -108,7 +108,7 @@ def _attempt(make: Callable[[Row], T], row: Row) -> T | InputError:
 
 
 def few(lines: Sequence[int]) -> str:
-    """The first of some lines' numbers, and how many more there are."""
+    """The first line numbers, and how many more there are."""
     left = len(lines) - ROWS_SHOWN
     return ", ".join(map(str, lines[:ROWS_SHOWN])) + (f" and {left} more" if left > 0 else "")
 
@@ -155,7 +155,7 @@ def _commented_header(before: Sequence[str], width: int) -> tuple[str, ...] | No
 
 
 def _is_number(cell: str) -> bool:
-    """Whether a cell is one, be it with a decimal comma, which is refused later."""
+    """Whether a cell is a number, also with a decimal comma, which is refused later."""
     return is_number(cell.replace(",", "."))
 
 

@@ -1,4 +1,4 @@
-"""`check` and `doctor` over a folder: every description in turn, an entry each."""
+"""`check` and `doctor` over a folder, with one entry for each description."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ VERDICT = 24
 """Characters of a verdict on a line."""
 
 PART = "no robot: macros only"
-"""The verdict on a file that others include."""
+"""The verdict on a file that other files include."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """The result for one file; `good` is False for a failure, None for a part of other files."""
+    """The result of one file. `good` is None for a part of other files."""
 
     verdict: str
     good: bool | None
@@ -42,7 +42,7 @@ def refused(said: str, found: Iterable[Finding] = (), /, **more: Any) -> Line:
 
 
 def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) -> int:
-    """Examine each description below `folder`, print the results, and return the exit code."""
+    """Look at every description below `folder`, print the results and return the exit code."""
     files = descriptions_in(folder)
     lines: dict[Path, Line] = {}
     with progress_bar(title) as progress:
@@ -58,7 +58,7 @@ def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) 
 
 
 def _looked(path: Path, look: Callable[[Path], Line]) -> Line:
-    """The result for one file. Any failure costs its line only."""
+    """The line of one file. Any error becomes its verdict."""
     try:
         return look(path)
     except Exception as error:
@@ -79,7 +79,7 @@ def _print(folder: Path, title: str, lines: Mapping[Path, Line]) -> None:
 
 
 def _arm(arm: Arm) -> str:
-    """The number of joints, the tip, and whether the tip was chosen."""
+    """The joints, base and tip of an arm, and whether twistarm chose the tip."""
     chosen = " (chosen)" if any(one.code == "several-tips" for one in arm.findings) else ""
     return f"{arm.n} joint{'s' * (arm.n != 1)} from {arm.base} to {arm.tip}{chosen}"
 

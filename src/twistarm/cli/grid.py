@@ -1,4 +1,4 @@
-"""Tables that fit a terminal: numbers and names stay whole, wide ones continue below."""
+"""Tables that fit a terminal. Numbers and names stay whole; columns that do not fit go on below."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ GAP = 2
 """Columns of the terminal between two of the table."""
 
 LONGEST_WORD = 30
-"""A longer one in a column of text, as a path, is broken."""
+"""A longer word in a column of text, such as a path, is broken."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column's head and cells. Its cells stay whole, but `wraps` lets them go on below between words."""
+    """A column's head and cells. Cells stay whole unless `wraps` breaks them between words."""
 
     head: str
     cells: tuple[str, ...]
@@ -35,7 +35,7 @@ class Column:
 
     @property
     def least(self) -> int:
-        """The least width that breaks only between words, in the head also after underscores."""
+        """The least width that breaks text only between words, and the head also behind underscores."""
         widths = [cell_len(part.rstrip()) for part in _parts(self.head)]
         if self.wraps:
             widths += [min(cell_len(word), LONGEST_WORD) for cell in self.cells for word in cell.split()]

@@ -1,4 +1,4 @@
-"""Keys typed at the terminal while something runs, one by one and without Enter."""
+"""Keys typed at the terminal while a command runs, without Enter."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
 AT_ONCE = 64
-"""Bytes taken at once: nobody types faster than that between two cycles."""
+"""The most bytes to read between two cycles."""
 
 
 @contextmanager
 def typed_keys() -> Iterator[Callable[[], str] | None]:
     """A function that returns the keys typed since its last call, without waiting.
 
-    It is None if stdin is no terminal or belongs to another program. The terminal is restored, and Ctrl-C still works.
+    None if stdin is no terminal, or belongs to another program in the foreground. The terminal is restored at the end.
+    Ctrl-C still works.
     """
     try:
         terminal = sys.stdin.fileno()
@@ -37,7 +38,7 @@ def typed_keys() -> Iterator[Callable[[], str] | None]:
 
 
 def _is_ours(terminal: int) -> bool:
-    """Whether this program is in the terminal's foreground; reading would stop it otherwise."""
+    """Whether it is a terminal with this program in the foreground. Otherwise a read would stop the program."""
     return os.isatty(terminal) and os.tcgetpgrp(terminal) == os.getpgrp()
 
 

@@ -117,7 +117,7 @@ def _with_load_options(
     source: inspect.Parameter | None = None,
 ) -> Callable[..., Any]:
     own = list(inspect.signature(command, eval_str=True).parameters.values())[replaced:]
-    load = {n: p for n, p in inspect.signature(_keywords, eval_str=True).parameters.items() if n != "radians"}
+    load = {n: p for n, p in inspect.signature(load_keywords, eval_str=True).parameters.items() if n != "radians"}
     load["source"] = source or load["source"]
 
     @functools.wraps(command)
@@ -125,7 +125,7 @@ def _with_load_options(
         typed = {name: arguments.pop(name) for name in load}
         if typed["source"] is None and any(typed.values()):
             raise InputError("give an ARM: the other options are about one")
-        source, keywords = _keywords(**typed, radians=bool(arguments.get("rad")))
+        source, keywords = load_keywords(**typed, radians=bool(arguments.get("rad")))
         return command(*answer(source, keywords), **arguments)
 
     parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in (*load.values(), *own)]
@@ -134,7 +134,7 @@ def _with_load_options(
     return run
 
 
-def _keywords(
+def load_keywords(
     source: Source,
     base: Base = None,
     tip: Tip = None,
@@ -154,11 +154,12 @@ def _keywords(
         "tip": tip,
         "package_dirs": package_dir or (),
         "xacro_args": xacro_arguments(xacro or []),
+        "srdf": srdf,
         "without": without or (),
         "env": env or (),
-        "srdf": srdf,
-        "limits": limits,
     }
+    if limits is not None:
+        keywords["limits"] = limits
     if locked:
         # Degrees or metres: only the description knows, so that it is read before.
         keywords["locked"] = _locked(load_arm(source, **keywords), locked, radians)

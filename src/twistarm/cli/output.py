@@ -26,28 +26,28 @@ from .grid import Column, Grid
 from .wording import in_options
 
 PIPED_WIDTH = 160
-"""Columns where nobody looks at a terminal: tables stay in one piece."""
+"""Columns without a terminal. Tables stay in one piece."""
 
 
 def console(words: TextIO | None = None) -> Console:
-    """A console on the present stdout, or on `words`. What it is given as markup holds names as `literal` alone."""
+    """A console on stdout, or on `words`. Pass names through `literal` before you print them as markup."""
     out = words or sys.stdout
     known = out.isatty() or "COLUMNS" in os.environ
     return Console(file=out, width=None if known else PIPED_WIDTH, highlight=False, emoji=False)
 
 
 def literal(text: object) -> str:
-    """A text in console markup that is shown unchanged on its line."""
+    """Text for a console's markup, shown unchanged and in one line."""
     return escape(printable(str(text)))
 
 
 def as_written(text: str) -> str:
-    """Text for what Rich shows by itself: brackets stay in it."""
+    """Text for output by Rich, with its brackets kept."""
     return escape(text)
 
 
 def say(*lines: object, file: TextIO | None = None) -> None:
-    """Print lines. Names in them cannot start a line, a colour or a terminal command."""
+    """Print lines. Control characters in names do not reach the terminal."""
     print(*(printable(str(line)) for line in lines), sep="\n", file=file or sys.stdout, flush=True)
 
 
@@ -57,7 +57,7 @@ def warn(message: str) -> None:
 
 
 def note(message: str) -> None:
-    """What was understood although it was not typed, on stderr, in one line."""
+    """A note about an assumption, on stderr, in one line."""
     say(f"note: {in_options(message)}", file=sys.stderr)
 
 
@@ -71,7 +71,7 @@ _UNUSUAL = re.compile(r"[^\n -~]")
 
 
 def _in_json(found: re.Match[str]) -> str:
-    """A character of a JSON text, escaped if a terminal would interpret it."""
+    """A character that is not printable, escaped as in JSON."""
     return found[0] if found[0].isprintable() else json.dumps(found[0])[1:-1]
 
 
@@ -110,7 +110,7 @@ def plain(value: Any) -> Any:
 def table(
     title: str, columns: Sequence[str], rows: Sequence[Sequence[object]], text: Sequence[str] = (), caption: str = ""
 ) -> Grid:
-    """A table of numbers, right-aligned except the first column of names and the columns in `text`."""
+    """A table of numbers, aligned to the right. The first column and the columns in `text` are aligned to the left."""
     cells = zip(*(map(printable, map(str, row)) for row in rows), strict=True) if rows else ((),) * len(columns)
     return Grid(
         printable(title),
@@ -123,7 +123,7 @@ def table(
 
 
 def shown(arm: Arm, values: Array, radians: bool, digits: int = 4) -> list[str]:
-    """Joint values as a person reads them: degrees (or rad) and metres."""
+    """Joint values for people: degrees (or rad) and metres."""
     return [
         number(x if unit == "m" or radians else np.degrees(x), digits)
         for x, unit in zip(values, arm.units, strict=True)
@@ -146,7 +146,7 @@ def theta_values(arm: Arm, theta: Array, radians: bool) -> str:
 
 
 def number(value: float, digits: int = 4) -> str:
-    """A number without needless digits; − where nothing was given."""
+    """A number without trailing zeros; − for infinity and NaN."""
     if not np.isfinite(value):
         return "−"
     text = f"{value:.{digits}f}".rstrip("0").rstrip(".")

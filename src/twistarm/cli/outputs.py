@@ -1,4 +1,4 @@
-"""Output files of a command: `-o FILE` by its ending, `-` for standard output; no silent replacement."""
+"""Output files of a command: `-o FILE`. The ending gives the kind, and `-` is standard output."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ Format = Annotated[
 Force = Annotated[bool, typer.Option("--force", help="Replace files that are there.")]
 
 Kinds = Mapping[str, tuple[str, ...]]
-"""What a command can write: each kind's name and the endings of such files."""
+"""The kinds of files that a command can write, with their endings."""
 
 
 @dataclass(frozen=True)
 class Outputs:
-    """The requested files as kind and name, checked before the command begins."""
+    """The files that a command writes, as kind and name, checked before it begins."""
 
     files: tuple[tuple[str, str], ...] = ()
     over_description: bool = False
 
     @property
     def words(self) -> TextIO:
-        """Where the command speaks: beside standard output, if that is one of its files."""
+        """The stream for messages: stderr if standard output is one of the files."""
         return sys.stderr if any(name == STDOUT for _, name in self.files) else sys.stdout
 
     def write(self, contents: Mapping[str, Callable[[], str | bytes]]) -> list[str]:
-        """Write every file, whole or not at all, with the text of its kind's function. Returns the names."""
+        """Write every file with the result of the function of its kind. Return the names."""
         made = [(name, contents[kind]()) for kind, name in self.files]
         for name, content in made:
             if name == STDOUT:
@@ -56,7 +56,7 @@ class Outputs:
 
 
 def _to_stdout(content: str | bytes) -> None:
-    """Write unchanged into a pipe or a file, and readably on a terminal."""
+    """Write unchanged into a pipe or a file; show printable text on a terminal."""
     if isinstance(content, str) and sys.stdout.isatty():
         say(*content.splitlines())
     else:
@@ -72,11 +72,9 @@ def outputs_of(
     json: bool = False,
     over_description: bool = False,
 ) -> Outputs:
-    """The outputs of a command.
+    """The outputs of a command as typed. InputError for one that cannot be written or would replace a file.
 
-    Raises InputError for a file that cannot be written or would be replaced.
-
-    The kind is that of the ending, else `form`, else the only one of `kinds` (the first for standard output).
+    The ending gives the kind, else `form`, else the only one of `kinds`. Standard output takes the first of `kinds`.
     """
     names = [typed] if isinstance(typed, str) else list(typed or ())
     if form is not None and form not in kinds:

@@ -1,20 +1,24 @@
-"""The robot that a command drives: options for its links, and what they open."""
+"""The robot that a command drives: the options for its links, and the links."""
 
 from __future__ import annotations
 
+import functools
+import inspect
+from collections.abc import Callable
 from contextlib import ExitStack
-from typing import Annotated, NamedTuple, TextIO
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
 import typer
 
 from ..arm.arm import Arm
-from ..control.stream import Feedback, SerialRobot, SimulatedJoints, Sink, UdpFeedback, UdpSink
+from ..control.stream import Feedback, SerialRobot, SimulatedJoints, Sink, UdpFeedback, UdpSink, read_key
+from ..control.stream.links.inbox import FEEDBACK_TIMEOUT
 from ..control.stream.links.serial_link import BAUDRATE
 from ..support.checks import Array, as_positive
 from ..support.errors import InputError, LimitError
-from ..viewer import Viewer
-from .output import say, shown, units, warn
+from .output import shown, units
 
 Udp = Annotated[str | None, typer.Option(metavar="HOST:PORT", help="Send setpoints to a robot there; needs --listen.")]
 Listen = Annotated[
@@ -42,20 +46,72 @@ FeedbackTimeout = Annotated[float, typer.Option(metavar="SECONDS", help="How lon
 Tolerance = Annotated[float, typer.Option(help="How far a joint may be from where it is commanded to be (rad, m).")]
 
 
-def require_robot(
-    udp: str | None, listen: str | None, serial: str | None, units: str, velocity_mode: bool, admitted: bool
-) -> None:
-    """Raise InputError for conflicting robot options; `admitted`: --from or --key was given."""
-    if (udp is None) != (listen is None):
-        raise InputError("--udp HOST:PORT and --listen HOST:PORT go together: setpoints out, joint states in")
-    if serial is not None and udp is not None:
-        raise InputError("a robot is on --udp or on --serial, not on both")
-    if admitted and udp is None:
-        raise InputError("--from and --key are for datagrams: they need --udp")
-    if units != "joint" and udp is None and serial is None:
-        raise InputError("--units is for a robot: it needs --udp or --serial")
-    if velocity_mode and udp is None and serial is None:
-        raise InputError("--velocity-mode is for a robot that takes rates alone: it needs --udp or --serial")
+@dataclass(frozen=True)
+class Robot:
+    """The options that say which robot a command drives, and how it talks with it. `takes_robot` reads them."""
+
+    udp: Udp = None
+    listen: Listen = None
+    serial: Serial = None
+    units: Units = "joint"
+    senders: From = None
+    key: Key = None
+    velocity_mode: VelocityMode = False
+    feedback_timeout: FeedbackTimeout = FEEDBACK_TIMEOUT
+
+    @property
+    def authenticates(self) -> bool:
+        """Whether --from or --key was given."""
+        return bool(self.senders) or self.key is not None
+
+    def require_fitting(self) -> None:
+        """Raise InputError where options do not go together."""
+        if (self.udp is None) != (self.listen is None):
+            raise InputError("--udp HOST:PORT and --listen HOST:PORT go together: setpoints out, joint states in")
+        if self.serial is not None and self.udp is not None:
+            raise InputError("a robot is on --udp or on --serial, not on both")
+        if self.units != "joint" and self.udp is None and self.serial is None:
+            raise InputError("--units is for a robot: it needs --udp or --serial")
+        if self.velocity_mode and self.udp is None and self.serial is None:
+            raise InputError("--velocity-mode is for a robot that takes rates alone: it needs --udp or --serial")
+        require_positive(feedback_timeout=self.feedback_timeout)
+
+    def admitted(self) -> dict[str, Any]:
+        """The hosts and the key of the datagrams that count, as the links take them. Reads the key file."""
+        return {"senders": tuple(self.senders or ()), "key": None if self.key is None else read_key(self.key)}
+
+    def joints(self, arm: Arm, theta: Array, admitted: dict[str, Any], stack: ExitStack) -> tuple[Sink, Feedback]:
+        """Open the links to the robot. Without a robot, return simulated joints at theta (n,)."""
+        timeout, units = self.feedback_timeout, self.units
+        if self.serial is not None:
+            robot = stack.enter_context(SerialRobot(arm, *port_of(self.serial), timeout=timeout, units=units))
+            return robot, robot
+        if self.udp is None or self.listen is None:
+            joints = SimulatedJoints(arm, theta)
+            return joints, joints
+        feedback = stack.enter_context(
+            UdpFeedback(arm, *address(self.listen, "--listen"), timeout=timeout, units=units, **admitted)
+        )
+        sink = UdpSink(arm, *address(self.udp, "--udp"), key=admitted["key"], units=units)
+        return stack.enter_context(sink), feedback
+
+
+def takes_robot(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command with a keyword `robot` the options of `Robot` instead."""
+    options = inspect.signature(Robot, eval_str=True).parameters
+
+    @functools.wraps(command)
+    def run(*arm: Any, **arguments: Any) -> Any:
+        robot = Robot(**{name: arguments.pop(name) for name in options})
+        return command(*arm, robot=robot, **arguments)
+
+    parameters: list[inspect.Parameter] = []
+    for parameter in inspect.signature(command, eval_str=True).parameters.values():
+        parameters += options.values() if parameter.name == "robot" else [parameter]
+    first, *others = parameters
+    keywords = [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in others]
+    run.__signature__ = inspect.Signature([first, *keywords])  # type: ignore[attr-defined]
+    return run
 
 
 def require_positive(**typed: float | None) -> None:
@@ -75,37 +131,6 @@ def require_inside(arm: Arm, theta: Array, radians: bool) -> None:
         raise LimitError(f"--theta: {name} = {value} {unit} lies outside its limits {lower} … {upper} {unit}")
 
 
-class Admitted(NamedTuple):
-    """The allowed senders: the typed hosts and the key."""
-
-    senders: tuple[str, ...]
-    key: bytes | None
-
-
-def joints_of(
-    arm: Arm,
-    theta: Array,
-    udp: str | None,
-    listen: str | None,
-    serial: str | None,
-    units: str,
-    timeout: float,
-    admitted: Admitted,
-    stack: ExitStack,
-) -> tuple[Sink, Feedback]:
-    """The sink and the feedback: a robot, or simulated joints at theta (n,)."""
-    if serial is not None:
-        robot = stack.enter_context(SerialRobot(arm, *port_of(serial), timeout=timeout, units=units))
-        return robot, robot
-    if udp is None or listen is None:
-        joints = SimulatedJoints(arm, theta)
-        return joints, joints
-    feedback = stack.enter_context(
-        UdpFeedback(arm, *address(listen, "--listen"), timeout=timeout, units=units, **admitted._asdict())
-    )
-    return stack.enter_context(UdpSink(arm, *address(udp, "--udp"), key=admitted.key, units=units)), feedback
-
-
 def port_of(text: str) -> tuple[str, int]:
     """Serial port and baud rate of a typed PORT[:BAUD]."""
     port, colon, baud = text.rpartition(":")
@@ -114,17 +139,6 @@ def port_of(text: str) -> tuple[str, int]:
     if not port or not baud.isdecimal() or not 0 < int(baud) < 10**8:
         raise InputError(f"--serial takes PORT or PORT:BAUD, as in --serial /dev/ttyUSB0:115200; got {text!r}")
     return port, int(baud)
-
-
-def announce(viewer: Viewer, line: str, browser: bool, out: TextIO) -> None:
-    """Print assumed limits and the page's address, and open the page if wanted."""
-    if line:
-        say(f"{line} (--velocity, --acceleration)", file=out)
-    for note in viewer.notes:
-        warn(note)
-    say(f"{viewer.arm.name} at {viewer.url}  (Ctrl-C ends it)", file=out)
-    if browser and not viewer.open_page():
-        warn("no browser found here; open the address yourself")
 
 
 def address(text: str, option: str) -> tuple[str, int]:

@@ -14,7 +14,7 @@ from .wording import in_options
 
 
 def report_json(arm: Arm, report: StreamReport) -> dict[str, Any]:
-    """What the loop did, for programs."""
+    """The report of the loop, for programs."""
     values = {field.name: getattr(report, field.name) for field in fields(report)}
     counts = {name: {each.name: count for each, count in values[name].items()} for name in ("statuses", "reasons")}
     return {"arm": arm.name, **values, "ending": report.ending.name, **counts, "ok": report.ok}
@@ -26,7 +26,7 @@ def report_table(arm: Arm, report: StreamReport) -> Grid:
 
 
 def follow_json(arm: Arm, report: FollowReport) -> dict[str, Any]:
-    """How far a motion came, and what the loop did, for programs."""
+    """The report of a motion and its loop, for programs."""
     lags, errors = (
         dict(zip(report.joint_names, off.tolist(), strict=True)) for off in (report.largest_lag, report.largest_error)
     )
@@ -67,5 +67,5 @@ def _rows(report: StreamReport, uncommanded: str) -> list[list[str]]:
 
 
 def because(seconds: float, reason: str) -> str:
-    """The reason behind a time that is not 0."""
+    """The reason for a time that is not 0."""
     return f"; at last: {reason}" if seconds > 0.0 and reason else ""

@@ -1,4 +1,4 @@
-"""Targets for inverse kinematics from options and from CSV files."""
+"""Targets for inverse kinematics, typed or in a CSV file."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ KNOWN = (
     }
     | {name: name for name in ANGLES}
 )
-"""What columns are called, here and by others."""
+"""Names of the columns, here and elsewhere."""
 
 TWO_MEANINGS = {"rx", "ry", "rz"}
 """Some call the parts of a rotation vector so, others roll, pitch and yaw."""
@@ -81,7 +81,7 @@ TWO_MEANINGS = {"rx", "ry", "rz"}
 
 @dataclass(frozen=True)
 class Orientation:
-    """The requested orientation: a rotation, a direction for an axis, or nothing."""
+    """The wanted orientation of the tool: a rotation, a direction for an axis, or nothing."""
 
     rotation: Array | None = None
     direction: Array | None = None
@@ -89,7 +89,7 @@ class Orientation:
 
     @property
     def is_given(self) -> bool:
-        """Whether an orientation is requested."""
+        """Whether an orientation is wanted."""
         return self.rotation is not None or self.direction is not None
 
     def at(self, p: Array) -> Target:
@@ -108,7 +108,7 @@ class Orientation:
 def typed_orientation(
     rpy: str | None, wxyz: str | None, xyzw: str | None, direction: str | None, axis: str | None, radians: bool
 ) -> Orientation:
-    """The orientation that the options ask for."""
+    """The orientation of the options."""
     options = {"--rpy": rpy, "--quaternion": wxyz, "--quaternion-xyzw": xyzw, "--direction": direction}
     given = {option: text for option, text in options.items() if text is not None}
     if len(given) > 1:
@@ -153,7 +153,7 @@ def _axis(text: str) -> Array:
 
 
 def targets_in(sheet: Sheet, orientation: Orientation) -> list[Target]:
-    """The targets of a CSV's rows: positions with the header's orientation or the typed one."""
+    """The targets of a CSV's rows: positions, with the orientation of the header or of the options."""
     if sheet.header is None:
         width = len(sheet.rows[0].cells)
         if width != 3:

@@ -21,17 +21,17 @@ RPY = "'R P Y'"
 WXYZ, XYZW = "'W X Y Z'", "'X Y Z W'"
 AXIS = "AXIS"
 NUMBERS = (VALUES, POSE, XYZ, RPY, WXYZ, XYZW, AXIS)
-"""How the help names what an option takes where that is several numbers."""
+"""The values in the help of options that take several numbers."""
 
 ROUNDING = 1e-6
-"""Outside a limit by less [rad, m] is rounding of what was printed: a limit itself, pasted, is one."""
+"""A smaller distance outside a limit [rad, m] is rounding of a printed number."""
 
 _AROUND = "[](),;"
-"""Stands around numbers in what Python, NumPy and --json print."""
+"""Signs around numbers in the output of Python, NumPy and --json."""
 
 
 class _Flags:
-    """Options that take no value show none in the help; Typer 0.29 writes <bool>."""
+    """Hides the value of a flag in the help. Typer 0.29 writes <bool>."""
 
     def get_params(self, ctx: Any) -> list[Any]:
         params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
@@ -49,19 +49,19 @@ class Command(_Flags, TyperCommand):
     """A command with options of several numbers without quotes: `--theta 0.1 -30 60`, `--xyz 0.8 -0.1 0.7`."""
 
     def __init__(self, *args: Any, **keywords: Any) -> None:
-        """Typer's; Rich shows words in brackets in its help unchanged."""
+        """Escape brackets in the help, so that Rich does not read them as styles."""
         super().__init__(*args, **keywords)
         for param in self.params:
             param.help = as_written(getattr(param, "help", None) or "")  # type: ignore[attr-defined]
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Click's, of words in which such numbers are one."""
+        """Join such numbers to one word for Click."""
         several = [name for option in self.params if option.metavar in NUMBERS for name in option.opts]
         return super().parse_args(ctx, joined(args, several))
 
 
 def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
-    """`words` with the numbers or joint=value pairs after one of `options` joined to one word."""
+    """`words`, with the numbers or joint=value pairs after one of `options` joined to one word."""
     made: list[str] = []
     goes_on = False
     for i, word in enumerate(words):
@@ -77,7 +77,7 @@ def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
 
 
 def _is_part(word: str) -> bool:
-    """Whether a typed word is one of several values: a number, or joint=value."""
+    """Whether a typed word is a number or joint=value."""
     name, equals, value = word.rpartition("=")
     try:
         float(_plain(value if equals and not name.startswith("-") else word))
@@ -87,15 +87,15 @@ def _is_part(word: str) -> bool:
 
 
 def _plain(text: str) -> str:
-    """`text` without brackets and commas around numbers, and with ASCII minus signs."""
+    """`text` without brackets and commas around numbers, and with an ASCII minus."""
     return text.translate({ord(sign): " " for sign in _AROUND} | {ord("−"): "-"}).strip()
 
 
 def parse_theta(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None = None) -> Array:
     """A typed configuration: numbers base to tip, `joint=value` pairs, or the name of a pose.
 
-    Missing joints of pairs are as in `rest`, a name and its theta, by default the pose ready, with a note. Values
-    beyond a limit by rounding are moved onto it.
+    Joints that pairs leave out are as in `rest`, a name and its theta, by default the pose ready. A note says so. A
+    value outside a limit by rounding becomes the limit.
     """
     if text.strip() in arm.configurations:
         return arm.theta_from(text.strip())
@@ -139,7 +139,7 @@ def _typed(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None) -
 
 
 def _by_joint(arm: Arm, names: list[str], values: list[float], radians: bool, rest: tuple[str, Array] | None) -> Array:
-    """theta of typed joints, the others as in `rest`."""
+    """theta of typed joints, with the others as in `rest`."""
     typed = _of_joints(arm, names, values, radians)
     others = [name for name in arm.joint_names if name not in names]
     if not others:

@@ -16,7 +16,7 @@ def version() -> str:
 
 
 def versions_json() -> dict[str, Any]:
-    """What `info` without ARM says, for programs; null for a library that is not installed."""
+    """The answer of `info` without ARM, for programs. null means that a library is not installed."""
     return {
         "twistarm": version(),
         "python": platform.python_version(),
@@ -41,12 +41,12 @@ def versions_text() -> str:
 
 
 def engine_here() -> str:
-    """Who answers forward kinematics, Jacobians and inverse kinematics of an arm from a description."""
+    """The engine of kinematics for an arm from a description."""
     return f"compiled core ({engine.instruction_set()})" if engine.core() else "Pinocchio"
 
 
 def libraries() -> list[tuple[str, str]]:
-    """Name and extra ("" for the base installation) of each library that twistarm requires."""
+    """Name and extra ("" for the base install) of each requirement of the package."""
     pattern = re.compile(r"([\w.-]+)[^;]*(?:;.*extra == ['\"](\w+)['\"])?")
     here = [text for text in metadata.requires("twistarm") or () if "python_version" not in text]
     found = [pattern.match(text) for text in here]

@@ -1,4 +1,4 @@
-"""Messages in the words of the command line: options for arguments, and degrees if typed."""
+"""Messages in the words of the command line: options instead of arguments, and degrees."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ _OPTIONS = {
     "position_tol": ("--position-tol", "M"),
     "orientation_tol": ("--orientation-tol", "ANGLE"),
 }
-"""The option of each argument that messages name, and how its value is called in `--help`."""
+"""The option of each argument in messages, and the name of its value in `--help`."""
 
 DEGREES = ContextVar("degrees", default=True)
-"""Whether the command that runs takes angles in degrees."""
+"""Whether the running command takes angles in degrees."""
 
 
 def in_options(message: str) -> str:
-    """The message with `--tip wrist` for `tip='wrist'`, and 28.648° for 0.5 rad where angles are typed in degrees."""
+    """The message with `--tip wrist` for `tip='wrist'`. With angles in degrees, 28.648° replaces 0.5 rad."""
     message = ARGUMENT.sub(_option, message)
     message = message.replace(FRAME_NAMES, "twistarm info ARM --json")
     message = POSTURE.sub(_posture, message)
@@ -91,7 +91,7 @@ def _in_degrees(found: re.Match[str]) -> str:
 
 
 def told(error: Exception) -> str:
-    """The text of an error: ours in the command line's words, the system's unchanged."""
+    """The message of an error: ours in the words of the command line, any other with its origin."""
     if isinstance(error, TwistarmError):
         return in_options(str(error))
     if isinstance(error, OSError):

@@ -1,4 +1,4 @@
-"""Arms built joint by joint in Python from the six lower pairs, then read and proven like a file."""
+"""Arms built joint by joint in Python from the six lower pairs. They are read and proven like an arm from a file."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ BASE = "base"
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """One `<joint>`: its frame (4, 4) in the base frame at rest, its unit axis (3,) there, its limits."""
+    """One `<joint>`: its frame (4, 4) in the base frame at rest, its unit axis (3,) in that frame, and its limits."""
 
     name: str
     kind: str
@@ -49,12 +49,13 @@ class _Part:
 class ArmBuilder:
     """An arm joint by joint, base to tip: `ArmBuilder("arm").revolute(…).cylindrical(…).tool(home).build()`.
 
-    Axes, normals and points (3,) [m] are in base axes with the arm at theta = 0, as in MLS §3.2. Each method returns a
-    new builder. A joint `j` with several coordinates names them `j_rz, j_z` (cylindrical), `j_rz, j_ry, j_rx`
-    (spherical), `j_x, j_y, j_rz` (planar). Give limits with a joint [rad or m, /s, N m or N] or by coordinate in
-    `build(limits=…)`; missing ones are infinite.
+    Give every axis, normal and point (3,) [m] in base axes with the arm at rest, theta = 0, as in MLS §3.2. Each
+    method adds to the end of the chain and returns a new builder. The old builder does not change. A joint `j` with
+    several coordinates names them `j_rz, j_z` (cylindrical), `j_rz, j_ry, j_rx` (spherical) or `j_x, j_y, j_rz`
+    (planar). Give limits with the joint [rad or m, /s, N m or N], or for each coordinate in `build(limits=…)`. A limit
+    that you leave out is infinite.
 
-    Raises InputError in the wrong call: a repeated name, a zero axis, invalid numbers, swapped limits.
+    Each method raises InputError for a name used twice, a zero axis, a number that is not finite or swapped limits.
     """
 
     name: str
@@ -77,7 +78,7 @@ class ArmBuilder:
         velocity: float | None = None,
         effort: float | None = None,
     ) -> ArmBuilder:
-        """Add a turn [rad] about the line along `axis` through `point`; continuous without bounds.
+        """A turn [rad] about the line along `axis` through `point`. Without bounds it is continuous.
 
         Args:
             name: The joint's name.
@@ -87,12 +88,6 @@ class ArmBuilder:
             upper: Upper position limit [rad], or None.
             velocity: Velocity limit [rad/s], or None.
             effort: Effort limit [N m], or None.
-
-        Returns:
-            A new builder with the joint at the end of the chain; this one does not change.
-
-        Raises:
-            InputError: An argument cannot be used, or the name is taken.
         """
         with _told_of(name):
             frame, limit = _at(axis, point), _limit(lower, upper, velocity, effort)
@@ -108,7 +103,7 @@ class ArmBuilder:
         velocity: float | None = None,
         effort: float | None = None,
     ) -> ArmBuilder:
-        """Add a slide [m] along `axis`, drawn at the previous joint.
+        """A slide [m] along `axis`. It is drawn at the previous joint.
 
         Args:
             name: The joint's name.
@@ -117,12 +112,6 @@ class ArmBuilder:
             upper: Upper position limit [m], or None.
             velocity: Velocity limit [m/s], or None.
             effort: Effort limit [N], or None.
-
-        Returns:
-            A new builder with the joint at the end of the chain; this one does not change.
-
-        Raises:
-            InputError: An argument cannot be used, or the name is taken.
         """
         with _told_of(name):
             point = self._parts[-1].frame[:3, 3] if self._parts else np.zeros(3)
@@ -141,9 +130,9 @@ class ArmBuilder:
         velocity: float | None = None,
         effort: float | None = None,
     ) -> ArmBuilder:
-        """Add a turn [rad] about a line with `pitch` [m/rad] of slide along it; a lead l has the pitch l/2π.
+        """A turn [rad] about a line with `pitch` [m/rad] of slide along it. A thread of lead l has the pitch l/2π.
 
-        URDF has no helical joint: the file gets a turn, and a slide `name_z` that mimics it.
+        URDF has no helical joint. The file gets a turn, and a slide `name_z` that mimics it.
 
         Args:
             name: The joint's name.
@@ -154,12 +143,6 @@ class ArmBuilder:
             upper: Upper position limit [rad], or None.
             velocity: Velocity limit [rad/s], or None.
             effort: Effort limit [N m], or None.
-
-        Returns:
-            A new builder with the joint at the end of the chain; this one does not change.
-
-        Raises:
-            InputError: An argument cannot be used, or the name is taken.
         """
         with _told_of(name):
             turn = _turn(name, axis, _at(axis, point), _limit(lower, upper, velocity, effort))
@@ -174,12 +157,6 @@ class ArmBuilder:
             name: The joint's name.
             axis: Direction (3,) in the base frame, of any length but 0.
             point: A point of the axis (3,) [m], in the base frame.
-
-        Returns:
-            A new builder with the joint at the end of the chain; this one does not change.
-
-        Raises:
-            InputError: An argument cannot be used, or the name is taken.
         """
         with _told_of(name):
             frame = _at(axis, point)
@@ -190,19 +167,13 @@ class ArmBuilder:
     def spherical(self, name: str, point: ArrayLike, axes: ArrayLike | None = None) -> ArmBuilder:
         """Add a ball at `point`, as ZYX Euler angles `name_rz, name_ry, name_rx` [rad].
 
-        `axes` (3, 3) is the rotation with the joint's x, y, z at rest as columns, by default the identity. These
-        coordinates are singular at name_ry = ±π/2; the ball is not.
+        The columns of `axes` (3, 3) are the joint's x, y and z at rest. The coordinates are singular at
+        name_ry = ±π/2; the ball itself is not.
 
         Args:
             name: The joint's name.
             point: The ball's centre (3,) [m], in the base frame.
             axes: A rotation (3, 3), or None for the identity.
-
-        Returns:
-            A new builder with the joint at the end of the chain; this one does not change.
-
-        Raises:
-            InputError: An argument cannot be used, or the name is taken.
         """
         with _told_of(name):
             joints.spherical(point, axes)
@@ -216,20 +187,14 @@ class ArmBuilder:
     ) -> ArmBuilder:
         """Add slides `name_x, name_y` [m] in a plane, then the turn `name_rz` [rad] about its normal through `point`.
 
-        The slides go along the columns of `joints.plane_axes(normal, x_axis)`. The file has the normal along z, because
-        some readers ignore the axis of a planar joint.
+        The slides go along the columns of `joints.plane_axes(normal, x_axis)`. The file has the normal along z,
+        because some readers ignore the axis of a planar joint.
 
         Args:
             name: The joint's name.
             normal: The plane's normal (3,) in the base frame, of any length but 0.
             point: A point of the line of the turn (3,) [m], in the base frame.
             x_axis: Direction of the first slide (3,), or None.
-
-        Returns:
-            A new builder with the joint at the end of the chain; this one does not change.
-
-        Raises:
-            InputError: An argument cannot be used, or the name is taken.
         """
         with _told_of(name):
             frame = _at(normal, point)
@@ -242,9 +207,6 @@ class ArmBuilder:
         Args:
             home: The tool's pose (4, 4), seen from the base.
             name: The tool frame's name.
-
-        Returns:
-            A new builder with the tool; this one does not change.
 
         Raises:
             InputError: home is not one pose in SE(3), or the tool is given already.
@@ -259,7 +221,7 @@ class ArmBuilder:
         return replace(self, _home=frozen(g), _tool=name)._checked()
 
     def urdf(self) -> str:
-        """The arm as URDF. `load_arm` and other readers make the same arm of it."""
+        """The arm as URDF. `load_arm` makes the same arm from it."""
         if self._home is None:
             raise InputError(f"{self.name} has no tool: say where it is with .tool(home)")
         if not self._parts:
@@ -275,7 +237,7 @@ class ArmBuilder:
         return ET.tostring(robot, encoding="unicode") + "\n"
 
     def build(self, *, limits: JointLimits | Mapping[str, Any] | None = None) -> Arm:
-        """The arm, read from `urdf()` and proven against Pinocchio; `limits` as in `load_arm`."""
+        """Read the arm from `urdf()` and prove it against Pinocchio. `limits` are as in `load_arm`."""
         source = Path(self.name)
         description = build_description(self.urdf(), Reading(source, PackageIndex(source)))
         specification = ArmSpecification(source, "ArmBuilder", base=BASE, tip=self._tool)
@@ -293,7 +255,7 @@ class ArmBuilder:
         return replace(self, _parts=(*self._parts, *parts), _names=(*self._names, *names))._checked()
 
     def _checked(self) -> ArmBuilder:
-        """Check this builder. Raises InputError if the tool has a link's name, or its mount a joint's."""
+        """Return the builder. Raise InputError if the tool has the name of a link, or its mount the name of a joint."""
         links = [BASE, *(f"{name}_link" for name in self._names)]
         if self._tool in links or f"{self._tool}_mount" in self._names:
             raise InputError(f"the tool's name {self._tool!r} clashes with a joint's or its link's; rename the tool")
@@ -315,7 +277,7 @@ def _unit(axis: ArrayLike) -> Array:
 
 
 def _at(axis: ArrayLike, point: ArrayLike) -> Array:
-    """A frame at `point` with base axes, once axis and point are what `joints` takes."""
+    """A frame at `point` with base axes. `joints` checks the axis and the point."""
     joints.revolute(axis, point)
     frame = np.eye(4)
     frame[:3, 3] = _of_this_world(np.asarray(point, dtype=np.float64), "point")
@@ -323,7 +285,7 @@ def _at(axis: ArrayLike, point: ArrayLike) -> Array:
 
 
 def _of_this_world(numbers: Array, name: str) -> Array:
-    """The numbers [m], none larger than what a description may hold."""
+    """The numbers [m], checked against the largest that a description may hold."""
     if np.abs(numbers).max() > LARGEST:
         raise InputError(f"{name} must not exceed {LARGEST:g}, in metres; got {np.abs(numbers).max():g}")
     return numbers
@@ -359,7 +321,7 @@ def _number(value: float, name: str) -> float:
 
 
 def _write(robot: ET.Element, part: _Part, parent: str, child: str, origin: Array) -> str:
-    """Add the joint and its child link. Returns the link's name."""
+    """Add the joint and its child link. Return the name of the link."""
     ET.SubElement(robot, "link", name=child)
     joint = ET.SubElement(robot, "joint", name=part.name, type=part.kind)
     ET.SubElement(joint, "parent", link=parent)
@@ -368,7 +330,7 @@ def _write(robot: ET.Element, part: _Part, parent: str, child: str, origin: Arra
     if part.kind != "fixed":
         ET.SubElement(joint, "axis", xyz=_text(part.axis))
     if part.limit:
-        # WIDE stands for infinity, which URDF's readers refuse.
+        # Readers of URDF refuse infinity; WIDE replaces it.
         numbers = {name: repr(float(np.clip(value, -WIDE, WIDE))) for name, value in part.limit.items()}
         ET.SubElement(joint, "limit", numbers)
     if part.master:
@@ -377,7 +339,7 @@ def _write(robot: ET.Element, part: _Part, parent: str, child: str, origin: Arra
 
 
 def _text(numbers: Array) -> str:
-    """Digits that read back as the same numbers; adding 0 drops the sign of a zero."""
+    """Digits that read back as the same numbers. Adding 0 drops the sign of a zero."""
     return " ".join(repr(float(number) + 0.0) for number in numbers)
 
 
@@ -388,7 +350,7 @@ def _check_name(name: object, what: str) -> None:
 
 @contextmanager
 def _told_of(joint: str) -> Iterator[None]:
-    """Put the joint's name before an error."""
+    """Put the joint's name before the message of an InputError."""
     _check_name(joint, "a joint's name")
     try:
         yield

@@ -1,4 +1,4 @@
-"""A first arm.toml: everything known about an arm, the rest as comments to fill in."""
+"""A first arm.toml: the known facts about an arm, and comments to fill in."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from ..arm import Arm
 from .load import assemble, prove, specify
 
 FILL_IN = "?"
-"""Stands where only the team knows the number: no TOML, so that nobody takes it over unread."""
+"""Mark for a number that only the team knows. It is not TOML, so an unread mark does not load."""
 
 
 @dataclass(frozen=True)
 class Draft:
-    """The text of an arm.toml; `unclear` says what to fill in before it loads, or is empty."""
+    """The text of an arm.toml. `unclear` says what is missing before it loads; it is empty for a complete file."""
 
     text: str
     unclear: str = ""
@@ -48,8 +48,8 @@ def draft_arm_file(
 ) -> Draft:
     """An arm.toml for a URDF or xacro file, with paths relative to `folder`.
 
-    It loads as the arm that `load_arm` makes of these arguments with the same `env`, which is never written. Without a
-    clear tip it lists the candidates, and `Draft.unclear` says so. Raises as `load_arm` does for other reasons.
+    It loads as the same arm that `load_arm` makes of these arguments, with the same `env`. It does not contain `env`.
+    If the tip is unclear, it lists the candidates and `Draft.unclear` says so. Any other error is that of `load_arm`.
     """
     file, folders, arguments = as_path(source), tuple(package_dirs), dict(xacro_args or {})
     absent, env = package_names(without), variable_names(env)
@@ -109,7 +109,7 @@ def _ends(description: Description, arm: Arm | None, base: str | None) -> list[s
 
 
 def _beside(description: Description, where: Path, srdf: str | os.PathLike[str] | None) -> list[str]:
-    """The SRDF in use, and joint_limits.yaml files, which count only by name."""
+    """The SRDF in use, and joint_limits.yaml files as comments."""
     semantics, _ = srdf_beside(description)
     used = as_path(srdf) if srdf else semantics.path if semantics else None
     limits = files_beside(description.path, "joint_limits.yaml") if description.path else ()
@@ -160,7 +160,7 @@ def _limits(description: Description, arm: Arm | None) -> list[str]:
 
 
 def _rows(description: Description, arm: Arm | None) -> list[tuple[str, str, dict[str, float]]]:
-    """Name, unit and limits of the arm's coordinates, or of every joint without an arm."""
+    """Name, unit and limits of the arm's coordinates; of every joint if the arm is not known."""
     fields = ("lower", "upper", "velocity", "effort")
     if arm is not None:
         columns = zip(arm.joint_names, arm.units, *(getattr(arm.limits, field) for field in fields), strict=True)

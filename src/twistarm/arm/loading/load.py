@@ -1,4 +1,4 @@
-"""From a file or a catalogue name to a proven arm: base and tip chosen, limits applied, engines compared."""
+"""Loading of arms: read a file or catalogue name, choose base and tip, apply limits, compare with Pinocchio."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, f
 
 PROOF_SAMPLES = 5
 PROOF_TOL = 1e-9
-"""Both accounts are double precision: beyond this, relative to the arm's size, they describe different arms."""
+"""Largest difference of the two double precision accounts, relative to the arm's size."""
 
 Folders = Iterable[str | os.PathLike[str]]
 
@@ -55,11 +55,11 @@ def load_arm(
 ) -> Arm:
     """Load an arm from a URDF or xacro file, an arm.toml, or by its name in the catalogue (`available_arms()`).
 
-    An arm.json of `Arm.bake` loads without Pinocchio and accepts only `limits`. Arguments precede the arm.toml, and the
-    arm.toml precedes the SRDF.
+    An arm.json of `Arm.bake` is read without Pinocchio. Of the options it takes only `limits`. Arguments win over the
+    arm.toml, and the arm.toml wins over the SRDF.
 
-    Screws and home pose come from twistarm's reading of the description. Pinocchio's model is built independently, and
-    both are compared at five random configurations (`arm.proof`).
+    The screws and the home pose come from twistarm's own reading of the description. Pinocchio's model is built
+    independently, and the two are compared at five random configurations (`arm.proof`).
 
     Args:
         source: A URDF or xacro file, an arm.toml, a baked arm.json, or a name of `available_arms()`.
@@ -78,29 +78,20 @@ def load_arm(
             says so.
 
     Returns:
-        The `Arm`, with what was noticed about the description in `arm.findings`.
+        The `Arm`, with findings about the description in `arm.findings`.
 
     Raises:
-        DescriptionError: The description cannot be used; the message gives file, element and remedy.
-        UnknownNameError: No such arm, link or joint; the message gives the closest names.
+        DescriptionError: The description cannot be used. The message gives file, element and remedy.
+        UnknownNameError: No such arm, link or joint. The message gives the closest names.
         InputError: An argument cannot be used.
         ComparisonError: The screws and Pinocchio's model disagree.
     """
+    wishes: dict[str, Any] = {"base": base, "tip": tip, "locked": locked, "srdf": srdf, "xacro_args": xacro_args}
+    wishes |= {"package_dirs": as_paths(package_dirs, "package_dirs"), "without": package_names(without)}
+    wishes |= {"env": variable_names(env)}
     if is_baked(source):
-        wishes = {"base": base, "tip": tip, "locked": locked, "srdf": srdf, "xacro_args": xacro_args}
-        packages = {"package_dirs": as_paths(package_dirs, "package_dirs"), "without": package_names(without)}
-        return _baked_arm(as_path(source), {**wishes, **packages, "env": variable_names(env)}, limits)
-    specification = specify(
-        source,
-        base=base,
-        tip=tip,
-        package_dirs=package_dirs,
-        xacro_args=xacro_args,
-        locked=locked,
-        srdf=srdf,
-        without=without,
-        env=env,
-    )
+        return _baked_arm(as_path(source), wishes, limits)
+    specification = specify(source, **wishes)
     description = read(specification)
     with blaming(description.findings):
         arm = assemble(description, specification, {} if limits is None else limits)
@@ -108,7 +99,7 @@ def load_arm(
 
 
 def is_baked(source: str | os.PathLike[str]) -> bool:
-    """Whether `source` is the file of a baked arm, by its name."""
+    """Whether `source` is an existing file named like a baked arm."""
     if not isinstance(source, (str, os.PathLike)):
         return False
     path = as_path(str(os.fspath(source)))
@@ -116,7 +107,7 @@ def is_baked(source: str | os.PathLike[str]) -> bool:
 
 
 def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -> Arm:
-    """The arm of an arm.json, with the caller's limits. Raises InputError for options that need a description."""
+    """The arm of an arm.json with the caller's limits. InputError for any other wish."""
     kept = read_baked(path)._asdict()
     ready, proof = kept.pop("ready"), kept.pop("proof")
     arm = Arm(**kept, proof=None if proof is None else Proof(*proof))
@@ -134,7 +125,7 @@ def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -
 
 
 def _within(arm: Arm, file: str) -> Arm:
-    """The arm without the named poses that its limits no longer hold."""
+    """The arm without the named poses outside its limits."""
     states = {name: theta for name, theta in arm.named_states.items() if arm.limits.contains(theta)}
     left_out = [
         finding(
@@ -161,7 +152,7 @@ def specify(
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> ArmSpecification:
-    """What `load_arm` is to load, the caller's wishes put over those of an arm.toml."""
+    """The specification of `load_arm`. The caller's wishes win over those of an arm.toml."""
     for name, value in {"base": base, "tip": tip}.items():
         if value is not None and not (isinstance(value, str) and value.strip()):
             raise InputError(f"{name} must be the name of a link; got {shown(value)}")
@@ -203,7 +194,7 @@ def available_arms() -> tuple[str, ...]:
 
 
 def prove(arm: Arm) -> Proof:
-    """Product of exponentials against Pinocchio at five seeded configurations; ComparisonError if they differ."""
+    """Compare the screws with Pinocchio at five seeded configurations. ComparisonError if they differ."""
     theta = arm.random_theta(0, PROOF_SAMPLES)
     x = theta @ arm.coupling.A.T
     J = poe.spatial_jacobian(arm.screws, x) @ arm.coupling.A
@@ -226,7 +217,7 @@ def prove(arm: Arm) -> Proof:
 
 
 def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
-    """A path wins over a catalogue name, so that a local file is never shadowed."""
+    """The specification of a path or a catalogue name. An existing file wins over a name."""
     if not isinstance(source, (str, os.PathLike)):
         raise InputError(f"source must be a path or a name; got {shown(source)}")
     text = str(os.fspath(source))
@@ -254,7 +245,7 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
 
 
 def assemble(description: Description, specification: ArmSpecification, changes: Changes) -> Arm:
-    """The unproven arm of a specification; `changes` are the caller's limits."""
+    """The arm of a description and its specification, before the proof. `changes` are the caller's limits."""
     semantics, noted = _semantics(description, specification)
     base, tip, group, chosen = _ends(description, specification, semantics)
     tool = _tool(description, specification, tip)
@@ -284,7 +275,7 @@ def assemble(description: Description, specification: ArmSpecification, changes:
 def _semantics(
     description: Description, specification: ArmSpecification
 ) -> tuple[Semantics | None, tuple[Finding, ...]]:
-    """The named SRDF, or the one beside the description, and its findings."""
+    """The named SRDF or the one beside the description, and the findings about it."""
     if specification.srdf is None:
         semantics, noted = srdf_beside(description)
     else:
@@ -302,7 +293,7 @@ def _semantics(
 def _ends(
     description: Description, specification: ArmSpecification, semantics: Semantics | None
 ) -> tuple[str, str, ArmGroup | None, Sequence[Finding]]:
-    """Base and tip as given, else from the SRDF's arm group, else chosen; the group of that tip, and why."""
+    """Base, tip, the group of the tip, and findings. They are named, from the only arm group, or chosen."""
     groups = arm_groups(semantics, description) if semantics else ()
     base = description.require_link(specification.base, "base") if specification.base else None
     if specification.tip:
@@ -325,7 +316,7 @@ def _tool(description: Description, specification: ArmSpecification, tip: str) -
 def _with_what_is_said(
     arm: Arm, specification: ArmSpecification, semantics: Semantics | None, group: ArmGroup | None
 ) -> Arm:
-    """The arm with actuators, poses of the arm.toml, and the SRDF's states and disabled pairs."""
+    """The arm with its actuators and the arm.toml's poses, and the states and disabled pairs of the SRDF."""
     poses, posing = fitted_poses(arm, specification)
     actuators, driving = fitted_actuators(arm, specification)
     arm = replace(arm, named_states=poses, actuators=actuators, findings=(*arm.findings, *posing, *driving))
@@ -349,7 +340,7 @@ def _with_what_is_said(
 
 
 def _with_ready_said(arm: Arm, specification: ArmSpecification, semantics: Semantics | None) -> Arm:
-    """The arm with a finding that names its `ready`, unless the arm.toml has that pose."""
+    """The arm with a finding that names its `ready` pose, unless the arm.toml has a pose `ready`."""
     name = named_ready(arm.named_states)
     own = name in specification.poses
     if name is None or (own and name == "ready"):

@@ -1,4 +1,4 @@
-"""The configuration to start from: a named one of the description, else a computed one."""
+"""The ready posture of an arm: one that its description names, else a computed one in round numbers."""
 
 from .bodies import Bodies
 from .merit import Mechanism

@@ -1,4 +1,4 @@
-"""Bodies of an arm's links, to find overlaps between them and with the base plane."""
+"""Bodies of an arm's links, for collisions with each other and with the base plane."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..pinocchio_model import PinocchioModel, import_pinocchio
 from .hull import outer_points
 
 MOST_SHAPES, MOST_PAIRS = 500, 2_000
-"""Shapes, and pairs of them: beyond, a robot is a whole scene, and what runs into what is not looked at."""
+"""The most shapes and pairs of shapes. A larger robot is a scene and is not checked."""
 
 GROUND = "the base plane"
 
@@ -44,7 +44,7 @@ class Bodies:
         self._data = self._geometry.createData()
 
     def overlapping(self, theta: Array) -> frozenset[Pair]:
-        """Pairs of links that overlap at theta (n,), and links below the base plane."""
+        """Pairs of links that overlap at theta (n,), and links that reach below the base plane."""
         model, data, geometry = self._model.model, self._model.data, self._geometry
         self._pin.computeCollisions(model, data, geometry, self._data, self._model.q(theta), False)
         hits = np.flatnonzero([result.isCollision() for result in self._data.collisionResults])
@@ -60,7 +60,7 @@ class Bodies:
         self._links.append(name)
 
     def _pairs(self, moved: frozenset[str], exempt: frozenset[Pair]) -> list[tuple[int, int]]:
-        """Indices of the shapes that are held against each other."""
+        """Indices of the shapes to compare."""
         joints = [body.parentJoint for body in self._geometry.geometryObjects]
         parents, links = self._model.model.parents, self._links
         pairs = [

@@ -1,4 +1,4 @@
-"""The round values of each coordinate of a computed configuration, and their costs."""
+"""The round values of each coordinate of a computed posture, with their costs."""
 
 from __future__ import annotations
 
@@ -12,28 +12,29 @@ from ...support.checks import Array
 Rows = np.ndarray[tuple[int, ...], np.dtype[np.intp]]
 
 STEPS = {"rad": (15.0, 5.0, 1.0, 0.5, 0.1), "m": (0.05, 0.01, 0.005, 0.001)}
-"""Between values [°, m], coarse first: a coordinate takes the first that leaves it `FEW` values."""
+"""Steps between values [°, m]. A coordinate takes the first step that gives it `FEW` values."""
 
 FEW = 5
 
 ROUND = {"rad": (90.0, 45.0, 30.0, 15.0, 5.0), "m": (0.5, 0.1, 0.05, 0.01)}
-"""A multiple of the first is the tidiest number [°, m], one of none of them the least tidy."""
+"""Round numbers [°, m]. A multiple of the first is the roundest."""
 
 WINDOW = {"rad": np.pi, "m": 1.0}
-"""Values are taken so near to the middle of the range, or to 0: no needless turns."""
+"""The largest distance of a value from the middle of the range, or from 0."""
 
 MARGIN, COMFORT = 0.1, 0.25
-"""Shares of its range that a coordinate stays away from each bound, and below which nearness costs something."""
+"""Least distance from a bound, and the distance below which nearness costs, as shares of the range."""
 
 BENT, LESS_ROUND, NEAR = 0.25, 0.05, 1.0
-"""The cost of a coordinate that is not at rest, of each step of roundness lost, and of standing at `MARGIN`."""
+"""Costs of a coordinate that is not at rest, of each step of roundness lost, and of a value at `MARGIN`."""
 
 
 @dataclass(frozen=True)
 class Grid:
-    """For n coordinates up to k values: `values` and `cost` (n, k), their number (n,), and the index of rest (n,).
+    """Up to k values for n coordinates: `values` and `cost` (n, k), their `count` (n,) and the index of `rest` (n,).
 
-    A configuration is a row of n indices. Rest is 0 if that is off the bounds, else a round number near the middle.
+    A posture is a row of n indices. At rest a coordinate is 0 if that is off its bounds. Otherwise it is a round number
+    near the middle of its range.
     """
 
     values: Array
@@ -46,13 +47,13 @@ class Grid:
         return self.values[np.arange(len(self.count)), rows]
 
     def costs(self, rows: Rows) -> Array:
-        """What the coordinates of each row cost together, (...)."""
+        """The sum of the costs of each row, (...)."""
         costs: Array = self.cost[np.arange(len(self.count)), rows].sum(-1)
         return costs
 
 
 def grid_of(limits: JointLimits, bounds: tuple[Array, Array], units: tuple[str, ...]) -> Grid:
-    """The round values inside `limits`; `bounds` (n,) are the lower and upper limits made finite."""
+    """The round values inside `limits`. `bounds` are the finite lower and upper (n,)."""
     span = bounds[1] - bounds[0]
     lower = np.where((limits.lower > -AS_GOOD_AS_UNBOUNDED) | (span == 0.0), bounds[0], -np.inf)
     upper = np.where((limits.upper < AS_GOOD_AS_UNBOUNDED) | (span == 0.0), bounds[1], np.inf)
@@ -66,7 +67,7 @@ def grid_of(limits: JointLimits, bounds: tuple[Array, Array], units: tuple[str, 
 
 
 def _column(lower: float, upper: float, span: float, unit: str) -> tuple[Array, Array, int]:
-    """Values and costs of one coordinate, and its rest; a missing `lower` or `upper` is ∓inf."""
+    """Values and costs of one coordinate, and the index of rest. Without a bound `lower` and `upper` are ∓inf."""
     low, high = lower + MARGIN * span, upper - MARGIN * span
     middle = (
         0.0 if low <= 0.0 <= high else float(np.clip(0.5 * (low + high) if high - low < np.inf else 0.0, low, high))
@@ -82,7 +83,7 @@ def _column(lower: float, upper: float, span: float, unit: str) -> tuple[Array, 
 
 
 def _multiples(low: float, high: float, unit: str) -> tuple[Array, Array]:
-    """Multiples of the coarsest sufficient step, and their cost; none in a tiny range."""
+    """Multiples of the coarsest step that gives enough of them, and their lost roundness. Empty in a tiny range."""
     degrees = unit == "rad"
     if degrees:
         low, high = np.degrees(low), np.degrees(high)

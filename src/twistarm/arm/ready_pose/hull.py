@@ -1,4 +1,4 @@
-"""A mesh as few points: those of a binary STL that are outermost in fixed directions."""
+"""A few outer points of a binary STL: the farthest in each of some fixed directions."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from ...support.checks import Array
 from ...support.files import read_bounded
 
 LARGEST, HEAD, TRIANGLE = 10_000_000, 84, 50
-"""Bytes: a file that is read at most, an STL's head, and each of its triangles."""
+"""Bytes of the largest file, of an STL's head and of a triangle."""
 
 VERTICES = 3_000
-"""At most so many vertices, evenly spread over the file, are looked at."""
+"""The most vertices to look at, evenly spread over the file."""
 
 THINNEST = 0.01
-"""A hull that is flatter than this share of its length is none: convex hulls of plates are left alone."""
+"""A hull flatter than this share of its length is left out, such as a plate."""
 
 DIRECTIONS = np.array([d for d in np.ndindex(5, 5, 5) if 0 < np.abs(np.subtract(d, 2)).sum() <= 3]) - 2.0
 """Along the axes, between two or three of them, and between those."""
 
 
 def outer_points(path: Path, scale: tuple[float, ...]) -> Array | None:
-    """The outermost points (k, 3) of a mesh scaled by `scale` (3,), or None.
+    """The outermost points (k, 3) of a mesh scaled by `scale` (3,).
 
-    It reads only binary STL, a plain array of triangles, with a volume.
+    None for a format other than binary STL, and for a mesh without volume.
     """
     vertices = _vertices(path)
     if vertices is None or not np.isfinite(vertices).all():

@@ -1,4 +1,4 @@
-"""The merit of a configuration: a sum of penalties, 0 at best."""
+"""The merit of a posture: a sum of penalties, 0 at best."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from .sketch import Sketch, sketched
 from .stance import Stance
 
 DECIMALS = 6
-"""Costs are compared when rounded so: the last bits of a sine must not choose between equal postures."""
+"""Decimals of compared costs, so that rounding does not choose between equal postures."""
 
 CROWDED, SLOWED = 4.0, 1.5
-"""What strokes cost that touch, and each doubling of the condition number."""
+"""Costs of strokes that touch, and of each doubling of the condition number."""
 
 MOST = 64
-"""Of the postures that are compared at a time so many, the best by all else, are judged by their conditioning too."""
+"""The most postures of a comparison with a computed conditioning: the best by all other costs."""
 
 LOST = 1e-3
-"""A singular value below this share of the largest is none: exports round their axes."""
+"""A singular value below this share of the largest counts as zero, because exports round axes."""
 
 HOPELESS = 1e-6
-"""The least that σ_k/σ_1 counts as, so that all singular postures are equally bad and what else they are counts."""
+"""The least σ_k/σ_1, so that other costs decide between singular postures."""
 
 
 class Mechanism(NamedTuple):
@@ -44,7 +44,7 @@ class Mechanism(NamedTuple):
     units: tuple[str, ...]
 
     def motions(self, theta: Array) -> Array:
-        """What base and moving joints have undergone at theta (N, n), (N, m + 1, 4, 4)."""
+        """Displacements (N, m + 1, 4, 4) of base and moving joints at theta (N, n)."""
         still = np.broadcast_to(np.eye(4), (len(theta), 1, 4, 4))
         return np.concatenate([still, poe.motions(self.screws, theta @ self.A.T)], axis=1)
 
@@ -69,7 +69,7 @@ def _ratios(J: Array) -> Array:
 
 @dataclass(frozen=True)
 class Merit:
-    """The costs of a mechanism's postures on a grid. `ranks`: in how many directions its tool moves at all."""
+    """The costs of a mechanism's postures on a grid. `ranks` count the directions in which its tool moves."""
 
     mechanism: Mechanism
     grid: Grid
@@ -101,7 +101,7 @@ class Merit:
 
 
 def merit_of(mechanism: Mechanism, grid: Grid, rows: Rows) -> Merit:
-    """The merit; some rows (N, n) show what the arm can do at all."""
+    """The merit of a mechanism, with the ranks found at the postures of some rows (N, n)."""
     sketch = sketched(mechanism.screws, mechanism.home[:3, 3])
     motions = mechanism.motions(grid.theta(rows))
     placed = sketch.at(motions)

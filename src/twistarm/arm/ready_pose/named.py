@@ -1,15 +1,15 @@
-"""The named posture of a description that is the one to start from."""
+"""The named posture of a description to start from."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 USUAL_NAMES = ("ready", "home", "default", "rest", "stowed")
-"""What descriptions call the posture that an arm waits in, the likeliest first."""
+"""Usual names of the ready posture, the most likely first."""
 
 
 def named_ready(names: Iterable[str]) -> str | None:
-    """The first name of `USUAL_NAMES` in any capitals (exact ones first), or None."""
+    """The given name that comes first in `USUAL_NAMES`, or None. Case does not count, but exact case wins."""
     given = sorted(names, key=lambda name: name not in USUAL_NAMES)
     for usual in USUAL_NAMES:
         for name in given:

@@ -1,4 +1,4 @@
-"""The search for the best round configuration: seeded ones with many coordinates at rest, improved step by step."""
+"""The posture of least cost: the best of seeded postures, improved step by step."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from .grid import Grid, Rows, grid_of
 from .merit import Mechanism, Merit, merit_of
 
 SAMPLES, KNOWING = 192, 24
-"""Postures that are looked at first, and how many of them show what the arm can do at all."""
+"""Number of first postures, and how many of them give the ranks."""
 
 BEST, ROUNDS, BLOCK = 3, 10, 8
-"""So many of them are improved, in so many rounds, each with so many neighbouring coordinates at a time."""
+"""How many of them are improved, in how many rounds, with how many neighbouring coordinates at a time."""
 
 MOST_STEPS = 1280
-"""Steps, each for every moving joint: chains of more than 32 get fewer of them."""
+"""Steps times moving joints. Chains of more than 32 joints get fewer steps."""
 
 TRIES = 8
-"""At most so many neighbours, the best first, are looked at for one whose links keep apart."""
+"""The most neighbours to check for overlapping links, the best first."""
 
 RESTING = 0.45
 """The share of coordinates that rest in the first postures."""
@@ -37,7 +37,7 @@ VERTICAL = 0.999
 """The least |z| of the axis of a base turn, a unit vector."""
 
 USUALLY = 0.9
-"""What overlaps in this share of postures does so by its drawing, whatever the posture."""
+"""Links that overlap in this share of postures overlap by their drawing."""
 
 Overlapping = Callable[[Array], frozenset[tuple[str, str]]]
 
@@ -59,7 +59,7 @@ def computed_ready(mechanism: Mechanism, overlapping: Overlapping | None = None)
 
 
 def _free(grid: Grid, rows: Rows, overlapping: Overlapping | None) -> Callable[[Rows], bool]:
-    """Whether a row (n,) is without overlaps but those that most of `rows` have."""
+    """Whether a row (n,) has only overlaps that most of `rows` have."""
     if overlapping is None:
         return lambda row: True
     every = [overlapping(grid.theta(row)) for row in rows]
@@ -69,7 +69,7 @@ def _free(grid: Grid, rows: Rows, overlapping: Overlapping | None) -> Callable[[
 
 
 def _base_turn(mechanism: Mechanism, grid: Grid) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Mark (n,) the coordinate that turns the arm about a vertical axis; 0 defines its front."""
+    """Marks (n,) the coordinate that turns the whole arm about a vertical axis. Its 0 defines the front."""
     marks = np.zeros(len(grid.count), dtype=bool)
     first = next((i for i, unit in enumerate(mechanism.units) if unit == "rad"), None)
     if first is not None and grid.theta(grid.rest)[first] == 0.0:
@@ -115,7 +115,7 @@ class _Search:
         return row
 
     def _step(self, block: Rows, rows: Rows, costs: Array) -> _Found:
-        """Each row, or the best of its free neighbours where that is better."""
+        """Each row, or the best of its free neighbours if that is better."""
         moved, mine = _neighbours(self.merit.grid, block, rows)
         found = self.merit.costs(moved, costs[mine])
         better: _Found = {}
@@ -128,7 +128,7 @@ class _Search:
 
 
 def _neighbours(grid: Grid, block: Rows, rows: Rows) -> tuple[Rows, Rows]:
-    """Rows beside `rows`, and which of them each belongs to."""
+    """Neighbours of `rows`, and the index of the row of each."""
     n = len(grid.count)
     one = np.eye(n, dtype=np.intp)
     steps = [stride * one[i] for i in block for stride in STRIDES]

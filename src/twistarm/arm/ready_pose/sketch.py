@@ -1,4 +1,4 @@
-"""An arm as a polyline from axis to axis: its corners, and the distances between strokes."""
+"""An arm drawn as a line from axis to axis: its corners, and the distances of its strokes."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ import numpy as np
 from ...support.checks import Array
 
 STROKES = 12
-"""So many of the longest strokes are kept apart, however many joints there are."""
+"""The most strokes to keep apart: the longest."""
 
 SHORT = 0.03
-"""Strokes below this share of the arm's size are none."""
+"""A stroke below this share of the arm's size does not count."""
 
 FOLDED = 0.766
 """−cos of the bend, 140°, from which a stroke counts as folded onto the one before."""
 
 PARALLEL = 1e-9
-"""The square of the sine of an angle, or of a unit twist's turn, that counts as none."""
+"""The squared sine of an angle, or of a unit twist's turn, that counts as zero."""
 
 APART, OF_WAY = 0.1, 0.8
-"""How far strokes should keep apart, a share of the arm's size, and of what lies between them where that is less."""
+"""Wanted distances of strokes: a share of the arm's size, and of the length between them if that is less."""
 
 
 @dataclass(frozen=True)
@@ -57,11 +57,11 @@ class Sketch:
 
     @cached_property
     def size(self) -> float:
-        """The stretched length from the first axis to the tool [m]; 1 m for no length."""
+        """Length of the stretched arm from its first axis to the tool [m]; 1 m for an arm without length."""
         return float(self.lengths[self.first :].sum()) or 1.0
 
     def crowding(self, placed: Array) -> Array:
-        """From 0, where no two strokes are near, to 1, where two touch or fold, (...)."""
+        """Crowding (...) from 0, no strokes near, to 1, two touch or one is folded onto the next."""
         pairs = [(a, b) for i, a in enumerate(self.strokes) for b in self.strokes[i + 1 :]]
         touching = [(a, b) for a, b in pairs if self.lengths[a + 1 : b].sum() < SHORT * self.size]
         apart = [pair for pair in pairs if pair not in touching]
@@ -79,7 +79,7 @@ class Sketch:
         return worst
 
     def _folding(self, placed: Array, a: Array, b: Array) -> Array:
-        """Of strokes that meet: 0 up to 140° of bend, 1 where they lie on each other."""
+        """Folding of strokes that meet: 0 up to a bend of 140°, 1 if they lie on each other."""
         one, other = placed[..., a + 1, :] - placed[..., a, :], placed[..., b + 1, :] - placed[..., b, :]
         lengths = np.linalg.norm(one, axis=-1) * np.linalg.norm(other, axis=-1)
         cosine = np.sum(one * other, axis=-1) / np.maximum(lengths, 1e-12)

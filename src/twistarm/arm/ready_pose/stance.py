@@ -11,11 +11,11 @@ from ...support.checks import Array
 from .sketch import Sketch
 
 CLEAR, LIFTED, HANGING, AHEAD, ARCHED = 0.05, 0.15, 0.2, 0.3, 0.1
-"""Shares of the arm's size: corners above the base plane, the tool above it and at most so far below the shoulder,
-the tool before the first axis, the elbow above the straight line from shoulder to tool. Less costs something."""
+"""Shares of the arm's size: corners above the base plane, the tool above it, the tool at most below the shoulder, the
+tool before the first axis, the elbow above the line from shoulder to tool. A lower share has a cost."""
 
 SINKING, DROOPING, CLOSE, TURNED, SIDEWAYS, SAGGING = 8.0, 6.0, 5.0, 0.5, 2.0, 6.0
-"""Costs of each arm's size that is lacking in these, and of facing away from x."""
+"""Costs per arm's size that is missing in these shares, and of facing away from x."""
 
 TOOL_UP, TOOL_BACK, TOOL_ASKEW = 1.0, 1.5, 0.6
 """Costs of a hand that points straight up, straight back, and neither level nor straight down."""
@@ -23,13 +23,13 @@ TOOL_UP, TOOL_BACK, TOOL_ASKEW = 1.0, 1.5, 0.6
 
 @dataclass(frozen=True)
 class Stance:
-    """The penalties of corner positions; `rising` (k,) marks those with a height that the arm changes."""
+    """The cost of the corners' places of a sketch. `rising` (k,) marks corners that the arm can lift."""
 
     sketch: Sketch
     rising: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
 
     def cost(self, placed: Array) -> Array:
-        """The penalty (N,), 0 for none, of corners (N, k, 3) in base axes with z up."""
+        """Costs (N,), 0 at best, of corners (N, k, 3) in base axes with z up."""
         out = (placed - placed[:, self.sketch.first, None])[..., :2]
         distance = np.linalg.norm(out[:, -1], axis=-1)
         nowhere = distance < CLEAR * self.sketch.size
@@ -43,7 +43,7 @@ class Stance:
         return cost
 
     def _heights(self, placed: Array) -> Array:
-        """Heights of corners and tool above the base plane, and of the elbow above the line from shoulder to tool."""
+        """Costs of the heights of corners and tool above the base plane, and of the elbow above its line."""
         z = placed[..., 2] / self.sketch.size
         cost: Array = SINKING * np.maximum(0.0, CLEAR - z[:, self.rising].min(-1))
         if self.rising[-1]:
@@ -65,7 +65,7 @@ class Stance:
         return heights
 
     def _hand(self, placed: Array, ahead: Array) -> Array:
-        """Of the last stroke, which should point forward, down, or between the two."""
+        """Cost of the last stroke. It should point forward, down, or between the two."""
         hand = placed[:, -1] - placed[:, self._wrist]
         hand = hand / np.maximum(np.linalg.norm(hand, axis=-1, keepdims=True), 1e-12)
         up, forward = hand[:, 2], np.sum(hand[:, :2] * ahead, axis=-1)

@@ -23,7 +23,7 @@ from .checking import check_table, verdict
 from .inspection import info_view
 from .inverse import solution_table
 from .motion import plan_table
-from .viewing import Browser, Port, serve
+from .viewing import FILE_INSTEAD, Browser, Port, show_address
 
 View = Annotated[bool, typer.Option("--view/--no-view", help="Open the view, or write demo.html and demo.csv anew.")]
 
@@ -40,7 +40,8 @@ def demo(view: View = True, port: Port = 0, browser: Browser = True) -> None:
         return
     with Viewer(arm, trajectory(0.0), port=port, open_browser=False, keep=port != 0) as viewer:
         viewer.play(trajectory, loop=True)
-        serve(viewer, "The arm plays it at", browser)
+        show_address(viewer, browser, what="The arm plays it", instead=FILE_INSTEAD)
+        viewer.wait()
 
 
 def _show_arm(out: Console, arm: Arm) -> None:

@@ -14,12 +14,11 @@ import typer
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, usually_limited
 from ...control.servo import ServoSettings
-from ...control.stream import FollowControl, FollowCycle, Interlock, read_key
+from ...control.stream import FollowControl, FollowCycle, Interlock
 from ...control.stream import follow as follow_on
 from ...control.stream.cycles import checked_rate
 from ...control.stream.following.beginning import motion_of
 from ...control.stream.following.cycle import START_TOLERANCE, TRACKING_TOLERANCE
-from ...control.stream.links.inbox import FEEDBACK_TIMEOUT
 from ...planning import Trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
@@ -28,28 +27,11 @@ from ..asked_motion import motion_of_file
 from ..keys import typed_keys
 from ..options import POSTURE, Json, Radians, takes_arm
 from ..output import console, print_json, progress_bar, say
-from ..robot import (
-    Admitted,
-    FeedbackTimeout,
-    From,
-    Hertz,
-    Key,
-    Listen,
-    Serial,
-    Tolerance,
-    Udp,
-    Units,
-    VelocityMode,
-    announce,
-    joints_of,
-    require_inside,
-    require_positive,
-    require_robot,
-)
+from ..robot import Hertz, Robot, Tolerance, require_inside, require_positive, takes_robot
 from ..servo_report import follow_json, follow_table
 from ..typed import parse_theta
 from .motion import Rate
-from .viewing import Browser, Host, Port
+from .viewing import Browser, Host, Port, show_address
 
 Motion = Annotated[
     Path,
@@ -69,8 +51,10 @@ KEYS = "space pauses and resumes, q stops"
 
 
 @takes_arm
+@takes_robot
 def follow(
     arm: Arm,
+    *,
     motion: Motion,
     approach: Approach = False,
     speed: Speed = 1.0,
@@ -78,14 +62,7 @@ def follow(
     rate: Hertz = 100.0,
     velocity: Rate = None,
     acceleration: Rate = None,
-    udp: Udp = None,
-    listen: Listen = None,
-    serial: Serial = None,
-    units: Units = "joint",
-    senders: From = None,
-    key: Key = None,
-    velocity_mode: VelocityMode = False,
-    feedback_timeout: FeedbackTimeout = FEEDBACK_TIMEOUT,
+    robot: Robot,
     tolerance: Tolerance = TRACKING_TOLERANCE,
     start_tolerance: StartTolerance = START_TOLERANCE,
     port: Port = 0,
@@ -94,25 +71,26 @@ def follow(
     rad: Radians = False,
     json: Json = False,
 ) -> int:
-    """Follow a motion on simulated joints (start: --theta), or on a robot by --udp or --serial."""
-    require_robot(udp, listen, serial, units, velocity_mode, admitted=bool(senders) or key is not None)
-    if theta is not None and (udp or serial):
+    """Follow a motion on simulated joints (--theta says where they stand), or on a robot by --udp or --serial."""
+    robot.require_fitting()
+    if robot.authenticates and robot.udp is None:
+        raise InputError("--from and --key are for datagrams: they need --udp")
+    if theta is not None and (robot.udp or robot.serial):
         raise InputError("--theta is where simulated joints stand; a robot says where it is")
     checked_rate(rate, ServoSettings())
     require_positive(speed=speed, tolerance=tolerance, start_tolerance=start_tolerance)
-    require_positive(feedback_timeout=feedback_timeout)
     if speed > 1.0:
         raise InputError(f"--speed is a share of the motion's own, at most 1; got {speed:g}")
     driven, read = motion_of_file(arm, motion, {"velocity": velocity, "acceleration": acceleration})
     planned = motion_of(usually_limited(driven), read)
     x = _standing(arm, theta, planned, rad)
-    admitted = Admitted(tuple(senders or ()), None if key is None else read_key(key))
+    admitted = robot.admitted()
     out, control, interlock = sys.stderr if json else sys.stdout, FollowControl(), Interlock()
     with ExitStack() as stack:
-        sink, feedback = joints_of(driven, x, udp, listen, serial, units, feedback_timeout, admitted, stack)
+        sink, feedback = robot.joints(driven, x, admitted, stack)
         viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False, keep=port != 0))
         viewer.show_path(planned)
-        announce(viewer, defaults_line(driven), browser, out)
+        show_address(viewer, browser, out, assumed=defaults_line(driven))
         progress = stack.enter_context(progress_bar("following"))
         typed = stack.enter_context(typed_keys())
         if typed is not None:
@@ -127,8 +105,8 @@ def follow(
 
         report = follow_on(
             driven, planned, sink, feedback, rate=rate, speed=speed, approach=approach,
-            start_tolerance=start_tolerance, tolerance=tolerance, feedback_timeout=feedback_timeout,
-            velocity_mode=velocity_mode, control=control, interlock=interlock, on_cycle=each,
+            start_tolerance=start_tolerance, tolerance=tolerance, feedback_timeout=robot.feedback_timeout,
+            velocity_mode=robot.velocity_mode, control=control, interlock=interlock, on_cycle=each,
         )  # fmt: skip
     if json:
         print_json(follow_json(arm, report))

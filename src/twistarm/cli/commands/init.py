@@ -14,7 +14,7 @@ from ...arm.loading.load import load_arm
 from ...planning.motion_file_draft import draft_motion_file
 from ...support.caller_words import argument
 from ...support.errors import InputError
-from ..options import Base, Env, PackageDir, Srdf, Tip, Without, Xacro, xacro_arguments
+from ..options import Base, Env, PackageDir, Srdf, Tip, Without, Xacro, load_keywords
 from ..output import say
 from ..outputs import NAMED, STDOUT, Force, Outputs, outputs_of
 from ..wording import in_options
@@ -47,15 +47,7 @@ def init(
     outputs = outputs_of(output, {"toml": (".toml",)}, force=force, over_description=True)
     if output != STDOUT and not output.endswith(".toml"):
         raise InputError(f"{'a motion' if motion else 'an arm'} file is named *.toml; got {output}")
-    keywords: dict[str, Any] = {
-        "base": base,
-        "tip": tip,
-        "package_dirs": package_dir or (),
-        "xacro_args": xacro_arguments(xacro or []),
-        "srdf": srdf,
-        "without": without or (),
-        "env": env or (),
-    }
+    _, keywords = load_keywords(file, base, tip, package_dir, xacro, without, env, srdf)
     if motion:
         return _motion(file, keywords, output, outputs)
     draft = draft_arm_file(file, Path(os.path.realpath(output)).parent, **keywords)

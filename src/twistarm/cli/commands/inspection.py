@@ -1,4 +1,4 @@
-"""`arms` and `info`: what there is, and what was loaded."""
+"""`arms` and `info`: the arms of the catalogue, and the loaded arm."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def info_json(arm: Arm) -> dict[str, Any]:
 
 
 def actuators_json(motors: Actuators) -> dict[str, Any]:
-    """The motors for programs: SI on either side of the gears, null for a missing limit."""
+    """The motors for programs, in SI. null means that a limit is not given."""
     return {field.name: getattr(motors, field.name) for field in fields(motors)} | {
         "limits": vars(motors.limits),
         "joint_limits": vars(motors.joint_limits),
@@ -107,7 +107,7 @@ def info_view(arm: Arm, radians: bool) -> Group:
 
 
 def engine_of(arm: Arm) -> str:
-    """Who answers forward kinematics, Jacobians and inverse kinematics of this arm."""
+    """The engine of this arm's kinematics."""
     if arm._compiled is not None:
         return f"compiled core ({arm._compiled.instruction_set})"
     return "product of exponentials" if arm.description is None else "Pinocchio"
@@ -149,7 +149,7 @@ def _actuators(motors: Actuators) -> Any:
 
 
 def _motor_limits(arm: Arm, motors: Actuators, radians: bool) -> list[Any]:
-    """The motors' limits, and what they leave each joint; nothing where none were given."""
+    """The motors' limits and the joint limits that follow from them."""
     given = [name for name in MOTOR_LIMITS if np.isfinite(getattr(motors.limits, name)).any()]
     if not given:
         return []

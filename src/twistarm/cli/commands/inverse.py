@@ -10,8 +10,7 @@ import typer
 from ...arm.arm import Arm
 from ...ik import POSTURES, IKSolution, solve_ik, solve_ik_all, solve_ik_batch
 from ...support.errors import InputError
-from ..all_answers import tell_all
-from ..answers import answers_csv, tell_answers
+from ..answers import answers_csv, tell_all, tell_answers
 from ..csv_rows import Columns, read_sheet
 from ..options import Json, Radians, Theta, takes_arm
 from ..output import console, pose_json, print_json, progress_bar, say, shown, table, theta_typed, units

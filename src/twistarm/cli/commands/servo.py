@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from contextlib import ExitStack
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -13,9 +13,9 @@ from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line
 from ...control.servo import ServoSettings
 from ...control.servo.settings import BEYOND, SLIDE
-from ...control.stream import Source, UdpSource, read_key, run
+from ...control.stream import Source, UdpSource, run
 from ...control.stream.cycles import checked_rate
-from ...control.stream.links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
+from ...control.stream.links.inbox import COMMAND_TIMEOUT
 from ...control.stream.streaming import TOLERANCE
 from ...support.checks import as_not_negative, require_choice
 from ...support.errors import InputError
@@ -23,29 +23,11 @@ from ...viewer import Viewer
 from ..asked_motion import capped
 from ..options import Json, Radians, Theta, takes_arm
 from ..output import console, print_json
-from ..robot import (
-    Admitted,
-    FeedbackTimeout,
-    From,
-    Hertz,
-    Key,
-    Listen,
-    Serial,
-    Tolerance,
-    Udp,
-    Units,
-    VelocityMode,
-    address,
-    announce,
-    joints_of,
-    require_inside,
-    require_positive,
-    require_robot,
-)
+from ..robot import Hertz, Robot, Tolerance, address, require_inside, require_positive, takes_robot
 from ..servo_report import report_json, report_table
 from ..typed import parse_theta
 from .motion import Rate
-from .viewing import Browser, Host, Port
+from .viewing import Browser, Host, Port, show_address
 
 Commands = Annotated[
     str | None, typer.Option(metavar="HOST:PORT", help="Take commands as datagrams to there, not from the page.")
@@ -60,22 +42,17 @@ Duration = Annotated[float | None, typer.Option(help="End after so many seconds;
 
 
 @takes_arm
+@takes_robot
 def servo(
     arm: Arm,
+    *,
     theta: Theta = "ready",
     rate: Hertz = 100.0,
     velocity: Rate = None,
     acceleration: Rate = None,
-    udp: Udp = None,
-    listen: Listen = None,
+    robot: Robot,
     commands: Commands = None,
-    serial: Serial = None,
-    units: Units = "joint",
-    senders: From = None,
-    key: Key = None,
-    velocity_mode: VelocityMode = False,
     command_timeout: CommandTimeout = COMMAND_TIMEOUT,
-    feedback_timeout: FeedbackTimeout = FEEDBACK_TIMEOUT,
     tolerance: Tolerance = TOLERANCE,
     margin: Margin = 0.0,
     beyond: Beyond = SLIDE,
@@ -86,28 +63,27 @@ def servo(
     rad: Radians = False,
     json: Json = False,
 ) -> int:
-    """Drive the arm by keyboard or gamepad in the browser: simulated, or on a robot by --udp or --serial."""
-    if (senders or key is not None) and udp is None and commands is None:
+    """Drive the arm by keyboard or gamepad in the browser: on simulated joints, or on a robot by --udp or --serial."""
+    if robot.authenticates and robot.udp is None and commands is None:
         raise InputError("--from and --key are for datagrams: they need --commands or --udp")
-    require_robot(udp, listen, serial, units, velocity_mode, admitted=False)
+    robot.require_fitting()
     require_choice(beyond, BEYOND, "--beyond")
     settings = ServoSettings(position_margin=as_not_negative(margin, "--margin"), beyond=beyond)
     checked_rate(rate, settings)
-    require_positive(duration=duration, tolerance=tolerance)
-    require_positive(command_timeout=command_timeout, feedback_timeout=feedback_timeout)
+    require_positive(duration=duration, tolerance=tolerance, command_timeout=command_timeout)
     x = parse_theta(arm, theta, rad)
     require_inside(arm, x, rad)
     driven = replace(arm, limits=capped(arm, {"velocity": velocity, "acceleration": acceleration}))
-    admitted = Admitted(tuple(senders or ()), None if key is None else read_key(key))
+    admitted = robot.admitted()
     with ExitStack() as stack:
-        sink, feedback = joints_of(driven, x, udp, listen, serial, units, feedback_timeout, admitted, stack)
+        sink, feedback = robot.joints(driven, x, admitted, stack)
         viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False, keep=port != 0))
         source = source_of(driven, viewer, commands, command_timeout, admitted, stack)
-        announce(viewer, defaults_line(driven), browser, sys.stderr if json else sys.stdout)
+        show_address(viewer, browser, sys.stderr if json else sys.stdout, assumed=defaults_line(driven))
         report = run(
             driven, source, sink, feedback, rate=rate, command_timeout=command_timeout,
-            feedback_timeout=feedback_timeout, tolerance=tolerance, settings=viewer.servo_settings(settings),
-            velocity_mode=velocity_mode, duration=duration, on_cycle=viewer.show_servo,
+            feedback_timeout=robot.feedback_timeout, tolerance=tolerance, settings=viewer.servo_settings(settings),
+            velocity_mode=robot.velocity_mode, duration=duration, on_cycle=viewer.show_servo,
         )  # fmt: skip
     if json:
         print_json(report_json(arm, report))
@@ -117,11 +93,11 @@ def servo(
 
 
 def source_of(
-    arm: Arm, viewer: Viewer, commands: str | None, timeout: float, admitted: Admitted, stack: ExitStack
+    arm: Arm, viewer: Viewer, commands: str | None, timeout: float, admitted: dict[str, Any], stack: ExitStack
 ) -> Source:
     """Where commands come from: the pages, or datagrams."""
     if commands is None:
         pages = viewer.commands
         pages.timeout = timeout
         return pages
-    return stack.enter_context(UdpSource(arm, *address(commands, "--commands"), timeout=timeout, **admitted._asdict()))
+    return stack.enter_context(UdpSource(arm, *address(commands, "--commands"), timeout=timeout, **admitted))

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TextIO
 
 import typer
 
@@ -56,6 +56,8 @@ Browser = Annotated[
     ),
 ]
 
+FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
+
 
 @takes_source
 def view(
@@ -101,7 +103,8 @@ def view(
             viewer.play(motion)
         if watch:
             viewer.watch(load_again, files, lambda words: say(words, file=sys.stderr))
-        serve(viewer, f"{arm.name} at", browser)
+        show_address(viewer, browser, instead=FILE_INSTEAD)
+        viewer.wait()
 
 
 def _pixels(text: str) -> tuple[int, int]:
@@ -112,11 +115,17 @@ def _pixels(text: str) -> tuple[int, int]:
     return int(sides[1]), int(sides[2])
 
 
-def serve(viewer: Viewer, what: str, browser: bool) -> None:
-    """Print the page's address, open it in a browser if wanted, and serve until Ctrl-C."""
+def show_address(
+    viewer: Viewer, browser: bool, out: TextIO | None = None, *, what: str = "", assumed: str = "", instead: str = ""
+) -> None:
+    """Print the page's address on `out`, and open it in a browser if wanted.
+
+    `assumed` tells the limits that were not given. `instead` tells what helps where no browser is found.
+    """
+    if assumed:
+        say(f"{assumed} (--velocity, --acceleration)", file=out)
     for note in viewer.notes:
         warn(note)
-    say(f"{what} {viewer.url}  (Ctrl-C ends it)")
+    say(f"{what or viewer.arm.name} at {viewer.url}  (Ctrl-C ends it)", file=out)
     if browser and not viewer.open_page():
-        warn("no browser found here; open the address yourself, or use -o FILE.html for a page that needs no server")
-    viewer.wait()
+        warn(f"no browser found here; open the address yourself{instead}")
