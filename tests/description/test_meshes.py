@@ -184,7 +184,7 @@ LIMITED = """
 import resource, sys
 from twistarm.description.meshes import limits, worker
 assert worker._prepare() == ""
-worker._Allowance()
+worker.limit_time(limits.SECONDS)
 assert resource.getrlimit(resource.RLIMIT_CPU)[0] <= limits.SECONDS + 10.0
 assert resource.getrlimit(resource.RLIMIT_FSIZE) == resource.getrlimit(resource.RLIMIT_CORE) == (0, 0)
 assert sys.platform == "darwin" or resource.getrlimit(resource.RLIMIT_AS)[1] == limits.MEMORY

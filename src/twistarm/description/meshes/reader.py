@@ -11,9 +11,8 @@ from typing import Any
 
 from ...support.closeable import Closeable
 from ...support.errors import InputError, TwistarmError, missing_extra, one_line
-from .formats import LIGHTER, UnreadableMeshError, format_of
 from .limits import ARM_SECONDS, ARM_SECONDS_AT_MOST, MEMORY, PATIENCE, SECONDS_PER_MEGABYTE, seconds_for
-from .part import Part
+from .mesh_file import LIGHTER, Part, UnreadableMeshError, format_of
 from .process import Process, given_back, taken
 
 LONGEST_REASON = 300
