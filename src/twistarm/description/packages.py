@@ -167,10 +167,10 @@ class Walk:
     def through(self, folder: Path, depth: int) -> Iterator[Path]:
         """`folder` and what stands below, so many levels deep."""
         level = [folder]
-        for _ in range(depth + 1):
+        yield folder
+        for _ in range(depth):
+            level = [child for parent in level for child in self.children(parent)]
             yield from level
-            if _ < depth:
-                level = [child for parent in level for child in self.children(parent)]
 
     def children(self, folder: Path) -> list[Path]:
         """The folders in a folder, by their names."""
@@ -217,7 +217,7 @@ def package_index(
     user_dirs: Iterable[str | os.PathLike[str]] = (),
     mesh_dirs: Iterable[str | os.PathLike[str]] = (),
 ) -> PackageIndex:
-    """The index for one description; InputError for a user's folder that does not exist."""
+    """The index for one description. InputError for a user's folder that does not exist."""
     if isinstance(user_dirs, (str, os.PathLike)):
         user_dirs = [user_dirs]
     users, meshes = (tuple(_users_folder(as_path(folder)) for folder in dirs) for dirs in (user_dirs, mesh_dirs))
@@ -236,12 +236,8 @@ def _users_folder(folder: Path) -> Path:
 
 
 def package_names(without: object) -> tuple[str, ...]:
-    """The packages to do without, one or several; InputError for what is no name of a package."""
-    names = (without,) if isinstance(without, str) else require_names(without, "without")
-    for name in names:
-        if not is_package_name(name):
-            raise InputError(f"without takes names of packages, as in $(find NAME)/…; got {shown(name)}")
-    return tuple(dict.fromkeys(names))
+    """The packages to do without, from one name or several. InputError for what is not a package name."""
+    return _names(without, "without", _NAME, "names of packages, as in $(find NAME)/…")
 
 
 def is_package_name(name: str) -> bool:
@@ -250,35 +246,38 @@ def is_package_name(name: str) -> bool:
 
 
 def variable_names(env: object) -> tuple[str, ...]:
-    """The environment variables that a file may know, one or several; InputError for what is no name of one."""
-    names = (env,) if isinstance(env, str) else require_names(env, "env")
+    """The environment variables that a file may read, from one name or several. InputError for another text."""
+    return _names(env, "env", _VARIABLE, "names of environment variables, without their values")
+
+
+def _names(given: object, argument: str, pattern: re.Pattern[str], wanted: str) -> tuple[str, ...]:
+    names = (given,) if isinstance(given, str) else require_names(given, argument)
     for name in names:
-        if not _VARIABLE.fullmatch(name):
-            raise InputError(f"env takes names of environment variables, without their values; got {shown(name)}")
+        if not pattern.fullmatch(name):
+            raise InputError(f"{argument} takes {wanted}; got {shown(name)}")
     return tuple(dict.fromkeys(names))
 
 
 def package_name(folder: Path) -> str | None:
-    """The `<name>` in the folder's package.xml; None without a readable one near its head."""
+    """The first `<name>` in the root of the folder's package.xml.
+
+    None without a readable one near its head, and for a file with a document type, which may hold entities.
+    """
     manifest = folder / "package.xml"
     if not is_file(manifest):
         return None
     try:
         with open_regular(manifest) as file:
-            return _name_in(file.read(MANIFEST_BYTES))
+            head = file.read(MANIFEST_BYTES)
+        if b"<!DOCTYPE" in head.replace(b"\0", b""):
+            return None
+        depth = 0
+        for event, element in ET.iterparse(io.BytesIO(head), ("start", "end")):
+            depth += 1 if event == "start" else -1
+            if (event, depth, element.tag.rpartition("}")[2]) == ("end", 1, "name"):
+                return (element.text or "").strip() or None
     except (ET.ParseError, OSError, ValueError, LookupError):
-        return None
-
-
-def _name_in(head: bytes) -> str | None:
-    """The text of the first `<name>` in the root element; a file with a document type, hence entities, has none."""
-    if b"<!DOCTYPE" in head.replace(b"\0", b""):
-        return None
-    depth = 0
-    for event, element in ET.iterparse(io.BytesIO(head), ("start", "end")):
-        depth += 1 if event == "start" else -1
-        if (event, depth, element.tag.rpartition("}")[2]) == ("end", 1, "name"):
-            return (element.text or "").strip() or None
+        pass
     return None
 
 

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
+from ...support.errors import listed
 from ..document import Reading, existing_file, parse_xml, read_text
 from ..expansion.arguments import declared_arguments
 from ..expansion.expand import expand_xacro, is_xacro
-from ..findings import Place, refusal
+from ..findings import Finding, Place, finding, refusal
 from ..packages import package_index
+from ..tree import Description
 
 MAX_BYTES = 1_000_000
 """A whole humanoid's SRDF has some 200 kB."""
@@ -107,6 +109,23 @@ def read_srdf(
     return _semantics(text, Reading(file, index, show_lines=False))
 
 
+def note_names(semantics: Semantics, description: Description) -> tuple[Finding, ...]:
+    """Findings for links and joints that the description does not have, and for a robot of another name."""
+    noted = []
+    place = Place(semantics.path.name)
+    if semantics.name != description.name:
+        what = f"it is for a robot {semantics.name!r}, the description is of {description.name!r}; it is used"
+        noted.append(finding("srdf-other-robot", place, what, "give both one name, if they belong together"))
+    joints = {part for joint in description.joints.values() for part in (joint.name, joint.part_of)}
+    missing = [name for name in _joints(semantics) if name not in joints]
+    missing += [name for name in _links(semantics) if name not in description.links]
+    if missing:
+        names = listed(dict.fromkeys(missing))
+        what = f"{description.name} has no joint or link {names}; what is said of them is not used"
+        noted.append(finding("srdf-unknown-name", place, what, "correct the names; is it of an older description?"))
+    return tuple(noted)
+
+
 def _semantics(text: str, reading: Reading) -> Semantics:
     robot = parse_xml(text, reading)
     if robot.tag != "robot" or robot.find("link") is not None:
@@ -189,3 +208,21 @@ def _named(element: ET.Element, attribute: str, reading: Reading) -> str:
 
 def _pair(a: str, b: str) -> Pair:
     return (a, b) if a <= b else (b, a)
+
+
+def _joints(semantics: Semantics) -> Iterator[str]:
+    virtual = set(semantics.virtual_joints)
+    for names in (semantics.passive_joints, *(group.joints for group in semantics.groups.values())):
+        yield from (name for name in names if name not in virtual)
+    for state in semantics.states:
+        yield from (name for name in state.values if name not in virtual)
+
+
+def _links(semantics: Semantics) -> Iterator[str]:
+    for group in semantics.groups.values():
+        yield from group.links
+        yield from (end for chain in group.chains for end in chain)
+    yield from (effector.parent_link for effector in semantics.end_effectors)
+    yield from semantics.silent_links
+    for pair in sorted(semantics.disabled | semantics.checked_pairs):
+        yield from pair

@@ -10,10 +10,9 @@ from types import EllipsisType
 from ...support.caller_words import argument, package_folder
 from ...support.errors import DescriptionError, InputError, closest, listed
 from ..findings import Finding, Place, finding, refusal
-from .causes import causes
 from .environment import NotSetError
 from .hooks import MISSING_PACKAGE, Expansion
-from .work import Refused
+from .work import Refused, causes
 
 MOST_NEIGHBOURS = 8
 """Names in a folder that are told where another was looked for."""
