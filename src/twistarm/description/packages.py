@@ -17,39 +17,39 @@ from ..support.files import as_path, is_file, open_regular
 from .copies import find_copy
 
 MAX_DEPTH = 4
-"""How deep under a folder that the user names packages are looked for."""
+"""Depth of the search for packages under a folder of the user."""
 
 MAX_PARENTS = 8
-"""How many parents of the description are looked through, with their children."""
+"""Parents of the description that the search covers, with their children."""
 
 MANIFEST_BYTES = 16_384
-"""A package.xml's name stands at its head, behind a licence at most: so far it is read."""
+"""Bytes read of a package.xml. The name is near the head, behind a licence at most."""
 
 MAX_FOLDERS = 20_000
-"""Folders that one search looks at among those of the user, near the description or of ROS's variables, each. Ubuntu's
-ROS with all its tools has some 400 packages; a second is enough for as many folders as these."""
+"""Most folders of one search. The user's folders, those near the description and those of ROS's variables count apart.
+Ubuntu's ROS with all its tools has some 400 packages. So many folders take a second."""
 
 ENTRIES_PER_FOLDER = 20
-"""Entries of a folder that take as long as a folder does."""
+"""Entries that take as long as one folder."""
 
 _NAME = re.compile(r"\w[\w.-]*")
 _VARIABLE = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 SOURCES = "src"
-"""Where a workspace keeps its packages."""
+"""The folder of a workspace with its packages."""
 
 INSTALLED, SHARE = "install", "share"
-"""Where colcon installs them, and the folder between."""
+"""The folder where colcon installs them, and the folder between."""
 
 
 @dataclass(frozen=True)
 class PackageIndex:
     """Packages found near a description, by the `<name>` in their package.xml (folder names may differ).
 
-    Searched in this order: the folders the user names, each parent of the description with its children, those of its
-    `src` and what is installed below it, `<prefix>/share/*` of AMENT_PREFIX_PATH, and ROS_PACKAGE_PATH. Where no
-    package.xml has the name, a copy in the first two places may bear it (`find_copy`). `mesh_dirs`, last, hold packages
-    for meshes alone.
+    The search goes through the user's folders, then each parent of the description. There it covers the children,
+    those of `src` and the installed packages. Then follow `<prefix>/share/*` of AMENT_PREFIX_PATH, and
+    ROS_PACKAGE_PATH. If no package.xml has the name, a copy in the first two places may have it (`find_copy`).
+    `mesh_dirs` come last and give only meshes.
     """
 
     file: Path
@@ -66,23 +66,23 @@ class PackageIndex:
         return self._by_manifest(package) or self._copy(package, marked=True)
 
     def find_for_mesh(self, package: str) -> Path | None:
-        """As `find`, and a folder of that name whatever it holds: a mesh is drawn, it cannot be quoted."""
+        """As `find`, or any folder of that name. Meshes are only drawn, so their contents cannot leak."""
         return self.find(package) or self._copy(package, marked=False) or self.find_for_mesh_alone(package)
 
     def find_for_mesh_alone(self, package: str) -> Path | None:
-        """The folder of `package` in `mesh_dirs`, or None: no text there is read."""
+        """The folder of `package` in `mesh_dirs`, or None. No text is read there."""
         return self._in_mesh_dirs.get(package)
 
     @functools.cached_property
     def _in_mesh_dirs(self) -> dict[str, Path]:
-        """Packages by the name in their package.xml, and folders by their own where no package has it."""
+        """Packages by the name in their package.xml, then other folders by their names."""
         walk = self._walk("package_dirs")
         folders = [folder for top in self.mesh_dirs for folder in walk.through(top, MAX_DEPTH)]
         named = [(name, folder) for folder in folders if (name := package_name(folder))]
         return dict(reversed([*named, *((folder.name, folder) for folder in folders)]))
 
     def is_copy(self, folder: Path) -> bool:
-        """Whether `find` has answered with that folder, which no package.xml names."""
+        """Whether `find` has returned that folder, which has no package.xml."""
         return any(found == folder for (_, marked), found in self._copies.items() if marked)
 
     def names(self) -> list[str]:
@@ -91,7 +91,7 @@ class PackageIndex:
         return [name for name, folder in self._found.items() if folder is not None]
 
     def copies(self) -> dict[str, Path]:
-        """The folders that were taken for a package by their own name alone."""
+        """The folders taken for a package only by their name."""
         return {package: folder for (package, _), folder in self._copies.items() if folder is not None}
 
     def _by_manifest(self, package: str) -> Path | None:
@@ -104,7 +104,7 @@ class PackageIndex:
         return self._found[package]
 
     def _copy(self, package: str, *, marked: bool) -> Path | None:
-        """Asked for after every folder near was looked through for a package.xml."""
+        """A copy of the package. Call it after `_by_manifest` has searched all near folders."""
         key = package, marked
         if key not in self._copies:
             folders = [folder for name, those in self._by_name.items() if name.startswith(package) for folder in those]
@@ -112,14 +112,14 @@ class PackageIndex:
         return self._copies[key]
 
     def searched(self) -> str:
-        """Where a package was looked for, in words."""
+        """The places of the search, in words."""
         places = [str(path) for path in (*self.user_dirs, *self.mesh_dirs)]
         places.append(f"the folders above {self.file.name}")
         places += [name for name in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH") if os.environ.get(name)]
         return ", ".join(places) + "".join(self._unseen)
 
     def sourced(self, package: str) -> Iterator[Path]:
-        """Every folder of `package` in the environment's, those behind another that `find` answers with too."""
+        """Every folder of `package` in the environment, also those that `find` does not reach."""
         return (folder for folder in self._folders_of_environment() if package_name(folder) == package)
 
     def _folders(self) -> Iterator[Path]:
@@ -148,16 +148,16 @@ class PackageIndex:
                 yield from walk.installed(parent.parent.parent)
 
     def _walk(self, where: str) -> Walk:
-        """A walk that says in `searched` where it has ended early."""
+        """A walk that adds to `searched` if it ends early."""
         what = f" (only the first {MAX_FOLDERS:,} of the folders of {where}: name nearer ones as package_dirs)"
         return Walk(lambda: self._unseen.setdefault(what))
 
 
 @dataclass
 class Walk:
-    """A walk through folders, breadth first, that looks at no more than `left`; `ended` is called where it stops.
+    """A breadth-first walk through at most `left` folders. It calls `ended` if it stops early.
 
-    Hidden and unreadable ones are left out. A link to a folder that it has come through leads nowhere new.
+    Hidden and unreadable folders are left out, and links to folders that the walk has passed.
     """
 
     ended: Callable[[], None]
@@ -165,7 +165,7 @@ class Walk:
     _seen: set[tuple[int, int]] = field(default_factory=set)
 
     def through(self, folder: Path, depth: int) -> Iterator[Path]:
-        """`folder` and what stands below, so many levels deep."""
+        """`folder` and the folders below, `depth` levels deep."""
         level = [folder]
         yield folder
         for _ in range(depth):
@@ -193,13 +193,13 @@ class Walk:
         return [folder / name for name in sorted(found)]
 
     def installed(self, folder: Path) -> Iterator[Path]:
-        """What colcon has installed there: `NAME/share/NAME`, or all in `share`."""
+        """Packages that colcon has installed there: `NAME/share/NAME`, or all in `share`."""
         homes = (prefix / SHARE / prefix.name for prefix in self.children(folder))
         yield from filter(os.path.isdir, homes)
         yield from self.children(folder / SHARE)
 
     def _leads_on(self, entry: os.DirEntry[str]) -> bool:
-        """Whether it is a folder, and if by a link, one that was not met before."""
+        """Whether it is a folder, or a link to a folder that the walk has not passed."""
         try:
             if not entry.is_dir():
                 return False
@@ -241,7 +241,7 @@ def package_names(without: object) -> tuple[str, ...]:
 
 
 def is_package_name(name: str) -> bool:
-    """Whether a package may be called so: a word, no path."""
+    """Whether a package may have that name: a word, not a path."""
     return _NAME.fullmatch(name) is not None
 
 

@@ -1,7 +1,7 @@
-"""Planar joints as what they are made of: two slides in the plane, then a turn about its normal.
+"""Planar joints as three joints: two slides in the plane, then a turn about its normal.
 
-URDF gives a planar joint its normal only. The slides go along the first two columns of `joints.plane_axes(normal)`.
-Split before links and joints are read, a planar joint is three of one degree of freedom to everything behind.
+URDF gives only the normal of a planar joint. The slides go along the first two columns of `joints.plane_axes(normal)`.
+The split comes before links and joints are read, so all later steps see three joints of one degree of freedom.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .axis import read_axis
 from .document import Reading
 
 SUFFIXES = ("_x", "_y", "_rz")
-"""What the coordinates' names add to the joint's, in the order of `joints.planar`."""
+"""Endings of the coordinates' names, in the order of `joints.planar`."""
 
 
 def coordinate_names(joint: str) -> tuple[str, str, str]:
@@ -27,10 +27,10 @@ def coordinate_names(joint: str) -> tuple[str, str, str]:
 
 
 def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
-    """Replace every planar joint by its three, and say which joint each is part of, {"p_x": "p", …}.
+    """Replace every planar joint by three, and return the joint that each is part of, {"p_x": "p", …}.
 
-    Raises DescriptionError where a coordinate's name is taken, and for a planar joint that mimics or is mimicked. One
-    whose axis cannot be read stays as it is, to be refused with the other joints.
+    Raises DescriptionError if a coordinate's name is taken, or if a planar joint mimics or is mimicked. A joint with an
+    unusable axis stays, and is refused later with the other joints.
     """
     planar = [joint for joint in robot.findall("joint") if joint.get("type") == "planar"]
     _refuse_mimics(robot, {joint.get("name", "") for joint in planar}, reading)
@@ -55,7 +55,7 @@ def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
 
 
 def _coordinates(joint: ET.Element, taken: set[str], reading: Reading) -> tuple[str, str, str]:
-    """The names of the three, put into `taken` instead of the joint's own."""
+    """The names of the three joints. They replace the joint's name in `taken`."""
     names = coordinate_names(joint.get("name", ""))
     for name in names:
         if name in taken:
@@ -84,7 +84,7 @@ def _parts(joint: ET.Element, names: tuple[str, str, str], between: list[str], a
 
 
 def _free(name: str, taken: set[str]) -> str:
-    """The name, or one like it where it is taken, put into `taken`."""
+    """The name, with underscores added if it is taken. It goes into `taken`."""
     while name in taken:
         name += "_"
     taken.add(name)
@@ -92,7 +92,7 @@ def _free(name: str, taken: set[str]) -> str:
 
 
 def _same_line(made: Iterable[ET.Element], joint: ET.Element, reading: Reading) -> None:
-    """Whatever is said of the parts is found at the joint as written."""
+    """Give the new elements the line of the joint, for findings."""
     if joint in reading.lines:
         reading.lines |= dict.fromkeys(made, reading.lines[joint])
 
