@@ -1,4 +1,4 @@
-"""The process that reads meshes, as whoever asks it has it: started, asked, and ended with all that it started."""
+"""The process that reads meshes: start it, send it requests, and end it."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ PROGRAM = (
 )
 
 ALONE = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-"""Threads that are not needed take addresses and time."""
+"""Extra threads would take address space and time."""
 
 START = 30.0
-"""Seconds on the clock until it must be ready: some tenths, and more where nothing is in memory yet."""
+"""Most seconds until the process is ready. It takes some tenths, and more from a cold disk."""
 
 LAST = 0.2
-"""Seconds that a killed one is waited for."""
+"""Seconds to wait for a killed process."""
 
 
 class Process:
-    """A process in a session of its own, which a Ctrl-C in the terminal does not reach; it ends when this one does.
+    """A process in a separate session, which a Ctrl-C in the terminal does not reach. It ends with this one.
 
-    TwistarmError where none can be started, MissingExtraError where it lacks trimesh.
+    Raises TwistarmError if it cannot start, MissingExtraError if it has no trimesh.
     """
 
     def __init__(self) -> None:
@@ -58,7 +58,7 @@ class Process:
 
     @property
     def alive(self) -> bool:
-        """Whether it can be asked."""
+        """Whether it is running."""
         return self._popen.poll() is None
 
     def ask(self, path: Path, most: float, seconds: float) -> dict[str, Any]:
@@ -78,7 +78,7 @@ class Process:
             raise
 
     def kill(self) -> None:
-        """End it, and whatever it has started, at once. From any thread, and harmless when repeated."""
+        """Kill it with its children. Any thread may call this, also repeatedly."""
         with suppress(ProcessLookupError, PermissionError):  # it has ended, and nobody has been told yet
             if self._popen.poll() is None:
                 os.killpg(self._popen.pid, signal.SIGKILL)
@@ -108,7 +108,7 @@ class Process:
 
 
 def _module_path() -> list[str]:
-    """Where modules are found, but for the current folder: what lies beside a description is never imported."""
+    """The module path without the current folder, so no module beside a description is imported."""
     own, here = (os.path.realpath(folder) for folder in (Path(__file__).parents[3], "."))
     places = ((folder, os.path.realpath(folder)) for folder in sys.path if os.path.isabs(folder))
     return [folder for folder, place in places if place != here or place == own]
@@ -123,7 +123,7 @@ _lock = threading.Lock()
 
 
 def taken() -> Process:
-    """One that waits to be asked, or a new one: what it imported, the next arm's meshes need too."""
+    """An idle process, which has imported all it needs, or a new one."""
     with _lock:
         while _idle:
             if (process := _idle.pop()).alive:
@@ -132,7 +132,7 @@ def taken() -> Process:
 
 
 def given_back(process: Process) -> None:
-    """Let it wait for the next arm, or for the end of the program."""
+    """Keep the process for the next arm."""
     if process.alive:
         with _lock:
             _idle.append(process)

@@ -1,4 +1,4 @@
-"""`MeshReader`: the meshes of one arm, read one after the other in another process, which can be lost."""
+"""`MeshReader` reads the meshes of one arm, one after the other, in another process."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ LONGEST_REASON = 300
 
 
 class MeshReader(Closeable):
-    """Reads the meshes of one arm within limits of memory and time, for each and for all, until `close`.
+    """Reads the meshes of one arm, within limits of memory and time for each mesh and for all, until `close`.
 
-    A context manager. From any thread; one reads at a time, and `close` ends what is being read.
-    Both readings raise UnreadableMeshError, worded for a stranger, for a file that is no mesh or breaks a limit,
-    MissingExtraError without trimesh, and TwistarmError where no process can be started.
+    A context manager. Any thread may use it. It reads one mesh at a time, and `close` ends the current reading.
+    `parts` and `length` raise UnreadableMeshError for a file that is not a mesh or exceeds a limit. They raise
+    MissingExtraError without trimesh, and TwistarmError if no process can start.
     """
 
     def __init__(self) -> None:
@@ -36,20 +36,21 @@ class MeshReader(Closeable):
         self._lengths: dict[Path, float | TwistarmError] = {}
 
     def begin(self) -> None:
-        """Have the process start, if it can: what it imports takes some tenths of a second. Returns at once."""
+        """Start the process if possible, and return at once. Its imports take some tenths of a second."""
         if find_spec("trimesh") is not None:
             with self._lock, suppress(TwistarmError):
                 self._have_process()
 
     def parts(self, path: Path, most: float = inf) -> list[Part]:
-        """The parts of the mesh file at `path`, in its own frame and in metres if it names its unit, simplified to
-        about `most` triangles.
+        """The parts of the mesh file at `path` in its frame, simplified to about `most` triangles.
+
+        They are in metres if the file names its unit.
         """
         with self._turn:
             return self._read(path, most)
 
     def length(self, path: Path) -> float:
-        """The longest side of the box around it, in metres if the file names its unit; known where it was read."""
+        """The longest side of the mesh's box, in metres if the file names its unit. Cached after a reading."""
         with self._turn:
             if path not in self._lengths:
                 self._read(path, 0)
@@ -59,14 +60,14 @@ class MeshReader(Closeable):
         return length
 
     def rest(self) -> None:
-        """Let others have the process while there is nothing to read."""
+        """Release the process for other readers until the next mesh."""
         with self._lock:
             if self._process is not None and not self._asking:
                 given_back(self._process)
                 self._process = None
 
     def close(self) -> None:
-        """Read no more; what is being read is given up."""
+        """Stop the current reading, and refuse further ones."""
         with self._lock:
             self._closed = True
             if self._process is not None and self._asking:
