@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import copy
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
 
 from ..support.checks import Array
 from ..support.errors import DescriptionError
@@ -48,7 +47,8 @@ def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
         made[joint] = _parts(joint, names, between, plane_axes(normal))
         new_links = [ET.Element("link", name=name) for name in between]
         whole |= dict.fromkeys(names, joint.get("name", ""))
-        _same_line([*made[joint], *new_links], joint, reading)
+        if joint in reading.lines:  # findings about the parts show the line of the joint
+            reading.lines |= dict.fromkeys([*made[joint], *new_links], reading.lines[joint])
         robot.extend(new_links)
     robot[:] = [part for element in robot for part in made.get(element, [element])]
     return whole
@@ -89,12 +89,6 @@ def _free(name: str, taken: set[str]) -> str:
         name += "_"
     taken.add(name)
     return name
-
-
-def _same_line(made: Iterable[ET.Element], joint: ET.Element, reading: Reading) -> None:
-    """Give the new elements the line of the joint, for findings."""
-    if joint in reading.lines:
-        reading.lines |= dict.fromkeys(made, reading.lines[joint])
 
 
 def _end(joint: ET.Element, tag: str) -> str:

@@ -1,4 +1,4 @@
-"""xacro to URDF text without ROS: one file, with what it includes, at a time."""
+"""xacro to URDF text without ROS, one file with its includes at a time."""
 
 from __future__ import annotations
 
@@ -27,13 +27,12 @@ def expand_xacro(
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> tuple[str, tuple[Finding, ...]]:
-    """The URDF text that `path` expands to, and what was noticed on the way.
+    """The URDF text of `path`, and findings.
 
-    Nothing outside the packages is opened (`confinement`), expressions reach nothing but their own values
-    (`expressions`), of the environment it knows the variables in `env` alone (`environment`), and the work is counted
-    (`work`). A package that is not found fails only where an include or a YAML load needs it; of the packages in
-    `without` nothing is opened, and what they would have brought is left out (`left_out`). Raises DescriptionError with
-    the file, the cause and the remedy.
+    Files outside the packages stay closed (`confinement`). Expressions only compute (`expressions`). They read only the
+    environment variables in `env` (`environment`). The work is counted (`work`). A missing package is an error only if
+    an include or a YAML load needs it. Parts of the packages in `without` are left out (`left_out`). Raises
+    DescriptionError with the file, the cause and the remedy.
     """
     text, expansion = _expanded(path, packages, arguments or {}, without, env)
     known = expansion.found.all()
@@ -52,16 +51,15 @@ def xacro_arguments(
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> dict[str, str | None]:
-    """Every argument that `path` takes, with what it includes: {name: default}, None where one must be given.
+    """Every argument that `path` and its includes take, {name: default}, with None for a required one.
 
-    What it includes may hang on `arguments`; those it does not take do no harm. Raises DescriptionError as
-    `expand_xacro` does.
+    The includes may depend on `arguments`. Unknown arguments have no effect. Raises DescriptionError as `expand_xacro`.
     """
     return _expanded(path, packages, arguments or {}, without, env)[1].found.all()
 
 
 def is_xacro(path: Path) -> bool:
-    """Whether a file must be expanded first: by its name, or because a xacro element stands in it."""
+    """Whether a file needs expansion, by its name or by a xacro element in it."""
     return path.suffix == ".xacro" or "<xacro:" in read_text(path)
 
 
@@ -86,9 +84,9 @@ def _expanded(
 
 
 def _portable(robot: str) -> str:
-    """The text without xacro's banner, which tells where the file lies, and its paths as any reader of URDF takes them.
+    """The text without xacro's banner, which shows the file's folder, with paths that any reader of URDF takes.
 
-    `file://$(find arm)/…` is the package's file; what lies beside the description is named from there.
+    `file://$(find arm)/…` is the package's file. Paths beside the description are relative to it.
     """
     return _DECLARATION + robot.replace(f"file://{PACKAGE}", PACKAGE).replace(HERE, "")
 

@@ -64,8 +64,8 @@ class Process:
     def ask(self, path: Path, most: float, seconds: float) -> dict[str, Any]:
         """The worker's answer.
 
-        Raises TimeoutError after `seconds` on the clock or all of its processor time, and EOFError where it ends
-        otherwise. Then, and at every interruption, it has been ended.
+        Raises TimeoutError after `seconds` of wall time or all of its processor time, and EOFError if it ends
+        otherwise. Each error and interruption kills the process.
         """
         try:
             if not self._ready:
