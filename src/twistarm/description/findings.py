@@ -13,7 +13,7 @@ Severity = Literal["info", "warning", "error"]
 
 
 class Code(NamedTuple):
-    """How grave a kind of finding is, and what it means for the arm's owner."""
+    """The severity of a kind of finding, and its meaning for the arm's owner."""
 
     severity: Severity
     meaning: str
@@ -159,7 +159,7 @@ CODES: dict[str, Code] = {
 
 
 MOST_OF_A_KIND = 100
-"""Findings of one code that are told; nobody reads more, and a generated file has one in every element."""
+"""Most findings of one code. A generated file may have one in every element."""
 
 LONGEST_PLACE, LONGEST_WHAT = 300, 1000
 """Characters: names in a description may have thousands."""
@@ -167,7 +167,7 @@ LONGEST_PLACE, LONGEST_WHAT = 300, 1000
 
 @dataclass(frozen=True)
 class Place:
-    """Where in a description: the file, the line where it is known, and the element with its name."""
+    """A place in a description: the file, the line if known, and the element with its name."""
 
     file: str = ""
     line: int | None = None
@@ -185,9 +185,8 @@ class Place:
 class Finding:
     """One observation about a description.
 
-    `code` is stable and machine-readable (see `CODES`); `place` names the file, its line and the element; `what` says
-    what is there and what it means; `remedy` what its owner can do. `repaired` tells whether twistarm already works on
-    a mended copy.
+    `code` is stable and machine-readable (see `CODES`). `place` names the file, its line and the element. `what` gives
+    the fact and its meaning, `remedy` the advice to the owner. `repaired` tells that twistarm works on a repaired copy.
     """
 
     code: str
@@ -203,7 +202,7 @@ class Finding:
 
 @dataclass
 class Findings:
-    """What is noticed in the course of a reading: of one code the first are kept, all counted."""
+    """The findings of a reading. It counts all, and keeps the first of each code."""
 
     kept: list[Finding] = field(default_factory=list)
     _counts: Counter[str] = field(default_factory=Counter)
@@ -216,7 +215,7 @@ class Findings:
                 self.kept.append(one)
 
     def told(self, place: Place) -> tuple[Finding, ...]:
-        """Those that are kept, and for each code with more how many, in the file that is `place`."""
+        """The kept findings, and for each code with more their number, at `place`."""
         more = {code: count - MOST_OF_A_KIND for code, count in self._counts.items() if count > MOST_OF_A_KIND}
         remedy = "correct those that are told: the others may go with them"
         rest = (finding(code, place, f"the same is so {many} times more", remedy) for code, many in more.items())
@@ -229,12 +228,12 @@ def finding(code: str, place: Place, what: str, remedy: str, *, repaired: bool =
 
 
 def refusal(code: str, place: Place, what: str, remedy: str = "") -> DescriptionError:
-    """The error for a description that cannot be used, as a finding too."""
+    """The error for an unusable description, with its finding."""
     return refused([finding(code, place, what, remedy)])
 
 
 def refused(findings: Iterable[Finding]) -> DescriptionError:
-    """One error for everything found: the first in full, the others counted; `.findings` holds them all."""
+    """One error for all findings: the first in full, the others counted. `.findings` holds all."""
     every = tuple(findings)
     first, *others = [one for one in every if one.severity == "error"]
     text = "; ".join(part for part in (f"{first.place}: {first.what}", first.remedy) if part)

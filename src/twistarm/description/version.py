@@ -1,4 +1,4 @@
-"""URDF's versions: what a newer one adds counts from there on, as urdfdom reads it; in an older one it is told."""
+"""URDF's versions. As in urdfdom, a new attribute counts from its version on. Older files give a finding."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ ADDED = {
     "deceleration": ("limit", (1, 2)),
     "jerk": ("limit", (1, 2)),
 }
-"""Attributes that came later: their element, and the version."""
+"""Attributes of later versions, with their element and version."""
 
 
 def settle_version(robot: ET.Element, reading: Reading) -> None:
-    """Take out the attributes that the robot's version does not have, and its version where Pinocchio needs none.
+    """Remove attributes that the robot's version does not have, and the version itself if Pinocchio does not need it.
 
-    A version that is not known is read as the newest, which has everything.
+    An unknown version is read as the newest, which has all attributes.
     """
     written = robot.attrib.pop("version", "1.0")
     version = _known(written, reading)

@@ -1,4 +1,4 @@
-"""SRDF: what a robot's parts mean. Groups, end effectors, named states, pairs of links that need no collision check."""
+"""SRDF: groups, end effectors, named states, and pairs of links that need no collision check."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MAX_BYTES = 1_000_000
 """A whole humanoid's SRDF has some 200 kB."""
 
 MAX_GROUPS = 200
-"""And some 30 groups; each is held against all others, and each silent link against all links. States are shown."""
+"""Most elements of a kind. A humanoid has some 30 groups. Each group is compared with all others."""
 
 Pair = tuple[str, str]
 
@@ -41,7 +41,7 @@ class Group:
 
 @dataclass(frozen=True)
 class EndEffector:
-    """What hangs on `parent_link`: the joints of `group`; `parent_group` is the arm's group, where that is said."""
+    """An end effector on `parent_link` with the joints of `group`. `parent_group` is the arm's group, if given."""
 
     name: str
     parent_link: str
@@ -60,9 +60,9 @@ class GroupState:
 
 @dataclass(frozen=True)
 class Semantics:
-    """An SRDF as read. Pairs of links are sorted; virtual joints are not kept, only their names.
+    """An SRDF as read. Pairs of links are sorted. Virtual joints are kept by name only.
 
-    `silent_links` are those that by default collide with nothing, but for the `checked_pairs`.
+    `silent_links` by default collide with nothing except in the `checked_pairs`.
     """
 
     path: Path
@@ -91,10 +91,11 @@ def read_srdf(
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> Semantics:
-    """Read an SRDF, plain or xacro; of `xacro_args` those are passed on that the file declares, `without` and `env` as
-    in `read_description`.
+    """Read an SRDF, plain or xacro.
 
-    Raises DescriptionError (file, line, element, remedy) for what is no SRDF.
+    A xacro file gets those `xacro_args` that it declares. `without` and `env` are as in `read_description`.
+
+    Raises DescriptionError (file, line, element, remedy) for a file that is not an SRDF.
     """
     file = existing_file(path, "the path of an SRDF")
     if file.stat().st_size > MAX_BYTES:

@@ -95,7 +95,7 @@ class Evaluation:
             raise self._xacro.XacroException(exc=error, suffix=told) from error
 
     def _run(self, command: str) -> str:
-        """The text that `$(command)` stands for."""
+        """The text of `$(command)`."""
         self._work.charge_text(len(command))
         name, _, rest = command.strip().partition(" ")
         words = rest.split()
