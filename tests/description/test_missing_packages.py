@@ -86,6 +86,7 @@ def test_what_the_package_would_have_brought_is_left_out_and_told(case: str, tmp
     with pytest.raises(DescriptionError):
         load_arm(path, tip="tool0")
     arm = load_arm(path, tip="tool0", without=["realsense2_description"])
+    assert "package-not-used" not in [one.code for one in arm.findings]
     plain = load_arm(write(tmp_path, ARM))
     np.testing.assert_array_equal(arm.screws, plain.screws)
     np.testing.assert_array_equal(arm.home, plain.home)

@@ -9,7 +9,6 @@ import pytest
 from hostile.sandbox import TOKEN, XMLNS
 from twistarm import load_arm
 from twistarm.arm.arm import Arm
-from twistarm.description.packages import package_index
 from twistarm.support.errors import DescriptionError
 from urdf_text import joint
 from xacro_text import ARM, MANIFEST, as_xacro, lay
@@ -80,16 +79,9 @@ def test_a_copy_that_looks_like_no_package_is_none(tmp_path: Path) -> None:
     assert load_arm(path).n == 2
 
 
-NOWHERE = {
-    "a link to another folder": "link",
-    "a hidden folder": ".hidden",
-    "a way up": "..",
-}
-
-
-@pytest.mark.parametrize("case", NOWHERE)
-def test_no_other_folder_is_taken_for_a_package(case: str, tmp_path: Path) -> None:
-    text = as_xacro(f'<xacro:include filename="$(find {NOWHERE[case]})/urdf/part.xacro"/>')
+@pytest.mark.parametrize("name", ["link", ".hidden", ".."])
+def test_no_other_folder_is_taken_for_a_package(name: str, tmp_path: Path) -> None:
+    text = as_xacro(f'<xacro:include filename="$(find {name})/urdf/part.xacro"/>')
     lay(tmp_path, {"ws/arm/arm.xacro": text, "far/urdf/part.xacro": PART, "ws/arm/deeper/urdf/part.xacro": PART})
     lay(tmp_path, {"ws/.hidden/urdf/part.xacro": PART, "ws/urdf/part.xacro": PART})
     (tmp_path / "ws" / "link").symlink_to(tmp_path / "far")
@@ -127,12 +119,6 @@ def test_a_mesh_of_a_copy_is_found_and_told(tmp_path: Path) -> None:
     assert arm.description is not None
     assert arm.description.links["tool0"].visuals[0].mesh == tmp_path / "parts" / "pictures" / "a.stl"
     assert str(tmp_path / "parts") in said(arm)
-
-
-def test_nothing_is_looked_for_while_every_package_has_its_manifest(tmp_path: Path) -> None:
-    index = package_index(described(tmp_path, {"parts/arm.urdf": ARM, "parts/package.xml": MANIFEST("parts")}))
-    assert index.find("parts") == tmp_path / "parts"
-    assert index.copies() == {}
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""A joint's axis: a unit vector, or the reason why there is none."""
+"""A joint's axis from the description: a unit vector, or the reason why it is unusable."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from .document import Reading
 from .numerals import floats
 
 AXIS_TOL = 1e-3
-"""A longer or shorter axis than this is worth a word: no rounding of a CAD export is that coarse."""
+"""Deviation of an axis's length from 1 that gives a finding. The rounding of CAD exports is finer."""
 
 SNAP = 2e-12
-"""So near to x, y or z, an axis is that one: Pinocchio's parser rounds so too, at 1e-12."""
+"""An axis so near to x, y or z is rounded to it. Pinocchio's parser rounds too, at 1e-12."""
 
 
 def read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, float]:
-    """The unit axis and its length as written; for a joint that needs none, x."""
+    """The unit axis and its length as written. The axis is x for a joint that needs none."""
     default = np.array([1.0, 0.0, 0.0])
     axis = element.find("axis")
     if axis is None or kind in ("fixed", "floating"):

@@ -1,4 +1,4 @@
-"""The limits of one joint: `<limit>`, and the soft limits of a controller inside it."""
+"""The limits of one joint in its description: `<limit>`, and the soft limits of a controller inside it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .numerals import number
 from .tree import Joint
 
 WIDE = 1e300
-"""Stands for "no limit" in what Pinocchio reads, whose parser refuses infinity; so it, or more, is read by us."""
+"""The number for "no limit" in the text for Pinocchio, which refuses infinity. Read as infinity, like any more."""
 
 LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
 LATER_NAMES = ("acceleration", "deceleration", "jerk")
@@ -25,16 +25,14 @@ Bounds = tuple[float, float]
 
 
 def limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:
-    """The numbers in the joint's `<limit>`, those that are there."""
+    """The numbers that the joint's `<limit>` gives."""
     return _numbers(element, "limit", (*LIMIT_NAMES, *LATER_NAMES), reading)
 
 
 def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], reading: Reading) -> Bounds:
-    """lower, upper, with a finding for one missing bound, which is 0.
+    """(lower, upper), with a finding if one is missing. One missing bound is 0, two are infinite.
 
-    Without bounds they are infinite.
-
-    URDF 1.0 and 1.1 have 0 for a missing bound; 1.2 requires both.
+    URDF 1.0 and 1.1 have 0 for a missing bound. URDF 1.2 requires both.
     """
     if kind not in ("revolute", "prismatic"):
         return -np.inf, np.inf
@@ -68,9 +66,9 @@ def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], read
 
 
 def softened(element: ET.Element, kind: str, hard: Bounds, reading: Reading) -> Bounds:
-    """The bounds inside those of the joint's `<safety_controller>`, as MoveIt and ros_control keep them.
+    """The bounds inside those of the joint's `<safety_controller>`, as in MoveIt and ros_control.
 
-    A soft bound that is not written is 0. Two that are equal, as where neither is written, mean "not given".
+    A missing soft bound is 0. Two equal soft bounds mean "not given", also if both are missing.
     """
     if kind not in ("revolute", "prismatic"):
         return hard
@@ -87,7 +85,7 @@ def softened(element: ET.Element, kind: str, hard: Bounds, reading: Reading) -> 
 
 
 def note_softened(joints: Iterable[Joint], reading: Reading) -> None:
-    """One finding for all joints with a controller's range."""
+    """Add one finding for all joints with the range of a controller."""
     narrower = [joint for joint in joints if (joint.lower, joint.upper) != joint.hard]
     if narrower:
         shown = [f"{one.name} [{one.lower:g}, {one.upper:g}]" for one in narrower[:MOST_SHOWN]]
@@ -101,7 +99,7 @@ def note_softened(joints: Iterable[Joint], reading: Reading) -> None:
 
 
 def rate(value: float | None) -> float:
-    """A limit of a rate; absent, zero and negative ones mean "not given"."""
+    """A limit of a rate. Absent, zero and negative limits mean "not given"."""
     return value if value is not None and 0 < value < WIDE else np.inf
 
 

@@ -1,4 +1,4 @@
-"""Arms by name: ours in the package, and those of the example-robot-data wheel."""
+"""Arms by name: those of twistarm, and those of the example-robot-data wheel."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _MODELS = {
 
 
 def robots_dir() -> Path:
-    """The folder of our arms: in the installed package, or beside `src` in a checkout."""
+    """The folder of twistarm's arms: inside the installed package, or beside `src` in a checkout."""
     package = Path(__file__).resolve().parents[1]
     installed = package / "robots"
     return installed if installed.is_dir() else package.parents[1] / "robots"
@@ -42,18 +42,18 @@ def own_arms() -> tuple[str, ...]:
 
 
 def model_arms() -> tuple[str, ...]:
-    """Names of the arms in the example-robot-data wheel, installed or not."""
+    """Names of the arms of the example-robot-data wheel, also if it is not installed."""
     return tuple(_MODELS)
 
 
 def own_arm_file(name: str) -> Path | None:
-    """The arm.toml of one of our own arms, or None."""
+    """The arm.toml of an arm of twistarm, or None."""
     file = robots_dir() / name / "arm.toml"
     return file if name in own_arms() else None
 
 
 def models_share() -> Path | None:
-    """The folder `share` of the example-robot-data wheel, or None if not installed. The wheel has no Python module."""
+    """The folder `share` of the example-robot-data wheel. None if it is not installed."""
     from importlib.metadata import PackageNotFoundError, distribution
 
     try:
@@ -65,7 +65,7 @@ def models_share() -> Path | None:
 
 
 def model_entry(name: str) -> tuple[Path, ModelsEntry] | None:
-    """File and entry of an arm of the wheel, or None. Raises MissingExtraError if it is not installed."""
+    """File and entry of an arm of the wheel, or None for another name. MissingExtraError without the wheel."""
     entry = _MODELS.get(name)
     if entry is None:
         return None

@@ -1,4 +1,4 @@
-"""The chain from base to tip, walked by ourselves: screws, home, coupling, limits. Nothing comes from Pinocchio."""
+"""The chain from base to tip, without Pinocchio: screws, home, coupling, limits."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from .tree import Description, Joint
 
 @dataclass(frozen=True)
 class Chain:
-    """The result of the walk from base to tip; `coordinates` are the independent joints, `moving` all moving ones.
+    """The chain from base to tip. `coordinates` are the independent joints, `moving` are all moving ones.
 
-    `screws` (6, m) and `home` (4, 4) are those of the moving joints at coordinates 0. Joint values are A @ theta + b
-    with `coupling` = (A, b). `reach` [m] is the length from the first revolute joint to the tip. `couplings` covers the
-    tree.
+    `screws` (6, m) and `home` (4, 4) belong to the moving joints, with every coordinate at 0. Joint values are
+    A @ theta + b with `coupling` = (A, b). `reach` [m] is the length of the path from the first turning joint to the
+    tip. `couplings` covers the whole tree.
     """
 
     coordinates: tuple[str, ...]
@@ -41,9 +41,9 @@ class Chain:
 
 
 def walk_chain(description: Description, base: str, tip: str, tool: Array, locked: Mapping[str, float]) -> Chain:
-    """Walk from `base` to `tip` and on by the pose `tool` (4, 4) of the tool in the tip frame.
+    """Walk from `base` to `tip`, and on by the fixed pose `tool` (4, 4) of the tool in the tip link's frame.
 
-    Raises DescriptionError for a floating joint on the way, or if nothing moves between base and tip.
+    Raises DescriptionError for a floating joint on the way, or if no joint moves between base and tip.
     """
     joints = description.chain(base, tip)
     for joint in joints:
@@ -62,7 +62,8 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
     screws, home, points = _walk(joints, dict(zip(moving, b, strict=True)))
     masters = [description.joints[name] for name in coordinates]
     threads = {moving[pair.rows[0]] for pair in lower_pairs(screws, A) if pair.kind == "helical"}
-    limits, findings = _limits(masters), []
+    limits = JointLimits(**{field: np.array([getattr(joint, field) for joint in masters]) for field in FIELDS})
+    findings: list[Finding] = []
     followers = [name for name in moving if couplings[name].master not in (None, name)]
     for name in followers:
         limits, narrowing = _narrowed(limits, coordinates, description, name, couplings[name])
@@ -75,7 +76,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
         home=home @ tool,
         coupling=(A, b),
         limits=limits,
-        reach=_path_length([*points, (home @ tool)[:3, 3]]),
+        reach=float(sum(np.linalg.norm(b - a) for a, b in pairwise([*points, (home @ tool)[:3, 3]]))),
         couplings=couplings,
         findings=(*findings, *_locked_outside(description, locked)),
     )
@@ -97,20 +98,12 @@ def _walk(joints: tuple[Joint, ...], values: Mapping[str, float]) -> tuple[Array
     return np.stack(twists, axis=1), g, points
 
 
-def _path_length(points: list[Array]) -> float:
-    return float(sum(np.linalg.norm(b - a) for a, b in pairwise(points)))
-
-
-def _limits(masters: list[Joint]) -> JointLimits:
-    return JointLimits(**{name: np.array([getattr(joint, name) for joint in masters]) for name in FIELDS})
-
-
 def _narrowed(
     limits: JointLimits, coordinates: tuple[str, ...], description: Description, name: str, affine: Affine
 ) -> tuple[JointLimits, list[Finding]]:
-    """The limits, with each master limited so that its follower stays inside its range, and the changes.
+    """The limits with a master's range that keeps its follower inside the follower's limits, and findings.
 
-    A follower without a range (exports write 0, 0) limits nothing, but is reported.
+    A follower without a range (exports write 0, 0) narrows nothing, but gives a finding.
     """
     i, follower = coordinates.index(str(affine.master)), description.joints[name]
     ends = sorted((bound - affine.offset) / affine.multiplier for bound in (follower.lower, follower.upper))

@@ -1,4 +1,4 @@
-"""Copies of packages: folders with a package's name but without package.xml."""
+"""Copies of packages: folders with a package's name and without a package.xml."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from collections.abc import Iterable
 from pathlib import Path
 
 MARKS = ("urdf", "xacro", "robots", "meshes", "models", "launch", "worlds", "config")
-"""Folders of which a package of a robot holds one, or else a xacro or URDF file."""
+"""Folders of a robot's package. It has one of them, or a xacro or URDF file."""
 
 _OF_ZIP = re.compile(
     r"(?:-(?:main|master|trunk|dev\w*|ros\d?|v?\d[\w.]*|[0-9a-f]{7,40}|[a-z]+-devel|noetic|foxy|humble|jazzy|rolling))?"
     r"(?: ?\(\d+\))?"
 )
-"""What the folder of an archive has behind the name: a branch, a version, and a number where it was loaded again."""
+"""The text behind the name of an archive's folder: a branch, a version, a number of the download."""
 
 
 def find_copy(package: str, folders: Iterable[Path], file: Path, *, marked: bool) -> Path | None:
-    """The first of `folders` that is a copy of `package`: a real folder with that name, not a link.
+    """The first of `folders` that may be a copy of `package`.
 
-    A branch or a version may follow the name, as in the folder of a ZIP; above `file`, any text may.
-
-    The home folder and its parents never count. Beside them (`/etc`) only the folder of `file` does. `marked`: it must
-    hold the usual content of robot packages, because its files may be opened and quoted.
+    It has that name, or that name with a branch or a version behind it, as the folder of a ZIP. A folder above `file`
+    may have any ending. A link does not count, nor the home folder and those above it. Of the folders beside them
+    (`/etc`) only those above `file` count. With `marked` the folder must look like a robot's package, because messages
+    may quote the files in it.
     """
     if package.startswith("."):
         return None
@@ -40,12 +40,12 @@ def _bears(name: str, package: str, *, above: bool) -> bool:
 
 
 def is_too_wide(folder: Path) -> bool:
-    """Whether it is the home folder, or one that holds it."""
+    """Whether the folder is the home folder or one above it."""
     return _home().is_relative_to(folder)
 
 
 def _is_own(folder: Path) -> bool:
-    """Whether it lies deeper than the folders of the system and of other people."""
+    """Whether it lies deeper than the folders of the system and of other users."""
     return folder.parent != Path(folder.anchor) and folder.parent not in _home().parents
 
 

@@ -14,7 +14,7 @@ from .tree import Description, Joint
 
 
 class Affine(NamedTuple):
-    """value = multiplier · (value of the independent joint `master`) + offset; without master, the offset."""
+    """value = multiplier · (value of the independent joint `master`) + offset. Without a master, value = offset."""
 
     master: str | None
     multiplier: float
@@ -22,10 +22,10 @@ class Affine(NamedTuple):
 
 
 def resolve_couplings(description: Description, locked: Mapping[str, float]) -> dict[str, Affine]:
-    """The independent joint of each moving joint, also through a mimic of a mimic.
+    """For every moving joint of the tree the independent joint that it follows, also through other mimics.
 
-    Raises DescriptionError for a missing master or a circle of mimics, UnknownNameError for an unknown locked joint,
-    InputError for a value that is not a number.
+    Raises DescriptionError for a missing master, or for joints that mimic each other in a circle. Raises
+    UnknownNameError for an unknown locked joint, InputError for a value that is not a number.
     """
     moving = {joint.name: joint for joint in description.joints.values() if joint.scalar}
     for name in locked:
@@ -42,7 +42,7 @@ def resolve_couplings(description: Description, locked: Mapping[str, float]) -> 
 def coupling_matrix(
     couplings: Mapping[str, Affine], joints: Sequence[str], coordinates: Sequence[str]
 ) -> tuple[Array, Array]:
-    """(A, b) with joint values = A @ theta + b. A master outside `coordinates` counts as 0."""
+    """(A, b) with joint values = A @ theta + b. Masters outside `coordinates` count as 0."""
     A, b = np.zeros((len(joints), len(coordinates))), np.zeros(len(joints))
     column = {name: i for i, name in enumerate(coordinates)}
     for row, name in enumerate(joints):
@@ -54,7 +54,7 @@ def coupling_matrix(
 
 
 def _follow(description: Description, name: str, locked: Mapping[str, float]) -> Affine:
-    """Follow the mimic elements to an independent, locked or fixed joint."""
+    """Follow the mimic elements to a joint that is independent, locked or fixed."""
     multiplier, offset = 1.0, 0.0
     behind: dict[str, None] = {}
     while True:

@@ -1,4 +1,4 @@
-"""XML text to elements with line numbers, and the context of a reading."""
+"""XML text to elements with lines, and the context of reading a description."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ MAX_PARTS = 250_000
 """Elements and attributes; a whole humanoid's URDF has some 8,000."""
 
 MAX_NESTING = 100
-"""No description nests deeper, and Python's own XML writer recurses."""
+"""No description nests deeper. Python's XML writer recurses."""
 
 CHUNK = 1_000_000
-"""Bytes that expat is given at a time: a Ctrl-C waits for it."""
+"""Bytes for one call of expat. A Ctrl-C waits for its end."""
 
 
 @dataclass
 class Reading:
-    """The state of one reading: lines of elements, packages, findings."""
+    """The context of one reading: the elements' lines, the packages, the findings so far."""
 
     path: Path
     packages: PackageIndex
@@ -42,13 +42,13 @@ class Reading:
     findings: Findings = field(default_factory=Findings)
 
     def place(self, element: ET.Element | None = None) -> Place:
-        """Where an element stands: file, line, tag and name; without an element, the file."""
+        """The place of an element: file, line, tag and name. Without an element, the file."""
         if element is None:
             return Place(self.path.name)
         return Place(self.path.name, self.line(element), element.tag, element.get("name", ""))
 
     def line(self, element: ET.Element) -> int | None:
-        """The element's line in the file; None where the text was expanded from xacro."""
+        """The element's line in the file. None if the text was expanded from xacro."""
         return self.lines.get(element) if self.show_lines else None
 
     @property
@@ -76,7 +76,7 @@ _NOTED: ContextVar[set[Path] | None] = ContextVar("noted", default=None)
 
 @contextmanager
 def noted_files() -> Iterator[set[Path]]:
-    """The description files read inside the block, in this thread, missing ones included."""
+    """Collect the files of descriptions that this thread reads inside, also missing ones."""
     files: set[Path] = set()
     before = _NOTED.set(files)
     try:
@@ -93,7 +93,7 @@ def note_file(path: Path) -> None:
 
 
 def existing_file(path: str | os.PathLike[str], wanted: str) -> Path:
-    """The path of a regular file. Raises DescriptionError with a remedy."""
+    """The path of a regular file. DescriptionError, with the `wanted` kind, if it is not one."""
     file = as_path(path)
     if why := why_no_file(file):
         raise refusal("file-not-found", Place(str(file)), why, f"give {wanted}")
@@ -130,11 +130,10 @@ def decoded(data: bytes) -> str:
 
 
 def parse_xml(text: str, reading: Reading) -> ET.Element:
-    """The root element of `text`; the line of each element goes into `reading.lines`.
+    """The root element of `text`. Each element's line goes into `reading.lines`.
 
-    It uses plain expat without namespaces, so `xacro:` prefixes or undeclared ones in `<gazebo>` do not matter. It
-    refuses a document type, because that allows entities and external files, and more than `MAX_PARTS` elements and
-    attributes.
+    The parser ignores namespaces, so undeclared prefixes, as in `<gazebo>` blocks, do not matter. Refused are a
+    document type, which may bring entities and external files, and more than `MAX_PARTS` elements and attributes.
     """
     if text.count("=") > MAX_PARTS:  # expat collects all attributes of an element before it can be stopped
         raise _too_many(reading)

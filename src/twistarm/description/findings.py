@@ -13,7 +13,7 @@ Severity = Literal["info", "warning", "error"]
 
 
 class Code(NamedTuple):
-    """How grave a kind of finding is, and what it means for the arm's owner."""
+    """The severity of a kind of finding, and its meaning for the arm's owner."""
 
     severity: Severity
     meaning: str
@@ -159,7 +159,7 @@ CODES: dict[str, Code] = {
 
 
 MOST_OF_A_KIND = 100
-"""Findings of one code that are told; nobody reads more, and a generated file has one in every element."""
+"""Most findings of one code. A generated file may have one in every element."""
 
 LONGEST_PLACE, LONGEST_WHAT = 300, 1000
 """Characters: names in a description may have thousands."""
@@ -185,8 +185,8 @@ class Place:
 class Finding:
     """One observation about a description.
 
-    `code` is stable and machine-readable (see `CODES`). `place` names the file, line and element. `what` describes the
-    observation and its meaning, `remedy` what the owner can do. `repaired`: twistarm works on a repaired copy.
+    `code` is stable and machine-readable (see `CODES`). `place` names the file, its line and the element. `what` gives
+    the fact and its meaning, `remedy` the advice to the owner. `repaired` tells that twistarm works on a repaired copy.
     """
 
     code: str
@@ -202,7 +202,7 @@ class Finding:
 
 @dataclass
 class Findings:
-    """The findings of a reading. Of one code the first are kept and all counted."""
+    """The findings of a reading. It counts all, and keeps the first of each code."""
 
     kept: list[Finding] = field(default_factory=list)
     _counts: Counter[str] = field(default_factory=Counter)
@@ -215,7 +215,7 @@ class Findings:
                 self.kept.append(one)
 
     def told(self, place: Place) -> tuple[Finding, ...]:
-        """The kept findings, and for each code with more the number, in the file `place`."""
+        """The kept findings, and for each code with more their number, at `place`."""
         more = {code: count - MOST_OF_A_KIND for code, count in self._counts.items() if count > MOST_OF_A_KIND}
         remedy = "correct the listed ones: this may cure the others too"
         rest = (finding(code, place, f"the same is so {many} times more", remedy) for code, many in more.items())
@@ -228,12 +228,12 @@ def finding(code: str, place: Place, what: str, remedy: str, *, repaired: bool =
 
 
 def refusal(code: str, place: Place, what: str, remedy: str = "") -> DescriptionError:
-    """The error for a description that cannot be used, as a finding too."""
+    """The error for an unusable description, with its finding."""
     return refused([finding(code, place, what, remedy)])
 
 
 def refused(findings: Iterable[Finding]) -> DescriptionError:
-    """One error for everything found: the first in full, the others counted; `.findings` holds all."""
+    """One error for all findings: the first in full, the others counted. `.findings` holds all."""
     every = tuple(findings)
     first, *others = [one for one in every if one.severity == "error"]
     text = "; ".join(part for part in (f"{first.place}: {first.what}", first.remedy) if part)

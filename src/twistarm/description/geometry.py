@@ -1,4 +1,4 @@
-"""Shapes of visuals and collisions: sizes, colours, and mesh URIs resolved to absolute paths."""
+"""Shapes of visuals and collisions: sizes, colours as urdfdom resolves them, and absolute paths of meshes."""
 
 from __future__ import annotations
 
@@ -13,14 +13,84 @@ from ..support.errors import listed
 from ..support.path_redaction import without_places
 from ..theory.rotations import from_rpy, from_xyzw
 from .document import Reading
-from .materials import Colour, Materials
 from .mesh_paths import resolve_uri, why_missing
 from .numerals import floats, number
 from .tree import Geometry
 
+Colour = tuple[float, float, float, float]
+
+BYTE = 255.0
+"""The largest component in files that count to 255 instead of 1."""
+
+
+class Materials:
+    """The colours of one robot.
+
+    A name keeps its first colour: the robot's, else that of the first visual in the file. Another colour for the same
+    name later has no effect. A material without a name has the colour that it gives.
+    """
+
+    def __init__(self, robot: ET.Element, reading: Reading) -> None:
+        self._reading = reading
+        self._known: dict[str, Colour] = {}
+        self._twice: dict[str, None] = {}
+        self._odd: dict[tuple[str, str], None] = {}
+        for material in robot.findall("material"):
+            self.colour(material)
+
+    def colour(self, material: ET.Element | None) -> Colour | None:
+        """The colour of a `<material>`, None if neither the element nor its name has one."""
+        if material is None:
+            return None
+        name, own = material.get("name", ""), self._own(material)
+        if not name:
+            return own
+        known = self._known.get(name)
+        if known is None:
+            if own is not None:
+                self._known[name] = own
+            return own
+        if own not in (None, known):
+            self._twice[name] = None
+        return known
+
+    def note_odd(self) -> None:
+        """Add a finding for all names with two colours, and one for each malformed colour."""
+        if self._twice:
+            names = listed(self._twice, 3)
+            what = f"{len(self._twice)} material{'s' * (len(self._twice) > 1)} with several colours: {names}"
+            remedy = "give each colour a name of its own"
+            self._reading.note("material-twice", None, f"{what}; the first colour of a name counts", remedy)
+        for rgba, drawn in self._odd:
+            what = f"the colour rgba={rgba[:60]!r} is not four numbers from 0 to 1; {drawn}"
+            self._reading.note("bad-colour", None, what, 'write rgba="RED GREEN BLUE ALPHA"', repaired=True)
+
+    def _own(self, material: ET.Element) -> Colour | None:
+        element = material.find("color")
+        if element is None:
+            return None
+        rgba = element.get("rgba", "")
+        words = len(rgba.split())
+        try:
+            values = np.array(floats(rgba, 3 if words == 3 else 4))
+        except ValueError:
+            self._odd[rgba, "it is not used"] = None
+            return None
+        drawn = "drawn opaque" if words == 3 else ""
+        if 1.0 < values.max() <= BYTE and values.min() >= 0.0:
+            values[:3] /= BYTE
+            values[3:] /= BYTE if values[3:].max(initial=0.0) > 1.0 else 1.0
+            drawn = "drawn as if it counted to 255"
+        elif not ((values >= 0.0) & (values <= 1.0)).all():
+            drawn = "drawn with the nearest that are"
+        if drawn:
+            self._odd[rgba, drawn] = None
+        red, green, blue, alpha = (float(x) for x in np.clip([*values, 1.0][:4], 0.0, 1.0))
+        return red, green, blue, alpha
+
 
 class Geometries:
-    """Reads the shapes of one description; remembers its materials and which meshes are missing."""
+    """Reads the shapes of one description. Collects its materials and the missing meshes."""
 
     def __init__(self, robot: ET.Element, reading: Reading) -> None:
         self._reading = reading
@@ -28,11 +98,11 @@ class Geometries:
         self._materials = Materials(robot, reading)
 
     def of(self, link: ET.Element, kind: str) -> tuple[Geometry, ...]:
-        """The link's shapes; `kind` is "visual" or "collision". One that makes no sense is noted and left out."""
+        """The link's shapes of a `kind`, "visual" or "collision". Unusable ones are noted and left out."""
         return tuple(shape for element in link.findall(kind) if (shape := self._read(link, element)) is not None)
 
     def note_odd(self) -> None:
-        """Note odd colours, and missing meshes by their remedy."""
+        """Add findings for odd colours and missing meshes, one for all meshes with the same remedy."""
         self._materials.note_odd()
         causes: dict[tuple[str, str], list[str]] = {}
         for uri in dict.fromkeys(self._missing):
@@ -85,7 +155,7 @@ class Geometries:
         return Geometry(shape.tag, origin, tuple(map(abs, size)), None, colour)  # type: ignore[arg-type]
 
     def _seen(self, link: ET.Element, shape: str, size: tuple[float, ...]) -> bool:
-        """Whether a shape is visible: a box may be flat, a cylinder a disc, a capsule a ball."""
+        """Whether a shape is visible. A box may be flat, a cylinder a disc, a capsule a ball."""
         if min(size) > 0.0:
             return True
         numbers = " ".join(f"{x:g}" for x in size)
@@ -100,12 +170,11 @@ class Geometries:
         path = resolve_uri(uri, self._reading.path, self._reading.packages)
         if path is None:
             self._missing.append(uri)
-            return None
         return path
 
 
 def read_origin(element: ET.Element) -> Array:
-    """The `<origin>` of an element as a pose (4, 4); the identity without one. ValueError if it is malformed."""
+    """The `<origin>` of an element as a pose (4, 4), the identity without one. ValueError if it is malformed."""
     g = np.eye(4)
     origin = element.find("origin")
     if origin is not None:
@@ -115,7 +184,7 @@ def read_origin(element: ET.Element) -> Array:
 
 
 def _rotation(origin: ET.Element) -> Array:
-    """R (3, 3) from rpy, or from URDF 1.1's quaternion of any length."""
+    """R (3, 3) from rpy, or from a quaternion of any length, which URDF has from version 1.1 on."""
     quaternion = origin.get("quat_xyzw")
     if quaternion is None:
         return from_rpy(floats(origin.get("rpy", "0 0 0"), 3))

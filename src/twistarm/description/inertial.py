@@ -1,4 +1,4 @@
-"""Masses and inertias. Invalid ones are noted and dropped before Pinocchio drops them silently."""
+"""Masses and inertias. Malformed ones are noted and dropped, which Pinocchio would do silently."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from .tree import Description
 
 @dataclass(frozen=True)
 class Body:
-    """A link's mass [kg], its centre (3,) [m] in the link's frame, and its inertia (3, 3) [kg m²] about the centre in
-    the link's axes.
+    """A link's mass [kg], its centre of mass (3,) [m] in the link's frame, and its inertia.
+
+    The inertia (3, 3) [kg m²] is about the centre, in the link's axes.
     """
 
     mass: float
@@ -29,7 +30,7 @@ INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def bodies(description: Description) -> dict[str, Body]:
-    """Each link with a mass or an inertia, from the text without invalid ones."""
+    """Every link with a mass or an inertia, from the repaired text."""
     robot = ET.fromstring(description.repaired)
     inertials = {link.get("name", ""): link.find("inertial") for link in robot.findall("link")}
     read = {name: _body(inertial) for name, inertial in inertials.items() if inertial is not None}
@@ -45,7 +46,7 @@ def _body(inertial: ET.Element) -> Body:
 
 
 def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
-    """Remove every `<inertial>` that cannot be read; kinematics does not need it, gravity torques do."""
+    """Remove every unreadable `<inertial>`. Kinematics does not need it, gravity torques do."""
     for link in robot.findall("link"):
         first = link.find("inertial")
         link[:] = [child for child in link if child.tag != "inertial" or child is first]
@@ -65,7 +66,7 @@ def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
 
 
 def inertial_problem(inertial: ET.Element) -> str:
-    """Why an `<inertial>` cannot be used; empty if it can."""
+    """Why an `<inertial>` is unusable, or an empty text."""
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     if mass is None or inertia is None:
         return "lacks <mass> or <inertia>"
@@ -80,7 +81,7 @@ def inertial_problem(inertial: ET.Element) -> str:
 
 
 def _write_plainly(inertial: ET.Element) -> None:
-    """For Pinocchio, which reads " 1 " as no mass, and the whole inertia as zero if one number is missing."""
+    """Write numbers without space and all six inertias, because Pinocchio else takes them for zero."""
     for element in (*inertial.findall("mass"), *inertial.findall("inertia")):
         for name in ("value",) if element.tag == "mass" else INERTIA:
             element.set(name, element.get(name, "0").strip())

@@ -1,4 +1,4 @@
-"""Paths of meshes: URIs resolved, and remedies for missing files."""
+"""Paths of meshes: all kinds of URIs resolved, and the remedy for a missing file."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from urllib.parse import unquote
 from ..support.caller_words import package_folder
 from ..support.errors import closest
 from ..support.files import is_file
-from .meshes.formats import FORMATS
+from .meshes.mesh_file import FORMATS
 from .packages import PackageIndex
 
 _IN_PACKAGE = re.compile(r"(?:(?:package|model)://([^/\\]*)|\$\(find\s+([^)\s]+)\))[/\\]*")
 
 NEAR = 3
-"""So many folders above the description may be the package that it is of."""
+"""Folders above the description that may be its package."""
 
 SIMILAR, MOST_ENTRIES = 0.7, 1_000
-"""Of two names, so that one is a slip of the other; and files of a folder that are compared."""
+"""Similarity of a name and its misspelling, and most files of a folder to compare."""
 
 
 class MeshUri(NamedTuple):
-    """What stands before the path, the package that it names ("" for none), and the path."""
+    """The text before the path, the package ("" for none), and the path."""
 
     head: str
     package: str
@@ -34,7 +34,7 @@ class MeshUri(NamedTuple):
 
 
 def parsed(uri: str) -> MeshUri:
-    """A URI in its parts. `package://./x` and `package:///x` name no package, as nothing else does."""
+    """The parts of a URI. `package://./x` and `package:///x` have no package."""
     uri = uri.strip()
     if match := _IN_PACKAGE.match(uri):
         package = match[1] or match[2] or ""
@@ -45,7 +45,7 @@ def parsed(uri: str) -> MeshUri:
 
 
 def plain(uri: str) -> str:
-    """The URI with one slash where it has several, or backslashes."""
+    """The URI with single slashes instead of several or of backslashes."""
     head, package, path = parsed(uri)
     scheme = head if not package else head.rstrip("/\\") + "/"
     return scheme + re.sub(r"(?<=.)[/\\]+", "/", path)
@@ -54,8 +54,8 @@ def plain(uri: str) -> str:
 def resolve_uri(uri: str, file: Path, packages: PackageIndex) -> Path | None:
     """The mesh file of a URI: `package://`, `model://`, `file://`, `$(find p)/…`, absolute, or beside the file.
 
-    Without a package name, `package://` starts at the file's folder, its parents, or the caller's folders. None if
-    missing.
+    Without a package's name, `package://` begins at the file's folder, at those above, or at the caller's folders.
+    None if there is no such file.
     """
     found = (folder / path for folder in _folders(parsed(uri), file, packages) for path in _spellings(parsed(uri).path))
     path = next((path for path in found if is_file(path)), None)
@@ -63,7 +63,7 @@ def resolve_uri(uri: str, file: Path, packages: PackageIndex) -> Path | None:
 
 
 def why_missing(uri: str, file: Path, packages: PackageIndex) -> tuple[str, str]:
-    """Why a URI has no file, and the remedy; the same text for all with one remedy."""
+    """Why there is no file at a URI, and the remedy. Both are equal for files with one remedy."""
     head, package, path = parsed(uri)
     folders = list(_folders(parsed(uri), file, packages))
     if package and not folders:
@@ -75,7 +75,7 @@ def why_missing(uri: str, file: Path, packages: PackageIndex) -> tuple[str, str]
 
 
 def _folders(uri: MeshUri, file: Path, packages: PackageIndex) -> Iterator[Path]:
-    """Where its path may begin."""
+    """The folders in which its path may begin."""
     if uri.package:
         folder = packages.find_for_mesh(uri.package)
         yield from () if folder is None else (folder,)
@@ -102,7 +102,7 @@ def _package_missing(package: str, path: str, file: Path, packages: PackageIndex
 
 
 def _near(folder: Path, path: str) -> str | None:
-    """A mesh below the folder with a similar path: other case, or a slip in the last name."""
+    """The path of a mesh below the folder that differs in case, or by a misspelt file name."""
     *parents, name = path.split("/")
     done: list[str] = []
     for part in parents:

@@ -1,18 +1,18 @@
-"""Numbers as every reader of URDF takes them, of a size that robots have."""
+"""Numbers that every reader of URDF takes, within the size of robots."""
 
 from __future__ import annotations
 
 import numpy as np
 
 LARGEST = 1e9
-"""No length, angle, mass or multiplier of a robot comes near; beyond it products overflow."""
+"""Far above any length, angle, mass or multiplier of a robot. Products of larger numbers overflow."""
 
 MAX_NUMBER = 400
 """Characters of a number."""
 
 
 def floats(text: str, count: int) -> list[float]:
-    """Exactly `count` numbers of a size that robots have, or ValueError."""
+    """Exactly `count` numbers of at most LARGEST in size, or ValueError."""
     words = text.split(maxsplit=count)
     values = [number(word) for word in words] if text.isascii() and len(words) == count else []
     if len(values) != count or not (np.abs(values) <= LARGEST).all():
@@ -21,7 +21,7 @@ def floats(text: str, count: int) -> list[float]:
 
 
 def number(word: str) -> float:
-    """A number as every reader of URDF takes it, without Python's 1_000 or other scripts' digits."""
+    """A number that every reader of URDF takes. Python's 1_000 and digits of other scripts are refused."""
     if not word.isascii() or "_" in word or len(word) > MAX_NUMBER:
         raise ValueError(f"no number: {word[:60]!r}")
     return float(word)

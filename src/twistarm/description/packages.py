@@ -17,38 +17,39 @@ from ..support.files import as_path, is_file, open_regular
 from .copies import find_copy
 
 MAX_DEPTH = 4
-"""How deep under a folder that the user names packages are looked for."""
+"""Depth of the search for packages under a folder of the user."""
 
 MAX_PARENTS = 8
-"""How many parents of the description are looked through, with their children."""
+"""Parents of the description that the search covers, with their children."""
 
 MANIFEST_BYTES = 16_384
-"""A package.xml's name stands at its head, behind a licence at most: so far it is read."""
+"""Bytes read of a package.xml. The name is near the head, behind a licence at most."""
 
 MAX_FOLDERS = 20_000
-"""Folders that one search looks at among those of the user, near the description or of ROS's variables, each. Ubuntu's
-ROS with all its tools has some 400 packages; a second is enough for as many folders as these."""
+"""Most folders of one search. The user's folders, those near the description and those of ROS's variables count apart.
+Ubuntu's ROS with all its tools has some 400 packages. So many folders take a second."""
 
 ENTRIES_PER_FOLDER = 20
-"""Entries of a folder that take as long as a folder does."""
+"""Entries that take as long as one folder."""
 
 _NAME = re.compile(r"\w[\w.-]*")
 _VARIABLE = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 SOURCES = "src"
-"""Where a workspace keeps its packages."""
+"""The folder of a workspace with its packages."""
 
 INSTALLED, SHARE = "install", "share"
-"""Where colcon installs them, and the folder between."""
+"""The folder where colcon installs them, and the folder between."""
 
 
 @dataclass(frozen=True)
 class PackageIndex:
     """Packages near a description, by the `<name>` in their package.xml (folder names may differ).
 
-    The search order is: the user's folders, each parent of the description with its children, `src` and installed
-    packages below it, `<prefix>/share/*` of AMENT_PREFIX_PATH, and ROS_PACKAGE_PATH. Without a package.xml of the name,
-    a copy in the first two places counts (`find_copy`). `mesh_dirs`, last, serve meshes only.
+    The search goes through the user's folders, then each parent of the description. There it covers the children,
+    those of `src` and the installed packages. Then follow `<prefix>/share/*` of AMENT_PREFIX_PATH, and
+    ROS_PACKAGE_PATH. If no package.xml has the name, a copy in the first two places may have it (`find_copy`).
+    `mesh_dirs` come last and give only meshes.
     """
 
     file: Path
@@ -65,23 +66,23 @@ class PackageIndex:
         return self._by_manifest(package) or self._copy(package, marked=True)
 
     def find_for_mesh(self, package: str) -> Path | None:
-        """As `find`, or any folder of that name: a mesh is drawn and cannot be quoted."""
+        """As `find`, or any folder of that name. Meshes are only drawn, so their contents cannot leak."""
         return self.find(package) or self._copy(package, marked=False) or self.find_for_mesh_alone(package)
 
     def find_for_mesh_alone(self, package: str) -> Path | None:
-        """The folder of `package` in `mesh_dirs`, or None: no text there is read."""
+        """The folder of `package` in `mesh_dirs`, or None. No text is read there."""
         return self._in_mesh_dirs.get(package)
 
     @functools.cached_property
     def _in_mesh_dirs(self) -> dict[str, Path]:
-        """Packages by their package.xml, and folders by their name where no package has it."""
+        """Packages by the name in their package.xml, then other folders by their names."""
         walk = self._walk("package_dirs")
         folders = [folder for top in self.mesh_dirs for folder in walk.through(top, MAX_DEPTH)]
         named = [(name, folder) for folder in folders if (name := package_name(folder))]
         return dict(reversed([*named, *((folder.name, folder) for folder in folders)]))
 
     def is_copy(self, folder: Path) -> bool:
-        """Whether `find` has answered with that folder, which no package.xml names."""
+        """Whether `find` has returned that folder, which has no package.xml."""
         return any(found == folder for (_, marked), found in self._copies.items() if marked)
 
     def names(self) -> list[str]:
@@ -90,7 +91,7 @@ class PackageIndex:
         return [name for name, folder in self._found.items() if folder is not None]
 
     def copies(self) -> dict[str, Path]:
-        """The folders that were taken for a package by their own name alone."""
+        """The folders taken for a package only by their name."""
         return {package: folder for (package, _), folder in self._copies.items() if folder is not None}
 
     def _by_manifest(self, package: str) -> Path | None:
@@ -103,7 +104,7 @@ class PackageIndex:
         return self._found[package]
 
     def _copy(self, package: str, *, marked: bool) -> Path | None:
-        """Asked for after every folder near was looked through for a package.xml."""
+        """A copy of the package. Call it after `_by_manifest` has searched all near folders."""
         key = package, marked
         if key not in self._copies:
             folders = [folder for name, those in self._by_name.items() if name.startswith(package) for folder in those]
@@ -111,14 +112,14 @@ class PackageIndex:
         return self._copies[key]
 
     def searched(self) -> str:
-        """Where a package was looked for, in words."""
+        """The places of the search, in words."""
         places = [str(path) for path in (*self.user_dirs, *self.mesh_dirs)]
         places.append(f"the folders above {self.file.name}")
         places += [name for name in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH") if os.environ.get(name)]
         return ", ".join(places) + "".join(self._unseen)
 
     def sourced(self, package: str) -> Iterator[Path]:
-        """Every folder of `package` in the environment's, those behind another that `find` answers with too."""
+        """Every folder of `package` in the environment, also those that `find` does not reach."""
         return (folder for folder in self._folders_of_environment() if package_name(folder) == package)
 
     def _folders(self) -> Iterator[Path]:
@@ -147,16 +148,16 @@ class PackageIndex:
                 yield from walk.installed(parent.parent.parent)
 
     def _walk(self, where: str) -> Walk:
-        """A walk that says in `searched` where it has ended early."""
+        """A walk that adds to `searched` if it ends early."""
         what = f" (only the first {MAX_FOLDERS:,} of the folders of {where}: name nearer ones as package_dirs)"
         return Walk(lambda: self._unseen.setdefault(what))
 
 
 @dataclass
 class Walk:
-    """A breadth-first walk through at most `left` folders; `ended` is called at the limit.
+    """A breadth-first walk through at most `left` folders. It calls `ended` if it stops early.
 
-    It skips hidden and unreadable folders, and links to visited ones.
+    Hidden and unreadable folders are left out, and links to folders that the walk has passed.
     """
 
     ended: Callable[[], None]
@@ -164,12 +165,12 @@ class Walk:
     _seen: set[tuple[int, int]] = field(default_factory=set)
 
     def through(self, folder: Path, depth: int) -> Iterator[Path]:
-        """`folder` and what stands below, so many levels deep."""
+        """`folder` and the folders below, `depth` levels deep."""
         level = [folder]
-        for _ in range(depth + 1):
+        yield folder
+        for _ in range(depth):
+            level = [child for parent in level for child in self.children(parent)]
             yield from level
-            if _ < depth:
-                level = [child for parent in level for child in self.children(parent)]
 
     def children(self, folder: Path) -> list[Path]:
         """The folders in a folder, by their names."""
@@ -192,13 +193,13 @@ class Walk:
         return [folder / name for name in sorted(found)]
 
     def installed(self, folder: Path) -> Iterator[Path]:
-        """What colcon has installed there: `NAME/share/NAME`, or all in `share`."""
+        """Packages that colcon has installed there: `NAME/share/NAME`, or all in `share`."""
         homes = (prefix / SHARE / prefix.name for prefix in self.children(folder))
         yield from filter(os.path.isdir, homes)
         yield from self.children(folder / SHARE)
 
     def _leads_on(self, entry: os.DirEntry[str]) -> bool:
-        """Whether it is a folder, and not a link to a visited one."""
+        """Whether it is a folder, or a link to a folder that the walk has not passed."""
         try:
             if not entry.is_dir():
                 return False
@@ -216,7 +217,7 @@ def package_index(
     user_dirs: Iterable[str | os.PathLike[str]] = (),
     mesh_dirs: Iterable[str | os.PathLike[str]] = (),
 ) -> PackageIndex:
-    """The index for one description; InputError for a user's folder that does not exist."""
+    """The index for one description. InputError for a user's folder that does not exist."""
     if isinstance(user_dirs, (str, os.PathLike)):
         user_dirs = [user_dirs]
     users, meshes = (tuple(_users_folder(as_path(folder)) for folder in dirs) for dirs in (user_dirs, mesh_dirs))
@@ -235,49 +236,48 @@ def _users_folder(folder: Path) -> Path:
 
 
 def package_names(without: object) -> tuple[str, ...]:
-    """The packages to leave out, one or several. Raises InputError for an invalid name."""
-    names = (without,) if isinstance(without, str) else require_names(without, "without")
-    for name in names:
-        if not is_package_name(name):
-            raise InputError(f"without takes names of packages, as in $(find NAME)/…; got {shown(name)}")
-    return tuple(dict.fromkeys(names))
+    """The packages to do without, from one name or several. InputError for what is not a package name."""
+    return _names(without, "without", _NAME, "names of packages, as in $(find NAME)/…")
 
 
 def is_package_name(name: str) -> bool:
-    """Whether a package may be called so: a word, no path."""
+    """Whether a package may have that name: a word, not a path."""
     return _NAME.fullmatch(name) is not None
 
 
 def variable_names(env: object) -> tuple[str, ...]:
-    """The environment variables that a file may read, one or several. Raises InputError for an invalid name."""
-    names = (env,) if isinstance(env, str) else require_names(env, "env")
+    """The environment variables that a file may read, from one name or several. InputError for another text."""
+    return _names(env, "env", _VARIABLE, "names of environment variables, without their values")
+
+
+def _names(given: object, argument: str, pattern: re.Pattern[str], wanted: str) -> tuple[str, ...]:
+    names = (given,) if isinstance(given, str) else require_names(given, argument)
     for name in names:
-        if not _VARIABLE.fullmatch(name):
-            raise InputError(f"env takes names of environment variables, without their values; got {shown(name)}")
+        if not pattern.fullmatch(name):
+            raise InputError(f"{argument} takes {wanted}; got {shown(name)}")
     return tuple(dict.fromkeys(names))
 
 
 def package_name(folder: Path) -> str | None:
-    """The `<name>` in the folder's package.xml; None without a readable one near its head."""
+    """The first `<name>` in the root of the folder's package.xml.
+
+    None without a readable one near its head, and for a file with a document type, which may hold entities.
+    """
     manifest = folder / "package.xml"
     if not is_file(manifest):
         return None
     try:
         with open_regular(manifest) as file:
-            return _name_in(file.read(MANIFEST_BYTES))
+            head = file.read(MANIFEST_BYTES)
+        if b"<!DOCTYPE" in head.replace(b"\0", b""):
+            return None
+        depth = 0
+        for event, element in ET.iterparse(io.BytesIO(head), ("start", "end")):
+            depth += 1 if event == "start" else -1
+            if (event, depth, element.tag.rpartition("}")[2]) == ("end", 1, "name"):
+                return (element.text or "").strip() or None
     except (ET.ParseError, OSError, ValueError, LookupError):
-        return None
-
-
-def _name_in(head: bytes) -> str | None:
-    """The text of the first `<name>` in the root element; "" for a file with a document type."""
-    if b"<!DOCTYPE" in head.replace(b"\0", b""):
-        return None
-    depth = 0
-    for event, element in ET.iterparse(io.BytesIO(head), ("start", "end")):
-        depth += 1 if event == "start" else -1
-        if (event, depth, element.tag.rpartition("}")[2]) == ("end", 1, "name"):
-            return (element.text or "").strip() or None
+        pass
     return None
 
 

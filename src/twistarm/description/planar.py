@@ -1,14 +1,13 @@
-"""Planar joints as two slides in the plane and a turn about its normal.
+"""Planar joints as three joints: two slides in the plane, then a turn about its normal.
 
-URDF gives only the normal. The slides go along the first two columns of `joints.plane_axes(normal)`. The joint is split
-before links and joints are read, so later code sees joints of one degree of freedom.
+URDF gives only the normal of a planar joint. The slides go along the first two columns of `joints.plane_axes(normal)`.
+The split comes before links and joints are read, so all later steps see three joints of one degree of freedom.
 """
 
 from __future__ import annotations
 
 import copy
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
 
 from ..support.checks import Array
 from ..support.errors import DescriptionError
@@ -17,7 +16,7 @@ from .axis import read_axis
 from .document import Reading
 
 SUFFIXES = ("_x", "_y", "_rz")
-"""What the coordinates' names add to the joint's, in the order of `joints.planar`."""
+"""Endings of the coordinates' names, in the order of `joints.planar`."""
 
 
 def coordinate_names(joint: str) -> tuple[str, str, str]:
@@ -27,10 +26,10 @@ def coordinate_names(joint: str) -> tuple[str, str, str]:
 
 
 def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
-    """Replace every planar joint by its three parts and return the origin of each part, {"p_x": "p", …}.
+    """Replace every planar joint by three, and return the joint that each is part of, {"p_x": "p", …}.
 
-    Raises DescriptionError for a taken coordinate name, and for a planar joint in a mimic. A joint with an unreadable
-    axis stays and is refused with the other joints.
+    Raises DescriptionError if a coordinate's name is taken, or if a planar joint mimics or is mimicked. A joint with an
+    unusable axis stays, and is refused later with the other joints.
     """
     planar = [joint for joint in robot.findall("joint") if joint.get("type") == "planar"]
     _refuse_mimics(robot, {joint.get("name", "") for joint in planar}, reading)
@@ -48,14 +47,15 @@ def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
         made[joint] = _parts(joint, names, between, plane_axes(normal))
         new_links = [ET.Element("link", name=name) for name in between]
         whole |= dict.fromkeys(names, joint.get("name", ""))
-        _same_line([*made[joint], *new_links], joint, reading)
+        if joint in reading.lines:  # findings about the parts show the line of the joint
+            reading.lines |= dict.fromkeys([*made[joint], *new_links], reading.lines[joint])
         robot.extend(new_links)
     robot[:] = [part for element in robot for part in made.get(element, [element])]
     return whole
 
 
 def _coordinates(joint: ET.Element, taken: set[str], reading: Reading) -> tuple[str, str, str]:
-    """The names of the three, put into `taken` instead of the joint's own."""
+    """The names of the three joints. They replace the joint's name in `taken`."""
     names = coordinate_names(joint.get("name", ""))
     for name in names:
         if name in taken:
@@ -84,17 +84,11 @@ def _parts(joint: ET.Element, names: tuple[str, str, str], between: list[str], a
 
 
 def _free(name: str, taken: set[str]) -> str:
-    """The name, or one like it where it is taken, put into `taken`."""
+    """The name, with underscores added if it is taken. It goes into `taken`."""
     while name in taken:
         name += "_"
     taken.add(name)
     return name
-
-
-def _same_line(made: Iterable[ET.Element], joint: ET.Element, reading: Reading) -> None:
-    """Give the parts the line of the written joint."""
-    if joint in reading.lines:
-        reading.lines |= dict.fromkeys(made, reading.lines[joint])
 
 
 def _end(joint: ET.Element, tag: str) -> str:

@@ -1,4 +1,4 @@
-"""Ignored words in a joint: misspelt, doubled or empty ones would change the arm silently."""
+"""Findings for misspelt, doubled or empty words in a joint, which would silently change the arm."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ ATTRIBUTES = {
     "parent": ("link",),
     "child": ("link",),
 }
-"""What of a joint the kinematics hangs on, and what each element may say."""
+"""Elements of a joint that the kinematics depends on, with their attributes."""
 
 SIMILAR = 0.75
-"""Of two words, so that `orgin` is a slip and `physics` another tool's."""
+"""Similarity of a word and its misspelling: `orgin` is one, `physics` belongs to another tool."""
 
 
 MOST_WORDS, LONGEST, MOST_ATTRIBUTES = 1_000, 40, 10
-"""Different words that are compared, letters of one, and attributes of an element that are told."""
+"""Most words to compare, letters of a word, and attributes of an element in findings."""
 
 
 def note_unread_words(robot: ET.Element, reading: Reading) -> None:
-    """Note what URDF readers ignore in a joint's origin, axis, limits and mimic.
+    """Note words that no reader of URDF reads in a joint's origin, axis, limits and mimic.
 
-    These are unknown attributes, elements with a name similar to one of `ATTRIBUTES`, a second element of a kind (the
-    first counts), and an `<axis>` without numbers, which is x.
+    These are unknown attributes, elements with nearly a name of `ATTRIBUTES`, second elements of a kind (the first
+    counts), and an `<axis>` without numbers, which is then x.
     """
     slips: dict[str, bool] = {}
     for joint in robot.findall("joint"):
@@ -42,7 +42,7 @@ def note_unread_words(robot: ET.Element, reading: Reading) -> None:
 
 
 def _note_slips(joint: ET.Element, reading: Reading, known: dict[str, bool]) -> None:
-    """`known`: the words that were looked at, and whether each is nearly one of `ATTRIBUTES`."""
+    """Note misspelt elements. `known` caches for each word whether it is nearly one of `ATTRIBUTES`."""
     for element in joint:
         tag = element.tag
         if tag not in ATTRIBUTES and tag not in known and len(known) < MOST_WORDS:

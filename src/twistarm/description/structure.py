@@ -1,4 +1,4 @@
-"""Checks that the description is a tree: one root, each link defined and reached once."""
+"""Checks that a description is a tree: one root, each link defined once and reached once."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from .document import Reading
 from .findings import refusal
 
 MAX_LINKS_DEEP = 1000
-"""Deeper chains are refused: Pinocchio's parser overflows its stack at some 4,000."""
+"""Longest chain of links. Pinocchio's parser overflows its stack at some 4,000."""
 
 
 MAX_PARTS = {"link": 4_000, "joint": 4_000, "visual": 10_000, "collision": 10_000}
 """The largest robots have some 150 links and 300 shapes, a whole cell a few thousand. Pinocchio compares each name with
-all before, in one call for which Ctrl-C waits: 4,000 take it a fifth of a second, 20,000 some five."""
+all before, and Ctrl-C waits for it. It takes a fifth of a second for 4,000 names, and five seconds for 20,000."""
 
 MAX_NAME = 500
 """Characters of a link's or joint's name."""
 
 MOST_HINTS = 10
-"""Mistakes that come with the closest name: the search takes as long as there are names."""
+"""Most mistakes with a closest name. Each search goes through all names."""
 
 
 def check_structure(robot: ET.Element, reading: Reading) -> None:
@@ -52,7 +52,7 @@ def _check_counts(robot: ET.Element, reading: Reading) -> None:
 
 
 def root_link(robot: ET.Element) -> str:
-    """The one link without a parent."""
+    """The link without a parent."""
     return _roots(robot)[0]
 
 
@@ -97,7 +97,7 @@ def _roots(robot: ET.Element) -> list[str]:
 
 
 def _check_connected(robot: ET.Element, reading: Reading) -> None:
-    """One root; no cycle; not too deep for the engines behind."""
+    """Check for one root, no cycle, and a depth that Pinocchio can read."""
     roots = _roots(robot)
     if len(roots) > 1:
         what = f"{len(roots)} root links: {listed(roots)}"

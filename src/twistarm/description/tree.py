@@ -1,4 +1,4 @@
-"""A robot description as plain data: links, joints, and the tree they form. Reading files is done elsewhere."""
+"""A robot description as plain data: links, joints, and their tree."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Geometry:
     """A shape on a link: `origin` (4, 4) in the link frame.
 
     `size`: box (x, y, z) [m]; cylinder and capsule (radius, length) along z [m]; sphere (radius,) [m]; mesh its scale.
-    `mesh` is an absolute path, or None if missing. `colour` is (r, g, b, a) in 0…1.
+    `mesh` is an absolute path, or None if the file was not found. `colour` is (r, g, b, a) in 0…1.
     """
 
     shape: Shape
@@ -36,7 +36,7 @@ class Geometry:
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid body with what is drawn on it and what it collides with."""
+    """A rigid body with its visual and collision shapes."""
 
     name: str
     visuals: tuple[Geometry, ...] = ()
@@ -55,11 +55,11 @@ class Mimic:
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint of the tree: `axis` is a unit vector, `axis_length` its written length; missing limits are ∓inf.
+    """A joint of the tree, with a unit vector `axis` of the written length `axis_length`.
 
-    `lower` and `upper` are inside the soft limits of a `<safety_controller>`; `hard` are those of `<limit>`.
-    `acceleration` is the smaller one if URDF 1.2 gives a deceleration too. `line` is its place in a file without xacro;
-    `part_of` the planar joint of which it is a part.
+    Limits are ∓inf if not given. `lower` and `upper` lie inside the soft limits of a `<safety_controller>`. `hard` are
+    those of `<limit>` alone. `acceleration` is the smaller of acceleration and deceleration. `line` is the line in a
+    file without xacro. `part_of` is the planar joint that it was split from.
     """
 
     name: str
@@ -99,10 +99,10 @@ class Joint:
 
 @dataclass(frozen=True, repr=False)
 class Description:
-    """Links and joints of a repaired description, with the findings.
+    """Links and joints after all repairs, with the findings of the reading.
 
-    `text` is the expanded description as written, for the engines that check us. `repaired` has all repairs and
-    absolute mesh paths, for Pinocchio.
+    `text` is the expanded description as written, for the engines of the crosscheck. `repaired` is the kinematic part
+    of it with all repairs, for Pinocchio.
     """
 
     name: str
@@ -130,7 +130,7 @@ class Description:
         return any(link.collisions or link.visuals for link in self.links.values())
 
     def place(self, part: Joint | Link | None = None) -> Place:
-        """The place of a joint or link in the file, or the file."""
+        """The place of a joint or link in the file, or the file without one."""
         file = self.path.name if self.path else self.name
         if part is None:
             return Place(file)
@@ -171,7 +171,7 @@ class Description:
 
     @property
     def extent(self) -> float:
-        """The largest coordinate [m] of any link in the root frame at joint values 0, a scale for rounding."""
+        """The largest coordinate [m] of any link in the root frame, joints at 0. A scale for rounding."""
         return max(float(np.abs(g[..., :3, 3]).max()) for g in self.link_poses({}).values())
 
     def beyond(self, joint: str) -> frozenset[str]:

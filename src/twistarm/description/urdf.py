@@ -1,4 +1,4 @@
-"""URDF to a tree: links and joints are read, repaired with a finding, or refused in one line."""
+"""URDF to the tree of links and joints, with repairs noted as findings and errors in one line."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ MOST_TURNED = 6.3
 
 MOVING_ALONE = ("revolute", "continuous", "prismatic")
 Rates = dict[str, dict[str, float]]
-"""The numbers of each joint's `<limit>`, by joint name, as they were written."""
+"""The numbers of each joint's `<limit>` as written, by joint name."""
 
 _MACRO = re.compile(r"<xacro:macro\s[^>]*?\bname\s*=\s*[\"']([^\"']+)")
 
@@ -54,11 +54,11 @@ def read_description(
 ) -> Description:
     """The description in a URDF or xacro file.
 
-    `mesh_dirs`: folders for meshes only; `without`: packages to leave out; `env`: the readable environment variables
-    (`expand_xacro`).
+    `mesh_dirs` are folders with packages that give only meshes. Parts of the packages in `without` are left out. `env`
+    names the environment variables that the file may read (`expand_xacro`).
 
-    Raises DescriptionError (file, element, remedy) for what cannot be a robot: not XML, two roots, a cycle, an
-    undefined link, a duplicate name, a zero axis on a moving joint, an invalid number.
+    Raises DescriptionError (file, element, remedy) for text that cannot be a robot: not XML, two roots, a cycle, an
+    undefined link, a duplicate name, a zero axis on a moving joint, a malformed number.
     """
     file = existing_file(path, "a URDF or xacro file, an arm.toml or a catalogue name").resolve()
     packages = package_index(file, package_dirs, mesh_dirs)
@@ -78,7 +78,7 @@ def read_description(
 
 
 def _require_links(text: str, file: Path) -> None:
-    """A file of macros alone expands to a robot of nothing."""
+    """Refuse a file that only defines macros and expands to a robot without links."""
     macros = list(dict.fromkeys(_MACRO.findall(read_text(file))))
     if macros and "<link" not in text:
         what = f"it has no links: it defines macros ({listed(macros)}) and calls none that makes one"
@@ -122,7 +122,7 @@ def build_description(text: str, reading: Reading) -> Description:
 
 
 def _note_copies(reading: Reading) -> None:
-    """Packages that were found by a folder's name alone."""
+    """Note packages found only by a folder's name."""
     for package, folder in reading.packages.copies().items():
         if folder.parent == models_share():  # the wheel's own, which pip has put there
             continue
@@ -133,7 +133,7 @@ def _note_copies(reading: Reading) -> None:
 
 
 def _name_robot(robot: ET.Element, reading: Reading) -> None:
-    """A robot without a name, which Pinocchio's parser refuses, gets that of the file."""
+    """Name a robot without a name, which Pinocchio refuses, after the file."""
     if not robot.get("name"):
         robot.set("name", reading.path.stem)
         what = f"the <robot> has no name; called {reading.path.stem!r} after the file"
@@ -150,7 +150,7 @@ def _read_link(element: ET.Element, geometries: Geometries, reading: Reading) ->
 
 
 def _read_joints(robot: ET.Element, reading: Reading, rates: Rates) -> dict[str, Joint]:
-    """Every joint by its name; all that cannot be used are reported together."""
+    """Every joint by its name. One error reports all unusable joints."""
     joints = [_try_joint(element, reading, rates) for element in robot.findall("joint")]
     reading.require_usable()
     return {joint.name: joint for joint in joints if joint is not None}
@@ -206,7 +206,7 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
 
 
 def _note_degrees(element: ET.Element, reading: Reading) -> None:
-    """Note origins with more than a whole turn, which must be degrees."""
+    """Note an origin with an angle beyond a whole turn, which is probably in degrees."""
     origin = element.find("origin")
     angles = [] if origin is None else floats(origin.get("rpy", "0 0 0"), 3)
     if any(abs(angle) > MOST_TURNED for angle in angles):
@@ -230,7 +230,7 @@ def _read_mimic(element: ET.Element, reading: Reading) -> Mimic | None:
 
 
 def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading) -> None:
-    """One finding for each kind of rate: the joints without it, and the values in its place."""
+    """Add a finding for each kind of rate, with the joints that do not give it and the value there."""
     moving = [joint.name for joint in joints if joint.type in MOVING_ALONE and joint.mimic is None]
     for kind in ("velocity", "effort"):
         absent = {name: given[name].get(kind, 0.0) for name in moving if given[name].get(kind, 0.0) <= 0}
@@ -246,10 +246,10 @@ def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading)
 
 
 def _make_loadable(element: ET.Element, axis: Array, bounds: tuple[float, float]) -> None:
-    """Rewrite one joint so that Pinocchio reads what was meant.
+    """Rewrite one joint so that Pinocchio reads it with the same meaning.
 
-    A continuous joint becomes revolute with very wide limits, so q is one number per joint. Floating joints outside the
-    chain become fixed. Limits are complete and finite, axes are unit vectors.
+    A continuous joint becomes revolute with very wide limits, so that q is one number per joint. Floating joints
+    outside the chain become fixed. Limits are complete and finite, axes are unit vectors.
     """
     kind = element.get("type")
     if kind == "floating":
@@ -266,7 +266,7 @@ def _make_loadable(element: ET.Element, axis: Array, bounds: tuple[float, float]
 
 
 def _only(element: ET.Element, tag: str) -> ET.Element:
-    """The first child of that tag, made if absent, any further one removed."""
+    """The first child of that tag, created if absent. Further ones are removed."""
     found = element.findall(tag)
     if len(found) > 1:
         element[:] = [child for child in element if child.tag != tag or child is found[0]]
@@ -286,11 +286,11 @@ _KEPT = {
     "mass": ("value",),
     "inertia": INERTIA,
 }
-"""What Pinocchio reads: elements and their attributes. It looks through all others for each that it asks for."""
+"""Elements and attributes that Pinocchio reads. Others would slow its search."""
 
 
 def _strip_to_kinematics(robot: ET.Element) -> None:
-    """Leave what Pinocchio needs: links with inertia and joints. Shapes are in the tree, the rest is not ours."""
+    """Keep only joints, and links with inertia, which Pinocchio needs. Shapes are in the tree."""
     robot[:] = [element for element in robot if element.tag in ("link", "joint")]
     for link in robot.findall("link"):
         link[:] = link.findall("inertial")

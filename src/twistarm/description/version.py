@@ -1,4 +1,4 @@
-"""URDF's versions: additions count from their version on, as in urdfdom, and get a finding in older ones."""
+"""URDF's versions. As in urdfdom, a new attribute counts from its version on. Older files give a finding."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ ADDED = {
     "deceleration": ("limit", (1, 2)),
     "jerk": ("limit", (1, 2)),
 }
-"""Attributes that came later: their element, and the version."""
+"""Attributes of later versions, with their element and version."""
 
 
 def settle_version(robot: ET.Element, reading: Reading) -> None:
-    """Remove attributes that the robot's version does not have, and its version if Pinocchio needs none.
+    """Remove attributes that the robot's version does not have, and the version itself if Pinocchio does not need it.
 
-    An unknown version counts as the newest.
+    An unknown version is read as the newest, which has all attributes.
     """
     written = robot.attrib.pop("version", "1.0")
     version = _known(written, reading)

@@ -1,4 +1,4 @@
-"""YAML as plain data: no objects, no bombs, ROS's unit tags, and errors in one line."""
+"""YAML as plain data, with ROS's unit tags, without objects and bombs, and with errors in one line."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import numpy as np
 from .findings import Place, refusal
 
 MAX_NODES = 50_000
-"""Values after every alias is counted out: beyond this it is a bomb ("billion laughs"), no configuration."""
+"""Most values with every alias counted. A text with more is a bomb ("billion laughs")."""
 
 MAX_NUMBER = 400
-"""Characters of a number: YAML has numbers in base 60, of which each digit multiplies all before."""
+"""Characters of a number. Long numbers in base 60, which YAML has, take long to compute."""
 
 ENDLESS = "it nests without end"
 
@@ -52,7 +52,7 @@ def _words(error: Any) -> str:
 
 
 def _bad_number(node: Any) -> str:
-    """Why a number is refused; empty if it is valid or no number."""
+    """Why a number is refused. Empty for usual numbers and other values."""
     if node.tag not in NUMBERS:
         return ""
     if len(node.value) > MAX_NUMBER:
@@ -61,7 +61,7 @@ def _bad_number(node: Any) -> str:
 
 
 def safe_loader(yaml: Any) -> Any:
-    """PyYAML's safe loader, on libyaml's parser if available, which takes a fifth of the time."""
+    """PyYAML's safe loader, on libyaml's parser if PyYAML has it, which takes a fifth of the time."""
     if not yaml.__with_libyaml__:
         return yaml.SafeLoader
 
@@ -77,7 +77,7 @@ def safe_loader(yaml: Any) -> Any:
 
 
 def _loader(yaml: Any, most: int) -> Any:
-    """A private safe loader, because tags registered on PyYAML's hold for the whole process."""
+    """A separate safe loader, because tags on PyYAML's loader would hold for the whole process."""
 
     class Loader(safe_loader(yaml)):  # type: ignore[misc,unused-ignore]
         # xacro registers tags of its own on PyYAML's, and evaluates what stands behind them.

@@ -15,8 +15,7 @@ from ...description.chain import walk_chain
 from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_file
 from ...description.companions.arm_group import ArmGroup, arm_groups
 from ...description.companions.companion_files import path_from, srdf_beside
-from ...description.companions.srdf import Semantics, read_srdf
-from ...description.companions.srdf_names import note_names
+from ...description.companions.srdf import Semantics, note_names, read_srdf
 from ...description.expansion.left_out import blaming
 from ...description.findings import Finding, Place, finding, refusal
 from ...description.packages import package_names, variable_names

@@ -1,4 +1,4 @@
-"""arm.toml: a team's data beside the description (base, tip, tool, limits, poses, actuators)."""
+"""arm.toml: a team's data about an arm beside the description (base, tip, tool, limits, poses, actuators)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .toml_entries import bounded, numbers_of, only, parse_toml, table_of, text_
 
 @dataclass(frozen=True)
 class Tool:
-    """A tool frame beyond the tip: its name and its pose (4, 4) in the tip frame."""
+    """A tool frame beyond the tip: its name and its pose (4, 4) in the tip link's frame."""
 
     name: str
     g_tip_tool: Array
@@ -32,12 +32,12 @@ class Tool:
 
 @dataclass(frozen=True)
 class ArmSpecification:
-    """What to load: a description file and the data beside it, in SI units and radians.
+    """A description file to load, with data about it in SI units and radians.
 
-    `source` is the user's argument: a description, an arm.toml or a name of the catalogue. `other_chain`: the caller
-    gave another base or tip, so some entries may not fit. An arm.toml may come from a stranger. Only the caller can set
-    `env`, the variables that the description may read. `mesh_dirs` are folders that it names elsewhere in the home
-    folder or the system; only meshes are read there.
+    `source` is the user's name for it: the description, an arm.toml or a name of the catalogue. `other_chain` tells
+    that the caller chose another base or tip, so that the other data need not fit. An arm.toml may come from a
+    stranger. So only the caller sets `env`, the variables that the description may read. `mesh_dirs` are the package
+    folders that an arm.toml names outside its tree. They give only meshes.
     """
 
     description: Path
@@ -127,7 +127,7 @@ def _folders(content: Mapping[str, Any], path: Path) -> tuple[Path, ...]:
 
 
 def _is_elsewhere(folder: Path, path: Path) -> bool:
-    """Whether the path from the arm.toml to `folder` leads through the home folder or one that holds it."""
+    """Whether the path from the arm.toml to `folder` leads through the home folder or one above it."""
     ends = os.path.realpath(folder), os.path.realpath(path.parent)
     return is_too_wide(Path(os.path.commonpath(ends)))
 

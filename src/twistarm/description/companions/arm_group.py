@@ -23,10 +23,10 @@ class ArmGroup:
 
 
 def arm_groups(semantics: Semantics, description: Description) -> tuple[ArmGroup, ...]:
-    """The groups that could be the arm; a single one is the arm.
+    """The groups that could be the arm. A single one is the arm.
 
-    Groups with a gripper's joints count only without another. Chains precede lists of joints; groups with an end
-    effector precede others.
+    Groups with a gripper's joints count only if there is no other. Chains win over lists of joints, then groups with an
+    end effector over others.
     """
     tree = _Tree(description)
     own = {name: _own_joints(group, description, tree) for name, group in semantics.groups.items()}
@@ -41,7 +41,7 @@ def arm_groups(semantics: Semantics, description: Description) -> tuple[ArmGroup
 
 
 class _Tree:
-    """Which link lies above which, answered without walking: a large SRDF asks often."""
+    """Ancestors of links by an interval of numbers, in constant time, because a large SRDF needs many."""
 
     def __init__(self, description: Description) -> None:
         order = description.outward_joints()
@@ -63,7 +63,7 @@ class _Tree:
         return self._first[link] <= self._first[other] < self._first[link] + self._size[link]
 
     def chain(self, base: str, tip: str) -> list[str]:
-        """The joints from `base` to `tip`; empty if there is no such chain."""
+        """The joints from `base` to `tip`. Empty if a link is unknown, or `base` is not above `tip`."""
         path: list[str] = []
         while self.above(base, tip) and tip != base:
             path.append(self.joint_to[tip].name)
@@ -76,7 +76,7 @@ def _preferred(groups: list[ArmGroup], better: Callable[[ArmGroup], bool]) -> li
 
 
 def _path(group: Group, members: list[Joint], tree: _Tree) -> ArmGroup | None:
-    """The group as a path of joints, or None if its moving joints branch or are missing."""
+    """The group as a path of joints. None if its moving joints branch, or if it has none."""
     moving = [joint for joint in members if joint.moving]
     # Fixed joints beyond the last moving one lead on to the tip only where they do not branch.
     for joints in (members, moving) if moving else ():
@@ -89,7 +89,7 @@ def _path(group: Group, members: list[Joint], tree: _Tree) -> ArmGroup | None:
 
 
 def _own_joints(group: Group, description: Description, tree: _Tree) -> set[str]:
-    """The joints that a group names by itself; what does not exist is left out."""
+    """The joints that a group names without its subgroups. Unknown names are left out."""
     names = {name for base, tip in group.chains for name in tree.chain(base, tip)}
     names.update(tree.joint_to[link].name for link in group.links if link in tree.joint_to)
     listed = set(group.joints)
@@ -110,7 +110,7 @@ def _members(group: Group, semantics: Semantics, own: dict[str, set[str]], tree:
 
 
 def _gripping(effector: EndEffector, members: dict[str, list[Joint]], tree: _Tree) -> tuple[str, ...]:
-    """The moving joints of an end effector's group beyond its link."""
+    """The moving joints of an end effector's group, if they lie beyond its parent link."""
     joints = [joint for joint in members.get(effector.group, ()) if joint.moving]
     beyond = all(tree.above(effector.parent_link, joint.parent) for joint in joints)
     return tuple(joint.name for joint in joints) if beyond else ()

@@ -1,4 +1,4 @@
-"""Files that stand where MoveIt and ROS packages put them beside a description."""
+"""Files beside a description, in the places of MoveIt and ROS packages."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from ..tree import Description
 from .srdf import Semantics, read_srdf
 
 FOLDERS = ("config", "srdf")
-"""Where packages keep them: in the description's folder, or one above."""
+"""Folders of packages with such files, in the description's folder or one above."""
 
 MOVEIT = "*_moveit_config"
 """The MoveIt package of the same workspace: one or two folders above the description's."""
 
 
 MOST_BYTES, FILE_BYTES = 3_000_000, 10_000
-"""SRDFs that nobody named are read up to so much in all; each counts for no less than the second."""
+"""Most bytes of SRDFs to read unasked, and the least that each counts."""
 
 
 def files_beside(file: Path, pattern: str) -> tuple[Path, ...]:
-    """Files with a name like `pattern` (`*.srdf`) in the description's folder and the usual places of packages.
+    """Files that match `pattern` (`*.srdf`) in the description's folder and its package's folders for them.
 
-    Files behind links are ignored, because nobody named them.
+    Links are left out, because their files lie elsewhere.
     """
     found = (path for folder in _folders(file) for path in _glob(folder, pattern))
     return tuple(path for path in dict.fromkeys(found) if is_file(path) and path.resolve() == path)
 
 
 def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Finding, ...]]:
-    """The one SRDF beside the description with the robot's name, and the findings.
+    """The one SRDF beside the description for a robot of its name, and findings.
 
-    Of several none is used. A xacro SRDF is a program and is not looked for.
+    None of several is used. SRDFs in xacro are programs, so they are not read unasked.
     """
     if description.path is None:
         return None, ()

@@ -29,17 +29,15 @@ _GIVEN = {
     "effort": ("has_effort_limits", {"max_effort": "effort"}),
     "position": ("has_position_limits", {"min_position": "lower", "max_position": "upper"}),
 }
-"""Kind of limit: the entry that switches it, and the entries that hold it with the field of JointLimits they are."""
+"""For each kind of limit its switch, and its entries with their fields of JointLimits."""
 
 _OTHER = re.compile(r"(has|max)_deceleration(_limits)?|has_soft_limits|k_(position|velocity)|soft_.*|angle_wraparound")
-"""Entries of ros2_control that say nothing about a joint's limits here."""
+"""Entries of ros2_control that have no effect here."""
 
 
 @dataclass(frozen=True)
 class LimitsFile:
-    """Limits by joint and field, {"elbow": {"velocity": 1.0}}, as far as the file gives them, in rad, m and their
-    rates.
-    """
+    """Limits of a file by joint and field, {"elbow": {"velocity": 1.0}}, in rad or m and their rates."""
 
     path: Path
     joints: Mapping[str, Mapping[str, float]]
@@ -48,11 +46,9 @@ class LimitsFile:
     def of(
         self, names: tuple[str, ...], every: Iterable[str]
     ) -> tuple[dict[str, dict[str, float]], tuple[Finding, ...]]:
-        """The limits for these coordinates by field and joint, and the findings.
+        """Limits for these coordinates by field and joint, and findings. `every` lists all joints of the robot.
 
-        `every`: all joints.
-
-        Raises DescriptionError if the file names none of them.
+        Raises DescriptionError if the file names none of the coordinates.
         """
         others = [joint for joint in self.joints if joint not in names]
         place = Place(self.path.name)
@@ -81,8 +77,8 @@ class LimitsFile:
 def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
     """Read a joint_limits.yaml: `joint_limits: {joint: {has_velocity_limits: true, max_velocity: 1.0, …}}`.
 
-    `has_…_limits: false` and a limit of 0 mean "not given"; without `has_…` a written limit counts. The mapping may be
-    inside ROS parameters (`/**: ros__parameters:`). `!degrees` becomes rad.
+    `has_…_limits: false` and a limit of 0 mean "not given". Without `has_…` a limit counts. The mapping may lie inside
+    ROS parameters (`/**: ros__parameters:`). `!degrees` become rad.
 
     Raises DescriptionError (file, joint, remedy).
     """
@@ -107,7 +103,7 @@ def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
 
 
 def _nested(content: Any, depth: int) -> Iterator[tuple[Any, Any]]:
-    """Every mapping that holds joint_limits, and what it holds there."""
+    """Every mapping with joint_limits, and the value there."""
     if not isinstance(content, dict) or depth == 0:
         return
     if "joint_limits" in content:

@@ -1,4 +1,4 @@
-"""Motors as an arm.toml tells of them: [actuators.NAME]."""
+"""Motors of an arm.toml: [actuators.NAME]."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...limits.joint_limits import RATES
 from .toml_entries import bounded, number_of, numbers_of, only, table_of, text_of, unusable
 
 MOTOR_LIMITS = ("lower", "upper", "velocity", "acceleration", "effort")
-"""What may be said of a motor; nobody gives its jerk."""
+"""Limits that a motor may have. Data sheets give no jerk."""
 
 KEYS = ("ratio", "offset", "unit", "ticks_per_turn", "limits")
 
@@ -22,8 +22,8 @@ KEYS = ("ratio", "offset", "unit", "ticks_per_turn", "limits")
 class Motor:
     """A motor and the joints it drives: motor = Σ ratio[joint] · joint + offset, rad or m on either side.
 
-    `unit` is the unit of its counts, `ticks_per_turn` their number if known. `limits` belong to the motor's side of the
-    gear, with the names of `MOTOR_LIMITS`.
+    `unit` is the drive's unit, `ticks_per_turn` its resolution if known. `limits` hold on the motor's side of the gear,
+    by the names of `MOTOR_LIMITS`.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Motor:
 
 
 def read_motors(content: Mapping[str, Any], path: Path) -> tuple[Motor, ...]:
-    """The motors in the content of the arm.toml at `path`. Raises DescriptionError for what cannot be used."""
+    """The motors in the content of the arm.toml at `path`. Raises DescriptionError for unusable entries."""
     return tuple(_motor(name, table, path) for name, table in table_of(content, "actuators", path).items())
 
 

@@ -1,27 +1,29 @@
-"""SRDF: what a robot's parts mean. Groups, end effectors, named states, pairs of links that need no collision check."""
+"""SRDF: groups, end effectors, named states, and pairs of links that need no collision check."""
 
 from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
+from ...support.errors import listed
 from ..document import Reading, existing_file, parse_xml, read_text
 from ..expansion.arguments import declared_arguments
 from ..expansion.expand import expand_xacro, is_xacro
-from ..findings import Place, refusal
+from ..findings import Finding, Place, finding, refusal
 from ..packages import package_index
+from ..tree import Description
 
 MAX_BYTES = 1_000_000
 """A whole humanoid's SRDF has some 200 kB."""
 
 MAX_GROUPS = 200
-"""And some 30 groups; each is held against all others, and each silent link against all links. States are shown."""
+"""Most elements of a kind. A humanoid has some 30 groups. Each group is compared with all others."""
 
 Pair = tuple[str, str]
 
@@ -39,7 +41,7 @@ class Group:
 
 @dataclass(frozen=True)
 class EndEffector:
-    """An end effector on `parent_link`: the joints of `group`, and the arm's group `parent_group` if given."""
+    """An end effector on `parent_link` with the joints of `group`. `parent_group` is the arm's group, if given."""
 
     name: str
     parent_link: str
@@ -58,11 +60,9 @@ class GroupState:
 
 @dataclass(frozen=True)
 class Semantics:
-    """An SRDF.
+    """An SRDF as read. Pairs of links are sorted. Virtual joints are kept by name only.
 
-    Pairs of links are sorted. Only the names of virtual joints are kept.
-
-    `silent_links` collide with nothing by default, except the `checked_pairs`.
+    `silent_links` by default collide with nothing except in the `checked_pairs`.
     """
 
     path: Path
@@ -91,10 +91,11 @@ def read_srdf(
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> Semantics:
-    """Read an SRDF, plain or xacro, with the `xacro_args` that it declares; `without` and `env` as in
-    `read_description`.
+    """Read an SRDF, plain or xacro.
 
-    Raises DescriptionError (file, line, element, remedy) if it is not an SRDF.
+    A xacro file gets those `xacro_args` that it declares. `without` and `env` are as in `read_description`.
+
+    Raises DescriptionError (file, line, element, remedy) for a file that is not an SRDF.
     """
     file = existing_file(path, "the path of an SRDF")
     if file.stat().st_size > MAX_BYTES:
@@ -107,6 +108,23 @@ def read_srdf(
     given = {name: value for name, value in xacro_args.items() if name in known}
     text, _ = expand_xacro(file, index, given, without, env)
     return _semantics(text, Reading(file, index, show_lines=False))
+
+
+def note_names(semantics: Semantics, description: Description) -> tuple[Finding, ...]:
+    """Findings for links and joints that the description does not have, and for a robot of another name."""
+    noted = []
+    place = Place(semantics.path.name)
+    if semantics.name != description.name:
+        what = f"it is for a robot {semantics.name!r}, the description is of {description.name!r}; it is used"
+        noted.append(finding("srdf-other-robot", place, what, "give both one name, if they belong together"))
+    joints = {part for joint in description.joints.values() for part in (joint.name, joint.part_of)}
+    missing = [name for name in _joints(semantics) if name not in joints]
+    missing += [name for name in _links(semantics) if name not in description.links]
+    if missing:
+        names = listed(dict.fromkeys(missing))
+        what = f"{description.name} has no joint or link {names}; what is said of them is not used"
+        noted.append(finding("srdf-unknown-name", place, what, "correct the names; is it of an older description?"))
+    return tuple(noted)
 
 
 def _semantics(text: str, reading: Reading) -> Semantics:
@@ -191,3 +209,21 @@ def _named(element: ET.Element, attribute: str, reading: Reading) -> str:
 
 def _pair(a: str, b: str) -> Pair:
     return (a, b) if a <= b else (b, a)
+
+
+def _joints(semantics: Semantics) -> Iterator[str]:
+    virtual = set(semantics.virtual_joints)
+    for names in (semantics.passive_joints, *(group.joints for group in semantics.groups.values())):
+        yield from (name for name in names if name not in virtual)
+    for state in semantics.states:
+        yield from (name for name in state.values if name not in virtual)
+
+
+def _links(semantics: Semantics) -> Iterator[str]:
+    for group in semantics.groups.values():
+        yield from group.links
+        yield from (end for chain in group.chains for end in chain)
+    yield from (effector.parent_link for effector in semantics.end_effectors)
+    yield from semantics.silent_links
+    for pair in sorted(semantics.disabled | semantics.checked_pairs):
+        yield from pair

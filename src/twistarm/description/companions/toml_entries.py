@@ -1,4 +1,4 @@
-"""Checked entries of an arm.toml; an invalid one is an error with file, place and allowed values."""
+"""Checks of the entries of an arm.toml. Errors name the file, the entry and the allowed values."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from ..findings import Place, refusal
 from ..numerals import LARGEST
 
 MAX_BYTES, MAX_LINE = 64_000, 2_000
-"""An arm.toml has some 5 kB; TOML's reader takes seconds for a dotted key that fills a longer line."""
+"""An arm.toml has some 5 kB. TOML's reader takes seconds for a dotted key that fills a longer line."""
 
 
 def unusable(path: Path, what: str, remedy: str = "correct it there") -> DescriptionError:
-    """The error for what cannot be used."""
+    """The error for an unusable file or entry."""
     return refusal("arm-file-unusable", Place(str(path)), what, remedy)
 
 
 def parse_toml(path: Path, what: str = "an arm.toml") -> dict[str, Any]:
-    """The content of the TOML file `what`. Raises DescriptionError if it is invalid or too large."""
+    """The content of the file. DescriptionError, which names `what` it should be, if it is not TOML or too large."""
     if sys.version_info >= (3, 11):
         import tomllib
     else:
@@ -51,7 +51,7 @@ def only(table: Mapping[str, Any], allowed: Iterable[str], path: Path, place: st
 
 
 def text_of(value: Any, place: str, path: Path) -> str:
-    """A text that is not empty."""
+    """The value, if it is a text that is not empty."""
     if not isinstance(value, str):
         raise unusable(path, f"{place} must be a text; got {value!r}")
     if not value.strip():
@@ -60,7 +60,7 @@ def text_of(value: Any, place: str, path: Path) -> str:
 
 
 def table_of(content: Mapping[str, Any], key: str, path: Path) -> Mapping[str, Any]:
-    """The table `key`, empty if missing."""
+    """The table `key`, empty if there is none."""
     table = content.get(key, {})
     if not isinstance(table, dict):
         raise unusable(path, f"{key} must be a table of name = value; got {table!r}")

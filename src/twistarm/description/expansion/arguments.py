@@ -19,17 +19,17 @@ _XACRO_TAGS = ("property", "macro", "arg", "include", "if", "unless")
 
 @dataclass
 class Arguments:
-    """What the files say that were looked through so far."""
+    """Arguments and packages of the files searched so far."""
 
     declared: dict[str, str | None] = field(default_factory=dict)
     used: dict[str, Path] = field(default_factory=dict)
     """The first file that uses each."""
     packages: dict[str, None] = field(default_factory=dict)
     unprefixed: set[str] = field(default_factory=set)
-    """Names of properties and the like that were written without `xacro:`."""
+    """Names of properties and other elements without the prefix `xacro:`."""
 
     def look_through(self, root: ET.Element, file: Path) -> None:
-        """Add the arguments in the document of `file`."""
+        """Add the arguments and packages in the document of `file`."""
         for element in root.iter():
             if element.tag == "xacro:arg" and "name" in element.attrib:
                 self.declared.setdefault(element.attrib["name"], element.get("default"))
@@ -42,12 +42,12 @@ class Arguments:
                     self.packages[one or other] = None
 
     def all(self) -> dict[str, str | None]:
-        """Each argument with its default; None if required or undeclared."""
+        """Every argument with its default, None if it is required or not declared."""
         return self.declared | {name: None for name in self.used if name not in self.declared}
 
 
 def declared_arguments(files: Iterable[Path]) -> dict[str, str | None]:
-    """Each argument that `files` declare or use, with its default or None. Includes are not opened."""
+    """Every argument that `files` declare or use, with its default or None. Includes are not opened."""
     arguments = Arguments()
     for file in files:
         arguments.look_through(parse_xml(read_text(file), Reading(file, package_index(file))), file)

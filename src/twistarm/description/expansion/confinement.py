@@ -1,4 +1,4 @@
-"""a xacro file may open files of its package and of indexed packages."""
+"""Confinement of files: a xacro description may open files of its package and of packages in the index."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from ..packages import SOURCES, PackageIndex, package_name
 from .work import Refused
 
 MAX_BYTES = 10_000_000
-"""No hand writes a larger description; a scan's mesh is not opened here."""
+"""Largest file. No description is larger, and meshes are not opened here."""
 
 OUTSIDE = "file-outside-packages"
 
 _PARTS = ("urdf", "xacro", "robots", "robot", "description", "model", "models")
-"""Folders that usually stand inside the folder of an arm, which is then its tree."""
+"""Names of folders that usually lie inside the folder of an arm."""
 
 
 @dataclass(frozen=True)
 class Confinement:
     """The folders that `file` and its includes may read from.
 
-    They are the file's package (the nearest parent with a package.xml), or its folder without one, and the parent of a
-    folder called urdf or similar. The folders of indexed packages follow, `package_dirs` included. A folder without
-    package.xml counts only if the description asks for its name and it looks like a package (`PackageIndex`). The home
-    folder and the root never count as a whole.
+    These are the file's package (the nearest folder above with a package.xml), and the folders of packages that the
+    index finds. A file without a package may read its folder, and the folder above if its folder is called urdf or
+    the like. A folder without a package.xml counts only if the description asks for a package of its name and it looks
+    like one (`PackageIndex`). The home folder and the root of the file system never count as a whole.
 
-    The path of the opened file decides, so nothing can be swapped between check and reading. Links are refused, because
-    an archive may hold any, except those of the user's build (`_is_built_from`).
+    The check takes the path of the open file, so no file can be replaced between check and reading. Links do not open
+    other folders, because an archive may hold any link. Links of the user's build are an exception (`_is_built_from`).
     """
 
     file: Path
@@ -43,9 +43,9 @@ class Confinement:
     _known: dict[Path, bool] = field(default_factory=dict, repr=False, compare=False)
 
     def read(self, name: str) -> tuple[Path, str]:
-        """The path and text of the regular file `name`.
+        """The real path and the text of the regular file `name`.
 
-        Outside the folders it is refused, existing or not. Raises OSError if it is missing inside.
+        Refused outside the folders, whether or not there is a file. OSError if there is none inside.
         """
         try:
             self.require_inside(Path(os.path.realpath(name)))  # a device is not even opened
@@ -66,7 +66,7 @@ class Confinement:
         return real, decoded(data)
 
     def entries(self, folder: str | os.PathLike[str]) -> list[str]:
-        """The names in a folder that may be read, sorted; Refused and OSError as `read`."""
+        """The sorted names in a readable folder. Refused and OSError as in `read`."""
         self.require_inside(Path(os.path.realpath(folder)))
         descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         try:
@@ -76,7 +76,7 @@ class Confinement:
             os.close(descriptor)
 
     def require_inside(self, real: Path) -> None:
-        """Refused where `real`, a path without links, lies in none of the folders."""
+        """Refused if `real`, a path without links, lies outside the folders."""
         inside = real == self.file or any(real.is_relative_to(root) for root in self.roots)
         if not inside and not any(map(self._is_known, real.parents)):
             allowed = ", ".join(map(str, self.roots)) or "none"
@@ -84,7 +84,7 @@ class Confinement:
             raise Refused(OUTSIDE, what, f"pass {package_folder('its package')}")
 
     def _is_known(self, folder: Path) -> bool:
-        """Whether it is an indexed package, directly or by the user's build."""
+        """Whether the index finds a package in it, directly or through the user's build."""
         if folder not in self._known:
             name = None if is_too_wide(folder) else package_name(folder)
             found = None if name is None else self.packages.find(name)
@@ -95,19 +95,19 @@ class Confinement:
         return self._known[folder]
 
     def _sourced(self, package: str) -> Iterator[Path]:
-        """The targets of the environment's package links with a name, because the user built that workspace."""
+        """Targets of links of the environment's packages of a name. The user has built a workspace that is sourced."""
         for found in self.packages.sourced(package):
             yield from (_real(found), _real(found / "package.xml").parent)
 
 
 def confinement(file: Path, packages: PackageIndex) -> Confinement:
-    """What `file` may open, given the packages that the index finds."""
+    """The confinement of `file`, with the packages that the index finds."""
     real = _real(file)
     return Confinement(real, packages, tuple(root for root in _own_folders(real) if not is_too_wide(root)))
 
 
 def _real(path: Path) -> Path:
-    """The path without links, in the system's spelling (on macOS in the file's own case)."""
+    """The path without links, in the system's spelling of the open file (on macOS with the real case)."""
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
     except OSError:
@@ -119,10 +119,10 @@ def _real(path: Path) -> Path:
 
 
 def _is_built_from(installed: Path, folder: Path) -> bool:
-    """Whether `folder` is a source of the workspace whose `install` holds the package.
+    """Whether `folder` is the source of the installed package, in the same workspace.
 
-    `colcon build --symlink-install` leaves `install/…/share/NAME/package.xml`, a link to `src/…/NAME/package.xml`. An
-    archive may hold such links too, but their targets are then in its own `src`.
+    `colcon build --symlink-install` makes `install/…/share/NAME/package.xml` a link to `src/…/NAME/package.xml`. An
+    archive may hold such links too, but only to files in the `src` beside them.
     """
     if _real(installed) != installed or _real(installed / "package.xml").parent != folder:
         return False

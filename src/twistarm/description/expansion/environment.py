@@ -1,4 +1,4 @@
-"""Environment variables that a description may read: those that the caller names, and no other."""
+"""Environment variables that a description may read: only those that the caller names."""
 
 from __future__ import annotations
 
@@ -10,18 +10,17 @@ from pathlib import Path
 from ...support.caller_words import argument
 from ..findings import Finding, Place, finding
 
-NOT_SET = "environment variable {} is not set for it"
-
 
 class NotSetError(Exception):
-    """A variable that the file needs has no value, or none for this file."""
+    """A variable that the file needs has no value, or the caller does not name it."""
 
 
 @dataclass
 class Environment:
     """Replaces xacro's `$(env NAME)` and `$(optenv NAME default)`, also in `$(eval ...)`.
 
-    A name outside `allowed` counts as unset, because a value may end up in a robot's name and on a shared page.
+    A name outside `allowed` counts as not set. A file could otherwise put its value in the robot's name, and so on
+    pages that users pass on.
     """
 
     file: Path
@@ -29,10 +28,10 @@ class Environment:
     _kept: dict[str, str] = field(default_factory=dict)
 
     def required(self, name: str) -> str:
-        """The variable's value; NotSetError without one."""
+        """The variable's value. NotSetError without one."""
         value = os.environ.get(name) if name in self.allowed else None
         if value is None:
-            raise NotSetError(NOT_SET.format(repr(name)))
+            raise NotSetError(f"environment variable {name!r} is not set for it")
         return value
 
     def optional(self, name: str, default: str = "") -> str:
@@ -43,7 +42,7 @@ class Environment:
         return default
 
     def findings(self) -> Iterator[Finding]:
-        """One for each name that was asked for and is not allowed."""
+        """One for each name that the file reads and the caller does not allow."""
         for name, default in self._kept.items():
             what = (
                 f"it asks for the environment variable {name!r}, and was answered as if that were not set: {default!r}"

@@ -1,4 +1,4 @@
-"""xacro's errors in one line each: what went wrong, where, and the remedy."""
+"""xacro's raw errors in one line each: the cause, the place and the remedy."""
 
 from __future__ import annotations
 
@@ -10,21 +10,20 @@ from types import EllipsisType
 from ...support.caller_words import argument, package_folder
 from ...support.errors import DescriptionError, InputError, closest, listed
 from ..findings import Finding, Place, finding, refusal
-from .causes import causes
 from .environment import NotSetError
 from .hooks import MISSING_PACKAGE, Expansion
-from .work import Refused
+from .work import Refused, causes
 
 MOST_NEIGHBOURS = 8
-"""Names in a folder that are told where another was looked for."""
+"""Most names of a folder in a message about a missing one."""
 
 
 NEAR = 3
-"""So many folders above a description may be the package that it is of."""
+"""Folders above a description that may be its package."""
 
 
 def explain(error: Exception, expansion: Expansion, place: Place) -> DescriptionError:
-    """The error to raise; `place`: the file, or the macro, that was being expanded."""
+    """The error to raise. `place` is the file or the macro that xacro was expanding."""
     chain = list(causes(error))
     text = " ".join(str(error).split())
     for cause in chain:
@@ -52,7 +51,7 @@ def explain(error: Exception, expansion: Expansion, place: Place) -> Description
 
 
 def _missing_package(package: str, wanted: Path, expansion: Expansion, place: Place) -> DescriptionError:
-    """A package that is nowhere; `wanted`: the file in it that was asked for."""
+    """The error for a missing package. `wanted` is the file to open in it."""
     what = f"package {package!r} not found; searched {expansion.packages.searched()}"
     remedy = (
         f"pass {package_folder('it')}, or where the arm can do without it "
@@ -75,7 +74,7 @@ def _missing_package(package: str, wanted: Path, expansion: Expansion, place: Pl
 
 
 def _folder_with(wanted: Path, expansion: Expansion) -> Path | None:
-    """A folder near the description, or given by the user, with the wanted file of a package."""
+    """A folder near the description, or of the user, with the wanted file of a package."""
     if not wanted.name or ".." in wanted.parts:
         return None
     near = (*expansion.packages.user_dirs, *list(expansion.path.parents)[:NEAR])
@@ -83,7 +82,7 @@ def _folder_with(wanted: Path, expansion: Expansion) -> Path | None:
 
 
 def _missing_file(error: OSError, expansion: Expansion) -> tuple[str, str]:
-    """A file that cannot be opened: where its path ends, what is there, and the arguments in it."""
+    """Cause and remedy for a file that cannot be opened, with names nearby and arguments that may be wrong."""
     what = f"xacro cannot expand it: {error.strerror}: {error.filename}"
     path = Path(str(error.filename))
     if not isinstance(error, FileNotFoundError) or not path.is_absolute():
@@ -100,7 +99,7 @@ def _missing_file(error: OSError, expansion: Expansion) -> tuple[str, str]:
 
 
 def _behind(part: str, expansion: Expansion) -> dict[str, str]:
-    """The arguments that a part of a path seems to use: the longest values in it; of empty ones, the names."""
+    """The arguments that a part of a path seems to contain: by the longest values, or by names of empty ones."""
     values = {**expansion.found.all(), **expansion.given}
     inside = {name: value for name, value in values.items() if value is not None and (value or name) in part}
     longest = max((len(value or name) for name, value in inside.items()), default=0)
@@ -108,7 +107,7 @@ def _behind(part: str, expansion: Expansion) -> dict[str, str]:
 
 
 def missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
-    """All arguments without a value, or one with a default that comes too late."""
+    """The error for an argument without a value, or with a default that comes too late. Lists others without one."""
     declared, given = expansion.found.all(), expansion.given
     used_in = expansion.found.used.get(undefined, expansion.path).name
     absent = {name: ... for name, default in declared.items() if default is None and name not in given}
@@ -127,18 +126,18 @@ def missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
 
 
 def _pass(arguments: Mapping[str, str | EllipsisType]) -> str:
-    """What to give: `pass xacro_args={'dof': '7'}`; where only the user knows the value, an ellipsis."""
+    """The remedy `pass xacro_args={'dof': '7'}`, with an ellipsis for a value that only the user knows."""
     return f"pass {argument('xacro_args', arguments)}"
 
 
 def unknown_argument(name: str, path: Path, known: Mapping[str, str | None]) -> InputError:
-    """A name among the arguments that the file does not take."""
+    """The error for a given argument that the file does not take."""
     allowed = f"its arguments: {', '.join(known) or 'none'}"
     return InputError(f"{path.name} has no xacro argument {name!r}{closest(name, known)} ({allowed})")
 
 
 def package_finding(path: Path, package: str) -> Finding:
-    """A package that is nowhere, and that nothing needed which was opened."""
+    """The finding for a missing package that no opened file needed."""
     return finding(
         "package-not-found",
         Place(path.name),
@@ -148,7 +147,7 @@ def package_finding(path: Path, package: str) -> Finding:
 
 
 def _reworded(text: str, expansion: Expansion) -> tuple[str, str]:
-    """The event and the remedy, for errors whose xacro text does not help."""
+    """Cause and remedy for errors of xacro with a text that does not help."""
     if text == "xacro:arg: missing attribute 'default'":
         remedy = 'write default="" and give the value when loading'
         return "a <xacro:arg> has no default=, which xacro demands", remedy
@@ -164,6 +163,6 @@ def _reworded(text: str, expansion: Expansion) -> tuple[str, str]:
 
 
 def _shortened(text: str, length: int = 700) -> str:
-    """On one line, and no longer than a person reads."""
+    """The text on one line, cut at `length`."""
     line = " ".join(text.split())
     return line if len(line) <= length else f"{line[:length]}…"

@@ -17,13 +17,13 @@ _TOKEN = re.compile(r"(\$\$+[{(])|\$\{([^}]*)\}|\$\(([^)]*)\)|([^$]+|\$[^{($]+|\
 _FIND = re.compile(r"\$\(find ([^)\s]+)\)")
 
 WORKING_FOLDER = ".cwd"
-"""Stands for it as a package's name would."""
+"""The working folder, written as a package's name."""
 
 
 class Evaluation:
-    """Replaces xacro's `eval_text` and its evaluation.
+    """Replaces xacro's `eval_text` and its evaluation of expressions and commands.
 
-    `find` answers `$(find package)`; `files` holds the functions about files.
+    `find` evaluates `$(find package)`. `files` holds the functions about files.
     """
 
     def __init__(
@@ -56,11 +56,11 @@ class Evaluation:
         """The names at the root of every scope, for xacro's `_global_symbols`."""
 
     def number(self, expression: str) -> float:
-        """The value of an expression in YAML, which sees the global names alone."""
+        """The value of an expression in YAML, with the global names only."""
         return float(self._expressions.evaluate(expression, self.symbols))
 
     def text(self, text: str, symbols: Any) -> Any:
-        """A text with its expressions and commands replaced; a lone expression keeps its type."""
+        """A text with its expressions and commands replaced. A lone expression keeps its type."""
         if "$" not in text:
             return text
         results: list[Any] = []
@@ -132,7 +132,7 @@ class Evaluation:
 
 
 class _CommandNames(dict[str, Any]):
-    """The names in `$(eval ...)`: functions and constants, then the arguments, as numbers where possible."""
+    """The names in `$(eval ...)`: functions and constants, then the arguments, converted to numbers if possible."""
 
     def __init__(self, names: Mapping[str, Any], argument: Callable[[str], Any]) -> None:
         super().__init__(names)
@@ -143,5 +143,5 @@ class _CommandNames(dict[str, Any]):
 
 
 def say_nothing(*_: Any, **__: Any) -> str:
-    """xacro's messages go to the terminal, which is the command line's."""
+    """Drop xacro's messages, which would go to the terminal."""
     return ""

@@ -1,4 +1,4 @@
-"""xacro to URDF text without ROS: one file, with what it includes, at a time."""
+"""xacro to URDF text without ROS, one file with its includes at a time."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ def expand_xacro(
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> tuple[str, tuple[Finding, ...]]:
-    """The URDF text of `path`, and the findings.
+    """The URDF text of `path`, and findings.
 
-    Files stay inside packages (`confinement`), expressions reach only their values (`expressions`), only the variables
-    in `env` are visible (`environment`), and work is counted (`work`). A missing package is an error only if an include
-    or a YAML load needs it. Nothing of the packages in `without` is opened; their parts are left out (`left_out`).
-    Raises DescriptionError with the file, the cause and the remedy.
+    Files outside the packages stay closed (`confinement`). Expressions only compute (`expressions`). They read only the
+    environment variables in `env` (`environment`). The work is counted (`work`). A missing package is an error only if
+    an include or a YAML load needs it. Parts of the packages in `without` are left out (`left_out`). Raises
+    DescriptionError with the file, the cause and the remedy.
     """
     text, expansion = _expanded(path, packages, arguments or {}, without, env)
     known = expansion.found.all()
@@ -51,15 +51,15 @@ def xacro_arguments(
     without: Iterable[str] = (),
     env: Iterable[str] = (),
 ) -> dict[str, str | None]:
-    """Each argument of `path` and its includes: {name: default}, None if required.
+    """Every argument that `path` and its includes take, {name: default}, with None for a required one.
 
-    Includes may depend on `arguments`; unknown ones do no harm. Raises DescriptionError as `expand_xacro` does.
+    The includes may depend on `arguments`. Unknown arguments have no effect. Raises DescriptionError as `expand_xacro`.
     """
     return _expanded(path, packages, arguments or {}, without, env)[1].found.all()
 
 
 def is_xacro(path: Path) -> bool:
-    """Whether a file needs expansion, by its name or a xacro element in it."""
+    """Whether a file needs expansion, by its name or by a xacro element in it."""
     return path.suffix == ".xacro" or "<xacro:" in read_text(path)
 
 
@@ -84,9 +84,9 @@ def _expanded(
 
 
 def _portable(robot: str) -> str:
-    """The text without xacro's banner, which tells the file's place, and with paths for every URDF reader.
+    """The text without xacro's banner, which shows the file's folder, with paths that any reader of URDF takes.
 
-    `file://$(find arm)/…` is the package's file; files beside the description are relative to it.
+    `file://$(find arm)/…` is the package's file. Paths beside the description are relative to it.
     """
     return _DECLARATION + robot.replace(f"file://{PACKAGE}", PACKAGE).replace(HERE, "")
 

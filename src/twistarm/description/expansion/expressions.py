@@ -1,9 +1,9 @@
-"""xacro's expressions: a walk over their syntax tree with an allowed list.
+"""xacro's expressions, evaluated by a walk over their syntax tree that allows only the nodes in this file.
 
-Allowed is what arms' descriptions use: numbers, texts, lists, arithmetic, comparisons, conditions, items,
-comprehensions and calls. Each kind of node has a method here; each operator and each method of a value is in a table.
-Everything else is refused. A dot names an item of a namespace or a dictionary only, so nothing of Python can be
-reached. Each step is counted, and each value by its size.
+An expression may use what arms' descriptions need: numbers, texts, lists, arithmetic, comparisons, conditions, items,
+comprehensions and calls. Each kind of node has a method here. Tables list the operators and the methods of values. All
+else is refused. A dot names only an item of a namespace or a dictionary, so expressions cannot reach Python's objects.
+The work counts each step, and each value by its size.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from .work import CHARACTERS_PER_UNIT, Refused, Work
 REFUSED, TOO_LARGE = "xacro-expression-refused", "xacro-too-large"
 
 MAX_LENGTH = 10_000
-"""Longer texts than anyone writes as one expression; Python's parser recurses over them."""
+"""Longest expression. Python's parser recurses over longer ones."""
 
 MAX_DEPTH = 100
-"""Levels of the syntax tree: a sum of so many terms is one."""
+"""Levels of the syntax tree. A sum has as many as terms."""
 
 MAX_BITS = 10_000
-"""No whole number of a robot is longer; arithmetic on such numbers is still instant."""
+"""Bits of a whole number. Arithmetic on such numbers is still instant."""
 
 MAX_KEY_BITS = 60
-"""Longer whole numbers may share their hash: a set of many is searched from end to end for each."""
+"""Bits of a whole number as a key. Longer ones may share their hash, which makes sets slow."""
 
 EVALUATION_COST = 10
 
 SCOPES_PER_UNIT = 4
-"""A name is sought in the scope of each macro around, from the innermost outward."""
+"""The search for a name goes through the scope of each enclosing macro."""
 
 OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
     **{ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv},
@@ -58,10 +58,10 @@ METHODS: dict[type, list[str]] = {
     dict: ["copy", "get", "items", "keys", "values"],
     float: ["is_integer"],
 }
-"""The methods that an expression may call: none that changes its object, nor `format`, which reaches attributes."""
+"""Methods that an expression may call. None changes its object. `format` is missing, as it reaches attributes."""
 
 _FIELD = re.compile(r"%[-+ #0]*\d{0,3}(?:\.\d{0,3})?[a-zA-Z%]")
-"""A field of `text % values` that is narrow and has no name: %(name)s would multiply a value."""
+"""A narrow field of `text % values` without a name, because %(name)s would multiply a value."""
 
 _WORDS = {
     **{"Lambda": "a lambda", "NamedExpr": "an assignment (:=)", "MatMult": "the operator @"},
@@ -71,9 +71,9 @@ _WORDS = {
 
 
 class Expressions:
-    """Evaluates expressions with counted work; `namespace`: the type with items by dots.
+    """Evaluates expressions with counted work. `namespace` is the type of xacro's namespaces.
 
-    Only offered functions can be called; expressions cannot make functions.
+    Only functions that were offered can be called.
     """
 
     def __init__(self, work: Work, namespace: type) -> None:
@@ -83,13 +83,13 @@ class Expressions:
         self._takers: list[Any] = [isinstance]
 
     def offer(self, names: dict[str, Any], takers: Sequence[Any] = ()) -> dict[str, Any]:
-        """Offer the functions in `names`. `takers`: those that accept functions as arguments."""
+        """Allow the functions in `names`, and return `names`. `takers` may get functions as arguments."""
         self._offered |= {id(value): value for value in names.values() if callable(value)}
         self._takers += takers
         return names
 
     def evaluate(self, expression: str, names: Mapping[str, Any]) -> Any:
-        """The value of `expression`; Refused, or what Python raises for a mistake in it."""
+        """The value of `expression`. Raises Refused, or Python's error for a mistake in it."""
         tree = self._trees.get(expression)
         if tree is None:
             self._work.charge(len(expression))
@@ -98,9 +98,9 @@ class Expressions:
         return self.weigh(self._value(tree, names))
 
     def weigh(self, value: Any) -> Any:
-        """Charge a value's size, shared parts as often as they would be written, and return it.
+        """Charge a value's size, with shared parts each time they occur, and return it.
 
-        Raises for values that are not data, because the text of a function or a type reveals memory addresses.
+        Refused for a value that is not data. The text of a function or a type would reveal memory addresses.
         """
         size, stack = 0, [value]
         while stack and size <= self._work.left:
@@ -124,7 +124,7 @@ class Expressions:
         return value
 
     def call(self, function: Any, /, *given: Any, **named: Any) -> Any:
-        """`function(...)`, where it was offered."""
+        """The value of `function(...)`, if the function was offered."""
         if id(function) not in self._offered:
             raise TypeError(f"{type(function).__name__!r} object is not callable")
         if "key" in named and function is not dict:
@@ -139,7 +139,7 @@ class Expressions:
         return result if callable(result) else self.weigh(result)
 
     def operate(self, kind: type[ast.AST], left: Any, right: Any) -> Any:
-        """`left` operator `right`, refused where the result would be huge."""
+        """The value of `left` operator `right`. Refused if the result would be huge."""
         self.weigh(left)
         self.weigh(right)
         if kind is ast.Mult:
@@ -302,7 +302,7 @@ class _Scope(dict[str, Any]):
 
 
 def checked(expression: str) -> ast.expr:
-    """The syntax tree; Refused where something in it is not allowed or too deep."""
+    """The syntax tree. Refused if a part is not allowed, or if it is too deep."""
     if len(expression) > MAX_LENGTH:
         raise Refused(REFUSED, f"an expression of more than {MAX_LENGTH} characters", "split it into properties")
     try:
@@ -336,7 +336,7 @@ def _check(node: ast.AST) -> None:
 
 
 def key(value: Any) -> Any:
-    """A member of a set or a key: a text or a number. Of others any number can be made to share a hash."""
+    """A key or a member of a set, which must be a text or a number. Others can be made to share a hash."""
     if not isinstance(value, (str, int, float, type(None))):
         what = f"a {type(value).__name__} as a key or in a set is not allowed"
         raise Refused(REFUSED, what, "use texts and numbers")
@@ -346,7 +346,7 @@ def key(value: Any) -> Any:
 
 
 def _bound(target: ast.expr, value: Any) -> dict[str, Any]:
-    """The names that a round of a comprehension gives to (parts of) a value."""
+    """The names that a round of a comprehension binds to a value or its parts."""
     if isinstance(target, ast.Name):
         return {target.id: value}
     if not isinstance(target, (ast.Tuple, ast.List)):

@@ -1,4 +1,4 @@
-"""Replacements of xacro's own functions while a file is expanded: files confined, work counted."""
+"""Functions that replace xacro's while a file is expanded. They confine files and count work."""
 
 from __future__ import annotations
 
@@ -19,26 +19,24 @@ from ..document import Reading, note_file, parse_xml
 from ..findings import Place, refusal
 from ..packages import PackageIndex, is_package_name
 from .arguments import Arguments
-from .causes import is_final
 from .confinement import confinement
 from .environment import Environment
 from .evaluation import WORKING_FOLDER, Evaluation, say_nothing
 from .left_out import NEEDED, LeftOut
-from .work import CHARACTERS_PER_UNIT, Refused, Work
+from .work import CHARACTERS_PER_UNIT, Refused, Work, is_final
 from .yaml_data import load_yaml
 
 PACKAGE = "package://"
-"""What `$(find NAME)` begins with: it names the package. Where its folder lies is known where a file is opened, and
-stays out of the texts, whose names end on pages that are passed on."""
+"""What `$(find NAME)` gives before the package's name. The folder stays out of the texts, which users may pass on."""
 
 HERE = f"{PACKAGE}./"
 """The description's own folder."""
 
 MISSING_PACKAGE = "/package-not-found/"
-"""Stands for the folder of an unknown package where a file in it is to be opened."""
+"""The folder of an unknown package, for a file in it that is to be opened."""
 
 MAX_INCLUDES = 30
-"""Files that include one another that deep do so in a circle, which costs seconds until the stack is full."""
+"""Depth of includes. Deeper ones form a circle, which would take seconds until the stack is full."""
 
 FILE_COST = 200
 ELEMENT_COST = 15
@@ -54,23 +52,16 @@ _MACRO_PARAMETER = re.compile(
     r"^\s*([^\s:=]+?)\s*:?=\s*(\^\|?)?"
     r"(\$\{.*?\}|\$\(.*?\)|(?:'[^']*'|\"[^\"]*\"|[^\s'\"])+|)(?:\s+|$)(.*)"
 )
-"""xacro's pattern without its nested repetition, over which some texts take for ever."""
+"""xacro's pattern without its nested repetition, which takes forever on some texts."""
 
-_KEPT = (
-    "resolve_macro",
-    "parse_macro_arg",
-    "handle_macro_call",
-    "eval_all",
-    "grab_property",
-    "replace_node",
-)
-"""Functions of xacro that go on working behind ours."""
+_KEPT = ("resolve_macro", "parse_macro_arg", "handle_macro_call", "eval_all", "grab_property", "replace_node")
+"""Functions of xacro that ours call."""
 
 _WILDCARD = re.compile(r"[*?[]")
 
 
 class Expansion:
-    """One expansion: its opened files, declarations, requests, and the functions for xacro."""
+    """One expansion: its files, arguments and packages, and the functions that xacro gets for it."""
 
     def __init__(
         self,
@@ -99,7 +90,9 @@ class Expansion:
     def for_xacro(self) -> dict[str, Any]:
         """Values for the module `xacro`."""
         leaving_out = {
-            **{"handle_macro_call": self.call_macro, "eval_all": self.evaluate, "grab_property": self.grab_property}
+            "handle_macro_call": self.call_macro,
+            "eval_all": self.evaluate,
+            "grab_property": self.grab_property,
         }
         return {
             "_global_symbols": self._evaluation.symbols,
@@ -136,11 +129,12 @@ class Expansion:
         return _document(text, root, path)
 
     def include_files(self, pattern: str, symbols: Any) -> Iterator[str]:
-        """The files that an include names, one or those that its wildcards match."""
+        """The file that an include names, or those that its wildcards match."""
         name = self._absolute(str(self._evaluation.text(pattern, symbols)))
         package = self.left_out.package_of(name)
         if package is not None:
-            self.left_out.leave_out_file(name, package, self.place)
+            what = f"the include of {os.path.basename(name)!r} is left out without package {package!r}"
+            self.left_out.leave_out(self.place, what, package)
             return
         yield from self._matching(name) if _WILDCARD.search(name) and not os.path.exists(name) else [name]
 
@@ -161,17 +155,15 @@ class Expansion:
         name = self._absolute(str(filename))
         package = self.left_out.package_of(name)
         if package is not None:
-            self.left_out.leave_out_data(name, package, self.place)
+            what = f"{os.path.basename(name)!r} counts as empty without package {package!r}"
+            self.left_out.leave_out(self.place, what, package)
             return {}
         path, text = self._read(name)
         self._xacro.filestack.append(name)
-        units = {unit.value.tag: self._unit(unit.value.conversion_constant) for unit in self._xacro.ConstructUnits}
-        data = load_yaml(text, str(path), units, self.work)
+        units = {unit.value.tag: unit.value.conversion_constant for unit in self._xacro.ConstructUnits}
+        data = load_yaml(text, str(path), units, self._evaluation.number, self.work)
         self._xacro.filestack.pop()
         return data
-
-    def _unit(self, factor: float) -> Callable[[str], float]:
-        return lambda text: self._evaluation.number(text) * factor
 
     def _absolute(self, name: str) -> str:
         name = name.replace("\\", "/")
@@ -184,7 +176,7 @@ class Expansion:
         return str(self._xacro.abs_filename_spec(name))
 
     def _read(self, name: str) -> tuple[Path, str]:
-        """The path and text of a readable file. Raises XacroException without one."""
+        """The real path and the text of a file that may be read. XacroException if there is none."""
         if len(self._xacro.filestack) > MAX_INCLUDES:
             what = f"an included file refers to itself without end: {MAX_INCLUDES} files are open"
             raise Refused("xacro-recursion", what, "take out the include that comes back")
@@ -215,7 +207,7 @@ class Expansion:
         return PACKAGE + package
 
     def named_from_here(self, name: str) -> str:
-        """A file named by the present file, as others name it."""
+        """A path relative to the file being read, as a name that holds in every file."""
         if os.path.isabs(name) or name.startswith(PACKAGE):
             return name
         folder = os.path.dirname(self._xacro.filestack[-1] or self.path)
@@ -223,14 +215,14 @@ class Expansion:
 
     @property
     def place(self) -> Place:
-        """The macro being expanded and the file that defines it, else the file."""
+        """The macro being expanded with the file that defines it, else the file."""
         if self._xacro.macrostack:
             macro = self._xacro.macrostack[-1]
             return Place(str(macro.history[-1][-1] or self.path), element="macro", name=macro.body.getAttribute("name"))
         return Place(str((self._xacro.filestack or [self.path])[-1]))
 
     def neighbours(self, folder: Path, absent: Path) -> list[str]:
-        """What is in the readable folder of the missing `absent`: folders, or files of its kind."""
+        """Names in a readable folder to offer instead of `absent`: folders, or files of its kind."""
         try:
             names = self._confinement.entries(folder)
         except (Refused, OSError):
@@ -243,19 +235,20 @@ class Expansion:
     # what is left out
 
     def call_macro(self, node: Any, macros: Any, symbols: Any) -> bool:
-        """xacro's own; a macro that nothing defines is left out where an include has been."""
-        tag = node.tagName
-        if self.left_out and tag.startswith("xacro:") and tag != "xacro:call":
+        """Call xacro's function. After an include was left out, leave out macros without a definition."""
+        prefix, _, name = node.tagName.partition(":")
+        if self.left_out and prefix == "xacro" and name != "call":
             try:
-                self._original["resolve_macro"](tag[len("xacro:") :], macros, symbols)
+                self._original["resolve_macro"](name, macros, symbols)
             except KeyError:
-                self.left_out.leave_out_macro(tag[len("xacro:") :], self.place)
+                what = f"a call of the macro {name!r} is left out: only what was left out before may define it"
+                self.left_out.leave_out(self.place, what)
                 self.replace_node(node, None)
                 return True
         return bool(self._original["handle_macro_call"](node, macros, symbols))
 
     def evaluate(self, node: Any, macros: Any, symbols: Any) -> None:
-        """xacro's own; it leaves out an optional element that needs a left-out part."""
+        """Call xacro's function. Leave out an element that the arm does not need if it needs a part left out."""
         evaluate = self._original["eval_all"]
         needed = node.tagName in NEEDED or node.tagName.startswith("xacro:") or node.parentNode is None
         if needed or self._in_leavable:
@@ -268,11 +261,11 @@ class Expansion:
             self._in_leavable = False
 
     def grab_property(self, node: Any, table: Any) -> None:
-        """xacro's own; a property that needs what has been left out stays undefined."""
+        """Call xacro's function. A property that needs a part left out stays undefined."""
         self._or_leave_out(node, lambda: self._original["grab_property"](node, table))
 
     def _or_leave_out(self, node: Any, act: Callable[[], None]) -> None:
-        """Do it. If it fails after a part was left out, remove the element."""
+        """Call `act`. If it fails after something was left out, remove the element."""
         files, calls = len(self._xacro.filestack), len(self._xacro.macrostack)
         try:
             act()
@@ -281,20 +274,21 @@ class Expansion:
                 raise
             del self._xacro.filestack[files:], self._xacro.macrostack[calls:]
             name = str(node.getAttribute("name"))
-            self.left_out.leave_out_element(node.tagName, name, self.place, one_line(str(error), 200))
+            element = f"<{node.tagName}{f' name={name!r}' if name else ''}>"
+            self.left_out.leave_out(self.place, f"{element} is left out: {one_line(str(error), 200)}")
             if node.parentNode is not None:
                 self.replace_node(node, None)
 
-    # work: what a file holds was paid for when it was parsed, what is copied and moved is paid for here
+    # work: `parse` charges for the contents of a file, these for copies and moves
 
     def resolve_macro(self, name: str, macros: Any, symbols: Any) -> Any:
-        """xacro's own, counted: it runs for each call of a macro and copies the body."""
+        """Call xacro's function, and charge for the macro's body, which xacro then copies."""
         found = self._original["resolve_macro"](name, macros, symbols)
         self.work.charge(MACRO_COST + ELEMENT_COST * _size(found[2].body))
         return found
 
     def replace_node(self, node: Any, by: Any, content_only: bool = False) -> None:
-        """xacro's own, counted: it runs once for each element of xacro; a block was copied."""
+        """Call xacro's function, and charge for what it moves, and for a block what xacro has copied."""
         new = by if isinstance(by, list) else [by] if by is not None else []
         moved = 1 + sum(len(part.childNodes) if content_only else 1 for part in new)
         copied = ELEMENT_COST * sum(map(_size, new)) if node.nodeName == "xacro:insert_block" else 0
@@ -303,13 +297,13 @@ class Expansion:
         self._original["replace_node"](node, by, content_only)
 
     def macro_parameter(self, text: str) -> Any:
-        """xacro's own, counted: it copies the rest of the parameters each time."""
+        """Call xacro's function, and charge for its copy of the other parameters."""
         self.work.charge(1 + len(text) // CHARACTERS_PER_UNIT)
         return self._original["parse_macro_arg"](text)
 
 
 def _document(text: str, root: ET.Element, path: Path) -> Any:
-    """minidom's, without the file's encoding and without comments, which xacro would visit each time."""
+    """minidom's document without the file's encoding, and without comments, which slow xacro down."""
     options = xmlbuilder.Options()
     options.comments = False
     try:
@@ -327,7 +321,7 @@ def _document(text: str, root: ET.Element, path: Path) -> Any:
 
 
 def _size(node: Any) -> int:
-    """Nodes in the tree below, and its characters at their price."""
+    """The number of nodes in the tree below, plus the units of its characters."""
     size, stack = 0, [node]
     while stack:
         part = stack.pop()

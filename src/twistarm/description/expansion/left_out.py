@@ -18,23 +18,23 @@ NEEDED = (
     *("robot", "link", "joint", "parent", "child", "origin", "axis", "limit", "mimic"),
     *("inertial", "mass", "inertia"),
 )
-"""Elements that the arm is read from. Any other is left out where what it needs has been left out."""
+"""Elements that the arm is read from. Any other is left out if it needs something that is left out."""
 
 
 MAY_LACK = (
     *("xacro-failed", "xacro-argument-missing", "no-robot", "link-undefined", "several-roots", "mimic-master-missing"),
     *("nothing-moves", "no-tip", "base-not-above-tip"),
 )
-"""Errors that may come from what was left out."""
+"""Errors that a part left out may cause."""
 
 
 SHOWN = 3
-"""Parts left out that an error names."""
+"""Most parts left out that an error names."""
 
 
 @dataclass
 class LeftOut:
-    """The packages done without, and what has been left out with them so far."""
+    """The packages done without, and the parts left out so far."""
 
     packages: tuple[str, ...]
     file: Path
@@ -51,44 +51,27 @@ class LeftOut:
             self._folders[Path(folder)] = package
 
     def package_of(self, name: str) -> str | None:
-        """The left-out package of a file: by its folder, or by a folder of its name."""
+        """The package done without that holds a file, by the folder found for it or by a folder of its name."""
         file = Path(name)
         found = (package for folder, package in self._folders.items() if file.is_relative_to(folder))
         way = Path(os.path.relpath(file, self.file.parent)).parts if self.packages else ()
         return next(found, None) or next((package for package in self.packages if package in way), None)
 
-    def leave_out_file(self, name: str, package: str, place: Place) -> None:
-        """An include."""
+    def leave_out(self, place: Place, what: str, package: str = "") -> None:
+        """Note a part that is left out, as `what` tells in words, and the package that it belongs to."""
         self._used.add(package)
-        self._note(place, f"the include of {os.path.basename(name)!r} is left out without package {package!r}")
-
-    def leave_out_data(self, name: str, package: str, place: Place) -> None:
-        """A YAML load."""
-        self._used.add(package)
-        self._note(place, f"{os.path.basename(name)!r} counts as empty without package {package!r}")
-
-    def leave_out_macro(self, name: str, place: Place) -> None:
-        """A call of a macro that nothing defines which was opened."""
-        self._note(place, f"a call of the macro {name!r} is left out: only what was left out before may define it")
-
-    def leave_out_element(self, tag: str, name: str, place: Place, reason: str) -> None:
-        """An element that cannot be computed, nor need be."""
-        self._note(place, f"<{tag}{f' name={name!r}' if name else ''}> is left out: {reason}")
-
-    def findings(self, named: Iterable[str]) -> tuple[Finding, ...]:
-        """A finding for each part left out, and for each package without any; `named`: all names in the files."""
-        idle = (package for package in self.packages if package not in self._used)
-        return (*self._parts.values(), *(not_used(package, self.file, named) for package in idle))
-
-    def _note(self, place: Place, what: str) -> None:
-        holder = package_folder(listed(self.packages))
-        remedy = f"if it matters, pass {holder} instead of without="
+        remedy = f"if it matters, pass {package_folder(listed(self.packages))} instead of without="
         short = replace(place, file=os.path.basename(place.file))
         self._parts.setdefault(what, finding(LEFT_OUT, short, what, remedy))
 
+    def findings(self, named: Iterable[str]) -> tuple[Finding, ...]:
+        """One for each part left out and for each package without any. `named` are the packages that the files name."""
+        idle = (package for package in self.packages if package not in self._used)
+        return (*self._parts.values(), *(not_used(package, self.file, named) for package in idle))
+
 
 def not_used(package: str, file: Path, named: Iterable[str]) -> Finding:
-    """A package done without that nothing had to be left out for."""
+    """The finding for a package without which nothing is left out."""
     names = [name for name in named if name != package]
     what = (
         f"nothing is left out without {package!r}: no file of it is opened; packages named: {listed(names) or 'none'}"
@@ -98,7 +81,7 @@ def not_used(package: str, file: Path, named: Iterable[str]) -> Finding:
 
 
 def blamed(error: DescriptionError, noted: Iterable[Finding]) -> DescriptionError:
-    """The error, with the left-out part that it may miss."""
+    """The error, with what has been left out if that may be what is missing."""
     parts = [one.what for one in noted if one.code == LEFT_OUT]
     if not parts or not any(one.code in MAY_LACK for one in error.findings):
         return error
@@ -109,7 +92,7 @@ def blamed(error: DescriptionError, noted: Iterable[Finding]) -> DescriptionErro
 
 @contextmanager
 def blaming(noted: Iterable[Finding]) -> Iterator[None]:
-    """A DescriptionError within is raised as `blamed`."""
+    """Raise a DescriptionError within as `blamed`."""
     try:
         yield
     except DescriptionError as error:

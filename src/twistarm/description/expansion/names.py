@@ -1,4 +1,4 @@
-"""The names of xacro's expressions, with bounded replacements for risky functions."""
+"""The names of xacro's expressions, with bounded versions of costly functions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _PLAIN = "abs all any bool dict divmod float int isinstance len list max min ord
 """Builtins that xacro offers. `vars`, `slice`, `hash` and `complex` are not among them."""
 
 DIRECT = ["list", "dict", "map", "len", "str", "float", "int", "bool", "min", "max", "round", "sorted", "range"]
-"""Those that also stand without `python.` before them."""
+"""Names that need no `python.` before them."""
 
 MAX_COUNT = 1000
 """Largest argument of factorial, comb and perm, and most decimals of round."""
@@ -61,7 +61,7 @@ def math_names(expressions: Expressions) -> dict[str, Any]:
 
 
 def tokenize(text: str, sep: str = ",; ", skip_empty: bool = True) -> list[str]:
-    """xacro's own. `sep` lists characters; pattern characters are refused."""
+    """xacro's function. `sep` lists characters. Characters that would make it a pattern are refused."""
     if set("]\\^") & set(sep) or "-" in sep[1:-1]:
         what = f"the separators {sep[:40]!a} are not allowed"
         raise Refused(REFUSED, what, "list characters; none of ] \\ ^, - last")

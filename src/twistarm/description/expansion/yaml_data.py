@@ -10,7 +10,7 @@ from ..yaml_reading import MAX_NUMBER, NUMBERS, safe_loader
 from .work import Refused, Work
 
 NODE_COST = 50
-"""PyYAML in Python takes that many units for a node."""
+"""Units that PyYAML in Python takes for a node."""
 
 CHARACTER_COST = 0.6
 
@@ -18,10 +18,11 @@ MAX_SHORT = 18
 """Digits of a whole number that shares its hash with no other."""
 
 
-def load_yaml(text: str, name: str, units: Mapping[str, Callable[[str], float]], work: Work) -> Any:
-    """The data in a YAML text; `units`: factors of tags such as `!degrees`.
+def load_yaml(text: str, name: str, units: Mapping[str, float], number: Callable[[str], float], work: Work) -> Any:
+    """The data in a YAML text.
 
-    No tag makes an object. Aliases count as often as used, and recursive ones are refused. `name` is the file's.
+    `units` gives the factor of a tag such as `!degrees`, and `number` evaluates the text behind it. No tag makes an
+    object. Each use of an alias counts. Data that contains itself is refused. PyYAML's messages show `name`.
     """
     import yaml  # type: ignore[import-untyped,unused-ignore]
 
@@ -31,7 +32,7 @@ def load_yaml(text: str, name: str, units: Mapping[str, Callable[[str], float]],
             return super().compose_node(parent, index)
 
     for tag, unit in units.items():
-        Loader.add_constructor(tag, lambda loader, node, unit=unit: unit(loader.construct_scalar(node)))
+        Loader.add_constructor(tag, lambda loader, node, unit=unit: number(loader.construct_scalar(node)) * unit)
     work.charge(int(CHARACTER_COST * len(text)))
     stream = io.StringIO(text)
     stream.name = name
@@ -51,7 +52,7 @@ def load_yaml(text: str, name: str, units: Mapping[str, Callable[[str], float]],
 
 
 def _written_out(node: Any, sizes: dict[int, int]) -> int:
-    """How many nodes there are when every alias is written out."""
+    """The number of nodes with every alias written out."""
     size = sizes.get(id(node))
     if size == 0:
         raise Refused("xacro-recursion", "the YAML contains itself", "write it without the alias")

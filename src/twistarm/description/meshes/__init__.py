@@ -1,7 +1,6 @@
-"""Mesh files as triangles, read in a separate process within limits."""
+"""Mesh files as triangles, read by a separate process within limits of time and memory."""
 
-from .formats import LIGHTER, REMEDY, UnreadableMeshError
-from .part import Part
+from .mesh_file import LIGHTER, REMEDY, Part, UnreadableMeshError
 from .reader import MeshReader
 
 __all__ = ["LIGHTER", "REMEDY", "MeshReader", "Part", "UnreadableMeshError"]

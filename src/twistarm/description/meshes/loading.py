@@ -1,10 +1,9 @@
-"""A mesh file's bytes as triangles by trimesh's readers. It runs in the worker process."""
+"""A mesh file's bytes as triangles, by trimesh's readers. Runs in the worker, which limits time and memory."""
 
 from __future__ import annotations
 
 import io
 import xml.parsers.expat
-from collections.abc import Iterator
 from math import ceil, inf
 from typing import Any
 
@@ -13,8 +12,7 @@ import numpy as np
 from ...support.checks import Array
 from .limits import LONGEST, PARTS, TRIANGLES
 from .mending import mended
-from .mesh_file import MeshFile, RefusedError
-from .part import Colour, Part
+from .mesh_file import Colour, MeshFile, Part, RefusedError
 from .references import References
 from .shading import shaded
 from .simplifying import simplified
@@ -32,14 +30,32 @@ Piece = tuple[Array, Colour | None]
 def pieces_of(file: MeshFile) -> list[Piece]:
     """The triangles of the mesh in the file's frame.
 
-    They are in metres if the file names its unit, as COLLADA does, else in the file's numbers. The up axis is ignored,
-    as in RViz. Raises RefusedError and the readers' errors.
+    They are in metres where the file names its unit, as COLLADA does, else in the file's numbers. The up axis is
+    ignored, as in RViz. Raises RefusedError, and any error of trimesh's readers.
     """
-    return list(_pieces(file))
+    import trimesh
+
+    references: Any = References(file)
+    if file.kind == "dae":
+        _require_plain_xml(file.data)
+    data = mended(file)
+    if file.kind in ("gltf", "glb") and any(word in file.data for word in COMPRESSED):
+        raise RefusedError("it is compressed by Draco or meshopt, which is not read here")
+    # `shaded` welds what trimesh would merge.
+    scene = trimesh.load_scene(io.BytesIO(data), file_type=file.kind, resolver=references, process=False)
+    if references.refused:
+        raise references.refused
+    metres = trimesh.units.unit_conversion(scene.units, "meters") if scene.units else 1.0
+    if not (np.isfinite(metres) and metres > 0):
+        raise RefusedError(f"its unit is {metres:g} m")
+    placed = ((scene.geometry[name], g) for g, name in (scene.graph[node] for node in scene.graph.nodes_geometry))
+    meshes = [(mesh, g) for mesh, g in placed if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
+    _require_few(sum(len(mesh.faces) for mesh, _ in meshes), len(meshes))
+    return [(metres * _corners(mesh, g, metres), _own_colour(mesh)) for mesh, g in meshes]
 
 
 def length_of(pieces: list[Piece]) -> float:
-    """The longest side of the box around them; RefusedError where that is a point."""
+    """The longest side of the box around the pieces. RefusedError where the box is a point."""
     low = np.min([corners.min(axis=(0, 1)) for corners, _ in pieces], axis=0)
     high = np.max([corners.max(axis=(0, 1)) for corners, _ in pieces], axis=0)
     length = float((high - low).max())
@@ -49,41 +65,16 @@ def length_of(pieces: list[Piece]) -> float:
 
 
 def parts_from(pieces: list[Piece], most: float = inf) -> list[Part]:
-    """A part for each piece, simplified to about `most` triangles in all, each to its share.
+    """A part for each piece, simplified to about `most` triangles in all, each in proportion.
 
     Normals come from the geometry, because many exporters write zeros.
     """
     share = most / sum(len(corners) for corners, _ in pieces)
-    return [_part(corners, colour, share) for corners, colour in pieces]
-
-
-def _part(corners: Array, colour: Colour | None, share: float) -> Part:
-    fewer = corners if share >= 1.0 else simplified(corners, ceil(share * len(corners)))
-    return Part(*shaded(fewer), colour, exact=fewer is corners)
-
-
-def _pieces(file: MeshFile) -> Iterator[Piece]:
-    import trimesh
-
-    references: Any = References(file)
-    if file.kind == "dae":
-        _require_plain_xml(file.data)
-    data = mended(file)
-    if file.kind in ("gltf", "glb") and any(word in file.data for word in COMPRESSED):
-        raise RefusedError("it is compressed by Draco or meshopt, which is not read here")
-    # What it would merge is welded here.
-    scene = trimesh.load_scene(io.BytesIO(data), file_type=file.kind, resolver=references, process=False)
-    if references.refused:
-        raise references.refused
-    metres = trimesh.units.unit_conversion(scene.units, "meters") if scene.units else 1.0
-    if not (np.isfinite(metres) and metres > 0):
-        raise RefusedError(f"its unit is {metres:g} m")
-    placed = [scene.graph[node] for node in scene.graph.nodes_geometry]
-    meshes = [(scene.geometry[name], g) for g, name in placed]
-    meshes = [(mesh, g) for mesh, g in meshes if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
-    _require_few(sum(len(mesh.faces) for mesh, _ in meshes), len(meshes))
-    for mesh, g in meshes:
-        yield metres * _corners(mesh, g, metres), _own_colour(mesh)
+    parts = []
+    for corners, colour in pieces:
+        fewer = corners if share >= 1.0 else simplified(corners, ceil(share * len(corners)))
+        parts.append(Part(*shaded(fewer), colour, exact=fewer is corners))
+    return parts
 
 
 def _require_few(triangles: int, parts: int) -> None:
@@ -95,7 +86,7 @@ def _require_few(triangles: int, parts: int) -> None:
 
 
 def _corners(mesh: Any, g: Array, metres: float) -> Array:
-    """The triangles (F, 3, 3) of `mesh` at the pose `g`, reversed where it mirrors them."""
+    """The triangles (F, 3, 3) of `mesh` at the pose `g`. A mirroring pose reverses their order of corners."""
     vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise RefusedError("its triangles name vertices that it does not have")
@@ -120,11 +111,11 @@ def _own_colour(mesh: Any) -> Colour | None:
 
 
 class _RootReachedError(Exception):
-    """Of an XML file: all that may stand before its root has been read."""
+    """The parser has reached the root element."""
 
 
 def _require_plain_xml(data: bytes) -> None:
-    """Raise RefusedError for other formats, such as an archive, and for a document type."""
+    """RefusedError for data that is not XML, as an archive, or that has a document type."""
 
     def refuse(*_: object) -> None:
         raise RefusedError("it has a document type, which is not allowed in any file")

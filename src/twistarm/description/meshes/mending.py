@@ -1,4 +1,4 @@
-"""Repairs of mesh files that other readers accept; runs in the worker process."""
+"""Repairs of mesh files that other readers take and trimesh does not. Runs in the worker."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ import xml.etree.ElementTree as ET
 from .mesh_file import MeshFile, RefusedError
 
 HEAD, COUNT, FACET = 84, 80, 50
-"""Bytes of a binary STL before its first facet and before the count of them, and of a facet."""
+"""Bytes of a binary STL before its first facet, before the count of facets, and of one facet."""
 
 LOOKED_AT = 1_000
-"""Bytes at the beginning of a text in which its first facet stands."""
+"""Bytes at the beginning of a text STL with its first facet."""
 
 LUMINANCE = (0.212671, 0.715160, 0.072169)
-"""Of red, green and blue, by ITU-R BT.709: what COLLADA 1.5 takes for the opacity of a colour."""
+"""Weights of red, green and blue by ITU-R BT.709. COLLADA 1.5 takes them for the opacity of a colour."""
 
 MOST_MISSING = 1000
-"""A binary STL that announces so many times the facets that are there is none."""
+"""A file that announces so many times its facets is not a binary STL."""
 
 _EFFECTS = re.compile(rb"<library_effects\b.*?</library_effects>", re.DOTALL)
 
 
 def mended(file: MeshFile) -> bytes:
-    """The bytes to read. Raises RefusedError for an empty or truncated file."""
+    """The bytes to read. RefusedError for a file that is empty or cut short."""
     if not file.data.strip():
         raise RefusedError("it is empty")
     if file.kind == "stl":
@@ -32,7 +32,7 @@ def mended(file: MeshFile) -> bytes:
 
 
 def _stl(data: bytes) -> bytes:
-    """Binary STL without trailing bytes, or text with its end; assimp accepts both."""
+    """A binary STL without bytes after its last facet, or a text STL with its end. assimp takes both."""
     start = data[:LOOKED_AT].lstrip().lower()
     promised = int.from_bytes(data[COUNT:HEAD], "little") if len(data) >= HEAD else -1
     if len(data) != HEAD + FACET * promised and start.startswith(b"solid") and b"\0" not in data[:HEAD]:
@@ -56,7 +56,7 @@ def _text(data: bytes) -> bytes:
 
 
 def _with_opacity(match: re.Match[bytes]) -> bytes:
-    """COLLADA's effects with their opacity as the alpha of the diffuse colour."""
+    """COLLADA's effects, with the opacity of each as the alpha of its diffuse colour, for trimesh."""
     try:
         effects = ET.fromstring(match[0])
         for technique in effects.findall(".//technique/*"):
@@ -77,7 +77,7 @@ def _put_opacity(technique: ET.Element) -> None:
 
 
 def _opacity(technique: ET.Element) -> float:
-    """The opacity by the mode of `transparent`; the alpha of `diffuse` is ignored."""
+    """The share of light that is held back, by the mode of `transparent`. The alpha of `diffuse` has no effect."""
     transparent = technique.find("transparent")
     factor = float(technique.findtext("transparency/float") or 1.0)
     mode = "A_ONE" if transparent is None else transparent.get("opaque", "A_ONE")

@@ -1,28 +1,64 @@
-"""A mesh file, opened within bounds."""
+"""Mesh files: the formats that are read, a file opened within bounds, and the parts read from it."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from ...support.checks import Array
+from ...support.errors import DescriptionError
 from ...support.files import open_regular, opened_path
-from .formats import format_of
 from .limits import LARGEST_FILE
+
+FORMATS = ("stl", "obj", "dae", "ply", "glb", "gltf")
+"""Plain formats that exporters write. Archives unpack to any size, so they are not read. CAD formats are not either."""
+
+LIGHTER = "export it with fewer triangles"
+
+REMEDY = "export it as STL, OBJ, DAE, PLY or GLB"
+
+Colour = tuple[float, float, float, float]
+
+
+class UnreadableMeshError(DescriptionError):
+    """A mesh that cannot be drawn: its name, `reason` and `remedy`. The message does not show the folder."""
+
+    def __init__(self, path: Path, reason: str, remedy: str = REMEDY) -> None:
+        super().__init__(f"cannot read mesh {path.name}: {reason}; {remedy}")
+        self.path, self.reason, self.remedy = path, reason, remedy
+
+    def __reduce__(self) -> tuple[type[UnreadableMeshError], tuple[Path, str, str]]:  # type: ignore[override]
+        return type(self), (self.path, self.reason, self.remedy)
 
 
 class RefusedError(Exception):
-    """Why a mesh is not read, in words that follow its name.
+    """Why a mesh is not read, in words that follow its name. A reader takes an OSError for a missing file."""
 
-    It is no OSError, which readers take for a missing file.
+
+@dataclass(frozen=True)
+class Part:
+    """Triangles of one material: vertices (N, 3), unit normals (N, 3), faces (F, 3).
+
+    `colour` is None where the file gives none. `exact` tells that the triangles are not simplified.
     """
+
+    vertices: Array
+    normals: Array
+    faces: NDArray[np.int64]
+    colour: Colour | None
+    exact: bool = True
 
 
 class MeshFile(NamedTuple):
-    """An opened mesh file: its format, its bytes, and its real path.
+    """An open mesh file: its format, its bytes, and its path without links.
 
-    `read` receives the size of this file and of each file it refers to.
+    `read` takes the number of bytes of this file, and of each file that it refers to.
     """
 
     kind: str
@@ -31,8 +67,20 @@ class MeshFile(NamedTuple):
     read: Callable[[int], None]
 
 
+def format_of(path: Path) -> str:
+    """The format by the file's ending. UnreadableMeshError for one that is not in FORMATS."""
+    ending = path.suffix.lower().removeprefix(".")
+    if ending not in FORMATS:
+        what = f"{f'.{ending} files are' if ending else 'a file without an ending is'} not read here"
+        raise UnreadableMeshError(path, what)
+    return ending
+
+
 def mesh_file(path: Path, read: Callable[[int], None] = lambda size: None) -> MeshFile:
-    """The file at `path`; UnreadableMeshError for another format, RefusedError for one too large, or OSError."""
+    """Read the file at `path`.
+
+    Raises UnreadableMeshError for another format, RefusedError for a file that is too large, and OSError.
+    """
     kind = format_of(path)
     with open_regular(path) as file:
         size = os.fstat(file.fileno()).st_size
@@ -40,11 +88,8 @@ def mesh_file(path: Path, read: Callable[[int], None] = lambda size: None) -> Me
             raise RefusedError(f"it has {size / 1e6:.0f} MB; at most {LARGEST_FILE / 1e6:.0f} MB are read")
         data = file.read(LARGEST_FILE)
         read(len(data))
-        return MeshFile(kind, data, _place(file, path), read)
-
-
-def _place(file: BinaryIO, path: Path) -> Path:
-    try:
-        return opened_path(file)
-    except OSError:  # the system does not tell, and nothing that the mesh refers to will be read
-        return Path(os.path.realpath(path))
+        try:
+            place = opened_path(file)
+        except OSError:  # the system does not know it; the mesh's references are then refused
+            place = Path(os.path.realpath(path))
+        return MeshFile(kind, data, place, read)

@@ -1,4 +1,4 @@
-"""The process that reads meshes, from its parent's side: start, ask, end."""
+"""The process that reads meshes: start it, send it requests, and end it."""
 
 from __future__ import annotations
 
@@ -22,21 +22,19 @@ PROGRAM = (
 )
 
 ALONE = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-"""Threads that are not needed take addresses and time."""
+"""Extra threads would take address space and time."""
 
 START = 30.0
-"""Seconds on the clock until it must be ready: some tenths, and more where nothing is in memory yet."""
+"""Most seconds until the process is ready. It takes some tenths, and more from a cold disk."""
 
 LAST = 0.2
-"""Seconds that a killed one is waited for."""
+"""Seconds to wait for a killed process."""
 
 
 class Process:
-    """A process in a separate session, so Ctrl-C does not reach it.
+    """A process in a separate session, which a Ctrl-C in the terminal does not reach. It ends with this one.
 
-    It ends with its parent.
-
-    Raises TwistarmError if it cannot start, MissingExtraError without trimesh.
+    Raises TwistarmError if it cannot start, MissingExtraError if it has no trimesh.
     """
 
     def __init__(self) -> None:
@@ -60,14 +58,14 @@ class Process:
 
     @property
     def alive(self) -> bool:
-        """Whether it can be asked."""
+        """Whether it is running."""
         return self._popen.poll() is None
 
     def ask(self, path: Path, most: float, seconds: float) -> dict[str, Any]:
         """The worker's answer.
 
-        Raises TimeoutError after `seconds` or the end of its processor time, and EOFError if it ends otherwise. In
-        these cases, and at an interruption, the process is ended.
+        Raises TimeoutError after `seconds` of wall time or all of its processor time, and EOFError if it ends
+        otherwise. Each error and interruption kills the process.
         """
         try:
             if not self._ready:
@@ -80,7 +78,7 @@ class Process:
             raise
 
     def kill(self) -> None:
-        """End it and its children at once. Any thread may call it, repeatedly."""
+        """Kill it with its children. Any thread may call this, also repeatedly."""
         with suppress(ProcessLookupError, PermissionError):  # it has ended, and nobody has been told yet
             if self._popen.poll() is None:
                 os.killpg(self._popen.pid, signal.SIGKILL)
@@ -110,7 +108,7 @@ class Process:
 
 
 def _module_path() -> list[str]:
-    """Python's module path without the current folder, so files beside a description are never imported."""
+    """The module path without the current folder, so no module beside a description is imported."""
     own, here = (os.path.realpath(folder) for folder in (Path(__file__).parents[3], "."))
     places = ((folder, os.path.realpath(folder)) for folder in sys.path if os.path.isabs(folder))
     return [folder for folder, place in places if place != here or place == own]
@@ -125,7 +123,7 @@ _lock = threading.Lock()
 
 
 def taken() -> Process:
-    """A waiting process or a new one; its imports serve the next arm too."""
+    """An idle process, which has imported all it needs, or a new one."""
     with _lock:
         while _idle:
             if (process := _idle.pop()).alive:
@@ -134,7 +132,7 @@ def taken() -> Process:
 
 
 def given_back(process: Process) -> None:
-    """Let it wait for the next arm, or for the end of the program."""
+    """Keep the process for the next arm."""
     if process.alive:
         with _lock:
             _idle.append(process)

@@ -1,4 +1,4 @@
-"""`MeshReader` reads the meshes of one arm, one by one, in another process."""
+"""`MeshReader` reads the meshes of one arm, one after the other, in another process."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ from typing import Any
 
 from ...support.closeable import Closeable
 from ...support.errors import InputError, TwistarmError, missing_extra, one_line
-from .formats import LIGHTER, UnreadableMeshError, format_of
 from .limits import ARM_SECONDS, ARM_SECONDS_AT_MOST, MEMORY, PATIENCE, SECONDS_PER_MEGABYTE, seconds_for
-from .part import Part
+from .mesh_file import LIGHTER, Part, UnreadableMeshError, format_of
 from .process import Process, given_back, taken
 
 LONGEST_REASON = 300
@@ -21,11 +20,11 @@ LONGEST_REASON = 300
 
 
 class MeshReader(Closeable):
-    """Reads the meshes of one arm within limits of memory and time, until `close`.
+    """Reads the meshes of one arm, within limits of memory and time for each mesh and for all, until `close`.
 
-    It is a context manager. Any thread may call it; one reads at a time, and `close` ends the reading. Both readings
-    raise UnreadableMeshError for an invalid mesh or a broken limit, MissingExtraError without trimesh, and
-    TwistarmError if no process can start.
+    A context manager. Any thread may use it. It reads one mesh at a time, and `close` ends the current reading.
+    `parts` and `length` raise UnreadableMeshError for a file that is not a mesh or exceeds a limit. They raise
+    MissingExtraError without trimesh, and TwistarmError if no process can start.
     """
 
     def __init__(self) -> None:
@@ -37,20 +36,21 @@ class MeshReader(Closeable):
         self._lengths: dict[Path, float | TwistarmError] = {}
 
     def begin(self) -> None:
-        """Start the process and return at once; its imports take some tenths of a second."""
+        """Start the process if possible, and return at once. Its imports take some tenths of a second."""
         if find_spec("trimesh") is not None:
             with self._lock, suppress(TwistarmError):
                 self._have_process()
 
     def parts(self, path: Path, most: float = inf) -> list[Part]:
-        """The parts of the mesh file at `path` in its frame, in metres if it names its unit, with about `most`
-        triangles.
+        """The parts of the mesh file at `path` in its frame, simplified to about `most` triangles.
+
+        They are in metres if the file names its unit.
         """
         with self._turn:
             return self._read(path, most)
 
     def length(self, path: Path) -> float:
-        """The longest side of its bounding box, in metres if the file names its unit; known after reading."""
+        """The longest side of the mesh's box, in metres if the file names its unit. Cached after a reading."""
         with self._turn:
             if path not in self._lengths:
                 self._read(path, 0)
@@ -60,14 +60,14 @@ class MeshReader(Closeable):
         return length
 
     def rest(self) -> None:
-        """Let others have the process while there is nothing to read."""
+        """Release the process for other readers until the next mesh."""
         with self._lock:
             if self._process is not None and not self._asking:
                 given_back(self._process)
                 self._process = None
 
     def close(self) -> None:
-        """Read no more; what is being read is given up."""
+        """Stop the current reading, and refuse further ones."""
         with self._lock:
             self._closed = True
             if self._process is not None and self._asking:

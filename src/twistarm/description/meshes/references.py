@@ -1,4 +1,4 @@
-"""Files that a mesh refers to: materials and buffers, opened only inside its own package."""
+"""Files that a mesh refers to: materials and buffers, opened only inside its package."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from .limits import LARGEST_FILE
 from .mesh_file import MeshFile, RefusedError
 
 ENDINGS = {"obj": ".mtl", "gltf": ".bin", "glb": ".bin"}
-"""Of materials and of buffers, by the format that refers to them. Images are not drawn, and so not opened."""
+"""Endings of materials and buffers, by format. Images are not drawn, so they are not opened."""
 
 ITSELF = "model.gltf"
-"""What trimesh looks for where a glTF is no JSON."""
+"""The file that trimesh asks for if a glTF is not JSON."""
 
 
 class References:
-    """A resolver for trimesh that reads inside the mesh's package, or its folder tree.
+    """A resolver for trimesh that reads files in the package of the mesh, or in its folder without a package.
 
-    `refused`: why the first forbidden file was not read, for readers that continue without it.
+    `refused` holds the first refusal, because some readers go on without the file.
     """
 
     file_name = "mesh"
@@ -35,7 +35,7 @@ class References:
         self.refused: RefusedError | None = None
 
     def get(self, name: str) -> bytes:
-        """The bytes of a file. Raises FileNotFoundError if missing, RefusedError if forbidden."""
+        """The bytes of a file. FileNotFoundError if there is none, RefusedError if it must not be read."""
         try:
             return self._read(name)
         except RefusedError as error:
@@ -45,11 +45,11 @@ class References:
     __getitem__ = get
 
     def keys(self) -> list[str]:
-        """None: nothing is looked for."""
+        """No names, so trimesh searches nothing."""
         return []
 
     def namespaced(self, name: str) -> References:
-        """The same: a name never leads to another folder than this."""
+        """The same resolver, so that all names start in this folder."""
         return self
 
     def _read(self, name: Any) -> bytes:

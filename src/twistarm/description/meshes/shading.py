@@ -1,4 +1,4 @@
-"""Triangles for lighting: vertices shared on smooth surfaces, creases kept sharp."""
+"""Vertices and normals for shading, shared on smooth surfaces and separate at creases."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from ...support.checks import Array, frozen
 
 CREASE = np.cos(np.radians(35.0))
-"""Neighbouring faces that meet at a larger angle keep an edge between them: most machined parts round off below it."""
+"""Cosine of the angle of a crease. Neighbouring faces at a larger angle keep a sharp edge between them."""
 
 WELD = 1e-6
-"""Vertices closer than this share of the mesh's size are one: formats with single triangles repeat them in rounding."""
+"""Vertices closer than this share of the mesh's size are one. Some formats repeat them for each triangle."""
 
 Numbers = NDArray[np.int64]
 
@@ -19,10 +19,10 @@ Numbers = NDArray[np.int64]
 def shaded(corners: Array) -> tuple[Array, Array, Numbers]:
     """Vertices, unit normals and faces of triangles given as corners (F, 3, 3).
 
-    A corner's normal is the mean of the faces around its vertex that connect without a crease, weighted by area and
-    angle, so the triangulation has no influence. It is the face's own normal where the mean differs by more than a
-    crease, as at the tip of a cone. Corners with equal vertex and normal become one vertex. Sorting dominates the time,
-    O(F log F).
+    A corner's normal is a mean over the faces round its vertex that connect to its face without a crease. The weights
+    are area times angle, so the mean does not depend on the triangulation. If it differs from the face's normal by more
+    than a crease, as at the tip of a cone, the face's normal counts. Corners with equal vertex and normal become one
+    vertex. The time is O(F log F).
     """
     points = corners.reshape(-1, 3)
     vertex = welded(points)
@@ -34,7 +34,7 @@ def shaded(corners: Array) -> tuple[Array, Array, Numbers]:
 
 
 def welded(points: Array) -> Numbers:
-    """The number of the vertex each point belongs to."""
+    """The vertex number of each point."""
     low = points.min(axis=0)
     grid = max(WELD * float(np.ptp(points, axis=0).max()), np.finfo(np.float64).tiny)
     cell = np.round((points - low) / grid).astype(np.int64)

@@ -22,11 +22,11 @@ STRAY = 1e-3
 
 
 def simplified(corners: Array, most: int) -> Array:
-    """The triangles (F, 3, 3) if they are at most `most`, else about `most` triangles.
+    """About `most` triangles for the triangles (F, 3, 3), which stay the same if they are at most `most`.
 
-    The vertices in a cell become the point of least squared distance to the triangles' planes, weighted by area, so
-    edges and corners stay (Lindstrom, "Out-of-core simplification of large polygonal models", 2000). Nothing moves by
-    more than a cell. A mesh smaller than its cells stays unchanged.
+    The vertices in a cell become one point. It has the least squared distance to the planes of the triangles there,
+    weighted by area, so edges and corners stay (Lindstrom, "Out-of-core simplification of large polygonal models",
+    2000). No vertex moves by more than a cell. A mesh smaller than its cells stays the same.
     """
     if len(corners) <= most:
         return corners
@@ -59,18 +59,13 @@ def _fitting(corners: Array, extent: Array, most: int) -> float:
 
 
 def _cells(corners: Array, extent: Array, count: float) -> Numbers:
-    """The cell number of each corner in a box from 0 to `extent`, with `count` cells along its longest side."""
-    size = _size(extent, count)
+    """The number of the cell of each corner in a box from 0 to `extent`, with `count` cells along its longest side."""
+    length = float(extent.max()) / count
+    size = np.where(extent > 0, np.minimum(length, extent / FEWEST), length)
     at = (corners / size).astype(np.int64)
     side = np.ceil(extent / size).astype(np.int64) + 1
     cell: Numbers = (at[..., 0] * side[1] + at[..., 1]) * side[2] + at[..., 2]
     return cell
-
-
-def _size(extent: Array, count: float) -> Array:
-    """The edges (3,) of a cell."""
-    length = float(extent.max()) / count
-    return np.where(extent > 0, np.minimum(length, extent / FEWEST), length)
 
 
 def _distinct(vertex: Numbers) -> NDArray[np.bool_]:
@@ -93,13 +88,7 @@ def _places(corners: Array, vertex: Numbers, count: int) -> Array:
     b = sums(root * off[:, None], flat, count)
     pull = STRAY * np.trace(A, axis1=1, axis2=2) + np.finfo(np.float64).tiny
     x = np.linalg.solve(A + pull[:, None, None] * np.eye(3), b[:, :, None])[..., 0]
-    low, high = _bounds(points, flat, count)
-    return np.clip(mean + x, low, high)
-
-
-def _bounds(points: Array, group: Numbers, count: int) -> tuple[Array, Array]:
-    """The box around each group of points."""
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    np.minimum.at(low, group, points)
-    np.maximum.at(high, group, points)
-    return low, high
+    np.minimum.at(low, flat, points)
+    np.maximum.at(high, flat, points)
+    return np.clip(mean + x, low, high)

@@ -1,4 +1,4 @@
-"""The program that reads meshes, started by `process.py`: one mesh after the other."""
+"""The program that reads meshes one after the other. `process.py` starts and ends it."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from .loading import length_of, parts_from, pieces_of
 from .mesh_file import RefusedError, mesh_file
 
 LIBRARIES = ("twistarm", "numpy", "trimesh", "collada", "dateutil", "six")
-"""All that reading a mesh needs. What trimesh would use beside them decodes images, unpacks and tessellates."""
+"""All that reading a mesh needs. trimesh would use others to decode images, unpack and tessellate."""
 
 
 class _Needed(MetaPathFinder):
-    """Finds modules of the standard library and LIBRARIES, and no other installed ones."""
+    """Finds modules of the standard library and LIBRARIES only."""
 
     def __init__(self, finders: Iterable[Any]) -> None:
         self._finders = tuple(finders)
@@ -39,7 +39,7 @@ class _Needed(MetaPathFinder):
 
 
 def main(descriptor: int) -> None:
-    """Answer the requests that come through the pipe; end with the one who asks."""
+    """Answer the requests that come through the pipe, until it closes."""
     pipe: Connection[Any, Any] = Connection(descriptor)
     requests: queue.SimpleQueue[tuple[Path, float]] = queue.SimpleQueue()
     answer: dict[str, Any] = {"lacking": _prepare()}
@@ -50,7 +50,7 @@ def main(descriptor: int) -> None:
 
 
 def _take(pipe: Connection[Any, Any], requests: queue.SimpleQueue[tuple[Path, float]]) -> None:
-    """End when the parent closes its end of the pipe."""
+    """Queue the requests, and end the process when the pipe closes, also while it reads a mesh."""
     with suppress(EOFError, OSError):
         while True:
             requests.put(pipe.recv())
@@ -58,7 +58,7 @@ def _take(pipe: Connection[Any, Any], requests: queue.SimpleQueue[tuple[Path, fl
 
 
 def _prepare() -> str:
-    """Import the mesh readers only, then drop privileges that no mesh needs. Returns what is missing, in words."""
+    """Import the readers, then limit the process. Returns why trimesh cannot be imported, or an empty text."""
     guess = types.ModuleType("charset_normalizer")  # of text that is no UTF-8: its numbers are the same in any
     guess.detect = lambda text: {"encoding": "latin-1", "confidence": 1.0}  # type: ignore[attr-defined]
     sys.modules["charset_normalizer"] = sys.modules["chardet"] = guess
@@ -77,11 +77,17 @@ def _prepare() -> str:
 
 
 def _answer(path: Path, most: float) -> dict[str, Any]:
-    """The mesh's length and, unless `most` is 0, its parts; or the `reason` of a refusal."""
-    began, allowance = time.process_time(), _Allowance()
+    """The mesh's length, and its parts unless `most` is 0; or the `reason` why it is not read."""
+    began, sizes = time.process_time(), [0]
+
+    def allow(size: int) -> None:
+        sizes.append(size)
+        limit_time(began + seconds_for(sum(sizes)))
+
+    limit_time(began + seconds_for(0))  # the limit of the last mesh may be almost reached
     answer: dict[str, Any] = {"reason": None, "memory": False, "length": 0.0, "parts": []}
     try:
-        pieces = pieces_of(mesh_file(path, allowance.more))
+        pieces = pieces_of(mesh_file(path, allow))
         answer["length"] = length_of(pieces)
         answer["parts"] = parts_from(pieces, most) if most else []
     except MemoryError:
@@ -94,19 +100,11 @@ def _answer(path: Path, most: float) -> dict[str, Any]:
         answer["reason"] = error.strerror or str(error)
     except Exception as error:  # the readers raise whatever a file makes them stumble over, and quote what they like
         answer["reason"] = f"its contents are malformed ({type(error).__name__})"
-    return answer | {"seconds": time.process_time() - began, "bytes": allowance.size}
+    return answer | {"seconds": time.process_time() - began, "bytes": sum(sizes)}
 
 
-class _Allowance:
-    """Processor time for a mesh by its size. The system ends a process that takes more."""
-
-    def __init__(self) -> None:
-        self.size = 0
-        self._began = time.process_time()
-        self.more(0)  # the last mesh's may be almost over
-
-    def more(self, size: int) -> None:
-        self.size += size
-        end, most = int(self._began + seconds_for(self.size)) + 1, resource.getrlimit(resource.RLIMIT_CPU)[1]
-        soft = end if most == resource.RLIM_INFINITY else min(end, most)  # a user's own limit stays
-        resource.setrlimit(resource.RLIMIT_CPU, (soft, most))
+def limit_time(end: float) -> None:
+    """Let the system end the process that has taken `end` seconds of processor time, within the user's own limit."""
+    most = resource.getrlimit(resource.RLIMIT_CPU)[1]
+    soft = int(end) + 1
+    resource.setrlimit(resource.RLIMIT_CPU, (soft if most == resource.RLIM_INFINITY else min(soft, most), most))

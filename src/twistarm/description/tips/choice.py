@@ -1,4 +1,4 @@
-"""The default base and tip: by the tree of moving joints first, by names second."""
+"""The choice of base and tip if the caller names none: first by the tree of moving joints, then by names."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from .link_names import tells_of
 from .tip_link import speaks, tip_link
 
 SHOWN = 6
-"""Candidates in one sentence before the rest is counted."""
+"""Most candidates in one sentence."""
 
 ARM = 3
-"""Joints of an arm on a robot that rolls or walks, at least; one fewer where a hand or a name speaks for it."""
+"""Least joints of an arm on a robot that rolls or walks. One fewer is enough with a hand or a tool's name."""
 
 
 class Choice(NamedTuple):
-    """Base and tip of the arm, `why` this tip, and the `others`, likeliest first."""
+    """Base and tip of the arm, the reason for the tip, and other candidates, the likeliest first."""
 
     base: str
     tip: str
@@ -30,11 +30,11 @@ class Choice(NamedTuple):
 
 
 def choose_ends(description: Description, base: str | None = None, groups: Iterable[str] = ()) -> Choice:
-    """Base and tip as a person would name them; with `base`, the tip beyond that link.
+    """Base and tip as a person would name them. With `base`, only the links beyond it are candidates.
 
-    Wheels, legs, heads, rods and fingers are left out. The rest must be one chain, or one clearly longer than the
-    others. The base is the root, or the arm's first link on a robot that rolls or walks. Otherwise DescriptionError
-    lists the candidates, likeliest first, and the SRDF's `groups`.
+    Wheels, legs, heads, rods and fingers do not count. The rest must be one chain, or have one that is clearly the
+    longest. The base is the root. On a robot that rolls or walks it is the arm's first link. Raises DescriptionError
+    if the choice is not clear. The error lists the candidates, the likeliest first, and the `groups` of an SRDF.
     """
     found = bodies(description, base or description.root)
     ends = _ends(found)
@@ -51,7 +51,7 @@ def choose_ends(description: Description, base: str | None = None, groups: Itera
 
 
 def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]:
-    """What was chosen and why, as a finding; none where there was nothing to choose."""
+    """A finding with the choice and its reason, if there were other candidates."""
     if not choice.others:
         return ()
     what = f"chosen as the tool, because no tip was given: {choice.why}"
@@ -71,7 +71,7 @@ def candidates(description: Description, base: str | None = None) -> tuple[str, 
 
 
 def _ends(found: Sequence[Body]) -> list[Body]:
-    """The bodies at the ends of chains of limbs, longest first; heads too if there is nothing else."""
+    """The bodies at the ends of chains of limbs, the longest first. Heads count if there is nothing else."""
     limbs: dict[Body, None] = {}
     for body in found:
         if body.part == "limb" and (body.parent is None or body.parent in limbs):
@@ -87,13 +87,13 @@ def _is_chassis(body: Body) -> bool:
 
 
 def _main(ends: Sequence[Body]) -> Body | None:
-    """The end of the arm: the only one, or the one beside which all others are too short."""
+    """The end of the arm: the only end, or one that outweighs all others."""
     likely = dict.fromkeys([*ends[:1], *[end for end in ends if speaks(end)][:1]])
     return next((end for end in likely if all(_outweighs(end, other) for other in ends if other is not end)), None)
 
 
 def _outweighs(end: Body, other: Body) -> bool:
-    """Whether the chain to `end` is clearly the arm, counted from its fork with the one to `other`."""
+    """Whether the chain to `end` is clearly the arm, counted from its fork with the chain to `other`."""
     fork = max(a.depth for a, b in zip(end.path(), other.path(), strict=False) if a is b)
     mine, its = end.depth - fork, other.depth - fork
     if its > ARM or speaks(other):
@@ -102,11 +102,11 @@ def _outweighs(end: Body, other: Body) -> bool:
 
 
 def _is_arm(end: Body, found: Sequence[Body]) -> bool:
-    """Whether, beside wheels or legs, the chain has an arm's number of joints."""
+    """Whether the chain beyond wheels or legs has the joints of an arm. True without wheels and legs."""
     if not any(body.part == "locomotion" for body in found):
         return True
     chassis = max((body.depth for body in end.path() if body.on("locomotion")), default=0)
-    said = speaks(end) or tells_of("finger", end.links)
+    said = speaks(end) or tells_of("finger", *end.links)
     return end.depth - chassis >= ARM - said
 
 
@@ -114,7 +114,7 @@ def _is_arm(end: Body, found: Sequence[Body]) -> bool:
 
 
 def _standing(description: Description, end: Body) -> str:
-    """The root; with wheels or legs on the way, the arm's first link, unless it carries them too."""
+    """The root, or behind wheels or legs the link that the arm begins on, if they do not begin there too."""
     path = end.path()
     chassis = next((body for body in reversed(path) if body.on("locomotion")), None)
     if chassis is None:
@@ -130,9 +130,8 @@ def _standing(description: Description, end: Body) -> str:
 
 
 def _candidates(description: Description, found: Sequence[Body], ends: Sequence[Body]) -> tuple[str, ...]:
-    """The tips of these ends, then the tree's other ends, those with the most joints first."""
-    tips = [(tip_link(description, end), end) for end in dict.fromkeys(ends)]
-    likely = [link for tip, _ in tips for link in ([tip.link] if tip.link else tip.candidates)]
+    """The tips of these ends, then the other leaves of the tree, those with the most joints first."""
+    likely = [link for end in dict.fromkeys(ends) for link in _likely(description, end)]
     depth = {link: body.depth for body in found for link in body.links}
     leaves = sorted((leaf for leaf in description.leaves if leaf in depth), key=lambda leaf: -depth[leaf])
     return tuple(dict.fromkeys([*likely, *leaves]))
@@ -152,11 +151,13 @@ def _unclear(
             what,
             f"to take one of its chains all the same, pass {argument('tip', likeliest)}",
         )
-    pairs: list[tuple[str, Body]] = []
-    for end in ends:
-        tip = tip_link(description, end)
-        pairs += [(link, end) for link in ([tip.link] if tip.link else tip.candidates)]
-    return _several(description, pairs, groups)
+    return _several(description, [(link, end) for end in ends for link in _likely(description, end)], groups)
+
+
+def _likely(description: Description, end: Body) -> Sequence[str]:
+    """The tool link at an end, or all candidates there."""
+    tip = tip_link(description, end)
+    return tip.candidates if tip.link is None else (tip.link,)
 
 
 def _several(description: Description, pairs: Sequence[tuple[str, Body]], groups: Iterable[str]) -> DescriptionError:

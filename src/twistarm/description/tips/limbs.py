@@ -1,4 +1,4 @@
-"""A description as rigid bodies with moving joints, and the bodies that are no arm: wheels, fingers, heads, rods."""
+"""A description as rigid bodies joined by moving joints, with wheels, fingers, heads and rods told apart."""
 
 from __future__ import annotations
 
@@ -10,28 +10,29 @@ import numpy as np
 
 from ...limits.joint_units import slides
 from ..tree import Description, Joint
-from .link_names import is_jaw, is_tool, tells_of
+from .link_names import is_tool, tells_of
 
 Part = Literal["limb", "locomotion", "finger", "head", "rod"]
-"""What a body is for: `limb` where nothing speaks against an arm."""
+"""The kind of a body. A `limb` may be part of an arm."""
 
 LONGEST_FINGER = 2
-"""Joints of a finger, at most, where no name says that it is one."""
+"""Most joints of a finger without a finger's name."""
 
 CARRIED = 3
-"""Joints that carry a hand, at least, where no name says that it is one."""
+"""Least joints that carry a hand without a hand's name."""
 
 EQUAL = 0.05
-"""Relative difference of the distances at which two opposed fingers sit on their palm."""
+"""Relative difference of the distances of two opposed fingers from their palm."""
 
 
 @dataclass(eq=False)
 class Body:
     """Links connected by fixed joints, beyond the moving `joint` (None for the first body).
 
-    `links` maps each link, outer ones last, to the link it is fixed on ("" for the first). `depth` counts the joints
-    from the first body, a planar one once, `height` those beyond. `virtual`: only joints of a freely moving base
-    precede it. `holds_tool`: a link of it or beyond is named as a tool. `follows`: its joint and all beyond are mimics.
+    `links` maps each link to the one that it is fixed on, "" for the first, outer links last. `depth` counts the joints
+    from the first body, a planar one once. `height` counts those beyond this body. `virtual` tells that only joints of
+    a free base lie before it. `holds_tool` tells that a link of it or beyond has a tool's name. `follows` tells that
+    its joint and all beyond are mimics.
     """
 
     joint: Joint | None
@@ -52,22 +53,22 @@ class Body:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names that tell the body's purpose: of its moving joint and of the carried link."""
+        """The names of the moving joint and of the link that it carries."""
         return (self.first,) if self.joint is None else (self.joint.name, self.first)
 
     def on(self, part: Part) -> list[Body]:
-        """The bodies on it that are this."""
+        """The bodies of this kind on it."""
         return [child for child in self.children if child.part == part]
 
     def inward(self, link: str) -> list[str]:
-        """`link` and those it is fixed on, in to the first of the body."""
+        """`link` and the links that it is fixed on, inward to the first."""
         path = [link]
         while on := self.links[path[-1]]:
             path.append(on)
         return path
 
     def fork(self, links: Iterable[str]) -> str:
-        """The outermost link of the body that is, or carries, each of these."""
+        """The outermost link of the body that carries all of these, or is one of them."""
         paths = [self.inward(link) for link in links]
         shared = set(paths[0]).intersection(*paths[1:])
         return next(link for link in paths[0] if link in shared)
@@ -80,7 +81,7 @@ class Body:
         return path[::-1]
 
     def beyond(self) -> list[Body]:
-        """The body and all beyond it."""
+        """The body and all bodies that it carries."""
         found = [self]
         for body in found:
             found += body.children
@@ -88,7 +89,7 @@ class Body:
 
 
 def bodies(description: Description, base: str) -> list[Body]:
-    """The classified rigid bodies from the link `base` outward, parents first."""
+    """The rigid bodies from the link `base` outward, parents first, each with its kind."""
     outward: dict[str, list[Joint]] = {}
     for joint in description.joints.values():
         outward.setdefault(joint.parent, []).append(joint)
@@ -107,7 +108,7 @@ def bodies(description: Description, base: str) -> list[Body]:
 
 
 def _leaving(body: Body, outward: Mapping[str, Sequence[Joint]]) -> Iterator[Joint]:
-    """The moving joints on the body, which grows by the links of fixed joints."""
+    """The moving joints on the body. Adds the links of fixed joints to the body."""
     links = list(body.links)
     for link in links:
         for joint in outward.get(link, ()):
@@ -119,7 +120,7 @@ def _leaving(body: Body, outward: Mapping[str, Sequence[Joint]]) -> Iterator[Joi
 
 
 def _is_virtual(description: Description, joint: Joint) -> bool:
-    """Whether it belongs to a free base: it moves a point without shape, or the whole robot."""
+    """Whether the joint models a free base: it is planar or floating, or moves a link without offset and shape."""
     link = description.links[joint.child]
     return joint.type in ("planar", "floating") or not (joint.origin[:3, 3].any() or link.visuals or link.collisions)
 
@@ -140,12 +141,10 @@ def _label(found: Iterable[Body], part: Part) -> None:
 
 
 def _tell_wheels(body: Body) -> None:
-    """Classify wheels and legs: ends with such names, several that spin side by side, and bodies that carry nothing
-    else.
-    """
+    """Label wheels and legs: ends with such names, several that spin side by side, and bodies that carry only those."""
     for child in body.children:
         only = bool(child.children) and len(child.on("locomotion")) == len(child.children)
-        if only or (not child.children and tells_of("locomotion", (*child.names, *child.links))):
+        if only or (not child.children and tells_of("locomotion", *child.names, *child.links)):
             child.part = "locomotion"
     rolling = body.on("locomotion")
     spinning = [child for child in body.on("limb") if _spins(child)]
@@ -155,19 +154,19 @@ def _tell_wheels(body: Body) -> None:
 
 
 def _spins(body: Body) -> bool:
-    """Whether it is an end that turns without limits, and nothing contradicts a wheel."""
+    """Whether it is an end that turns without limits, without a name of a tool or a finger."""
     endless = body.joint is not None and body.joint.type == "continuous" and not body.children
-    return endless and not body.holds_tool and not tells_of("finger", body.names)
+    return endless and not body.holds_tool and not tells_of("finger", *body.names)
 
 
 # -- fingers -----------------------------------------------------------------------------------------------------------
 
 
 def _tell_fingers(body: Body) -> None:
-    """Classify fingers on this body: branches with such names, short ones that oppose each other, or a jaw."""
+    """Label fingers: branches with such names, short opposed ones, or one jaw against a fixed one."""
     reach = max(LONGEST_FINGER, body.depth)
     short = [child for child in body.on("limb") if child.height < reach and not child.holds_tool]
-    named = [child for child in short if tells_of("finger", child.names)]
+    named = [child for child in short if tells_of("finger", *child.names)]
     hand: Sequence[Body] = ()
     if len(named) > 1 and body.depth:
         hand = named
@@ -180,15 +179,15 @@ def _tell_fingers(body: Body) -> None:
 
 
 def _may_be_palm(body: Body) -> bool:
-    """Whether enough joints carry it, or a tool frame sits on it."""
+    """Whether enough joints carry the body, or it has a tool frame."""
     carried = body.depth >= CARRIED and not body.virtual
     return carried or (body.depth > 0 and any(is_tool(link) for link in body.links))
 
 
 def _alike(short: Sequence[Body]) -> Sequence[Body]:
-    """The longest branches with the same length and joint type that oppose each other, or are more than two.
+    """The longest branches of one length and one joint type that oppose each other, or are more than two.
 
-    Fingers of more than two joints need one branch that follows another.
+    A pair of fingers with more than two joints each needs a mimic between them.
     """
     for height in sorted({child.height for child in short}, reverse=True):
         for kind in ("prismatic", "revolute", "continuous"):
@@ -201,7 +200,7 @@ def _alike(short: Sequence[Body]) -> Sequence[Body]:
 
 
 def _opposed(fingers: Sequence[Body]) -> bool:
-    """Whether one follows another, or they move along or about parallel axes at one distance from their palm."""
+    """Whether one follows another, or their axes are parallel, and for turning joints equally far from the palm."""
     joints = [finger.joint for finger in fingers if finger.joint is not None]
     masters = {joint.mimic.joint for joint in joints if joint.mimic is not None}
     if masters:
@@ -213,18 +212,18 @@ def _opposed(fingers: Sequence[Body]) -> bool:
 
 
 def _closes(finger: Body, body: Body) -> bool:
-    """Whether a single finger closes on this body: it has a tool frame or a fixed finger, or is a jaw's hand."""
-    fixed = body.holds_tool or any(is_jaw(link) for link in list(body.links)[1:])
-    jaw = is_jaw(finger.first) and tells_of("hand", body.links)
-    return not finger.children and not tells_of("wrist", finger.names) and (fixed or jaw)
+    """Whether a single finger closes on the body, which has a tool frame or a fixed finger, or a hand's name."""
+    fixed = body.holds_tool or any(tells_of("jaw", link) for link in list(body.links)[1:])
+    jaw = tells_of("jaw", finger.first) and tells_of("hand", *body.links)
+    return not finger.children and not tells_of("wrist", *finger.names) and (fixed or jaw)
 
 
 # -- rods and heads ----------------------------------------------------------------------------------------------------
 
 
 def _tell_rods(body: Body) -> None:
-    """Classify rods and cylinders beside a limb: by name, or shorter and without an independent joint."""
-    named = [child for child in body.on("limb") if tells_of("linkage", child.names) and not child.holds_tool]
+    """Label rods and cylinders beside a limb: those with such names, and shorter branches of mimics only."""
+    named = [child for child in body.on("limb") if tells_of("linkage", *child.names) and not child.holds_tool]
     limbs = [child for child in body.on("limb") if child not in named]
     if limbs:
         longest = max(child.height for child in limbs)
@@ -233,11 +232,11 @@ def _tell_rods(body: Body) -> None:
 
 
 def _tell_heads(body: Body) -> None:
-    """Classify heads, masts and turning cameras: by name, beside limbs or wheels or with a camera."""
+    """Label heads, masts and cameras: branches with only such names, beside limbs or wheels, or with a camera."""
     limbs = body.on("limb")
-    named = [child for child in limbs if all(tells_of("sensor", one.names) for one in child.beyond())]
+    named = [child for child in limbs if all(tells_of("sensor", *one.names) for one in child.beyond())]
     heads = [child for child in named if not child.holds_tool]
     beside = len(heads) < len(limbs) or bool(body.on("locomotion"))
     for child in heads:
-        if beside or any(tells_of("camera", one.names) for one in child.beyond()):
+        if beside or any(tells_of("camera", *one.names) for one in child.beyond()):
             _label(child.beyond(), "head")
