@@ -46,7 +46,7 @@ def test_many_waypoints_of_a_path_take_no_longer_than_the_path(kind, most, count
 
 
 WITH_JERK = {"cubic": {40.0: 3.018, 150.0: 2.975}, "quintic": {40.0: 3.122, 150.0: 3.018}}
-"""Least times along PATH [s]: linear programs one after the other (SciPy's HiGHS), the jerk linearized about the last one.
+"""Least times along PATH [s]: linear programs one after the other (HiGHS), the jerk linearized about the last one.
 
 For cubic over ṡ² at 240 places, acceleration free at both ends; for quintic over s⃛ at 480 instants.
 """
