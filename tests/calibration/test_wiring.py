@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from twistarm import Actuators, Arm, ComparisonError, InputError, check_wiring
+from twistarm import Actuators, Arm, ComparisonError, InputError, UnitsWarning, check_wiring
 from twistarm.calibration import WiringLog
 from twistarm.support.checks import Array
 from wiring_logs import faults, fitted, logged
@@ -169,6 +170,20 @@ def test_few_moments() -> None:
     assert all(motor.verdict == "cannot tell" and np.isinf(motor.scale_std) for motor in one.motors)
     three = check_wiring(arm, log_of(arm, fitted(arm), 5, poses=False, theta=theta))
     assert any("log more moments, 10 at least" in motor.remedy for motor in three.motors)
+
+
+def test_joints_turned_many_times_are_not_taken_for_degrees() -> None:
+    """Those of a log nobody typed; the same numbers typed by a caller are remarked upon."""
+    arm = load("rover_arm")
+    theta = np.random.default_rng(0).uniform(-40.0, 40.0, (20, arm.n))
+    with pytest.warns(UnitsWarning, match="^theta: angles of up to .* look like degrees"):
+        arm.fk(theta.tolist())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnitsWarning)
+        log = log_of(geared("rover_arm"), fitted(geared("rover_arm")), 0, theta=theta)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert check_wiring(geared("rover_arm"), log).verdict
 
 
 def test_a_row_that_does_not_fit_is_named() -> None:

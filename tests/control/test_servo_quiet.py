@@ -59,16 +59,16 @@ def jittered(name, accelerating, count):
     return shaking
 
 
-@pytest.mark.parametrize("name", ["rover_arm", "so101"])
+@pytest.mark.parametrize("name", ["rover_arm", "so101", "slide_and_pitches"])
 def test_no_held_twist_shakes_at_uneven_steps(name):
     assert jittered(name, True, 8) == 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("accelerating", [True, False])
-@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101", "ur5", "panda"])
-def test_hardly_a_held_twist_of_many_shakes_at_uneven_steps(name, accelerating):
-    assert jittered(name, accelerating, 60) <= 1
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101", "ur5", "panda", "slide_and_pitches"])
+def test_no_held_twist_of_many_shakes_at_uneven_steps(name, accelerating):
+    assert jittered(name, accelerating, 60) == 0
 
 
 @pytest.mark.parametrize("title", EXAMPLES)

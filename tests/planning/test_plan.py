@@ -291,7 +291,7 @@ def test_segments_refuse_what_makes_no_sense():
         (lambda: ScrewMove.about([0, 0, 0], [0, 0, 0], 1.0), "zero vector"),
         (lambda: ScrewMove.about([0, 0, 1], [0, 0, 0], np.nan), "angle"),
         (lambda: Dwell(-1.0), "seconds must be 0 or more"),
-        (lambda: JointMove(None), "needs a goal"),  # type: ignore[arg-type]
+        (lambda: JointMove(None), "to must be a goal"),  # type: ignore[arg-type]
     ):
         with pytest.raises(InputError, match=words):
             make()

@@ -45,17 +45,19 @@ def test_many_waypoints_of_a_path_take_no_longer_than_the_path(kind, most, count
     require_limits(motion, recorded(count), 0.0)
 
 
-WITH_JERK = {40.0: 3.018, 150.0: 2.975}
-"""Least times along PATH [s], acceleration free at both ends: linear programs one after the other over ṡ² at 240 places
-(SciPy's HiGHS), the limit of the jerk linearized about the last one."""
+WITH_JERK = {"cubic": {40.0: 3.018, 150.0: 2.975}, "quintic": {40.0: 3.122, 150.0: 3.018}}
+"""Least times along PATH [s]: linear programs one after the other (HiGHS), the jerk linearized about the last one.
+
+For cubic over ṡ² at 240 places, acceleration free at both ends; for quintic over s⃛ at 480 instants.
+"""
 
 
-@pytest.mark.parametrize(("kind", "most"), [("cubic", 1.035), ("quintic", 1.07)])
-@pytest.mark.parametrize("jerk", WITH_JERK)
-@pytest.mark.parametrize("count", [100, 1000])
-def test_many_waypoints_with_a_jerk_limit_take_hardly_longer_than_the_path(kind, most, jerk, count):
+@pytest.mark.parametrize("kind", WITH_JERK)
+@pytest.mark.parametrize("jerk", [40.0, 150.0])
+@pytest.mark.parametrize("count", [50, 200, 1000])
+def test_many_waypoints_with_a_jerk_limit_take_hardly_longer_than_the_path(kind, jerk, count):
     motion = plan_joint(ARM, recorded(count), kind=kind, limits={"jerk": jerk})
-    assert motion.duration < most * WITH_JERK[jerk]
+    assert motion.duration < 1.03 * WITH_JERK[kind][jerk]
     assert motion.peak(3).max() <= jerk * (1 + 1e-9)
     require_limits(motion, recorded(count), 0.0)
 

@@ -30,6 +30,7 @@ from ..support.checks import (
     as_theta,
     as_twist,
     as_vector,
+    called_from_outside,
     frozen,
     made_by,
     require,
@@ -312,7 +313,7 @@ class Arm:
             InputError: theta does not fit the arm, or a value is not a finite number.
             UnknownNameError: There is no such joint outside the chain.
         """
-        x = self.theta_from(theta)
+        x = self._asked_at(theta)
         self._check_others({} if others is None else require_mapping(others, "others", "{'finger_joint': 0.02}"))
         if self.description is None:
             return {self.base: self._identity(x), self.tip: self.fk(x)}
@@ -361,7 +362,7 @@ class Arm:
         scale = self.reach if length is None else as_number(length, "length")
         if not scale > 0:
             raise InputError(f"length must be positive, in metres; got {scale:g}")
-        x, unit = self.theta_from(theta), np.where(self._prismatic, scale, 1.0)
+        x, unit = self._asked_at(theta), np.where(self._prismatic, scale, 1.0)
         return manipulability_of(
             self.body_jacobian(x), self._prismatic, scale,
             lambda index, steps: self.body_jacobian(x[index] + steps * unit),
@@ -408,7 +409,7 @@ class Arm:
             InputError: An argument has another shape, or the payload is negative.
             TwistarmError: The arm has no description, and so no masses.
         """
-        x = self.theta_from(theta)
+        x = self._asked_at(theta)
         g, com = _one_vector(gravity, "gravity"), _one_vector(payload_com, "payload_com")
         model = self.pinocchio
         held = self._each(
@@ -483,14 +484,25 @@ class Arm:
         Warns:
             UnitsWarning: The numbers lie outside the limits and look like degrees.
         """
+        theta = self._theta_of(values, numbers, require(name, str, "name", "an argument's"))
+        hint = theta_hint(theta, self.units, self.limits.lower, self.limits.upper)
+        if hint and numbers is None and not isinstance(values, str | Mapping):
+            warn_caller(f"{name}: {hint}; twistarm takes radians: numpy.radians converts them", UnitsWarning)
+        return theta
+
+    def _asked_at(self, theta: ArrayLike) -> Array:
+        """theta (..., n) that kinematics are asked for; of what twistarm itself asks nobody typed the units."""
+        return self.theta_from(theta) if called_from_outside(__name__) else self._theta_of(theta)
+
+    def _theta_of(
+        self, values: ArrayLike | Mapping[str, float] | Sequence[str], numbers: ArrayLike | None = None,
+        name: str = "theta",
+    ) -> Array:  # fmt: skip
+        """theta (..., n), checked but for its units."""
         if isinstance(values, str):
             return self.configurations[values]
         if numbers is None and not isinstance(values, Mapping):
-            theta = as_theta(values, self.n, require(name, str, "name", "an argument's"), self.joint_names)
-            hint = theta_hint(theta, self.units, self.limits.lower, self.limits.upper)
-            if hint:
-                warn_caller(f"{name}: {hint}; twistarm takes radians: numpy.radians converts them", UnitsWarning)
-            return theta
+            return as_theta(values, self.n, name, self.joint_names)
         given = dict(values) if isinstance(values, Mapping) else self._paired(values, numbers)
         for name in given:
             if name not in self.joint_names:
@@ -503,7 +515,7 @@ class Arm:
 
     def theta_to_dict(self, theta: ArrayLike) -> dict[str, float]:
         """{joint: value}, base to tip."""
-        x = self.theta_from(theta)
+        x = self._asked_at(theta)
         if x.ndim != 1:
             raise InputError(f"theta_to_dict takes one configuration ({self.n},); got {x.shape}")
         return {name: float(value) for name, value in zip(self.joint_names, x, strict=True)}
@@ -571,7 +583,7 @@ class Arm:
 
     def _identity(self, theta: ArrayLike) -> Array:
         """The base seen from itself, one for each configuration."""
-        return np.tile(np.eye(4), (*self.theta_from(theta).shape[:-1], 1, 1))
+        return np.tile(np.eye(4), (*self._asked_at(theta).shape[:-1], 1, 1))
 
     def _asked(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
         """`kernel` of theta. If the core does not take theta as given, `_each` converts it."""
@@ -580,7 +592,7 @@ class Arm:
 
     def _each(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
         """`kernel` of each configuration of theta (..., n)."""
-        x = self.theta_from(theta)
+        x = self._asked_at(theta)
         answers = kernel(np.require(x.reshape(-1, self.n), np.float64, ["C", "A"]))
         assert answers is not None
         return answers.reshape(*x.shape[:-1], *shape)

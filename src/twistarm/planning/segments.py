@@ -106,7 +106,7 @@ class _CurveMove(Move):
         """Check the goal, or the attribute of that name (size,) that replaces it."""
         goal, given = getattr(self, "to", None), getattr(self, name)
         if (goal is None) == (given is None):
-            raise InputError(f"a {type(self).__name__} needs a goal, or {way}")
+            raise InputError(f"{type(self).__name__} needs a goal, to=, or {way}, and not both")
         if given is None:
             object.__setattr__(self, "to", as_goal(goal))
         else:
@@ -274,8 +274,8 @@ def as_goal(value: Any) -> Goal:
     if isinstance(value, (str, Mapping, *KINDS)):
         return value
     if value is None:
-        raise InputError("a move needs a goal: a configuration, the name of one, or a target such as Pose(g)")
-    numbers = as_floats(value, "a goal that is no name and no target")
+        raise InputError("to must be a goal: a configuration, the name of one, or a target such as Pose(g)")
+    numbers = as_floats(value, "to, a goal that is no name and no target,")
     return Pose(numbers) if numbers.shape == (4, 4) else frozen(numbers)
 
 

@@ -20,10 +20,13 @@ from .piecewise import derivative, evaluate, through
 LOOKS = 17
 """Places in each segment at which rates are looked at."""
 
-NORMS = (2.0**6, 2.0**10)
-"""Powers: the first leads near, the last comes within a per cent of the largest of very many."""
+NORMS = (2.0**5, 2.0**7, 2.0**9, 2.0**10)
+"""Powers: the first sees the whole motion, the last comes within a per cent of the largest of very many.
 
-STEPS, GAIN = 30, 2e-5
+With fewer between them, a search ends where one rate after the other is in its way.
+"""
+
+STEPS, GAIN = 60, 3e-6
 """Of the search with each norm: at most so many, until one gains less than this part."""
 
 

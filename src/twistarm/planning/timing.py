@@ -32,11 +32,8 @@ LEAST_PART = 1e-5
 ROUNDING = 1e-14
 """No ramp at given times is shorter than this part of the whole."""
 
-SPARSE = 20
-"""Through more waypoints than that, jerk limits count for the start too."""
-
-FEW = 60
-"""Through no more waypoints than that both starts are tried."""
+FEW = 30
+"""Through no more waypoints than that a search begins with what each segment takes alone."""
 
 MOST_KNOTS = 1000
 """Of the spline along which a motion with jerk limits begins."""
@@ -57,16 +54,15 @@ def fastest_spline(
     """Times (k,), breakpoints and coefficients of `fit` through the waypoints, its worst rate just meeting its limit.
 
     Stretching the whole motion by one factor makes it meet its limits exactly, whatever the proportions of its
-    segments. The proportions are searched (`spline_times`), from those of the fastest motion along a path through the
-    waypoints (with jerk limits `jerk_limited`), and, through few, from what each segment takes alone.
+    segments. The proportions are searched (`spline_times`), through few waypoints from what each segment takes alone,
+    through more from those of the fastest motion along a path through them (with jerk limits `jerk_limited`).
     Where that spline leaves the position limits it is pulled in, and shortened further: of what is pulled in, segments
     that stay below their limits are shortened, those that set the factor lengthened, and the shortest motion is taken.
     """
     least = np.diff(_accumulated(_least_durations(waypoints, bounds)))
     way = np.ascontiguousarray(np.diff(waypoints, axis=0) @ bounds.C.T)
-    starts = _starts(waypoints, degree, bounds, least)
-    found = [_accumulated(shortest_spline(way, degree, bounds.rates, start)) for start in starts]
-    times = min(found, key=lambda each: _needed(fit, waypoints, each, bounds))
+    start = least if len(waypoints) <= FEW else _along_path(waypoints, degree, bounds)
+    times = _accumulated(shortest_spline(way, degree, bounds.rates, start))
     best = times, *pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)
     if len(best[1]) > len(times):
         # Pulled in, those are not always the best to begin with: evened out ones are shorter now and then.
@@ -77,14 +73,15 @@ def fastest_spline(
     return times * factor, breakpoints * factor, stretched(coefficients, factor)
 
 
-def _starts(waypoints: Array, degree: int, bounds: PathBounds, least: Array) -> list[Array]:
-    """Durations (k − 1,) that searches begin with."""
-    if np.isfinite(bounds.rates.jerk).any() and len(waypoints) > SPARSE:
-        along = np.diff(_accumulated(np.diff(_inside_jerk(waypoints, degree, bounds))))
-        return [along, least] if len(waypoints) <= FEW else [along]
-    times = _accumulated(np.diff(fastest_along_spline(waypoints, bounds)[0]))
-    along = np.diff(times if degree == 3 else _accumulated(np.diff(_eased(times))))
-    return [along, least] if len(waypoints) <= FEW else [along]
+def _along_path(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
+    """Durations (k − 1,) on the fastest motion along a path through the waypoints."""
+    if np.isfinite(bounds.rates.jerk).any():
+        times = _inside_jerk(waypoints, degree, bounds)
+    else:
+        times = fastest_along_spline(waypoints, bounds)[0]
+        if degree == 5:
+            times = _eased(_accumulated(np.diff(times)))
+    return np.diff(_accumulated(np.diff(times)))
 
 
 def _inside_jerk(waypoints: Array, degree: int, bounds: PathBounds) -> Array:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..limits.actuators import Actuators
-from ..support.checks import Array, as_floats, as_number, frozen, made_by
+from ..support.checks import Array, as_floats, as_number, frozen, made_by, require
 from ..support.display import in_brief, told
 from ..support.errors import InputError, listed, shown
 from ..support.files import writable, write_whole
@@ -81,6 +81,8 @@ class Trajectory:
         steps = np.diff(self.breakpoints)
         if s < 1 or self.breakpoints[0] != 0 or not ((steps > 0).all() or (s == 1 and steps[0] == 0)):
             raise InputError("the breakpoints of a trajectory must increase from 0")
+        if self.actuators is not None:
+            require(self.actuators, Actuators, "actuators", "as arm.actuators")
         object.__setattr__(self, "labels", _as_labels(self.labels, self.duration))
 
     def __repr__(self) -> str:

@@ -261,6 +261,14 @@ def warn_caller(said: str, kind: type[Warning]) -> None:
     warnings.warn(said, kind, stacklevel=depth)
 
 
+def called_from_outside(module: str) -> bool:
+    """Whether the function of `module` that is at work was called from outside the package."""
+    frame = sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__") == module:
+        frame = frame.f_back
+    return bool(frame.f_globals.get("__name__", "").split(".")[0] != __name__.split(".")[0])
+
+
 def as_pose(value: Given, name: str = "pose") -> Array:
     """`value` as homogeneous poses (..., 4, 4) in SE(3), the rotation cleaned as by `as_rotation`."""
     g = as_floats(value, name)

@@ -1,6 +1,7 @@
 // The least value of a smooth function of many numbers, from its gradients.
 //
-// L-BFGS with steps that are halved until the value falls: Nocedal & Wright, Numerical Optimization (2006), §7.2 and §3.1.
+// L-BFGS with steps that are shortened until the value falls: Nocedal & Wright, Numerical Optimization (2006), §7.2 and §3.5.
+// Where none does it begins anew, along the gradient.
 #pragma once
 
 #include "lanes.hpp"
@@ -15,10 +16,11 @@ constexpr int remembered_steps = 8;
 template <class T> constexpr T longest_step = T(0.7);
 template <class T> constexpr T first_step = T(0.3);
 
-/// What part of the fall that the slope foretells is enough, and by what a step that falls less is shortened, how often.
+/// What part of the fall that the slope foretells is enough, and to what part a step that falls less is shortened at most,
+/// how often.
 template <class T> constexpr T enough_fall = T(1e-4);
-template <class T> constexpr T shorter_step = T(0.4);
-constexpr int most_shortenings = 8;
+template <class T> constexpr T shortened_to = T(0.1);
+constexpr int most_shortenings = 16;
 
 template <class T> T inner(int n, const T* a, const T* b) {
     T sum = T(0);
@@ -80,13 +82,20 @@ template <class T, class F> void least_value(int n, F&& value_of, T* x, int most
         }
         const T reach = detail::farthest(n, direction);
         T part = reach > detail::longest_step<T> ? detail::longest_step<T> / reach : T(1), fallen = T(0);
-        for (int shortened = 0; shortened < detail::most_shortenings; ++shortened, part *= detail::shorter_step<T>) {
+        for (int shortened = 0; shortened < detail::most_shortenings; ++shortened) {
             for (int i = 0; i < n; ++i) there[i] = x[i] + part * direction[i];
             fallen = value - value_of(there, next);
             if (fallen >= -detail::enough_fall<T> * part * slope) break;
+            // To the lowest point of the parabola through what is known.
+            const T lowest = T(0.5) * slope * part / (slope * part + fallen);
+            part *= lowest > detail::shortened_to<T> ? lowest : detail::shortened_to<T>;
             fallen = T(0);
         }
-        if (!(fallen > T(0))) return;
+        if (!(fallen > T(0))) {
+            if (memory.count == 0) return;
+            memory.count = 0;
+            continue;
+        }
         T* const step = memory.step(memory.count);
         T* const change = memory.change(memory.count);
         for (int i = 0; i < n; ++i) {

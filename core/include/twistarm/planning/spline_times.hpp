@@ -305,10 +305,11 @@ private:
 };
 
 namespace detail {
-/// Powers of the norm, as numbers of squarings: the first leads near, the last comes within a per cent of the largest of very many.
-constexpr int spline_norms[] = {6, 10};
-constexpr int most_spline_steps = 30;
-template <class T> constexpr T least_spline_gain = T(2e-5);
+/// Powers of the norm, as numbers of squarings: the first sees the whole motion, the last comes within a per cent of the
+/// largest of very many. With fewer between them, a search ends where one rate after the other is in its way.
+constexpr int spline_norms[] = {5, 7, 9, 10};
+constexpr int most_spline_steps = 60;
+template <class T> constexpr T least_spline_gain = T(3e-6);
 }  // namespace detail
 
 /// x (segments), the logarithms of durations, made those of as short a motion as is found nearby.

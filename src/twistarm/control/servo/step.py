@@ -93,9 +93,11 @@ def _usable(arm: Arm, command: Any) -> tuple[AnyCommand | None, str]:
 
 def _answer(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | None, dt: float) -> Answer:
     holding = _holding(command)
-    held = state.held if holding is not None and state.holding == holding else None
+    held = state.held if holding is not None and type(state.holding) is int and state.holding == holding else None
     kind, flags, numbers = (0, 0, None) if command is None else (command.kind, command.flags, command.numbers)
-    found = bounds.compiled.step(state.theta, state.theta_dot, held, kind, flags, numbers, dt, state.period)
+    found = None
+    if type(state.period) is float:
+        found = bounds.compiled.step(state.theta, state.theta_dot, held, kind, flags, numbers, dt, state.period)
     if found is None:  # not plain float64: converted, or refused
         clean = _clean(arm, state)
         held = None if held is None else clean.held

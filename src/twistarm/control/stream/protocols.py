@@ -7,11 +7,11 @@ that fails raises OSError or a TwistarmError. A sink without a listener raises `
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
-from ...support.checks import Array
+from ...support.checks import Array, as_reals, require
 from ...support.display import Brief
-from ...support.errors import TwistarmError
+from ...support.errors import InputError, TwistarmError, shown
 from ..servo import AnyCommand, ServoOutput, ServoState
 from .interlock import ENABLED
 
@@ -28,6 +28,9 @@ class Reading(Brief):
     reason: str = ""
     idle: bool = False
 
+    def __post_init__(self) -> None:
+        _check(self.reason, age=self.age)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Measured(Brief):
@@ -36,6 +39,9 @@ class Measured(Brief):
     theta: Array | None
     time: float
     reason: str = ""
+
+    def __post_init__(self) -> None:
+        _check(self.reason, time=self.time)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -51,6 +57,14 @@ class Setpoint(Brief):
     theta_dot: Array
     output: ServoOutput
     interlock: str = ENABLED
+
+
+def _check(reason: Any, **seconds: Any) -> None:
+    """InputError for a reason that is no text, or seconds that are no number."""
+    for name, value in seconds.items():
+        if type(value) is not float and (value is None or as_reals(value, name, "seconds").ndim):
+            raise InputError(f"{name} must be seconds, one number; got {shown(value)}")
+    require(reason, str, "reason", "such as 'no joint state has arrived'")
 
 
 class UndeliveredError(TwistarmError):
