@@ -112,11 +112,3 @@ def taken_back(task: RateTask) -> Array:
     rows = task.rows[list(task.held)]
     H = FIRMNESS * rows.T @ rows + task.damping * np.eye(rows.shape[1]) + task.calm
     return np.asarray(np.linalg.solve(H, FIRMNESS * rows.T @ task.asked[list(task.held)]), dtype=float)
-
-
-def held_beside(task: RateTask, lower: Array, upper: Array, x: Array) -> Array:
-    """The scaled rates (n,) within the bounds next to x that do what is asked of the held components."""
-    rows = task.rows[list(task.held)]
-    H = FIRMNESS * rows.T @ rows + task.damping * np.eye(len(x))
-    r = FIRMNESS * rows.T @ task.asked[list(task.held)] + task.damping * x
-    return least_in_box(H, r, lower, upper, x, np.zeros(len(x), int))[0]

@@ -15,7 +15,7 @@ from twistarm.control.servo.state import ServoState
 from twistarm.support.checks import Array, frozen
 from twistarm.theory import rotations
 
-from .rates import ROUNDS, RateTask, held_beside, resolved_rates, taken_back
+from .rates import ROUNDS, RateTask, resolved_rates, taken_back
 from .singular import Place, Singular, fixed, singular, smallest_about
 
 NOTHING = 1e-12
@@ -66,8 +66,7 @@ def step(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | None
     2. `resolved_rates` gives the joint rates; all of them are slowed to what the velocity limits allow.
     3. Where a joint would pass the rate from which it can still stop at its position limit, they are solved again with
        that rate as a bound, which falls to 0 with the distance: the motion along the limit is kept.
-    4. The rates go from the old ones toward these as far as the acceleration limits let all of them together; where
-       something is held, to those beside that keep it.
+    4. The rates go from the old ones toward these as far as the acceleration limits let all of them together.
     """
     state = replace(state, period=_period_after(state.period, dt))
     if command is None:
@@ -422,8 +421,7 @@ def _position_bounds(
 def _reached(bounds: Bounds, state: ServoState, goal: Goal, wanted: Wanted, dt: float) -> Answer:
     J, asked = goal.task.J, goal.task.asked
     reachable = J @ (wanted.rates / bounds.unit) / wanted.share
-    target = _kept(bounds, state, goal.task, wanted, dt) if goal.task.held else wanted.rates
-    answer = _moved(bounds, state, target, dt, wanted.cause, wanted.row)
+    answer = _moved(bounds, state, wanted.rates, dt, wanted.cause, wanted.row)
     done = J @ (answer.theta_dot / bounds.unit)
     size = float(np.linalg.norm(asked))
     answer.scale = _scale(done, reachable, size)
@@ -437,20 +435,6 @@ def _reached(bounds: Bounds, state: ServoState, goal: Goal, wanted: Wanted, dt: 
     answer.held, answer.remaining = goal.held, goal.remaining
     answer.halted = _is_halted(answer.cause, answer.theta_dot / bounds.unit, wanted.share * size)
     return answer
-
-
-def _kept(bounds: Bounds, state: ServoState, task: RateTask, wanted: Wanted, dt: float) -> Array:
-    """Where accelerations let the arm have other rates (n,), what is held comes first of what they let it have."""
-    allowed = bounds.motion.within(state.theta, wanted.rates, state.theta_dot, dt).theta_dot
-    if (np.abs(allowed - wanted.rates) / bounds.unit).max() <= NOTHING:
-        return wanted.rates
-    limits, n = bounds.motion.limits, bounds.n
-    fastest, most = limits.velocity[-n:], limits.acceleration[-n:] * dt
-    room = _position_bounds(bounds, state, allowed, dt, gently=True)
-    least = np.max([state.theta_dot - most, room[0], -fastest], axis=0)
-    largest = np.min([state.theta_dot + most, room[1], fastest], axis=0)
-    within = np.minimum(least, allowed) / bounds.unit, np.maximum(largest, allowed) / bounds.unit
-    return held_beside(replace(task, asked=wanted.share * task.asked), *within, allowed / bounds.unit) * bounds.unit
 
 
 def _jogged(bounds: Bounds, state: ServoState, command: JogCommand, dt: float) -> Answer:

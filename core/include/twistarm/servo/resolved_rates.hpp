@@ -502,19 +502,6 @@ template <class T, int N, int M> struct rate_solver {
         for (int k = 0; k < n(); ++k) x[k] = r[k];
     }
 
-    /// The rates x within the bounds, moved to those next to them that do what is held of what is asked.
-    void hold(const T* asked, const T* lower, const T* upper, T* x) const {
-        T H[most][most], r[most];
-        sides<most> at = {};
-        for (int a = 0; a < n(); ++a) {
-            r[a] = damping * x[a];
-            for (int b = 0; b <= a; ++b) H[a][b] = a == b ? damping : T(0);
-        }
-        press(0, firmness<T>, asked, H, r);
-        mirror(H);
-        least_in_box(H, r, lower, upper, n(), at, x);
-    }
-
   private:
     void begin(T (&H)[most][most], T* r) const {
         for (int a = 0; a < n(); ++a) {

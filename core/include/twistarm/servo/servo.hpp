@@ -425,28 +425,6 @@ template <class T, int N, int M> struct servo {
         }
     }
 
-    /// Where accelerations let the arm have other rates than these, what is held comes first of what they let it have.
-    void keep_held(const rate_solver<T, N, M>& solver, const T* asked, T share, T* rates) const {
-        const motion_limits<T, N>& motion = bounds.motion;
-        T kept[capacity(N)], lower[capacity(N)], upper[capacity(N)], x[capacity(N)], scaled[6], change = T(0);
-        for (int k = 0; k < n(); ++k) kept[k] = rates[k];
-        keep_within(motion, state.theta, state.theta_dot, dt, kept);
-        const position_bounds<T, N> room(motion, state.theta, kept, dt, state.period, true);
-        for (int k = 0; k < n(); ++k) {
-            change = greatest(change, absolute(kept[k] - rates[k]) / bounds.unit[k]);
-            const T fastest = motion.velocity[motion.motors + k], most = motion.acceleration[motion.motors + k] * dt;
-            lower[k] = greatest(state.theta_dot[k] - most, greatest(room.least[k], -fastest));
-            upper[k] = least(state.theta_dot[k] + most, least(room.most[k], fastest));
-            lower[k] = least(lower[k], kept[k]) / bounds.unit[k];
-            upper[k] = greatest(upper[k], kept[k]) / bounds.unit[k];
-            x[k] = kept[k] / bounds.unit[k];
-        }
-        if (!(change > nothing<T>)) return;
-        for (int i = 0; i < 6; ++i) scaled[i] = share * asked[i];
-        solver.hold(scaled, lower, upper, x);
-        for (int k = 0; k < n(); ++k) rates[k] = x[k] * bounds.unit[k];
-    }
-
     /// The share of what is asked at which the joints can keep to its course: with x the rates for all of it and x' how
     /// they change on the way, s² x' takes at most a quarter of the accelerations; a twelfth where something is held.
     T followed(const rate_solver<T, N, M>& solver, const T* asked, const T* lower, const T* upper, const T* x) {
@@ -514,7 +492,6 @@ template <class T, int N, int M> struct servo {
         solver.without_ways_out(out.lost, off);
         const bool astray = norm(off, n() < 6 ? 3 : 6) > T(noticed) * size;
         for (int i = 0; i < 3; ++i) out.lost[i] *= bounds.length;
-        if (solver.levels.firm) keep_held(solver, asked, share, rates);
         move(rates);
         for (int k = 0; k < n(); ++k) scaled[k] = rates[k] / bounds.unit[k];
         out.halted = is_position(out.cause) && norm(scaled, n()) <= T(halted_below) * share * size;
