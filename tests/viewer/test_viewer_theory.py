@@ -16,7 +16,7 @@ from joint_arms import Joint, by_hand, from_urdf, random_chain
 from twistarm import Arm, ArmBuilder, load_arm, plan_joint
 from twistarm.planning.trajectory import Trajectory
 from twistarm.support.strict_json import encode
-from twistarm.viewer.files.sampled_theory import recorded
+from twistarm.viewer.files.motion_samples import recorded
 from twistarm.viewer.parts.theory import axes
 from twistarm.viewer.parts.theory_numbers import numbers
 from twistarm.viewer.protocol.messages import parse

@@ -35,17 +35,14 @@ class Player:
         elif request.kind == "pause":
             self.playback.running = False
         elif request.kind == "pace":
-            self._pace(self.playback, request.fields["speed"], request.fields["loop"])
+            speed, (slowest, fastest) = request.fields["speed"], SPEEDS
+            if speed != self.playback.speed and not slowest <= speed <= fastest:
+                raise InputError(f"speed must be {slowest:g} … {fastest:g} times the trajectory's own; got {speed:g}")
+            self.playback.speed, self.playback.loop = speed, request.fields["loop"]
         else:
             self.playback.seek(request.fields["time"])
             show.theta = checked_theta(show.arm, self.playback.theta())
         return None
-
-    def _pace(self, playback: Playback, speed: float, loop: bool) -> None:
-        slowest, fastest = SPEEDS
-        if speed != playback.speed and not slowest <= speed <= fastest:
-            raise InputError(f"speed must be {slowest:g} … {fastest:g} times the trajectory's own; got {speed:g}")
-        playback.speed, playback.loop = speed, loop
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The trajectory that is loaded; duration null where none is."""

@@ -1,4 +1,4 @@
-"""Publisher of changes: only what has changed is encoded and told; a source that fails leaves the others alone."""
+"""Publisher of changes: encodes only what has changed; a source that fails leaves the others alone."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from ...support.strict_json import encode
 from .messages import Message, failure
 
 Source = Callable[[], Iterable[Message]]
-"""Says what a part of the view shows now; a message that was said is never changed."""
+"""Returns what a part of the view shows now. A returned message never changes."""
 
 
 class ChangePublisher:
-    """What the pages know and what they do not. A source that fails keeps what it last said, and is told of once."""
+    """Keeps what the pages know. A failing source keeps its last messages; its error is reported once."""
 
     def __init__(self) -> None:
         self._shown: dict[str, Message] = {}
@@ -20,14 +20,14 @@ class ChangePublisher:
         self._failing: dict[int, str] = {}
 
     def gather(self, sources: Sequence[Source]) -> dict[str, str]:
-        """The texts of what has changed since the last time, by type; an error among them where a source fails now."""
+        """The texts of what has changed since the last call, by type, and the error of a source that fails now."""
         changed: dict[str, str] = {}
         for place, source in enumerate(sources):
             self._ask(place, source, changed)
         return changed
 
     def everything(self) -> dict[str, str]:
-        """What a new page is told, by type."""
+        """The texts for a new page, by type."""
         texts = dict(self._texts)
         for error in self._failing.values():
             texts["error"] = error
@@ -36,15 +36,12 @@ class ChangePublisher:
     def _ask(self, place: int, source: Source, changed: dict[str, str]) -> None:
         try:
             for message in source():
-                self._show(message, changed)
+                kind = message["type"]
+                if self._shown.get(kind) != message:
+                    self._texts[kind] = changed[kind] = encode(message)
+                    self._shown[kind] = message
         except Exception as error:
             if place not in self._failing:
                 self._failing[place] = changed["error"] = encode(failure(error))
         else:
             self._failing.pop(place, None)
-
-    def _show(self, message: Message, changed: dict[str, str]) -> None:
-        kind = message["type"]
-        if self._shown.get(kind) != message:
-            self._texts[kind] = changed[kind] = encode(message)
-            self._shown[kind] = message

@@ -44,7 +44,8 @@ class Authentication:
             return False
         if name in LOOPBACK or name == self.host.lower():
             return True
-        return self.host in EVERYWHERE and (_is_address(name) or name in _own_names())
+        own = socket.gethostname().lower()
+        return self.host in EVERYWHERE and (_is_address(name) or name in (own, f"{own.split('.')[0]}.local"))
 
     def admits_origin(self, origin: str | None) -> bool:
         """Whether an Origin header is a page of ours; only programs send none."""
@@ -71,8 +72,3 @@ def _is_address(name: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _own_names() -> tuple[str, str]:
-    name = socket.gethostname().lower()
-    return name, f"{name.split('.')[0]}.local"

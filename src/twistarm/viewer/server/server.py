@@ -71,7 +71,7 @@ class Server:
         self.commands.arm = stage.arm
         self.show_choice()
         self.driver = Driver(stage, self.commands, self.post)
-        self.doctor = Examination(stage.arm, scene.reader, lambda message: self._show_findings(stage, message))
+        self.doctor = Examination(stage.arm, scene.reader, partial(self._show_findings, stage))
         self._news = ChangePublisher()
 
     def start(self) -> None:
@@ -135,7 +135,8 @@ class Server:
     def _deliver(self, action: Callable[[], None]) -> None:
         """Do `action` in the loop at once, then tell the pages: the end of a job."""
         with suppress(RuntimeError):  # the loop may have been closed meanwhile
-            self._loop.call_soon_threadsafe(self._finish, action)
+            for step in (action, self.publish):
+                self._loop.call_soon_threadsafe(self._try, step)
 
     def _show_job(self, key: str, share: float | None) -> None:
         self.post(f"job {key}", lambda stage: self._note_job(key, share))
@@ -201,10 +202,6 @@ class Server:
         self._pages += 1
         return f"page {self._pages}"
 
-    def greeting(self) -> str:
-        """What a new page needs before anything else."""
-        return encode(self.stage.hello(self.scene.links))
-
     def state(self) -> dict[str, str]:
         """The messages that say what is on show, by type; what changed until now, the other pages are told too."""
         self._tell_news()
@@ -229,13 +226,13 @@ class Server:
         except Exception as error:
             self.commands.refuse(sender, str(error))
             number = number_of(text)
-            return [failure(error), *([] if number is None else [_done(number)])]
+            return [failure(error), *([] if number is None else [{"type": "done", "number": number}])]
         replies: list[dict[str, Any]] = []
         try:
             self._do(request, sender)
         except Exception as error:
             replies.append(failure(error))
-        return [*replies, _done(request.number)]
+        return [*replies, {"type": "done", "number": request.number}]
 
     def _do(self, request: Request, sender: str) -> None:
         if request.kind in COMMANDS:
@@ -261,10 +258,6 @@ class Server:
         if exact != self.scene.exact:
             self.scene.draw_again(exact)
             self._draw_meshes()
-
-    def _finish(self, action: Callable[[], None]) -> None:
-        self._try(action)
-        self._try(self.publish)
 
     def _note_job(self, key: str, share: float | None) -> None:
         if share is None:
@@ -339,7 +332,3 @@ class Server:
     def _tell(self, kind: str, text: str) -> None:
         for client in self.clients:
             client.put(kind, text)
-
-
-def _done(number: int) -> dict[str, Any]:
-    return {"type": "done", "number": number}
