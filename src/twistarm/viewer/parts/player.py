@@ -1,4 +1,4 @@
-"""The trajectory on show as the pages drive it: play, pause, seek, how fast, again and again."""
+"""Player of the trajectory on show: play, pause, seek, speed and loop."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .part import Show
 from .playback import Playback
 
 SPEEDS = (0.05, 20.0)
-"""Slowest and fastest that a page may play; whoever calls from Python may go beyond, and that speed is kept."""
+"""Slowest and fastest speed from a page. Python may set a speed beyond them, which a page then keeps."""
 
 
 class Player:
@@ -68,7 +68,7 @@ class Player:
         return self.playback.theta()
 
     def halt(self) -> None:
-        """Stop where it is."""
+        """Stop at the current moment."""
         if self.playback is not None:
             self.playback.running = False
 

@@ -37,12 +37,12 @@ Answer = TypeVar("Answer")
 
 
 class Server:
-    """Serves a stage to any number of pages; what other threads may call stands first."""
+    """Serves a stage to any number of pages. Methods that other threads may call come first."""
 
     def __init__(
         self, stage: Stage, scene: Scene, host: str, port: int, memory: Memory | None = None, stands: bool = False
     ) -> None:
-        """memory: what is kept for this port, of which theta is not taken where the stage `stands` as it shall."""
+        """memory: the file kept for this port. With `stands`, the stage keeps its theta instead of the kept one."""
         self.commands = PageCommands(stage.arm)
         self.clients: dict[SocketHandler, None] = {}
         self._sockets = bind(host, port)
@@ -66,7 +66,7 @@ class Server:
         self._started = threading.Event()
 
     def _take(self, stage: Stage, scene: Scene) -> None:
-        """Make this the arm on show: whatever is made for one arm is made here."""
+        """Make this the arm on show, and make everything that belongs to one arm."""
         self.stage, self.scene = stage, scene
         self.commands.arm = stage.arm
         self.show_choice()
@@ -95,9 +95,9 @@ class Server:
             self.memory.keep(self.stage)
 
     def post(self, key: str, change: Change) -> None:
-        """Let the loop apply `change`, at most once in FRAME_TIME; one that waits under the same key is replaced.
+        """Let the loop apply `change`, at most once in FRAME_TIME. It replaces a waiting change of the same key.
 
-        Whoever posts at any rate pays for a frame 60 times a second, and else for a lock.
+        A fast caller pays for a frame 60 times a second, and otherwise for a lock.
         """
         with self._lock:
             first = not self._changes
@@ -108,18 +108,18 @@ class Server:
                 self._loop.call_soon_threadsafe(self._apply_in_time)
 
     def exchange(self, stage: Stage, scene: Scene) -> list[str]:
-        """Show another arm; what `carry` says of it. Raises InputError while a servo drives, and once closed."""
+        """Show another arm; returns the words of `carry`. InputError while a servo drives, and once closed."""
         if not self._thread.is_alive():
             raise InputError("the viewer was closed: there is nothing to show an arm in")
         return self.ask(lambda shown: self._exchange(stage, scene))
 
     def notify(self, words: str, wrong: bool = False) -> None:
-        """Have the pages say this until there is something else to say; `wrong`: it wants mending."""
+        """Show a notice on the pages until the next one. `wrong` marks an error."""
         notice = {"type": "notice", "words": words, "wrong": wrong}
         self.post("notice", lambda stage: setattr(self, "notice", notice))
 
     def _draw_meshes(self) -> None:
-        """Read them while pages are served already; each word of progress has the pages told of what there is."""
+        """Read the meshes in a thread while pages are served. Each progress report updates the pages."""
         scene, count = self.scene, self.scene.left
 
         def draw(progress: Progress) -> None:
@@ -142,9 +142,9 @@ class Server:
         self.post(f"job {key}", lambda stage: self._note_job(key, share))
 
     def ask(self, question: Callable[[Stage], Answer]) -> Answer:
-        """What `question` says of the stage once every change posted so far is applied; of a closed view, as it stands.
+        """The answer of `question(stage)`, after every change posted so far. A closed view answers as it stands.
 
-        Raises TwistarmError where the loop is held up for longer than STOP_TIME.
+        Raises TwistarmError where the loop does not answer within STOP_TIME.
         """
         future: Future[Answer] = Future()
         with suppress(RuntimeError):  # the loop may have been closed, which is seen below
@@ -203,7 +203,7 @@ class Server:
         return f"page {self._pages}"
 
     def state(self) -> dict[str, str]:
-        """The messages that say what is on show, by type; what changed until now, the other pages are told too."""
+        """The messages of the whole view, by type. Other pages get the recent changes too."""
         self._tell_news()
         return self._news.everything()
 
@@ -217,9 +217,9 @@ class Server:
         return [{"type": "work", "jobs": jobs}, self.scene.message(), self.notice]
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
-        """Do what the page `sender` asks for, tell every page, and return what only the asking one is told.
+        """Do the request of the page `sender`, update every page, and return the replies for the sender alone.
 
-        A command to the servo changes nothing on show: what comes of it does.
+        A command to the servo changes nothing on show; the resulting motion does.
         """
         try:
             request = parse(text)
@@ -251,7 +251,7 @@ class Server:
         self.publish()
 
     def show_choice(self) -> None:
-        """Show what a servo does where the arm cannot follow, and whether pages may choose it."""
+        """Show the servo's behaviour where the arm cannot follow, and whether pages may choose it."""
         self.stage.show_choice(self.commands.beyond, self.commands.free)
 
     def _draw_exactly(self, exact: bool) -> None:
@@ -266,14 +266,14 @@ class Server:
             self._jobs[key] = share
 
     def leave(self, sender: str) -> None:
-        """A page has gone; after the last one nobody is left to switch Drive off, or to read the numbers."""
+        """Forget a page that has gone. After the last page, end Drive and stop computing the numbers."""
         self.commands.refuse(sender, "its page has gone")
         if not self.clients:
             self.driver.stop()
             self.stage.unwatch()
 
     def publish(self) -> None:
-        """Tell every page what changed since the last time, and keep what moves moving."""
+        """Send the latest changes to every page, and keep a motion going."""
         if self.clients:
             self._tell_news()
         self._keep_poses()
@@ -281,7 +281,7 @@ class Server:
             self._player = self._loop.create_task(self._play())
 
     def _keep_poses(self) -> None:
-        """Have the list written where it is kept and is another than before."""
+        """Write the list of poses in a thread, where it is kept and has changed."""
         stage, memory = self.stage, self.memory
         if memory is not None and stage.program.list.poses is not self._kept:
             self._kept = stage.program.list.poses
@@ -323,7 +323,7 @@ class Server:
             self._try(self.publish)
 
     def _try(self, action: Callable[[], None]) -> None:
-        """Whatever goes wrong is shown on the pages, and the server lives on."""
+        """Show an error of `action` on the pages; the server goes on."""
         try:
             action()
         except Exception as error:
