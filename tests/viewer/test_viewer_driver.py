@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,13 +15,15 @@ import pytest
 from numpy.testing import assert_allclose
 
 from test_viewer_jog import ask, eventually, other
-from twistarm import Arm, load_arm, plan_joint
+from twistarm import Arm, ArmBuilder, load_arm, plan_joint
 from twistarm.arm.usual_limits import DEFAULTS
 from twistarm.control.servo import ServoOutput, ServoSettings
-from twistarm.control.stream import Cycle
+from twistarm.control.stream import Cycle, Inbox
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.stage import NO_DRIVE
+from twistarm.viewer.parts.commands import PageCommands
+from twistarm.viewer.server.driver import Drive, Driver
+from twistarm.viewer.stage import NO_DRIVE, Stage
 from viewer_page import WAIT, Page, visit
 
 SPEED = 0.05
@@ -383,3 +386,49 @@ def test_an_arm_that_stands_tells_the_pages_nothing(viewer: Viewer) -> None:
             await ask(page, type="servo", on=True)
 
     drive(viewer, look)
+
+
+# without a loop: clocks and joints of the test's own -----------------------------------------------------
+
+
+def one() -> Arm:
+    return ArmBuilder("one").revolute("a", [0, 0, 1], [0, 0, 0], lower=-3, upper=3).tool(np.eye(4)).build()
+
+
+def braked(rate: float) -> Drive:
+    """One whose joint moves at `rate` [rad/s], braked or not."""
+    begun = Drive(Stage(one()), Inbox(), lambda key, change: None, lambda ended: None)
+    joints: Any = SimpleNamespace(theta=np.zeros(1), theta_dot=np.array([rate]))
+    begun._joints = joints
+    return begun
+
+
+@pytest.mark.parametrize(("since", "rate", "ended"), [
+    (0.0, 0.0, True), (0.0, 1e-3, False), (2.5, 1e-3, False), (3.1, 1e-3, True), (3.1, -2.0, True)
+])  # fmt: skip
+def test_it_ends_at_rest_or_three_seconds_after_it_was_asked_to(since: float, rate: float, ended: bool) -> None:
+    braking = braked(rate)
+    braking.end()
+    braking.asked_at -= since
+    assert braking._done() is ended
+
+
+def test_asked_again_it_does_not_wait_anew_and_unasked_it_goes_on() -> None:
+    braking = braked(1e-3)
+    assert not braking._done()
+    braking.asked_at = time.monotonic() - 3.1
+    braking.end()
+    assert braking._done()
+    assert not braked(0.0)._done()
+
+
+def test_none_begins_once_the_program_has_asked_for_commands() -> None:
+    """Before the stage has heard of it: that comes by way of the loop."""
+    stage = Stage(one())
+    commands = PageCommands(stage.arm)
+    driver = Driver(stage, commands, lambda key, change: None)
+    commands.open = True
+    with pytest.raises(InputError, match="a servo of the program drives one: Drive is free once it has ended"):
+        driver.switch(True)
+    assert not stage.driven
+    assert not driver.on

@@ -58,6 +58,29 @@ def test_hosts_and_origins_are_asked_of_the_page_and_of_its_socket(viewer: Viewe
     assert "hello" in visit(viewer, nothing, Origin="http://localhost:9999").latest
 
 
+def test_every_module_that_the_page_runs_is_named_once_and_served(viewer: Viewer) -> None:
+    page = get(viewer.url)[1]
+    named = re.findall(r'<link rel="modulepreload" href="([\w.]+)">', page)
+    reached, waiting = set(), ["main.js"]
+    while waiting:  # as a browser goes from import to import
+        name = waiting.pop()
+        if name not in reached:
+            reached.add(name)
+            status, text, headers = get(viewer.url + name)
+            assert status == 200, name
+            assert headers["Content-Type"].startswith("text/javascript")
+            waiting += re.findall(r'\bfrom "\./([\w.]+)"', text)
+    assert sorted(named) == sorted(reached)
+    assert len(reached) > 30
+    assert page.index("modulepreload") < page.index("</head>") < page.index("<body>")
+
+
+def test_the_schema_is_asked_for_as_the_page_reads_it(viewer: Viewer) -> None:
+    assert '<link rel="preload" href="schema.json" as="fetch" crossorigin>' in get(viewer.url)[1]
+    assert 'fetch("schema.json")' in get(viewer.url + "main.js")[1]
+    assert get(viewer.url + "schema.json")[0] == 200
+
+
 ODD_REQUESTS = [
     (b"POST /{token}/", 405),
     (b"BREW /{token}/", 405),

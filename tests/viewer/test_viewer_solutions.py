@@ -8,18 +8,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from recorded_poses import ask
 from test_viewer_target import finish, xyzw
 from twistarm import Approach, Arm, InputError, load_arm, solve_ik_all
-from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer
-from twistarm.viewer.protocol.messages import SCHEMA, parse
+from twistarm.viewer.protocol.messages import SCHEMA
 from twistarm.viewer.stage import Stage
 
 ROVER, ELBOW = load_arm("rover_arm"), load_arm("elbow")
-
-
-def do(stage: Stage, request: str, **fields: Any) -> Any:
-    return stage.handle(parse(encode({"type": request, **fields})), 0.0)
 
 
 def pose_at(arm: Arm, theta: Any) -> dict[str, Any]:
@@ -37,7 +33,7 @@ def told(stage: Stage) -> tuple[dict[str, Any], int | None]:
 def asked(arm: Arm, kind: str = "pose", theta: Any = None) -> Stage:
     """A stage that was asked for all configurations of the pose that the tool has at theta."""
     stage = Stage(arm)
-    finish(do(stage, "solutions", kind=kind, **pose_at(arm, arm.ready if theta is None else theta)))
+    finish(ask(stage, "solutions", kind=kind, **pose_at(arm, arm.ready if theta is None else theta)))
     return stage
 
 
@@ -51,7 +47,7 @@ def test_every_step_meets_the_target_elsewhere(arm: Arm, kind: str) -> None:
     wanted, _, _ = arm.by_pinocchio(theta)
     stood = []
     for place in inside:
-        do(stage, "solution", place=place, ease=False)
+        ask(stage, "solution", place=place, ease=False)
         assert told(stage)[1] == place
         assert arm.limits.contains(stage.theta)
         g, _, _ = arm.by_pinocchio(stage.theta)
@@ -66,9 +62,9 @@ def test_beyond_the_limits_the_arm_does_not_go() -> None:
     message, _ = told(stage)
     beyond = [i for i, place in enumerate(message["places"]) if place["beyond"]]
     assert beyond
-    do(stage, "solution", place=0, ease=False)
+    ask(stage, "solution", place=0, ease=False)
     before = stage.theta
-    do(stage, "solution", place=beyond[0], ease=False)
+    ask(stage, "solution", place=beyond[0], ease=False)
     assert told(stage)[1] == beyond[0]
     assert_array_equal(stage.theta, before)
     (said,) = message["places"][beyond[0]]["beyond"]
@@ -85,7 +81,7 @@ def test_ghosts_stand_where_the_links_do() -> None:
     assert at == 0, "the arm stands at the nearest"
     places = range(len(message["places"]))
     for place in [i for i in places if not message["places"][i]["beyond"]]:
-        do(stage, "solution", place=place, ease=False)
+        ask(stage, "solution", place=place, ease=False)
         frame = stage.frame()["transforms"]
         for path, matrix in message["ghosts"][place].items():
             assert_allclose(matrix, frame[path], atol=1e-12)
@@ -96,13 +92,13 @@ def test_what_moves_the_arm_otherwise_lets_them_go() -> None:
     kept, _ = told(stage)
     assert kept["asked"]
     assert told(stage)[0] is kept
-    do(stage, "joint", name="wrist_roll", value=0.3)
+    ask(stage, "joint", name="wrist_roll", value=0.3)
     assert told(stage)[0]["asked"] is False
     with pytest.raises(InputError, match="ask for all of them again"):
-        do(stage, "solution", place=0, ease=False)
+        ask(stage, "solution", place=0, ease=False)
     stage = asked(ROVER, "approach")
     theta = stage.theta
-    do(stage, "solutions_end")
+    ask(stage, "solutions_end")
     assert told(stage)[0]["asked"] is False
     assert stage.theta is theta
 
@@ -110,16 +106,16 @@ def test_what_moves_the_arm_otherwise_lets_them_go() -> None:
 def test_a_step_glides_and_is_undone() -> None:
     stage = asked(ELBOW)
     start = stage.theta
-    do(stage, "solution", place=1, ease=True)
+    ask(stage, "solution", place=1, ease=True)
     assert stage.theta is start
     assert told(stage)[1] == 1, "on its way there"
     stage.advance(0.3)
-    do(stage, "solution", place=0, ease=True)
+    ask(stage, "solution", place=0, ease=True)
     stage.advance(9.0)
     assert_allclose(stage.theta, start, atol=1e-6)
     assert told(stage)[1] == 0
-    do(stage, "solution", place=1, ease=False)
-    do(stage, "undo", ease=False)
+    ask(stage, "solution", place=1, ease=False)
+    ask(stage, "undo", ease=False)
     assert_allclose(stage.theta, start, atol=1e-6)
     assert told(stage)[0]["asked"] is False
 
@@ -127,40 +123,40 @@ def test_a_step_glides_and_is_undone() -> None:
 @pytest.mark.parametrize("meanwhile", ["slider", "servo", "asked again"])
 def test_an_answer_that_comes_too_late_changes_nothing(meanwhile: str) -> None:
     stage = Stage(ROVER)
-    job = do(stage, "solutions", kind="approach", **pose_at(ROVER, ROVER.ready))
+    job = ask(stage, "solutions", kind="approach", **pose_at(ROVER, ROVER.ready))
     if meanwhile == "slider":
-        do(stage, "joint", name="wrist_roll", value=0.3)
+        ask(stage, "joint", name="wrist_roll", value=0.3)
     elif meanwhile == "servo":
         stage.take_commands()
     else:
-        do(stage, "solutions", kind="position", **pose_at(ROVER, ROVER.ready))
+        ask(stage, "solutions", kind="position", **pose_at(ROVER, ROVER.ready))
     finish(job)
     assert told(stage)[0]["asked"] is False
 
 
 def test_none_is_an_answer() -> None:
     stage = Stage(ROVER)
-    finish(do(stage, "solutions", kind="position", position=[9.0, 0.0, 0.0], xyzw=[0, 0, 0, 1]))
+    finish(ask(stage, "solutions", kind="position", position=[9.0, 0.0, 0.0], xyzw=[0, 0, 0, 1]))
     message, at = told(stage)
     assert message["asked"]
     assert message["places"] == message["ghosts"] == []
     assert "that is certain" in message["words"]
     assert at is None
     with pytest.raises(InputError, match="xyzw must be a quaternion of length 1"):
-        do(stage, "solutions", kind="pose", position=[0.0, 0.0, 1.0], xyzw=[0, 0, 0, 2])
+        ask(stage, "solutions", kind="pose", position=[0.0, 0.0, 1.0], xyzw=[0, 0, 0, 2])
     stage.take_commands()
     with pytest.raises(InputError, match="a servo drives rover_arm"):
-        do(stage, "solutions", kind="position", position=[0.0, 0.0, 1.0], xyzw=[0, 0, 0, 1])
+        ask(stage, "solutions", kind="position", position=[0.0, 0.0, 1.0], xyzw=[0, 0, 0, 1])
 
 
 def test_joints_that_the_target_leaves_free_stay_where_they_are() -> None:
     start = ROVER.ready + [0.0, 0.0, 0.0, 0.1, 0.2]
     stage = Stage(ROVER, start)
-    finish(do(stage, "solutions", kind="position", **pose_at(ROVER, start)))
+    finish(ask(stage, "solutions", kind="position", **pose_at(ROVER, start)))
     message, _ = told(stage)
     assert "held where the arm stands" in message["words"]
     assert "there may be more" not in message["words"]
-    do(stage, "solution", place=len(message["places"]) - 1, ease=False)
+    ask(stage, "solution", place=len(message["places"]) - 1, ease=False)
     assert_allclose(stage.theta[3:], start[3:], atol=1e-12)
 
 

@@ -11,13 +11,13 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from ik_targets import require_core
+from recorded_poses import ask, said
 from twistarm import Arm, InputError, arm_from_screws, joints, load_arm, solve_ik
 from twistarm.arm.engine import MOST_JOINTS
 from twistarm.ik import Position
 from twistarm.planning.joint_space import plan_joint
-from twistarm.support.strict_json import encode
 from twistarm.viewer.parts.target import AT_ONCE, MAX_TIME
-from twistarm.viewer.protocol.messages import SCHEMA, parse
+from twistarm.viewer.protocol.messages import SCHEMA
 from twistarm.viewer.stage import Stage
 
 ROVER = load_arm("rover_arm")
@@ -34,14 +34,10 @@ def xyzw(R: Any) -> list[float]:
     return numbers
 
 
-def ask(stage: Stage, kind: str, position: Any, quaternion: Any) -> dict[str, Any]:
+def aim(stage: Stage, kind: str, position: Any, quaternion: Any) -> dict[str, Any]:
     """Ask for a target, do the job at once, and return what the pages are told of it."""
-    finish(start(stage, kind=kind, position=np.asarray(position).tolist(), xyzw=quaternion))
+    finish(ask(stage, "target", kind=kind, position=np.asarray(position).tolist(), xyzw=quaternion))
     return told(stage)
-
-
-def start(stage: Stage, **fields: Any) -> Any:
-    return stage.handle(parse(text("target", **fields)), 0.0)
 
 
 def finish(job: Any) -> None:
@@ -56,12 +52,8 @@ def in_the_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("twistarm.viewer.parts.target.solved_at_once", lambda *asked: None)
 
 
-def text(type: str, **fields: Any) -> str:
-    return encode({"type": type, **fields})
-
-
 def told(stage: Stage) -> dict[str, Any]:
-    (message,) = [message for message in stage.messages() if message["type"] == "target"]
+    message = said(stage, "target")
     assert set(message) - {"type"} == set(SCHEMA["messages"]["target"])
     return message
 
@@ -76,7 +68,7 @@ def near(arm: Arm, by: tuple[float, float, float] = (0.05, 0.02, -0.03)) -> tupl
 def test_a_target_in_reach_is_met(kind: str) -> None:
     stage = Stage(SIX)
     position, quaternion = near(SIX)
-    message = ask(stage, kind, position, quaternion)
+    message = aim(stage, kind, position, quaternion)
     assert message["met"] is True
     assert message["given"] == {"kind": kind, "position": position.tolist(), "xyzw": quaternion}
     g, _, _ = SIX.by_pinocchio(stage.theta)
@@ -92,7 +84,7 @@ def test_out_of_reach_the_nearest_is_shown_and_the_reason_told() -> None:
     require_core(ROVER)
     stage = Stage(ROVER)
     position, quaternion = near(ROVER, (3.0, 0.0, 0.0))
-    message = ask(stage, "position", position, quaternion)
+    message = aim(stage, "position", position, quaternion)
     solution = solve_ik(ROVER, Position(position), ROVER.ready, posture="theta0", max_time=MAX_TIME)
     assert message["met"] is False
     assert message["words"] == solution.explain()
@@ -107,16 +99,15 @@ def test_out_of_reach_the_nearest_is_shown_and_the_reason_told() -> None:
 def test_tolerances_hold_for_targets_until_others_are_chosen() -> None:
     stage = Stage(ROVER)
     position, quaternion = near(ROVER, (0.4, 0.0, 0.0))
-    assert not ask(stage, "position", position, quaternion)["met"]
+    assert not aim(stage, "position", position, quaternion)["met"]
     for tolerance, met in ((0.5, True), (1e-4, False), (0.0, False)):
-        assert stage.handle(parse(text("tolerances", position=tolerance, orientation=0.0)), 0.0) is None
-        (said,) = [message for message in stage.messages() if message["type"] == "tolerances"]
-        assert said == {"type": "tolerances", "position": tolerance, "orientation": 0.0}
-        assert ask(stage, "position", position, quaternion)["met"] is met
+        assert ask(stage, "tolerances", position=tolerance, orientation=0.0) is None
+        assert said(stage, "tolerances") == {"type": "tolerances", "position": tolerance, "orientation": 0.0}
+        assert aim(stage, "position", position, quaternion)["met"] is met
         g, _, _ = ROVER.by_pinocchio(stage.theta)
         assert (np.linalg.norm(g[:3, 3] - position) <= max(tolerance, 1e-6)) == met
     with pytest.raises(InputError, match="position"):
-        stage.handle(parse(text("tolerances", position=-1.0, orientation=0.0)), 0.0)
+        ask(stage, "tolerances", position=-1.0, orientation=0.0)
 
 
 def rngs(count: int) -> list[np.random.Generator]:
@@ -125,21 +116,21 @@ def rngs(count: int) -> list[np.random.Generator]:
 
 def test_what_moves_the_arm_otherwise_lets_the_target_go() -> None:
     stage = Stage(ROVER)
-    ask(stage, "position", *near(ROVER))
+    aim(stage, "position", *near(ROVER))
     kept = told(stage)
     assert told(stage) is kept
-    stage.handle(parse(text("joint", name="wrist_roll", value=0.3)), 0.0)
+    ask(stage, "joint", name="wrist_roll", value=0.3)
     assert told(stage)["given"] is None
-    ask(stage, "position", *near(ROVER))
+    aim(stage, "position", *near(ROVER))
     stage.load(MOTION, 1, False, 0)
     assert told(stage)["given"] is None
 
 
 def test_a_target_let_go_leaves_the_arm_where_it_is() -> None:
     stage = Stage(ROVER)
-    ask(stage, "position", *near(ROVER))
+    aim(stage, "position", *near(ROVER))
     theta = stage.theta
-    assert stage.handle(parse(text("release")), 0.0) is None
+    assert ask(stage, "release") is None
     assert told(stage)["given"] is None
     assert told(stage)["words"] == ""
     assert stage.theta is theta
@@ -150,11 +141,11 @@ def test_a_target_let_go_leaves_the_arm_where_it_is() -> None:
 def test_an_answer_that_comes_too_late_changes_nothing(meanwhile: str) -> None:
     stage = Stage(ROVER)
     position, quaternion = near(ROVER)
-    job = start(stage, kind="position", position=position.tolist(), xyzw=quaternion)
+    job = ask(stage, "target", kind="position", position=position.tolist(), xyzw=quaternion)
     if meanwhile == "release":
-        stage.handle(parse(text("release")), 0.0)
+        ask(stage, "release")
     elif meanwhile == "slider":
-        stage.handle(parse(text("joint", name="wrist_roll", value=0.3)), 0.0)
+        ask(stage, "joint", name="wrist_roll", value=0.3)
     elif meanwhile == "servo":
         stage.take_commands()
     else:
@@ -169,8 +160,8 @@ def test_an_answer_that_comes_too_late_changes_nothing(meanwhile: str) -> None:
 def test_of_a_drag_each_answer_is_shown() -> None:
     stage = Stage(ROVER)
     position, quaternion = near(ROVER)
-    first = start(stage, kind="position", position=position.tolist(), xyzw=quaternion)
-    second = start(stage, kind="position", position=[*position[:2], position[2] + 0.01], xyzw=quaternion)
+    first = ask(stage, "target", kind="position", position=position.tolist(), xyzw=quaternion)
+    second = ask(stage, "target", kind="position", position=[*position[:2], position[2] + 0.01], xyzw=quaternion)
     finish(first)
     finish(second)
     assert_allclose(ROVER.fk(stage.theta)[:3, 3], position + [0, 0, 0.01], atol=MET)
@@ -183,10 +174,10 @@ def test_a_short_search_answers_as_one_with_all_its_time(kind: str) -> None:
     position, quaternion = near(SIX)
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr("twistarm.viewer.parts.target.solved_at_once", lambda *asked: None)
-        slow = ask(patient, kind, position, quaternion)
+        slow = aim(patient, kind, position, quaternion)
     for _ in range(20):  # on a machine that others use too, a search may be interrupted
         stage.show(SIX.ready)
-        if start(stage, kind=kind, position=position.tolist(), xyzw=quaternion) is None:
+        if ask(stage, "target", kind=kind, position=position.tolist(), xyzw=quaternion) is None:
             break
     assert told(stage) == slow
     assert_array_equal(stage.theta, patient.theta)
@@ -207,7 +198,7 @@ def test_no_search_holds_up_the_loop(arm: Arm, kind: str) -> None:
     stage, times = Stage(arm), []
     for _ in range(20):
         begin = time.perf_counter()
-        job = start(stage, kind=kind, position=[90.0, 0.0, 0.0], xyzw=[0, 0, 0, 1])
+        job = ask(stage, "target", kind=kind, position=[90.0, 0.0, 0.0], xyzw=[0, 0, 0, 1])
         times.append(time.perf_counter() - begin)
         assert job is not None
     assert min(times) < 5 * AT_ONCE
@@ -217,14 +208,14 @@ def test_an_arm_that_the_core_cannot_hold_is_left_to_the_thread(monkeypatch: pyt
     arm = chain(MOST_JOINTS + 1)
     monkeypatch.setattr("twistarm.viewer.parts.target.solve_ik", None)
     p = arm.fk(arm.ready)[:3, 3].tolist()
-    assert start(Stage(arm), kind="position", position=p, xyzw=[0, 0, 0, 1]) is not None
+    assert ask(Stage(arm), "target", kind="position", position=p, xyzw=[0, 0, 0, 1]) is not None
 
 
 def test_an_answer_that_a_later_target_has_overtaken_is_not_shown() -> None:
     stage = Stage(ROVER)
     position, quaternion = near(ROVER)
-    slow = start(stage, kind="position", position=[9.0, 0.0, 0.0], xyzw=quaternion)
-    assert ask(stage, "position", position, quaternion)["met"]
+    slow = ask(stage, "target", kind="position", position=[9.0, 0.0, 0.0], xyzw=quaternion)
+    assert aim(stage, "position", position, quaternion)["met"]
     theta = stage.theta
     finish(slow)
     assert stage.theta is theta
@@ -241,7 +232,7 @@ BAD = [
 def test_what_can_be_no_target_is_refused_in_words(fields: dict[str, Any], reason: str) -> None:
     stage = Stage(ROVER)
     with pytest.raises(InputError) as refused:
-        start(stage, **fields)
+        ask(stage, "target", **fields)
     assert reason in str(refused.value)
     assert "\n" not in str(refused.value)
     assert told(stage)["given"] is None
@@ -251,7 +242,7 @@ def test_while_a_servo_drives_there_is_no_target() -> None:
     stage = Stage(ROVER)
     stage.take_commands()
     with pytest.raises(InputError, match="a servo drives rover_arm"):
-        start(stage, kind="position", position=[0, 0, 1], xyzw=[0, 0, 0, 1])
+        ask(stage, "target", kind="position", position=[0, 0, 1], xyzw=[0, 0, 0, 1])
 
 
 def test_without_the_compiled_core(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -259,8 +250,8 @@ def test_without_the_compiled_core(monkeypatch: pytest.MonkeyPatch) -> None:
     arm = load_arm("rover_arm")
     assert arm._compiled is None
     stage = Stage(arm)
-    assert ask(stage, "approach", *near(arm))["met"]
-    message = ask(stage, "position", [9.0, 0.0, 0.0], [0, 0, 0, 1])
+    assert aim(stage, "approach", *near(arm))["met"]
+    message = aim(stage, "position", [9.0, 0.0, 0.0], [0, 0, 0, 1])
     assert message["met"] is False
     assert arm.limits.contains(stage.theta)
 
@@ -270,7 +261,7 @@ def test_a_target_stops_what_plays_before_its_answer_comes() -> None:
     stage = Stage(ROVER)
     stage.load(MOTION, 1, True, 0)
     position, quaternion = near(ROVER)
-    job = start(stage, kind="position", position=position.tolist(), xyzw=quaternion)
+    job = ask(stage, "target", kind="position", position=position.tolist(), xyzw=quaternion)
     assert not stage.running
     finish(job)
     assert told(stage)["met"]
@@ -282,8 +273,8 @@ def test_play_straight_after_a_target_goes_first() -> None:
     stage = Stage(ROVER)
     stage.stand_by(MOTION, ROVER.limits)
     position, quaternion = near(ROVER)
-    job = start(stage, kind="position", position=position.tolist(), xyzw=quaternion)
-    stage.handle(parse(text("play")), 0.0)
+    job = ask(stage, "target", kind="position", position=position.tolist(), xyzw=quaternion)
+    ask(stage, "play")
     finish(job)
     assert stage.running
     assert_array_equal(stage.theta, MOTION(0.0))
@@ -297,7 +288,7 @@ def test_dragged_beyond_its_reach_the_arm_on_show_does_not_flip() -> None:
     stage, thetas = Stage(ROVER), []
     p = ROVER.fk(ROVER.ready)[:3, 3]
     for k in range(30):
-        finish(start(stage, kind="position", position=[p[0], p[1], p[2] + 2.0 + 0.01 * k], xyzw=[0, 0, 0, 1]))
+        finish(ask(stage, "target", kind="position", position=[p[0], p[1], p[2] + 2.0 + 0.01 * k], xyzw=[0, 0, 0, 1]))
         assert told(stage)["met"] is False
         thetas.append(stage.theta)
     assert np.abs(np.diff(thetas, axis=0)).max() < 0.1

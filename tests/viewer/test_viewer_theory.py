@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,13 +12,13 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from joint_arms import Joint, by_hand, from_urdf, random_chain
+from recorded_poses import ask
 from twistarm import Arm, ArmBuilder, load_arm, plan_joint
 from twistarm.planning.trajectory import Trajectory
 from twistarm.support.strict_json import encode
-from twistarm.viewer.files.sampled_theory import recorded
+from twistarm.viewer.files.motion_samples import recorded
 from twistarm.viewer.parts.theory import axes
 from twistarm.viewer.parts.theory_numbers import numbers
-from twistarm.viewer.protocol.messages import parse
 from twistarm.viewer.scene.placement import Placement
 from twistarm.viewer.stage import Stage
 
@@ -198,13 +197,9 @@ def told(stage: Stage, kind: str = "theory") -> dict[str, Any] | None:
     return next((message for message in stage.messages() if message["type"] == kind), None)
 
 
-def ask(stage: Stage, **request: Any) -> None:
-    stage.handle(parse(json.dumps(request)), 0.0)
-
-
 def switched_on(arm: Arm) -> Stage:
     stage = Stage(arm)
-    ask(stage, type="visible", what="numbers", visible=True)
+    ask(stage, "visible", what="numbers", visible=True)
     return stage
 
 
@@ -218,12 +213,12 @@ def test_nothing_is_computed_unless_somebody_looks() -> None:
     assert told(stage) is None
     assert told(stage, "axes") is told(stage, "axes")
     for layer in ("numbers", "screw", "spatial_columns", "body_columns", "linear_ellipsoid", "angular_ellipsoid"):
-        ask(stage, type="visible", what=layer, visible=True)
+        ask(stage, "visible", what=layer, visible=True)
         assert told(stage) is not None
-        ask(stage, type="visible", what=layer, visible=False)
+        ask(stage, "visible", what=layer, visible=False)
         assert told(stage) is None
     for layer in ("labels", "workspace"):
-        ask(stage, type="visible", what=layer, visible=True)
+        ask(stage, "visible", what=layer, visible=True)
         assert told(stage) is None
 
 
@@ -231,7 +226,7 @@ def test_a_posture_is_computed_once() -> None:
     stage = switched_on(ARMS["rover_arm"])
     first = told(stage)
     assert told(stage) is first
-    ask(stage, type="pose", name="zero", ease=False)
+    ask(stage, "pose", name="zero", ease=False)
     second = told(stage)
     assert second is not first
     assert second is not None
@@ -241,9 +236,9 @@ def test_a_posture_is_computed_once() -> None:
 def test_the_joint_that_moved() -> None:
     stage = switched_on(ARMS["rover_arm"])
     assert told(stage)["moved"] == 0  # type: ignore[index]
-    ask(stage, type="joint", name="elbow", value=0.3)
+    ask(stage, "joint", name="elbow", value=0.3)
     assert told(stage)["moved"] == 2  # type: ignore[index]
-    ask(stage, type="joint", name="elbow", value=0.3)
+    ask(stage, "joint", name="elbow", value=0.3)
     assert told(stage)["moved"] == 2  # type: ignore[index]
 
 
@@ -296,7 +291,7 @@ def test_the_screw_of_a_motion() -> None:
     assert_allclose(motion["twist"], unhat(rate @ np.linalg.inv(here)), atol=1e-8)
     assert_allclose(motion["velocity"], rate[:3, 3], atol=1e-8)
     assert_allclose(twist_of(motion["screw"]), motion["twist"], atol=1e-13)
-    ask(stage, type="pause")
+    ask(stage, "pause")
     assert told(stage)["motion"] == motion  # type: ignore[index]
     stage.show(stage.theta + 0.01)  # elsewhere: no longer the motion's
     assert told(stage)["motion"] is None  # type: ignore[index]

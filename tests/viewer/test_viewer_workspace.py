@@ -10,10 +10,10 @@ import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
+from recorded_poses import ask
 from twistarm import Arm, ArmBuilder, load_arm
 from twistarm.viewer.parts.workspace import POINTS, SEED, dexterity_of, directions_of, sampled_workspace
 from twistarm.viewer.protocol.jobs import Job, ReplacedError
-from twistarm.viewer.protocol.messages import parse
 from twistarm.viewer.stage import Stage
 
 ARM = load_arm("rover_arm")
@@ -62,7 +62,7 @@ def test_an_arm_that_never_moves_its_tool_is_dark() -> None:
 
 
 def switch(stage: Stage, on: bool) -> Job | None:
-    return stage.handle(parse(f'{{"type": "visible", "what": "workspace", "visible": {str(on).lower()}}}'), 0.0)
+    return ask(stage, "visible", what="workspace", visible=on)
 
 
 def clouds(stage: Stage) -> list[dict[str, Any]]:
@@ -71,12 +71,12 @@ def clouds(stage: Stage) -> list[dict[str, Any]]:
 
 def test_it_is_sampled_once_when_first_switched_on() -> None:
     stage = Stage(ARM)
-    assert stage.handle(parse('{"type": "visible", "what": "frames", "visible": true}'), 0.0) is None
+    assert ask(stage, "visible", what="frames", visible=True) is None
     assert switch(stage, False) is None
     job = switch(stage, True)
     assert job is not None
     assert job.key == "workspace"
-    assert stage.handle(parse('{"type": "visible", "what": "frames", "visible": false}'), 0.0) is None
+    assert ask(stage, "visible", what="frames", visible=False) is None
     assert clouds(stage) == []
     shares: list[float] = []
     job.finish(job.work(shares.append))

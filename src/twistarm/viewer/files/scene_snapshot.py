@@ -22,9 +22,8 @@ from ..parts.tool_path import NO_PATH, tool_path
 from ..protocol.messages import Message
 from ..scene.arm_scene import Scene, build_scene
 from ..stage import LAYERS, Stage
+from .motion_samples import moving, recorded, standing
 from .page_kinematics import kinematics
-from .sampled_theory import recorded
-from .static_samples import moving, standing
 
 PLAYED = ("time", "running", "speed", "loop")
 """Of a playback, what the page goes on with."""

@@ -104,7 +104,7 @@ class History:
         """Put back what the step has kept; the step that undoes this again."""
         there = show.seen()
         if step.poses is not None:
-            self._poses.restore(step.poses)
+            self._poses.poses = step.poses
         if step.others is not None:
             show.others = dict(step.others)
         if step.theta is not None:

@@ -13,9 +13,7 @@ from ...support.checks import Array, as_theta
 class Playback:
     """The clock of one trajectory.
 
-    `now` is the caller's monotonic clock [s], `time` the moment shown [s].
-
-    `limits` are those of the plan, or None if unknown.
+    `limits` are the limits of the plan, None where they are unknown.
     """
 
     trajectory: Trajectory
@@ -32,7 +30,7 @@ class Playback:
         return float(self.trajectory.duration)
 
     def play(self, now: float) -> None:
-        """Run from the moment shown, or from the start if that is the end."""
+        """Run from the moment shown; at the end, run from the start."""
         if self.time >= self.duration:
             self.time = 0.0
         self.running, self._last = True, now
@@ -43,7 +41,7 @@ class Playback:
         self.time = min(max(time, 0.0), self.duration)
 
     def advance(self, now: float) -> None:
-        """Advance the clock to `now`. At the end it restarts with `loop` and stops otherwise."""
+        """Advance the clock to `now`. At the end, start again with `loop`; otherwise stop there."""
         if not self.running:
             return
         self.time += self.speed * (now - self._last)

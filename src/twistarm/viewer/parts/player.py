@@ -1,4 +1,4 @@
-"""The player of a trajectory: play, pause, seek, speed, loop."""
+"""Player of the trajectory on show: play, pause, seek, speed and loop."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .part import Show
 from .playback import Playback
 
 SPEEDS = (0.05, 20.0)
-"""Slowest and fastest that a page may play; whoever calls from Python may go beyond, and that speed is kept."""
+"""Slowest and fastest speed from a page. Python may set a speed beyond them, which a page then keeps."""
 
 
 class Player:
@@ -35,17 +35,14 @@ class Player:
         elif request.kind == "pause":
             self.playback.running = False
         elif request.kind == "pace":
-            self._pace(self.playback, request.fields["speed"], request.fields["loop"])
+            speed, (slowest, fastest) = request.fields["speed"], SPEEDS
+            if speed != self.playback.speed and not slowest <= speed <= fastest:
+                raise InputError(f"speed must be {slowest:g} … {fastest:g} times the trajectory's own; got {speed:g}")
+            self.playback.speed, self.playback.loop = speed, request.fields["loop"]
         else:
             self.playback.seek(request.fields["time"])
             show.theta = checked_theta(show.arm, self.playback.theta())
         return None
-
-    def _pace(self, playback: Playback, speed: float, loop: bool) -> None:
-        slowest, fastest = SPEEDS
-        if speed != playback.speed and not slowest <= speed <= fastest:
-            raise InputError(f"speed must be {slowest:g} … {fastest:g} times the trajectory's own; got {speed:g}")
-        playback.speed, playback.loop = speed, loop
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The trajectory that is loaded; duration null where none is."""
@@ -71,7 +68,7 @@ class Player:
         return self.playback.theta()
 
     def halt(self) -> None:
-        """Stop where it is."""
+        """Stop at the current moment."""
         if self.playback is not None:
             self.playback.running = False
 

@@ -95,10 +95,6 @@ class PoseList:
                 self._keep([*self.poses, self._read(pose, order, self.poses)])
         return reasons
 
-    def restore(self, poses: tuple[RecordedPose, ...]) -> None:
-        """Take the list back as it was, numbers and all."""
-        self.poses = poses
-
     def theta(self, number: int) -> Array:
         """The configuration (n,) of a pose."""
         return self._pose(number).theta

@@ -18,8 +18,7 @@ from ...planning.trajectory import Trajectory
 from ...support.errors import InputError
 from ..protocol.jobs import Job, Progress
 from ..protocol.messages import Message, Request
-from ..scene.ghost import standing_at
-from ..scene.placement import Placement
+from ..scene.placement import Placement, standing_at
 from .part import Show
 from .pose_list import PoseList, RecordedPose
 from .pose_segments import ideal_way, segments

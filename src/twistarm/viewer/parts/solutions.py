@@ -15,8 +15,7 @@ from ...support.errors import InputError
 from ...support.vector_words import value_in_words
 from ..protocol.jobs import Job
 from ..protocol.messages import Message, Request
-from ..scene.ghost import standing_at
-from ..scene.placement import Placement
+from ..scene.placement import Placement, standing_at
 from .part import Show
 from .target import target_asked
 

@@ -18,7 +18,7 @@ from ...support.errors import InputError
 from ...theory import rotations
 from ..protocol.jobs import Job
 from ..protocol.messages import Message, Request
-from ..scene.ghost import ghost
+from ..scene.placement import ghost
 from .part import Show
 
 MAX_TIME = 0.5

@@ -10,13 +10,16 @@ from ...arm.arm import Arm
 from ...control.servo.settings import ServoSettings
 from ...limits.joint_units import slides
 from ...support.checks import Array
+from ...support.directions import leading
 from ...theory import poe
+from ...theory.manipulability import Manipulability, scaled_jacobian
 from ...theory.screws import to_screw
-from ..scene.ellipsoids import ellipsoids
-from .singularity_text import standing
 
 BELOW = ServoSettings().singular_below
 """Singular values less than this are said to be singular by a servo of ordinary settings."""
+
+SLIGHT = 0.05
+"""A part of a unit direction below this is left unsaid."""
 
 
 def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any]:
@@ -30,7 +33,7 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
     g, J_b = arm._fk_and_body_jacobian(theta)
     J_s = arm.spatial_jacobian(theta)
     hybrid = (g[:3, :3] @ J_b.reshape(2, 3, -1)).reshape(6, -1)
-    lengths = np.array([slides(kind) for kind in arm.joint_types], dtype=bool)
+    prismatic = np.array([slides(kind) for kind in arm.joint_types], dtype=bool)
     return {
         "g": g.tolist(),
         "spatial": J_s.tolist(),
@@ -39,7 +42,7 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
         "axes": None if _uncoupled(arm) else _screws(poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)),
         **_columns_and_motion(J_s, hybrid, rates),
         **_singularity(arm, theta),
-        **_ellipsoids(arm, hybrid, lengths),
+        **_ellipsoids(hybrid, prismatic, arm.reach),
     }
 
 
@@ -70,8 +73,19 @@ def _singularity(arm: Arm, theta: Array) -> dict[str, Any]:
     }
 
 
-def _ellipsoids(arm: Arm, hybrid: Array, lengths: Array) -> dict[str, Any]:
-    pairs = zip(("linear", "angular"), *ellipsoids(hybrid, lengths, arm.reach), strict=True)
+def _ellipsoids(hybrid: Array, prismatic: Array, length: float) -> dict[str, Any]:
+    """Semi-axes (3,), descending, and their directions (3, 3), one a column, in base axes: linear and angular.
+
+    Of the linear [m/s] and of the angular [rad/s] rows of the hybrid Jacobian (6, n): {J θ̇ : ‖θ̇‖ ≤ 1 rad/s}. A slide
+    counts 1 m/s as 1/length rad/s. The semi-axes are singular values, 0 where the tool does not move. The directions
+    are left singular vectors. Yoshikawa 1985, "Manipulability of robotic mechanisms"; MLS §3.4.4.
+    """
+    halves = scaled_jacobian(hybrid, prismatic, length).reshape(2, 3, -1)
+    # Of fewer than three joints there would be fewer than three directions.
+    padded = np.concatenate([halves, np.zeros((2, 3, max(0, 3 - halves.shape[-1])))], axis=-1)
+    directions, values, _ = np.linalg.svd(padded, full_matrices=False)
+    semi_axes = values * np.array([[length], [1.0]])
+    pairs = zip(("linear", "angular"), semi_axes, directions, strict=True)
     return {name: {"semi_axes": long.tolist(), "directions": along.tolist()} for name, long, along in pairs}
 
 
@@ -90,3 +104,39 @@ def _screws(columns: Array) -> dict[str, list[Any]]:
 def _uncoupled(arm: Arm) -> bool:
     A = arm.coupling.A
     return A.shape == (arm.n, arm.n) and bool((np.eye(arm.n) == A).all())
+
+
+def standing(found: Manipulability, rank: int, below: float) -> str:
+    """The rank, and the directions, in tool axes, of singular values under `below`."""
+    values = found.singular_values
+    if not len(values):
+        return "No joint moves the tool."
+    weak = [_motion(found.axes[:, i]) for i in range(len(values)) if values[i] < below]
+    hard = weak[: len(weak) - (len(values) - rank)]
+    lost = weak[len(hard) :]
+    said = f"Rank {rank} of {len(values)}"
+    if lost:
+        said += f", singular: the tool cannot {', nor '.join(lost)}"
+    if hard:
+        said += f"{'; it' if lost else ', nearly singular: the tool'} can hardly {', nor '.join(hard)}"
+    return f"{said}."
+
+
+def _motion(direction: Array) -> str:
+    """A tool twist (v, w), v in units of the length, in words."""
+    v, w = direction[:3], direction[3:]
+    if np.linalg.norm(w) < SLIGHT:
+        return f"move along {_direction(v)}"
+    if np.linalg.norm(v) < SLIGHT:
+        return f"turn about {_direction(w)}"
+    return f"move along {_direction(v)} while it turns about {_direction(w)}"
+
+
+def _direction(vector: Array) -> str:
+    """`its x`, or three numbers."""
+    unit = vector / np.linalg.norm(vector)
+    largest = leading(np.abs(unit))
+    if abs(unit[largest]) > 1.0 - SLIGHT**2:
+        return f"its {'xyz'[largest]}"
+    x, y, z = np.round(unit, 2) + 0.0  # no minus before 0
+    return f"its ({x:.2f}, {y:.2f}, {z:.2f})"

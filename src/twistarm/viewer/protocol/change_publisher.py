@@ -1,4 +1,4 @@
-"""Publishes only changed messages. A failing source does not affect the others."""
+"""Publisher of changes: encodes only what has changed; a source that fails leaves the others alone."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from ...support.strict_json import encode
 from .messages import Message, failure
 
 Source = Callable[[], Iterable[Message]]
-"""Says what a part of the view shows now; a message that was said is never changed."""
+"""Returns what a part of the view shows now. A returned message never changes."""
 
 
 class ChangePublisher:
-    """The messages that the pages know. A failing source keeps its last message and is reported once."""
+    """Keeps what the pages know. A failing source keeps its last messages; its error is reported once."""
 
     def __init__(self) -> None:
         self._shown: dict[str, Message] = {}
@@ -20,14 +20,14 @@ class ChangePublisher:
         self._failing: dict[int, str] = {}
 
     def gather(self, sources: Sequence[Source]) -> dict[str, str]:
-        """Changed texts by type, with an error for each source that fails."""
+        """The texts of what has changed since the last call, by type, and the error of a source that fails now."""
         changed: dict[str, str] = {}
         for place, source in enumerate(sources):
             self._ask(place, source, changed)
         return changed
 
     def everything(self) -> dict[str, str]:
-        """All messages for a new page, by type."""
+        """The texts for a new page, by type."""
         texts = dict(self._texts)
         for error in self._failing.values():
             texts["error"] = error
@@ -36,15 +36,12 @@ class ChangePublisher:
     def _ask(self, place: int, source: Source, changed: dict[str, str]) -> None:
         try:
             for message in source():
-                self._show(message, changed)
+                kind = message["type"]
+                if self._shown.get(kind) != message:
+                    self._texts[kind] = changed[kind] = encode(message)
+                    self._shown[kind] = message
         except Exception as error:
             if place not in self._failing:
                 self._failing[place] = changed["error"] = encode(failure(error))
         else:
             self._failing.pop(place, None)
-
-    def _show(self, message: Message, changed: dict[str, str]) -> None:
-        kind = message["type"]
-        if self._shown.get(kind) != message:
-            self._texts[kind] = changed[kind] = encode(message)
-            self._shown[kind] = message

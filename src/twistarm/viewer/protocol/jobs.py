@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from ...support.errors import TwistarmError
@@ -94,7 +95,7 @@ class _Worker:
         except ReplacedError:
             return
         except Exception as error:
-            self._deliver(_raising(job, error))
+            self._deliver(partial(_fail, job, error))
         else:
             self._deliver(lambda: job.finish(result))
         finally:
@@ -109,8 +110,5 @@ class _Worker:
         self._tell(self._key, share)
 
 
-def _raising(job: Job, error: Exception) -> Callable[[], None]:
-    def fail() -> None:
-        raise TwistarmError(f"{job.doing}: {str(error) or type(error).__name__}") from error
-
-    return fail
+def _fail(job: Job, error: Exception) -> None:
+    raise TwistarmError(f"{job.doing}: {str(error) or type(error).__name__}") from error

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...arm.arm import Arm
+from ...ik import IKSolution
 from ...support.checks import Array
 from ...theory.rotations import GIMBAL_LOCK_TOL
 from ...theory.screws import exp, inverse
@@ -72,6 +73,22 @@ def _moving_links(arm: Arm) -> tuple[list[str], Array]:
     children = [joint.child for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving]
     rest = arm.poses(np.zeros(arm.n))
     return children, inverse(np.array([rest[name] for name in children]))
+
+
+def ghost(solution: IKSolution, others: Mapping[str, float]) -> dict[str, list[float]] | None:
+    """Where each link would stand without joint limits, {node: matrix by columns}.
+
+    None where the limits are not the reason: a target is met, or out of reach of any configuration.
+    """
+    if solution.unlimited is None:
+        return None
+    return standing_at(Placement(solution.arm), solution.unlimited, others)
+
+
+def standing_at(placement: Placement, theta: Array, others: Mapping[str, float]) -> dict[str, list[float]]:
+    """Where each link stands at theta (n,), {node: matrix by columns}."""
+    transforms = placement.at(theta, others)["transforms"]
+    return {path: matrix for path, matrix in transforms.items() if path.startswith("/arm/")}
 
 
 def rpy(g: Array) -> list[float]:

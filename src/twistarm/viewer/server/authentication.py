@@ -19,19 +19,17 @@ WRONG_TOKEN = "wrong token: a view has a new address at each start; open the one
 
 @dataclass(frozen=True)
 class Authentication:
-    """Admits requests with the token and a host of ours.
+    """Admits requests with the token and a host of ours, on any port, because ports may be forwarded.
 
-    Any port is allowed, because ports are forwarded.
-
-    DNS rebinding, where a site's name resolves to this machine, still sends that name as Host and Origin and is
-    refused.
+    A foreign page may let a name resolve to this machine (DNS rebinding). Its Host and Origin still carry that name,
+    so the request is refused.
     """
 
     host: str
     token: str = field(default_factory=partial(token_urlsafe, 16))
 
     def refusal(self, path: str, headers: Mapping[str, str]) -> str:
-        """Why a request is refused; empty where it may go in."""
+        """The reason to refuse a request; empty where it is admitted."""
         if not self.admits_host(headers.get("Host") or self.host):
             return "foreign Host"
         if not self.admits_origin(headers.get("Origin")):
@@ -46,10 +44,11 @@ class Authentication:
             return False
         if name in LOOPBACK or name == self.host.lower():
             return True
-        return self.host in EVERYWHERE and (_is_address(name) or name in _own_names())
+        own = socket.gethostname().lower()
+        return self.host in EVERYWHERE and (_is_address(name) or name in (own, f"{own.split('.')[0]}.local"))
 
     def admits_origin(self, origin: str | None) -> bool:
-        """Whether an Origin header is a page of ours; only programs send none."""
+        """Whether an Origin header names a page of ours. Programs send no Origin and are admitted."""
         if origin is None:
             return True
         if not origin.startswith(("http://", "https://")):
@@ -73,8 +72,3 @@ def _is_address(name: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _own_names() -> tuple[str, str]:
-    name = socket.gethostname().lower()
-    return name, f"{name.split('.')[0]}.local"

@@ -1,4 +1,4 @@
-"""Files for a page, made in a thread from what it shows."""
+"""Files that a page can download, made in a thread from the view at that moment."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ MOST_SAMPLES = 20_000
 
 @dataclass(frozen=True)
 class Download:
-    """A file by its content type and the ending of its name.
+    """A file: its content type, and the ending of its name after the arm's name.
 
-    The loop calls `prepare(stage, scene)`, which copies what it needs. A thread calls the returned function for the
-    text; it must not touch the stage. InputError of either says why there is no file.
+    The loop calls `prepare(stage, scene)`, which copies what it needs from the stage. A thread calls the result, which
+    returns the text and must not touch the stage. Both may raise InputError with the reason why there is no file.
     """
 
     content_type: str
@@ -40,7 +40,7 @@ class Download:
     prepare: Callable[[Stage, Scene], Callable[[], str]]
 
     def file_name(self, arm: str) -> str:
-        """The name to save it by, in letters that every system and header takes."""
+        """The file's name, in letters that every system and header takes."""
         return re.sub(r"[^A-Za-z0-9._-]", "_", arm)[:100] + self.ending
 
 

@@ -1,4 +1,4 @@
-"""a servo on simulated joints inside the view, switched by a page."""
+"""Drive: a servo on simulated joints inside the view. A switch on the page begins and ends it."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from ..parts.servo_words import servo_words
 from ..stage import Stage
 
 LONGEST_REST = 3.0
-"""Seconds after which the end comes though the simulated joints still move: with very low accelerations."""
+"""Seconds until a drive ends although its joints still move, as with very low accelerations."""
 
 Post = Callable[[str, Callable[[Stage], None]], None]
-"""Has a change of the stage applied in the loop."""
+"""Applies a change of the stage in the loop."""
 
 
 class Driver:
-    """At most one drive: the loop of `twistarm.control.stream` in a thread, commanded by the pages.
+    """Runs at most one drive: the loop of `twistarm.control.stream` in a thread, commanded by the pages.
 
-    It begins at the present configuration and leaves the arm where it stops. A servo of the program or `Viewer.show`
-    ends it.
+    A drive begins at the configuration on show and leaves the arm where it comes to rest. The program goes first: its
+    servo and `Viewer.show` end the drive.
     """
 
     def __init__(self, stage: Stage, commands: PageCommands, post: Post) -> None:
@@ -40,9 +40,9 @@ class Driver:
         self._beginning = threading.Lock()  # no drive begins while the driver is closed
 
     def switch(self, on: bool) -> None:
-        """Begin, or come to rest and end; in the server's loop. Harmless when repeated.
+        """Begin a drive, or bring it to rest and end it. Call this in the server's loop; repeated calls are harmless.
 
-        Raises InputError where another servo drives, LimitError for a configuration outside the limits.
+        Raises InputError while another servo drives, LimitError for a configuration outside the limits.
         """
         drive = self._drive
         if not on or self._closed:
@@ -56,29 +56,27 @@ class Driver:
 
     @property
     def on(self) -> bool:
-        """Whether the pages' own servo has the arm."""
+        """Whether the servo of the pages drives the arm."""
         drive = self._drive
         return drive is not None and not drive.dropped
 
     def stop(self) -> None:
-        """Bring the arm to rest, then end; returns at once. From any thread."""
+        """Bring the arm to rest, then end the drive. Returns at once; any thread may call it."""
         drive = self._drive
         if drive is not None:
             drive.end()
 
     def drop(self, reason: str = "") -> None:
-        """End the drive and show nothing more, because the program moves the arm.
+        """End the drive and show no more of it, because the program moves the arm. Any thread may call it.
 
-        Callable from any thread.
-
-        reason: the text for the pages; "" if a servo of the program takes over.
+        reason: the message for the pages; "" where a servo of the program takes over.
         """
         drive = self._drive
         if drive is not None:
             drive.drop(reason)
 
     def close(self, timeout: float) -> None:
-        """Bring the arm to rest and return after the thread has ended. No other drive begins."""
+        """Bring the arm to rest and wait until the thread ends. No other drive begins after that."""
         with self._beginning:
             self._closed = True
             thread = self._thread
@@ -101,7 +99,7 @@ class Driver:
             self._thread.start()
 
     def _end(self, drive: Drive) -> None:
-        """In the loop, after the thread's last word."""
+        """Clean up in the loop, after the thread's last message."""
         self._drive = None
         self._commands.drive = False
         self._stage.end_drive(drive.taken_over)
@@ -110,7 +108,7 @@ class Driver:
 
 
 class Drive:
-    """One drive. The loop calls `ended(drive)` at its end."""
+    """One drive. At its end the loop calls `ended(drive)`."""
 
     def __init__(self, stage: Stage, commands: PageCommands, post: Post, ended: Callable[[Drive], None]) -> None:
         self.arm = stage.arm
@@ -123,24 +121,24 @@ class Drive:
         self._shown: tuple[bytes, object] = (b"", None)
 
     def end(self) -> None:
-        """Come to rest, then end."""
+        """Bring the arm to rest, then end."""
         self.asked_at = min(self.asked_at, time.monotonic())
 
     def drop(self, reason: str) -> None:
-        """End, and show nothing more once this returns; the first reason counts."""
+        """End, and show nothing after this returns. The first reason counts."""
         with self._showing:
             if not self.dropped:
                 self.dropped, self.taken_over, self.problem = True, not reason, reason
         self.end()
 
     def read(self, now: float, state: ServoState | None) -> Reading:
-        """The pages' command; none once the end was asked for."""
+        """The command of the pages; none after `end`."""
         if self.asked_at <= now:
             return Reading(None, inf, "Drive was switched off", idle=True)
         return self._commands.inbox.read(now, state)
 
     def run(self) -> None:
-        """The thread."""
+        """Run the drive; the body of the thread."""
         try:
             settings = self._commands.servo_settings(ServoSettings())
             report = run(
@@ -158,7 +156,7 @@ class Drive:
         return since >= 0.0 and (since > LONGEST_REST or not self._joints.theta_dot.any())
 
     def _show(self, cycle: Cycle) -> None:
-        """Only what is new: an arm that stands costs the pages nothing."""
+        """Show only changes: an arm at rest sends nothing to the pages."""
         theta, words = self._joints.theta, servo_words(cycle)
         new = theta.tobytes(), words
         if new == self._shown:

@@ -234,7 +234,7 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
         while (scene := self.server.scene) is not self._scene or self._sent < len(scene.objects) or self._outbox:
             if scene is not self._scene:  # a new page, or another arm
                 self._scene, self._sent = scene, 0
-                await self.write_message(self.server.greeting())
+                await self.write_message(encode(self.server.stage.hello(scene.links)))
             elif self._sent < len(scene.objects):
                 self._sent += 1
                 if scene.objects[self._sent - 1]:  # else a later one has replaced it

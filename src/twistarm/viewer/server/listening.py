@@ -1,4 +1,4 @@
-"""Listening on the requested interface and port, with a cap on connections."""
+"""Listening sockets of the view, with one cap on connections."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tornado.iostream import IOStream
 from ...support.errors import InputError, shown
 
 MOST_CONNECTIONS = 128
-"""At a time, pages included: few enough that descriptors are left for files."""
+"""Connections at a time, pages included. This leaves file descriptors for files."""
 
 IDLE_TIME = 30.0
 """Seconds that a connection may wait for its next request, or take to send it."""
@@ -24,10 +24,10 @@ LARGEST_HEAD = 16 * 1024
 
 
 class Listener(HTTPServer):
-    """Tornado's server with a cap. The oldest connection without a page gives way to a new one."""
+    """Tornado's server with a cap: beyond it, the oldest connection without a page is closed."""
 
     def initialize(self, *arguments: Any, pages: Iterable[Any] = (), **options: Any) -> None:
-        """Called by tornado. pages: those who are connected, each with its `stream`. No request has a body."""
+        """Called by tornado. pages: the connected pages, each with its `stream`. Requests have no body."""
         limits: dict[str, Any] = {
             "idle_connection_timeout": IDLE_TIME, "body_timeout": IDLE_TIME, "max_header_size": LARGEST_HEAD,
             "max_body_size": 0,
@@ -47,7 +47,7 @@ class Listener(HTTPServer):
 
 
 def bind(host: str, port: int) -> Sequence[socket.socket]:
-    """Sockets that listen on `host` and `port` (0: a free one). Raises InputError if unavailable."""
+    """Sockets that listen on `host` and `port` (0: a free one). InputError where that is impossible."""
     if not isinstance(port, int) or isinstance(port, bool) or not 0 <= port <= 65535:
         raise InputError(f"port must be 0 (a free one) … 65535; got {shown(port)}")
     try:

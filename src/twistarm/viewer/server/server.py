@@ -37,12 +37,12 @@ Answer = TypeVar("Answer")
 
 
 class Server:
-    """Serves a stage to any number of pages. Methods for other threads come first."""
+    """Serves a stage to any number of pages. Methods that other threads may call come first."""
 
     def __init__(
         self, stage: Stage, scene: Scene, host: str, port: int, memory: Memory | None = None, stands: bool = False
     ) -> None:
-        """the stored state of this port; its theta is ignored if the stage `stands`."""
+        """memory: the file kept for this port. With `stands`, the stage keeps its theta instead of the kept one."""
         self.commands = PageCommands(stage.arm)
         self.clients: dict[SocketHandler, None] = {}
         self._sockets = bind(host, port)
@@ -66,12 +66,12 @@ class Server:
         self._started = threading.Event()
 
     def _take(self, stage: Stage, scene: Scene) -> None:
-        """Make this the arm on show and build everything for it."""
+        """Make this the arm on show, and make everything that belongs to one arm."""
         self.stage, self.scene = stage, scene
         self.commands.arm = stage.arm
         self.show_choice()
         self.driver = Driver(stage, self.commands, self.post)
-        self.doctor = Examination(stage.arm, scene.reader, lambda message: self._show_findings(stage, message))
+        self.doctor = Examination(stage.arm, scene.reader, partial(self._show_findings, stage))
         self._news = ChangePublisher()
 
     def start(self) -> None:
@@ -95,11 +95,9 @@ class Server:
             self.memory.keep(self.stage)
 
     def post(self, key: str, change: Change) -> None:
-        """Let the loop apply `change`, at most once per FRAME_TIME.
+        """Let the loop apply `change`, at most once in FRAME_TIME. It replaces a waiting change of the same key.
 
-        It replaces a waiting change with the same key.
-
-        A caller at any rate pays for 60 frames a second and otherwise for a lock.
+        A fast caller pays for a frame 60 times a second, and otherwise for a lock.
         """
         with self._lock:
             first = not self._changes
@@ -110,18 +108,18 @@ class Server:
                 self._loop.call_soon_threadsafe(self._apply_in_time)
 
     def exchange(self, stage: Stage, scene: Scene) -> list[str]:
-        """Show another arm; what `carry` says of it. Raises InputError while a servo drives, and once closed."""
+        """Show another arm; returns the words of `carry`. InputError while a servo drives, and once closed."""
         if not self._thread.is_alive():
             raise InputError("the viewer was closed: there is nothing to show an arm in")
         return self.ask(lambda shown: self._exchange(stage, scene))
 
     def notify(self, words: str, wrong: bool = False) -> None:
-        """Show this text on the pages until the next one. `wrong`: it needs attention."""
+        """Show a notice on the pages until the next one. `wrong` marks an error."""
         notice = {"type": "notice", "words": words, "wrong": wrong}
         self.post("notice", lambda stage: setattr(self, "notice", notice))
 
     def _draw_meshes(self) -> None:
-        """Read the meshes while pages are served. Each progress call updates the pages."""
+        """Read the meshes in a thread while pages are served. Each progress report updates the pages."""
         scene, count = self.scene, self.scene.left
 
         def draw(progress: Progress) -> None:
@@ -137,15 +135,16 @@ class Server:
     def _deliver(self, action: Callable[[], None]) -> None:
         """Finish a job: run `action` in the loop at once, then update the pages."""
         with suppress(RuntimeError):  # the loop may have been closed meanwhile
-            self._loop.call_soon_threadsafe(self._finish, action)
+            for step in (action, self.publish):
+                self._loop.call_soon_threadsafe(self._try, step)
 
     def _show_job(self, key: str, share: float | None) -> None:
         self.post(f"job {key}", lambda stage: self._note_job(key, share))
 
     def ask(self, question: Callable[[Stage], Answer]) -> Answer:
-        """Return `question(stage)` after all posted changes; for a closed view, in its final state.
+        """The answer of `question(stage)`, after every change posted so far. A closed view answers as it stands.
 
-        Raises TwistarmError if the loop is blocked for longer than STOP_TIME.
+        Raises TwistarmError where the loop does not answer within STOP_TIME.
         """
         future: Future[Answer] = Future()
         with suppress(RuntimeError):  # the loop may have been closed, which is seen below
@@ -203,12 +202,8 @@ class Server:
         self._pages += 1
         return f"page {self._pages}"
 
-    def greeting(self) -> str:
-        """What a new page needs before anything else."""
-        return encode(self.stage.hello(self.scene.links))
-
     def state(self) -> dict[str, str]:
-        """The messages of the present state by type. Other pages receive pending changes too."""
+        """The messages of the whole view, by type. Other pages get the recent changes too."""
         self._tell_news()
         return self._news.everything()
 
@@ -222,22 +217,22 @@ class Server:
         return [{"type": "work", "jobs": jobs}, self.scene.message(), self.notice]
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
-        """Handle a request of the page `sender`, update all pages, and return the answer for `sender`.
+        """Do the request of the page `sender`, update every page, and return the replies for the sender alone.
 
-        A servo command changes nothing on show; its effect does.
+        A command to the servo changes nothing on show; the resulting motion does.
         """
         try:
             request = parse(text)
         except Exception as error:
             self.commands.refuse(sender, str(error))
             number = number_of(text)
-            return [failure(error), *([] if number is None else [_done(number)])]
+            return [failure(error), *([] if number is None else [{"type": "done", "number": number}])]
         replies: list[dict[str, Any]] = []
         try:
             self._do(request, sender)
         except Exception as error:
             replies.append(failure(error))
-        return [*replies, _done(request.number)]
+        return [*replies, {"type": "done", "number": request.number}]
 
     def _do(self, request: Request, sender: str) -> None:
         if request.kind in COMMANDS:
@@ -256,17 +251,13 @@ class Server:
         self.publish()
 
     def show_choice(self) -> None:
-        """Show the servo's behaviour at limits and whether pages may choose it."""
+        """Show the servo's behaviour where the arm cannot follow, and whether pages may choose it."""
         self.stage.show_choice(self.commands.beyond, self.commands.free)
 
     def _draw_exactly(self, exact: bool) -> None:
         if exact != self.scene.exact:
             self.scene.draw_again(exact)
             self._draw_meshes()
-
-    def _finish(self, action: Callable[[], None]) -> None:
-        self._try(action)
-        self._try(self.publish)
 
     def _note_job(self, key: str, share: float | None) -> None:
         if share is None:
@@ -275,14 +266,14 @@ class Server:
             self._jobs[key] = share
 
     def leave(self, sender: str) -> None:
-        """A page has gone. After the last one, end Drive and the theory numbers."""
+        """Forget a page that has gone. After the last page, end Drive and stop computing the numbers."""
         self.commands.refuse(sender, "its page has gone")
         if not self.clients:
             self.driver.stop()
             self.stage.unwatch()
 
     def publish(self) -> None:
-        """Tell every page what changed since the last time, and keep what moves moving."""
+        """Send the latest changes to every page, and keep a motion going."""
         if self.clients:
             self._tell_news()
         self._keep_poses()
@@ -290,7 +281,7 @@ class Server:
             self._player = self._loop.create_task(self._play())
 
     def _keep_poses(self) -> None:
-        """Have the list written where it is kept and is another than before."""
+        """Write the list of poses in a thread, where it is kept and has changed."""
         stage, memory = self.stage, self.memory
         if memory is not None and stage.program.list.poses is not self._kept:
             self._kept = stage.program.list.poses
@@ -332,7 +323,7 @@ class Server:
             self._try(self.publish)
 
     def _try(self, action: Callable[[], None]) -> None:
-        """Show any error on the pages and keep the server running."""
+        """Show an error of `action` on the pages; the server goes on."""
         try:
             action()
         except Exception as error:
@@ -341,7 +332,3 @@ class Server:
     def _tell(self, kind: str, text: str) -> None:
         for client in self.clients:
             client.put(kind, text)
-
-
-def _done(number: int) -> dict[str, Any]:
-    return {"type": "done", "number": number}

@@ -1,4 +1,4 @@
-"""Load an arm again when one of its files changes, and show it."""
+"""Watching of an arm's files: the view loads and shows the arm again when one of them changes."""
 
 from __future__ import annotations
 
@@ -20,33 +20,33 @@ if TYPE_CHECKING:
     from .server import Server
 
 PERIOD = 0.25
-"""Between two looks at the files [s]. A look costs a microsecond or two for each file, needs no library, and sees what
-a notification of the system does not: files of network shares, of containers, and those that are not there yet."""
+"""Time between two looks at the files [s]. A look costs a microsecond or two for each file and needs no library. It
+also sees what the system does not notify: files on network shares, in containers, and files that do not exist yet."""
 
 LONGEST_UNREST = 2.0
-"""Seconds after which files that never stop changing are loaded all the same."""
+"""Seconds until files that keep changing are loaded anyway."""
 
 Stamps = dict[Path, tuple[int, ...] | None]
 
 
 def loaded(load: Callable[[], Arm]) -> tuple[Arm, set[Path]]:
-    """What `load` returns, and the files that it read or looked for, meshes included."""
+    """The arm that `load` returns, and the files that it read or looked for, meshes included."""
     with noted_files() as files:
         arm = load()
     return arm, files | meshes_of(arm)
 
 
 def meshes_of(arm: Arm) -> set[Path]:
-    """The files of the shapes that are drawn."""
+    """The mesh files of the drawn shapes."""
     links = () if arm.description is None else arm.description.links.values()
     return {shape.mesh for link in links for shape in link.visuals if shape.mesh is not None}
 
 
 class Watch(Closeable):
-    """A context manager: `server` shows what `load` returns each time `files` change, until `close`.
+    """Shows the result of `load` on `server` whenever `files` change, until `close`; a context manager.
 
-    The pages show each load, or the reason of a failure while the last good arm stays. While a servo drives, nothing is
-    loaded. `say` receives the same words, from another thread.
+    The pages show each loading, and the error of one that fails; the last good arm stays on show. Nothing is loaded
+    while a servo drives. `say` gets the same text, from another thread.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class Watch(Closeable):
         self._thread.start()
 
     def close(self) -> None:
-        """Stop watching. A pending load is not shown; waits at most a second for it."""
+        """Stop watching. A loading that runs is not shown; the call waits for it, one second at most."""
         self._closed.set()
         self._thread.join(1.0)
 
@@ -70,7 +70,7 @@ class Watch(Closeable):
                 self._take(self._settled())
 
     def _settled(self) -> Stamps:
-        """The files once they stay as they are: an editor may still be writing."""
+        """The stamps once they no longer change: an editor may still be writing."""
         end = time.monotonic() + LONGEST_UNREST
         before, now = None, stamps(self._stamps)
         while before != now and time.monotonic() < end and not self._closed.wait(PERIOD):
@@ -100,7 +100,7 @@ class Watch(Closeable):
         self._stamps = {path: now[path] if path in now else stamp(path) for path in files}
 
     def _wait(self) -> None:
-        """The files are looked at again in a moment."""
+        """Report once that the loading waits; the next look comes in a moment."""
         if not self._waiting:
             self._tell("the files have changed, and will be loaded once no servo drives", wrong=False)
             self._waiting = True

@@ -1,0 +1,75 @@
+"""A motion at moments in time, for the stand-alone page: joint values, and the numbers of the theory."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...arm.arm import Arm
+from ...planning.trajectory import Trajectory
+from ...support.checks import Array
+from ..parts.limit_checks import checked_theta
+from ..parts.theory import axes
+from ..parts.theory_numbers import numbers
+
+SAMPLE_TIME = 1.0 / 30.0
+"""Between samples [s]. The page interpolates, so the eye sees no steps."""
+
+MOST_SAMPLES = 2000
+"""A longer motion has coarser samples: the file stays within a megabyte."""
+
+DECIMALS = 9
+"""Of rad and m."""
+
+MOST_NUMBERS = 250
+"""Moments with the numbers of the theory: with seven joints some 600 kB."""
+
+NUMBERS_PER_SECOND = 15.0
+
+NUMBER_DECIMALS = 6
+
+
+def standing(theta: Array) -> dict[str, Any]:
+    """times (1,) [s] and theta (1, n): the arm at theta (n,)."""
+    return {"times": [0.0], "theta": [theta.tolist()]}
+
+
+def moving(arm: Arm, trajectory: Trajectory) -> dict[str, Any]:
+    """times (k,) [s] and theta (k, n): `trajectory` from its start to its end."""
+    times = _times(float(trajectory.duration))
+    theta = [np.round(checked_theta(arm, trajectory(t)), DECIMALS).tolist() for t in times]
+    return {"times": times.tolist(), "theta": theta}
+
+
+def _times(duration: float) -> Array:
+    count = min(MOST_SAMPLES, 1 + int(np.ceil(duration / SAMPLE_TIME)))
+    return np.asarray(np.linspace(0.0, duration, max(2, count) if duration > 0 else 1), dtype=np.float64)
+
+
+def recorded(arm: Arm, theta: Array, trajectory: Trajectory | None) -> dict[str, Any]:
+    """The axes, times (k,) [s], the numbers at each, and `aside`, those at theta (n,), where the arm stands.
+
+    `moved`: the joint that is fastest at that moment, metres measured in the reach.
+    """
+    there = rounded({"moved": 0, **numbers(arm, theta)})
+    if trajectory is None:
+        return {"axes": axes(arm), "times": [0.0], "numbers": [there], "aside": there}
+    duration = float(trajectory.duration)
+    times = np.linspace(0.0, duration, min(MOST_NUMBERS, 2 + int(duration * NUMBERS_PER_SECOND)))
+    length = np.where(np.array(arm.units) == "m", arm.reach, 1.0)
+    found = []
+    for at, rates in zip(trajectory(times), trajectory(times, 1), strict=True):
+        fastest = int(np.argmax(np.abs(rates) / length))
+        found.append(rounded({"moved": fastest, **numbers(arm, at, rates)}))
+    return {"axes": axes(arm), "times": rounded(times.tolist()), "numbers": found, "aside": there}
+
+
+def rounded(value: Any) -> Any:
+    """`value` with every float in it to `NUMBER_DECIMALS`; what is whole is written so."""
+    if isinstance(value, float):
+        near = round(value, NUMBER_DECIMALS)
+        return int(near) if near.is_integer() else near
+    if isinstance(value, dict):
+        return {name: rounded(each) for name, each in value.items()}
+    return [rounded(each) for each in value] if isinstance(value, list) else value
