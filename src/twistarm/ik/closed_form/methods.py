@@ -39,7 +39,7 @@ SLACK_NEARLY = 0.05
 """The same for an arm whose axes miss its family: a root of the true arm may be none of the exact one."""
 
 MOST_WAYS = 1000
-"""Ways to hold surplus joints that are tried: ten joints have 210 for a pose, twenty some 39,000. A thousand take a second."""
+"""Ways to hold surplus joints that are tried: ten joints have 210 for a pose, twenty some 39,000."""
 
 CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from many starts"
 
