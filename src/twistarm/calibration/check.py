@@ -11,22 +11,29 @@ from ..arm.arm import Arm, require_arm
 from ..limits.actuators import Actuators
 from ..support.checks import Array, as_not_negative, as_positive, require_callback
 from ..support.errors import InputError
-from .advice import moved
 from .base import USUAL
+from .faults import moved
 from .fit import best_fit
 from .hypotheses import fewest_faults, freedom
-from .judgement import judged, unjudged, unmoved
-from .lengths import UNITS, plausible_units
 from .log import WiringLog, read_log
 from .model import Wiring
 from .report import Residual, WiringReport
 from .search import Found, Progress, as_sound, readings, search, swapped
+from .verdicts import judged, unjudged, unmoved
 
 MOST_ROWS = 200
 """Moments that are fitted, evenly out of the log: a camera's neighbouring ones err alike and add nothing."""
 
 LOUDEST = 0.02
 """Positions that are measured worse than this [m] are not measured."""
+
+UNITS = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254, "kilometres": 1000.0}
+"""Units that positions may have been logged in, each in metres."""
+
+ALIKE = 3.0
+"""Two logs of one arm differ less than by this factor in how far the tool is from the base."""
+
+POSTURES = 200
 
 
 def check_wiring(
@@ -120,13 +127,29 @@ def _explained(
     """What was found, in which unit the positions were logged if not in metres, and the wiring with them in metres."""
     if _still(wiring):
         return "", wiring, as_sound(_thinned(wiring))
-    units = plausible_units(wiring)
+    units = _plausible_units(wiring)
     for done, unit in enumerate(units):
         metres = replace(wiring, position=UNITS[unit] * wiring.position)
         found = search(_thinned(metres), motors, doubted, _part(progress, done, len(units) + 1))
         if found.fits:
             return unit, metres, found
     return "", wiring, search(_thinned(wiring), motors, doubted, _part(progress, len(units), len(units) + 1))
+
+
+def _plausible_units(wiring: Wiring) -> list[str]:
+    """The `UNITS` in which the measured positions are as far from the base as the arm's are; none if in metres.
+
+    The arm's are those of random postures: what the motors read may be wrong.
+    """
+    usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(0, POSTURES))[:, :3, 3])
+    measured = _mean_distance(wiring.position)
+    if not usual or not measured or 1 / ALIKE < measured / usual < ALIKE:
+        return []
+    return [unit for unit, metres in UNITS.items() if 1 / ALIKE < metres * measured / usual < ALIKE]
+
+
+def _mean_distance(position: Array) -> float:
+    return float(np.sqrt((position * position).sum(axis=-1).mean()))
 
 
 def _part(progress: Progress, done: int, parts: int) -> Progress:

@@ -69,12 +69,12 @@ def unseen_swaps(found: Found, motors: Actuators) -> list[tuple[int, int]]:
 
 
 def _as_well_swapped(found: Found, other: Wiring) -> bool:
-    best, every = found.explanation, np.ones(2 * other.k, dtype=bool)
+    best = found.explanation
     if not may_fit(other, best.p):
         return False
     total = explained_by(other, best.p, best.accounts, best.scale).total
     if found.as_well(total):
         return True
     # Small deviations, which are no fault, fit one order of the motors better than the other: both get theirs.
-    free, other_free = refine(found.wiring, best.p, every)[1], refine(other, best.p, every)[1]
+    free, other_free = refine(found.wiring, best.p)[1], refine(other, best.p)[1]
     return other_free < free + AS_GOOD * best.scale and total - other_free < CLEAR * best.scale

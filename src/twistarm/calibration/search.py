@@ -10,7 +10,7 @@ import numpy as np
 
 from ..limits.actuators import Actuators
 from ..support.checks import Array
-from .fit import best_fit, from_sound, refine
+from .fit import best_fit, refine
 from .hypotheses import AS_GOOD, CLEAR, UNEXPLAINED, Explanation, explained_by, fewest_faults
 from .model import Wiring
 
@@ -122,8 +122,8 @@ def _far(wiring: Wiring, motors: Actuators, progress: Progress) -> Found:
 
 def _beside(exact: Found, loose: Wiring, motors: Actuators) -> Found:
     """What is claimed if the base may stand elsewhere: near the sound arm, or near what was found for the exact one."""
-    other, every = swapped(loose, motors, exact.swapped), np.ones(2 * loose.k, dtype=bool)
-    start = Found(other, fewest_faults(other, *refine(other, exact.explanation.p, every)), exact.swapped)
+    other = swapped(loose, motors, exact.swapped)
+    start = Found(other, fewest_faults(other, *refine(other, exact.explanation.p)), exact.swapped)
     return min([start, _nearest(loose, motors)], key=lambda found: (not found.fits, found.cost))
 
 
@@ -145,7 +145,7 @@ def likelier(exact: Found, doubted: Found) -> Found:
 
 
 def _near(wiring: Wiring, pair: tuple[int, ...]) -> Found:
-    return Found(wiring, fewest_faults(wiring, *from_sound(wiring)), pair)
+    return Found(wiring, fewest_faults(wiring, *refine(wiring, wiring.sound)), pair)
 
 
 def may_fit(wiring: Wiring, p: Array) -> bool:

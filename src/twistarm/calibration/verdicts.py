@@ -1,7 +1,8 @@
-"""From what was found to a verdict on each motor: what to correct, or what to log so that one can be given."""
+"""The verdicts on each motor and on the whole arm: what to correct, or what to log."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,8 +10,22 @@ import numpy as np
 
 from ..limits.actuators import Actuators
 from ..support.checks import Array
-from .advice import BASE_KNOWN, advice, moved, not_shown
-from .faults import correction, entries, in_words, joint_offset, named_faults, offset_of, slides
+from .faults import (
+    ALL,
+    BASE_KNOWN,
+    advice,
+    correction,
+    entries,
+    enumerated,
+    in_words,
+    joint_offset,
+    moved,
+    named_faults,
+    not_shown,
+    not_shown_of_all,
+    offset_of,
+    slides,
+)
 from .model import Wiring
 from .report import MotorVerdict
 from .rivals import rivals, unseen_signs, unseen_swaps
@@ -155,3 +170,51 @@ class Evidence:
 
     def _swapped_with(self, i: int) -> list[str]:
         return [self.motors.names[j] for pair in self.unseen_swaps if i in pair for j in pair if j != i]
+
+
+Judgement = tuple[str, str, tuple[MotorVerdict, ...]]
+"""The verdict, what it says, and the motors'."""
+
+
+def judged(found: Found, motors: Actuators) -> Judgement:
+    """Judge an explanation that fits the log, with the base that it assumes."""
+    offset = found.wiring.base_offset(found.explanation.p)
+    base = "" if offset is None else f"with the base {offset}, "
+    evidence = Evidence(found, motors)
+    each = tuple(evidence.verdict(i) for i in range(evidence.k))
+    certain = [motor.name for motor in each if motor.verdict == "fault"]
+    if certain or evidence.open_faults:
+        parts = [f"the log shows what is wrong with {enumerated([*map(repr, certain)])}"] if certain else []
+        parts += dict.fromkeys(_one_of(group, evidence) for group in evidence.open_faults)
+        return "fault", base + "; ".join(parts), each
+    hidden, shows = not_shown_of_all(motors.names, evidence.unseen, evidence.unseen_swaps)
+    if hidden:
+        return "cannot tell", base + hidden + ("; what it does show is sound" if shows else ""), each
+    return "sound", f"{base}signs, ratios and zeros fit the log", each
+
+
+def unmoved(found: Found, motors: Actuators) -> Judgement:
+    """Judge a log at one place, which anything explains."""
+    what = "no motor was moved, so the log does not show the sign, ratio or zero of any"
+    if not found.fits:
+        what += "; and the tool was not measured where the arm.toml puts it"
+    remedies = [advice(found.wiring, motors, i) for i in range(found.wiring.k)]
+    return "cannot tell", what, unjudged(motors, not_shown(ALL, ()), remedies)
+
+
+def unjudged(motors: Actuators, what: str = "", remedies: Sequence[str] = ()) -> tuple[MotorVerdict, ...]:
+    """The verdicts where nothing is known of any motor."""
+    told = zip(motors.names, remedies or [""] * len(motors.names), strict=True)
+    return tuple(MotorVerdict(name, what=what, remedy=remedy) for name, remedy in told)
+
+
+def _one_of(group: list[Suspect], evidence: Evidence) -> str:
+    motors = evidence.motors
+    suspects = dict.fromkeys(f"{motors.names[j]!r} ({', '.join(named_faults(found, j))})" for j, found in group)
+    base = next((words for j, _ in group if (words := evidence.or_base(j))), "")
+    suspects |= dict.fromkeys(filter(None, [base]))
+    (first, found), *_ = group
+    return (
+        f"one thing is wrong and the log does not tell which: {' or '.join(suspects)}; "
+        f"{BASE_KNOWN if base else advice(found.wiring, motors, first)}"
+    )
