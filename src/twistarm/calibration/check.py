@@ -22,10 +22,10 @@ from .search import Found, Progress, as_sound, readings, search, swapped
 from .verdicts import judged, unjudged, unmoved
 
 MOST_ROWS = 200
-"""Moments that are fitted, evenly out of the log: a camera's neighbouring ones err alike and add nothing."""
+"""Moments that are fitted, taken evenly from the log. A camera's neighbouring moments err alike and add nothing."""
 
 LOUDEST = 0.02
-"""Positions that are measured worse than this [m] are not measured."""
+"""Noise [m] beyond which positions do not count as measured."""
 
 UNITS = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254, "kilometres": 1000.0}
 """Units that positions may have been logged in, each in metres."""
@@ -46,23 +46,24 @@ def check_wiring(
     base_orientation_noise: float | None = None,
     progress: Progress | None = None,
 ) -> WiringReport:
-    """Whether the signs, ratios and zeros of the arm's motors fit a log of their counts and of measured tool poses.
+    """Check the signs, ratios and zeros of the arm's motors against a log of counts and measured tool poses.
 
-    theta = G⁻¹ (s y + e) is fitted to the poses, y being what the motors read from their configured zeros; faults are
-    the fewest deviations from s = 1, e = 0 that explain the log, of those that are clear from the noise and more than
-    1°, 5 mm or 2 %. Where others explain it as well, all are named and none is corrected. Where the log cannot show a
-    motor's sign, scale or offset, or whether two are swapped, the verdict is "cannot tell", and what to move or
-    measure. A fault that the base's pose explains as well, as an offset of the first joint is, is "possible" beside it
-    (`base.BaseError` gives the law). A log that nothing explains takes seconds.
+    The check fits theta = G⁻¹ (s y + e) to the poses, with y the motors' readings from their configured zeros. Faults
+    are the fewest deviations from s = 1, e = 0 that explain the log. They are clear from the noise and larger than 1°,
+    5 mm or 2 %. If others explain the log as well, all are named and none is corrected.
+
+    The verdict is "cannot tell" if the log does not show a motor's sign, scale or offset, or whether two are swapped.
+    It comes with what to move or measure. A fault that the base's pose explains as well is "possible"; an offset of
+    the first joint is an example (`base.BaseError` gives the law). A log that nothing explains takes seconds.
 
     Args:
         arm: The arm, with actuators.
         log: A `WiringLog`, or the path of a CSV file with the motors' counts and measured tool poses.
         position_noise: Standard deviation of the measured position [m].
         orientation_noise: Standard deviation of the measured orientation [rad].
-        base_position_noise: Standard deviation of the base's position [m]. By default 0, or, for a log that is not
-            sound with it, that of a tape measure.
-        base_orientation_noise: The same of the base's orientation [rad].
+        base_position_noise: Standard deviation of the base's position [m]. By default 0; that of a tape measure if
+            the log is not sound with 0.
+        base_orientation_noise: The same for the base's orientation [rad].
         progress: Called with the fraction done, or None.
 
     Returns:
@@ -124,7 +125,7 @@ def _wiring(arm: Arm, motors: Actuators, counts: Array, measured: Array, noise: 
 def _explained(
     wiring: Wiring, motors: Actuators, doubted: tuple[float, float], progress: Progress
 ) -> tuple[str, Wiring, Found]:
-    """What was found, in which unit the positions were logged if not in metres, and the wiring with them in metres."""
+    """The unit of the logged positions (empty for metres), the wiring in metres, and what was found."""
     if _still(wiring):
         return "", wiring, as_sound(_thinned(wiring))
     units = _plausible_units(wiring)
@@ -137,9 +138,9 @@ def _explained(
 
 
 def _plausible_units(wiring: Wiring) -> list[str]:
-    """The `UNITS` in which the measured positions are as far from the base as the arm's are; none if in metres.
+    """The `UNITS` in which the measured distances from the base match the arm's; none if they are metres.
 
-    The arm's are those of random postures: what the motors read may be wrong.
+    The arm's distances are those of random postures, because the motors' readings may be wrong.
     """
     usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(0, POSTURES))[:, :3, 3])
     measured = _mean_distance(wiring.position)
@@ -167,7 +168,7 @@ def _thinned(wiring: Wiring) -> Wiring:
 
 
 def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progress: Progress) -> str:
-    """The row without which the log can be explained, if there is one, or the noise with which it can."""
+    """The row that does not fit the others, or the noise that explains the log, in words."""
     wiring = found.wiring
     K, odd = len(wiring.y), _worst_row(wiring, found.explanation.p)
     if 3 < K <= MOST_ROWS:
@@ -189,7 +190,7 @@ def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progres
 
 
 def _noise_seen(found: Found) -> tuple[float, float]:
-    """The noise with which what is left has the size that noise has."""
+    """The noise that would explain the residual that is left."""
     wiring = found.wiring
     louder = float(np.sqrt(found.explanation.total / freedom(wiring, 2 * wiring.k)))
     return louder * wiring.noise[0], louder * wiring.noise[1]

@@ -67,10 +67,11 @@ def refine(wiring: Wiring, p: Array, free: Array | None = None) -> tuple[Array, 
 
 
 def best_fit(wiring: Wiring, progress: Callable[[float], object]) -> tuple[Array, float]:
-    """The parameters (2k,) that fit the log best, from wherever they are found, and the sum of squares.
+    """The parameters (2k,) that fit the log best, and the sum of squares.
 
-    The reversed motors that come nearest, as they are; then a beam from the sound ones, and one from the reversed: in
-    each round one more motor gets whichever scale and offset helps. `progress(fraction)` is called along the way.
+    The search first refines the patterns of reversed motors that come nearest. It then runs a beam from the sound
+    motors and one from the reversed. Each round gives one more motor the scale and offset that help most.
+    `progress(fraction)` is called along the way.
     """
     rows = np.unique(np.linspace(0, len(wiring.y) - 1, min(FEW, len(wiring.y))).astype(int))
     few = wiring.of_rows(rows)

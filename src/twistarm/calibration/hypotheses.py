@@ -32,9 +32,9 @@ ACCOUNTS = {
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """An account for each motor (names of `ACCOUNTS`), the parameters p (2k,) fitted to them, and the sum of squares.
+    """An account for each motor (names of `ACCOUNTS`), the fitted parameters p (2k,), and the sum of squares.
 
-    `cost` is the sum of squares over `scale`, the residual's own variance, and `CLEAR` for what is claimed.
+    `cost` is the sum of squares over `scale`, the variance of the residual, plus `CLEAR` for each claim.
     """
 
     accounts: tuple[str, ...]
@@ -66,9 +66,8 @@ class Explanation:
 def fewest_faults(wiring: Wiring, p: Array, total: float) -> Explanation:
     """The least costly explanation, found from the best fit p (2k,) of everything by changing one account at a time.
 
-    The best fit may be one of several that are as good, and lie far from the one with the fewest faults: where more
-    than one is claimed, the same is done from the sound arm. Of a fit that is none there is nothing to explain: it
-    stays as it is.
+    Several fits may be equally good, and the best may lie far from the one with the fewest faults. If it claims more
+    than one fault, the search also starts from the sound arm. A fit that does not explain the log is returned as found.
     """
     k = wiring.k
     scale = max(1.0, total / freedom(wiring, 2 * k))

@@ -23,13 +23,14 @@ class Residual(NamedTuple):
 class MotorVerdict:
     """What the log says of one motor; by default, nothing.
 
-    `verdict` is "sound", "fault", "possible fault" or "cannot tell", with `faults` out of "flipped sign", "wrong
-    ratio", "zero offset", "swapped"; of a possible fault the log does not tell whether it is this one or another that
-    is named. `unseen` is what the log does not show, out of "sign", "ratio", "zero" and "swapped with NAME".
-    The motor's readings y from its zero fit as `scale` y + `offset` [rad or m, motor side], each with its standard
-    deviation where all parameters are fitted (inf where the log says nothing); `joint_offset` is what the offset makes
-    of the joints [rad or m]. `ratio` and `zero` are what the arm.toml should say, for the motors as they are wired;
-    None where the log does not tell. `what` and `remedy` tell it in words.
+    `verdict` is "sound", "fault", "possible fault" or "cannot tell". `faults` are from "flipped sign", "wrong ratio",
+    "zero offset" and "swapped". For a possible fault the log does not tell whether it is this one or another.
+    `unseen` is what the log does not show: "sign", "ratio", "zero" or "swapped with NAME".
+
+    The motor's readings y from its zero fit as `scale` y + `offset` [rad or m, motor side]. Their standard deviations
+    hold when all parameters are fitted; inf if the log shows nothing. `joint_offset` is the offset of the joints
+    [rad or m]. `ratio` and `zero` are the right entries of the arm.toml for the present wiring; None if the log does
+    not tell. `what` and `remedy` say it in words.
     """
 
     name: str
@@ -51,10 +52,10 @@ class MotorVerdict:
 class WiringReport:
     """The verdict on the whole ("sound", "fault", "cannot tell", "unexplained"), and on each motor.
 
-    `before` is the residual of the arm as its arm.toml says, `after` that with the scales and offsets found. `rows`
-    moments were logged; `worst_row`, counted from 1, fits least. A log in another unit than metres is "unexplained";
-    where `what` names the unit, all else is said of the positions in metres. `base` is where the base seems to stand
-    where the log is not explained without that; None where it is taken to be as measured.
+    `before` is the residual with the values of the arm.toml, `after` that with the scales and offsets found. `rows`
+    moments were logged; `worst_row`, counted from 1, fits least. A log in another unit than metres is "unexplained".
+    If `what` names the unit, the rest of the report is about the positions in metres. `base` is the apparent place of
+    the base, if the log needs it; None if the base is taken as measured.
     """
 
     arm: str

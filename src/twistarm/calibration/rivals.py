@@ -17,10 +17,9 @@ from .search import Found, may_fit, swapped
 
 
 def rivals(found: Found, i: int) -> list[tuple[int, Found]]:
-    """What may be wrong instead of the faults of motor i, as a motor and the explanation that blames it.
+    """Other faults that explain the log as well as those of motor i, each a motor and the explanation that blames it.
 
-    No rival claims more faults, and each fits the log as well: another account for motor i, or less of it and
-    something else of another motor.
+    A rival claims no more faults. It has another account for motor i, or a smaller one and a fault of another motor.
     """
     wiring, best = found.wiring, found.explanation
     faults, claimed = set(named_faults(found, i)), claims(best.accounts[i])

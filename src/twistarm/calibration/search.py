@@ -21,8 +21,8 @@ Progress = Callable[[float], object]
 class Found:
     """An explanation of a log, and the two motors (or none) that have to be swapped for it.
 
-    `wiring` has them swapped already. `as_good` are others, which claim as many faults and fit as well; `or_base` is
-    what is left to claim if the base may stand beside where it was measured.
+    `wiring` has them swapped already. `as_good` are others that claim as many faults and fit as well. `or_base` is
+    what remains to claim if the base may stand beside its measured place.
     """
 
     wiring: Wiring
@@ -74,8 +74,8 @@ def as_sound(wiring: Wiring) -> Found:
 def search(wiring: Wiring, motors: Actuators, doubted: tuple[float, float], progress: Progress) -> Found:
     """What explains the log, or comes nearest to it; `progress(fraction)` is called where that takes long.
 
-    Unless the log is sound as it stands, it is looked at again with a base that is known as well as `doubted` only,
-    [m, rad]. Near the sound arm first, with either base; far from it where neither explains the log.
+    If the log is not sound, the search repeats with a base that is known only to `doubted` [m, rad]. It looks near
+    the sound arm first, with either base, and far from it if neither explains the log.
     """
     exact = _nearest(wiring, motors)
     if exact.fits and exact.explanation.sound and not exact.swapped:
@@ -121,18 +121,17 @@ def _far(wiring: Wiring, motors: Actuators, progress: Progress) -> Found:
 
 
 def _beside(exact: Found, loose: Wiring, motors: Actuators) -> Found:
-    """What is claimed if the base may stand elsewhere: near the sound arm, or near what was found for the exact one."""
+    """The claims if the base may stand elsewhere: near the sound arm, or near what the exact base gave."""
     other = swapped(loose, motors, exact.swapped)
     start = Found(other, fewest_faults(other, *refine(other, exact.explanation.p)), exact.swapped)
     return min([start, _nearest(loose, motors)], key=lambda found: (not found.fits, found.cost))
 
 
 def likelier(exact: Found, doubted: Found) -> Found:
-    """Of what is found with the base as said, and with one that may stand elsewhere: the one that explains more.
+    """The likelier explanation: with the base as given, or with one that may stand elsewhere.
 
-    The costs are −2 ln of the marginal likelihood, ln det C of the base's random effect included, beside `CLEAR` for
-    what is claimed of the motors, and of the base. Where both explain the log, what the base may be to blame for
-    instead stays open.
+    The costs are −2 ln of the marginal likelihood, including ln det C of the base's random effect. Each claim about a
+    motor or the base costs `CLEAR`. If both explain the log, `or_base` keeps the other one.
     """
     if not doubted.fits or doubted.wiring.base_error is None:
         return exact

@@ -45,7 +45,7 @@ Suspect = tuple[int, Found]
 
 
 def standard_deviations(found: Found) -> Array:
-    """Of all parameters (2k,), were all of them fitted: √ diag (AᵀA)⁻¹, inf along what A does not see."""
+    """Standard deviations (2k,) with all parameters fitted: √ diag (AᵀA)⁻¹, inf for what A does not see."""
     _, values, Vt = np.linalg.svd(found.wiring.slope(found.explanation.p), full_matrices=False)
     values = np.where(values > NOTHING * values[0], values, 0.0)
     # Fewer equations than parameters leave rows of Vt out: those directions are not seen either.
@@ -89,14 +89,14 @@ class Evidence:
         return groups
 
     def or_base(self, i: int) -> str:
-        """Where the base stands if it is to blame for what looks like a fault of motor i; nothing if it is not."""
+        """The base's place, in words, if it explains the apparent fault of motor i; else empty."""
         other = self.found.or_base
         if other is None or named_faults(other, i) == named_faults(self.found, i):
             return ""
         return f"the base is {other.wiring.base_offset(other.explanation.p)}"
 
     def _with_base(self, i: int) -> list[Suspect]:
-        """Who else may be to blame for the fault of motor i, if the base may stand elsewhere."""
+        """The other suspects for the fault of motor i, if the base may stand elsewhere."""
         other = self.found.or_base
         if other is None:
             return []
@@ -162,7 +162,7 @@ class Evidence:
         return "sound", "sign, ratio and zero fit the log", ""
 
     def _hidden_by_base(self, i: int) -> bool:
-        """Whether all that the log does not show of motor i is its zero, and it would were the base exactly known."""
+        """Whether the log hides only the zero of motor i, and an exactly known base would show it."""
         if self.unseen[i] != ["zero"] or self._swapped_with(i) or self.found.wiring.base_error is None:
             return False
         exact = replace(self.found, wiring=replace(self.found.wiring, base=(0.0, 0.0)))

@@ -37,7 +37,7 @@ def read_progress(folder: Path) -> dict[str, dict[str, Any]]:
 
 
 def folder_with_progress(given: Path, usual: Path) -> Path:
-    """The folder whose progress is asked for: the given one; where that is the present one, also the usual one in it.
+    """The folder with the progress: the given one, or the usual one in it.
 
     Raises:
         InputError: It is no folder, or holds no progress.
@@ -54,7 +54,7 @@ def folder_with_progress(given: Path, usual: Path) -> Path:
 
 
 def folder_of(path: Path) -> Path:
-    """The folder whose progress a graded file belongs to: its own, or the one above where that alone has a file."""
+    """The folder with a graded file's progress: the file's own, or the one above if only that has progress."""
     own = path.absolute().parent
     above = why_no_file(own / NAME) == NO_SUCH_FILE and not why_no_file(own.parent / NAME)
     return own.parent if above else own
@@ -67,9 +67,9 @@ def begun(folder: Path) -> None:
 
 
 def kept(folder: Path, report: Report, only_there: bool = False) -> str:
-    """Note a report in the folder's file; a sentence where that cannot be done, and the report stands all the same.
+    """Note a report in the folder's file. Returns a sentence if that fails; the report is valid either way.
 
-    `only_there`: where there is a file already.
+    With `only_there` nothing is written if the folder has no such file.
     """
     if not report.verdicts or (only_there and why_no_file(folder / NAME)):
         return ""

@@ -1,4 +1,4 @@
-"""The results file of the Octave and MATLAB exercises: what their functions were given and what they answered, as CSV.
+"""The results file of the Octave and MATLAB exercises: arguments and answers of their functions, as CSV.
 
 A line is `exercise,case,argument,k,rows,columns,numbers…` or `exercise,case,answer,0,rows,columns,numbers…`, numbers
 column by column, or `exercise,case,error,0,0,0,text`. The last line, `# N cases`, says how many were run.
@@ -48,8 +48,9 @@ Rows = dict[tuple[str, int], dict[str, Any]]
 
 
 def verdicts_on(text: str, path: Path) -> Iterator[Verdict]:
-    """A verdict for each exercise of a results file, in words of Octave and MATLAB; right only where nothing of the
-    script's is missing.
+    """A verdict for each exercise of a results file, in words of Octave and MATLAB.
+
+    None is right if the script did not run to its end.
     """
     lines = text.splitlines()
     ran = {tuple(line.split(",")[:2]) for line in lines[1:] if line.strip() and not line.startswith("#")}
@@ -64,7 +65,7 @@ def verdicts_on(text: str, path: Path) -> Iterator[Verdict]:
 
 
 def in_octave(words: str) -> str:
-    """The words of a verdict as somebody who writes for Octave or MATLAB says them."""
+    """A verdict's words in the terms of Octave and MATLAB."""
     for python, octave in IN_OCTAVE:
         words = words.replace(python, octave)
     return words
@@ -115,7 +116,7 @@ def _read(line: str, rows: Rows, where: str) -> None:
 
 
 def _case(exercise: Exercise, entry: dict[str, Any], path: Path) -> Case:
-    """The case of a line's arguments; their forms are those that the exercise's own instances have."""
+    """The case of a line's arguments, in the forms of the exercise's instances."""
     given = entry["arguments"]
     forms = _forms(exercise.name)
     if sorted(given) != list(range(1, len(forms) + 1)):
@@ -129,7 +130,7 @@ def _case(exercise: Exercise, entry: dict[str, Any], path: Path) -> Case:
 
 @cache
 def _forms(exercise: str) -> tuple[int, ...]:
-    """How many axes each argument of an exercise has, on whatever arm."""
+    """How many axes each argument of an exercise has, on any arm."""
     instances = every_exercise()[exercise].instances(np.random.default_rng(0), load_arm("rr_planar"))
     return tuple(np.ndim(each) for each in next(iter(instances)))
 
@@ -139,7 +140,7 @@ def _as(numbers: Any, axes: int) -> Any:
 
 
 def _answer(entry: dict[str, Any], case: Case) -> Answer:
-    """An answer in the form that is expected, if it is that but for being a row or a column."""
+    """An answer, with a row or column made a vector or a number if one is expected."""
     text = entry.get("error", None if "answer" in entry else "it gave no answer")
     if text is not None:
         return Answer(error=Failure("NotImplementedError" if "not written yet" in text else "an error", text))
