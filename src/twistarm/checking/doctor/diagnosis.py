@@ -16,8 +16,7 @@ from ...description.tree import Description
 from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ...support.files import as_path
 from .abilities import Abilities, abilities_of, sample_motions
-from .axes import check_axes
-from .closed_form import check_closed_form
+from .axes import check_axes, check_closed_form
 from .idle import check_off_the_chain, check_without_effect
 from .inertia import check_inertias
 from .limits import check_limits, check_reach, check_zero
