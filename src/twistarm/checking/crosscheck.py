@@ -28,7 +28,7 @@ POSE_TOL = 1e-12
 """Product of exponentials against Pinocchio: both in double precision, some ten multiplications long."""
 
 AS_WRITTEN = "pinocchio as written"
-"""The engine that gets the text which nothing of ours has changed."""
+"""The engine that reads the unchanged text."""
 
 WRITTEN_TOL, WRITTEN_SAMPLES = 1e-10, 100
 """Its parser rounds an axis near x, y or z, and walks all links in Python: of so many postures."""
@@ -128,15 +128,17 @@ def crosscheck(
 ) -> CrossCheck:
     """Compare the kinematics of independent engines at random configurations inside the limits.
 
-    Pose, J^s and J^b of the product of exponentials against Pinocchio's model of the description, against the compiled
-    core, whose answers are the arm's, and against a chain
-    of its own joint models, one per lower pair, which an arm made from screws has too (a spherical joint both by Euler
-    angles and by a quaternion); J^s = Ad(g) J^b; J^b against fourth-order central differences of Pinocchio's pose;
-    every link's pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the text as it is written, without
-    a repair: the file's, or what xacro writes when it handles its documents by itself. Both give every link's pose,
-    Pinocchio the position limits too; masses are not compared. What an engine cannot do is "not compared", with the
-    reason. Absolute errors, in metres and radians (entries of R); allowed are `POSE_TOL` times the arm's size where
-    that exceeds 1 m, and more for the text as it is written.
+    Pose, J^s and J^b of the product of exponentials are compared with Pinocchio's model of the description and with
+    the compiled core. They are also compared with a chain of Pinocchio's joint models, one per lower pair. An arm made
+    from screws has that chain too, with a spherical joint by Euler angles and by a quaternion.
+
+    Further comparisons are J^s = Ad(g) J^b, J^b against fourth-order central differences of the pose, and every link's
+    pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the unrepaired text of the file, or xacro's
+    output. Both give every link's pose; Pinocchio gives the position limits too. Masses are not compared. A quantity
+    that an engine lacks is "not compared", with the reason.
+
+    Errors are absolute, in metres and radians (entries of R). The tolerance is `POSE_TOL`, times the arm's size beyond
+    1 m, and larger for the unrepaired text.
 
     Args:
         arm: The arm.
@@ -172,16 +174,16 @@ def crosscheck(
 def _compared(
     quantity: str, engines: tuple[str, str], difference: Array, theta: Array, tolerance: float
 ) -> EngineComparison:
-    """The worst entry of `difference` (samples, …) and the configuration it belongs to; NaN counts as infinite."""
+    """The worst entry of `difference` (samples, …) and its configuration; NaN counts as infinite."""
     errors = np.abs(np.nan_to_num(difference, nan=np.inf)).reshape(len(theta), -1).max(axis=1)
     worst = int(errors.argmax())
     return EngineComparison(quantity, engines, len(theta), float(errors[worst]), tolerance, frozen(theta[worst]))
 
 
 def _size(arm: Arm) -> float:
-    """The arm's size [m] at least 1: its reach, where its links stand, and the stroke of its slides.
+    """The arm's size [m], at least 1: its reach, its furthest link, and the stroke of its slides.
 
-    Multiplied where joints turn so far, or so much faster than their masters, that rounding exceeds what is allowed.
+    The size grows for joints that turn so far, or so much faster than their masters, that rounding matters.
     """
     furthest = np.abs(np.array(arm.sampling_bounds)).max(axis=0)
     values = np.abs(arm.coupling.A) @ furthest + np.abs(arm.coupling.b)
@@ -208,7 +210,7 @@ def _pinocchio(arm: Arm, theta: Array) -> list[EngineComparison]:
 
 
 def _core(arm: Arm, theta: Array) -> list[EngineComparison]:
-    """The compiled core, whose answers are the arm's wherever it was built."""
+    """Compare with the compiled core, which answers for the arm if it was built."""
     if arm._compiled is None:
         return [_skipped("pose, J^s, J^b", "core", arm._why_not_compiled)]
     answers = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
@@ -288,7 +290,7 @@ def _links(arm: Arm, theta: Array) -> list[EngineComparison]:
 
 
 def _as_written(arm: Arm, theta: Array) -> list[EngineComparison]:
-    """Against Pinocchio's own reading of the text that nothing of ours has changed."""
+    """Compare with Pinocchio's reading of the unchanged text."""
     if arm.description is None:
         return []
     theta = _fewer(theta[:WRITTEN_SAMPLES], len(arm.description.links), USUAL_LINKS)
@@ -432,7 +434,7 @@ def _load_yourdfpy(text: str) -> Any:
 
 @contextmanager
 def _quiet_yourdfpy() -> Iterator[None]:
-    """What it logs, and what its shapes make NumPy warn of, is said by our own findings."""
+    """Silence its log and the NumPy warnings of its shapes, because our findings cover them."""
     import logging
 
     logger = logging.getLogger("yourdfpy.urdf")

@@ -52,13 +52,13 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
 
     Args:
         arm: The arm as it is now.
-        against: A golden file that `freeze` wrote, a baked arm.json, or another arm: an `Arm`, or whatever `load_arm`
-            takes (two designs side by side). A description is loaded as it stands, without options.
+        against: A golden file that `freeze` wrote, a baked arm.json, or another arm: an `Arm` or anything that
+            `load_arm` takes. A description is loaded without options.
 
     Returns:
         The `Difference`: names, types, limits, motors, axes, tool, and the mass, centre and inertia of each link.
-        Shapes, meshes, named poses and the SRDF are not compared. Numbers that differ by less than 1 µm or 1e-6 rad, or
-        of masses 1e-5 of them, are the same: that much comes from rounding in an export.
+        Shapes, meshes, named poses and the SRDF are not compared. Differences below 1 µm, 1e-6 rad or 1e-5 of a mass
+        count as none, because an export rounds that much.
 
     Raises:
         DescriptionError: `against` cannot be read, or is no golden file, no baked arm and no description.

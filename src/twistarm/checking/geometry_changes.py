@@ -35,9 +35,9 @@ def geometry_changes(arm: Arm, screws: Array, home: Array) -> list[str]:
 def _axis_change(before: Array, now: Array, tool: Array, new_tool: Array) -> tuple[list[str], Array]:
     """How the first of the axes (6, k) has changed, in words, and the rigid motion of what lies beyond it.
 
-    That is the least one that carries the old line to the new; for a line that has turned, the motion of the tool
-    where every axis beyond has made it too. Of a turned line each point has moved by another length: told is that of
-    the point nearest the tool, wherever the base is.
+    It is the least motion that carries the old line to the new. For a line that has turned, it is the tool's motion if
+    every axis beyond has made it too. The points of a turned line have moved by different lengths. The words give that
+    of the point nearest the tool, independent of the base.
     """
     if np.abs(now[:, 0] - before[:, 0]).max() <= SAME_TOL:
         return [], np.eye(4)

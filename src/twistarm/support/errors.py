@@ -21,7 +21,7 @@ LONGEST_COMPARED = 200
 
 
 class TwistarmError(Exception):
-    """Whatever twistarm raises on purpose. Its text is one line that any terminal can show."""
+    """The base of all errors that twistarm raises on purpose. Its text is one line that any terminal can show."""
 
     def __str__(self) -> str:
         return one_line(super().__str__())
@@ -34,7 +34,7 @@ class InputError(TwistarmError, ValueError):
 class DescriptionError(TwistarmError):
     """A robot description cannot be used; the message names the file, the element and the remedy.
 
-    `.findings` holds the same as a `Finding`, with whatever else was noticed before it.
+    `.findings` holds the same as a `Finding`, with all that was noticed before it.
     """
 
     def __init__(self, message: str, findings: tuple[Any, ...] = ()) -> None:
@@ -73,7 +73,7 @@ class MissingExtraError(TwistarmError, ImportError):
 
 
 class RoundedPoseWarning(UserWarning):
-    """A pose or rotation was rounded, as printed numbers are, and the nearest rotation was taken in its place."""
+    """A pose or rotation was rounded, as printed numbers are, and the nearest rotation was taken instead."""
 
 
 class UnitsWarning(UserWarning):
@@ -85,8 +85,10 @@ class ComparisonError(TwistarmError):
 
 
 def printable(text: str) -> str:
-    """`text` with line ends and other characters escaped that a terminal would obey or not show: C0 and C1, escapes,
-    marks of direction and of no width, half characters. A space that does not break is one that can be seen.
+    """`text` with every character escaped that a terminal would obey or not show.
+
+    These are line ends, C0 and C1, escapes, marks of direction and of no width, and half characters. A no-break space
+    stays.
     """
     if text.isprintable():
         return text

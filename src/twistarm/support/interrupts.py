@@ -15,13 +15,14 @@ USUAL = (signal.SIG_DFL, signal.default_int_handler)
 
 @contextmanager
 def ended_like_ctrl_c() -> Iterator[list[int]]:
-    """A closed terminal and `kill` end what runs as Ctrl-C does, by KeyboardInterrupt with the signal's name: the
-    cursor comes back, the arm is brought to rest, the poses are kept, no part of a file is left.
+    """Let a closed terminal and `kill` act as Ctrl-C does: by KeyboardInterrupt with the signal's name.
 
-    The context gives the list of the signals that were sent: who handles the interruption then ends by `end_by`, as
-    whoever sent it expects. Only signals whose usual effect stands are taken, and given it back behind the context: one
-    that is ignored, as a closed terminal is under `nohup`, stays so, and a handler of somebody's own (a program's, an
-    outer context's) is left alone. Outside the main thread, where Python sets no handlers, nothing is taken.
+    The cursor then comes back, the arm comes to rest, the poses are kept and no part of a file is left. The context
+    gives the list of the signals that were sent. The code that handles the interruption ends the process by `end_by`.
+
+    Only signals with their usual effect are taken, and they get it back after the context. An ignored signal stays
+    ignored, as under `nohup`. The handler of a program or of an outer context stays. Outside the main thread nothing
+    is taken, because Python sets no handlers there.
     """
     sent: list[int] = []
 

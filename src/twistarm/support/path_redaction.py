@@ -13,8 +13,8 @@ _ABSOLUTE = re.compile(r"(?<![\w.:/~)}>-])(?:file://(?:localhost)?)?/(?:[^\s/'\"
 def without_places(text: str, *files: Path | None) -> str:
     """`text` with the path of a file reduced to its name, or to the way from a folder that need not be told.
 
-    Those are the folders above `files`, the home folder and the working one, whatever their names hold; any other
-    path that begins at the root is known by its slashes.
+    These are the folders above `files`, the home folder and the working one. Any other absolute path is recognised by
+    its slashes.
     """
     for folder in _folders(files):
         text = re.sub(rf"(?<![\w.:~)}}>-])(?:file://(?:localhost)?)?{re.escape(folder)}(?:/|(?![\w.-]))", "", text)

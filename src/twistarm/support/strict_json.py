@@ -52,8 +52,10 @@ def decoded(text: str | bytes) -> dict[str, Any]:
 
 
 def parsed(text: str) -> Any:
-    """What a JSON text of any kind holds. Raises ValueError, in one line, for what is none, for a name that stands
-    twice in an object, for numbers beyond the floats, and where it nests too deep.
+    """The value of a JSON text.
+
+    Raises ValueError, in one line, for text that is no JSON, a name that is twice in an object, a number beyond the
+    floats, or too deep nesting.
     """
     try:
         return json.loads(text, parse_constant=_no_constant, parse_int=_whole, object_pairs_hook=_once)

@@ -1,7 +1,7 @@
 """Motions that an arm's tool has at almost every posture, and those it has at none: ranks and common null spaces.
 
-Statements about "every posture" come from random ones: the ranks of an analytic Jacobian are the largest almost
-everywhere, and a direction that is missing at many random postures is missing at all.
+Statements about "every posture" come from random ones. The ranks of an analytic Jacobian are the largest almost
+everywhere. A direction that is missing at many random postures is missing at all.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ class Motions:
 
 @dataclass(frozen=True, eq=False)
 class Abilities:
-    """In how many directions the tool moves, and which are missing everywhere. Axes are unit vectors, one a row.
+    """The number of directions that the tool moves in, and the missing ones. Axes are unit vectors, one a row.
 
-    `position`, `rotation`: ranks of the two halves of the Jacobian; `turning`: rank of the rotations that hold the
-    position, so that position + turning is the rank of the whole. `immovable`, `unturned`: directions in base axes
-    along and about which nothing ever moves the tool. With the position held: `turned_base`, `turned_tool` are axes
-    in base or in the tool about which it can always turn; `free` (k, 3, turning) spans all of them, in base axes.
+    `position` and `rotation` are the ranks of the two halves of the Jacobian. `turning` is the rank of the rotations
+    that hold the position; position + turning is the rank of the whole. `immovable` and `unturned` are directions in
+    base axes that no motion goes along or about. `turned_base` and `turned_tool` are axes in the base or the tool that
+    the tool can always turn about, with its position held. `free` (k, 3, turning) spans all of them, in base axes.
     """
 
     position: int

@@ -50,10 +50,10 @@ class Diagnosis:
 def diagnose(source: str | os.PathLike[str] | Arm, **load: Any) -> tuple[Finding, ...]:
     """Everything worth knowing about a description: errors, then warnings, then remarks, each with its remedy.
 
-    In addition to the findings of `load_arm`: limits that look like degrees, singular postures, impossible inertias,
-    meshes out of scale, a missing tool frame, idle joints, what the arm cannot do with its tool, axes that are almost
-    exact, and a closed form of inverse kinematics that they miss. A description that `load_arm` refuses is an answer
-    here: its errors are findings, and what can be read of it is looked at all the same.
+    The doctor adds to the findings of `load_arm`: limits that look like degrees, singular postures, impossible
+    inertias, meshes out of scale, a missing tool frame and idle joints. It also tells what the arm cannot do with its
+    tool, which axes are almost exact, and which closed form of inverse kinematics they miss. The errors of a
+    description that `load_arm` refuses are findings here, and the rest of it is examined as far as it can be read.
 
     Args:
         source: As in `load_arm`, or an `Arm`.

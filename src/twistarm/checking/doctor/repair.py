@@ -53,8 +53,8 @@ class Repair:
 def repair(description: Description, output: str | os.PathLike[str]) -> Repair:
     """The repaired text of a description, for the file `output`; a xacro source is expanded.
 
-    It is read again and must be the same robot: names, types, limits, and every link's pose at random joint values;
-    else InputError, as for an output that is no .urdf file, or is the source.
+    The copy is read again and must be the same robot: names, types, limits, and every link's pose at random joint
+    values. Raises InputError otherwise, and for an output that is no .urdf file or is the source.
     """
     target = writable(output, over_description=True)
     if target.suffix != ".urdf":
@@ -157,9 +157,7 @@ def _moved_uri(uri: str, description: Description, folder: Path) -> str:
 
 
 def _without_root(file: Path, folder: Path) -> str:
-    """A mesh that was named from the root of this machine: its package's, else seen from `folder`; one that is not
-    there by its name alone.
-    """
+    """The URI of a mesh with an absolute path: in its package, or relative to `folder`; for a missing file its name."""
     if not is_file(file):
         return file.name
     for package in file.parents:

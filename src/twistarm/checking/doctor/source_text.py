@@ -19,8 +19,8 @@ class Span(NamedTuple):
 class SourceText:
     """An XML text that has been read before without complaint, its elements, and edits to it.
 
-    `robot` is the root element as it was; edits are collected and made all at once by `edited`, and one element takes
-    one change of its start tag.
+    `robot` is the root element before any edit. `edited` makes all collected edits at once. Each element takes one
+    change of its start tag.
     """
 
     def __init__(self, text: str) -> None:
