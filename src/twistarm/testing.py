@@ -10,14 +10,12 @@ from .arm.loading.load import load_arm
 from .checking.crosscheck import crosscheck, require_yourdfpy
 from .checking.difference import compare
 
-_SAMPLES = 200
-
 
 def assert_arm(
     source: str | os.PathLike[str],
     *,
     against: str | os.PathLike[str] | None = None,
-    samples: int = _SAMPLES,
+    samples: int = 200,
     **load: Any,
 ) -> Arm:
     """Load an arm, prove product of exponentials = Pinocchio = yourdfpy, and that it is still the one frozen.

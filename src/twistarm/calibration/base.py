@@ -1,4 +1,4 @@
-"""The base as a source of error: a constant offset of its measured pose."""
+"""The base as a source of error: it stands a little beside its measured place, in every row alike."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from ..support.checks import Array
 
 USUAL = (0.01, float(np.radians(2.0)))
-"""One standard deviation [m, rad] of a base measured with a tape: where nothing is said, and it does not fit."""
+"""One standard deviation [m, rad] of a base measured with a tape, for a log that does not fit without it."""
 
 
 @dataclass(frozen=True)
 class BaseOffset:
-    """The estimated base in the frame of the measured one: `position` [m], `rotation` vector [rad]."""
+    """The base's apparent place, seen from its measured place: `position` [m], `rotation` vector [rad]."""
 
     position: tuple[float, float, float]
     rotation: tuple[float, float, float]
@@ -27,11 +27,12 @@ class BaseOffset:
 class BaseError:
     """The base's offset as a random effect: r = A z + noise, with z (6,) and noise of standard deviation 1.
 
-    A (N, 6) maps the base's translations and rotations, each by its standard deviation, to the residuals. r then has
-    the covariance C = 1 + A Aᵀ. Generalised least squares (Aitken 1935) minimise rᵀ C⁻¹ r = ‖C^(−1/2) r‖². With A = U D
-    Vᵀ, C^(−1/2) = 1 − U (1 − (1 + D²)^(−1/2)) Uᵀ and ln det C = Σ ln (1 + D²). The expected z is V D (1 + D²)⁻¹ Uᵀ r
-    (Laird, Ware 1982, eq. 3.3). What the base explains counts neither for nor against a motor. The offset enters to
-    first order.
+    A (N, 6) is the effect of the base's translations and rotations on the residuals, in standard deviations. r has
+    the covariance C = 1 + A Aᵀ. Generalised least squares (Aitken 1935) minimise rᵀ C⁻¹ r = ‖C^(−1/2) r‖².
+
+    With A = U D Vᵀ, C^(−1/2) = 1 − U (1 − (1 + D²)^(−1/2)) Uᵀ and ln det C = Σ ln (1 + D²). The expected z is
+    V D (1 + D²)⁻¹ Uᵀ r (Laird, Ware 1982, eq. 3.3). What the base explains does not count for or against a motor.
+    The offset is taken to first order.
     """
 
     def __init__(self, A: Array) -> None:
@@ -45,7 +46,7 @@ class BaseError:
         return white
 
     def expected(self, r: Array) -> Array:
-        """The z (6,) to be expected of residuals (N,) as they are measured."""
+        """The expected z (6,) of measured residuals (N,)."""
         z: Array = ((r @ self.U) * self.d / (1.0 + self.d**2)) @ self.Vt
         return z
 

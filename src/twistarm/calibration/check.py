@@ -11,22 +11,29 @@ from ..arm.arm import Arm, require_arm
 from ..limits.actuators import Actuators
 from ..support.checks import Array, as_not_negative, as_positive, require_callback
 from ..support.errors import InputError
-from .advice import moved
 from .base import USUAL
+from .faults import moved
 from .fit import best_fit
 from .hypotheses import fewest_faults, freedom
-from .judgement import judged, unjudged, unmoved
-from .lengths import UNITS, plausible_units
 from .log import WiringLog, read_log
 from .model import Wiring
 from .report import Residual, WiringReport
 from .search import Found, Progress, as_sound, readings, search, swapped
+from .verdicts import judged, unjudged, unmoved
 
 MOST_ROWS = 200
-"""Moments that are fitted, evenly out of the log: a camera's neighbouring ones err alike and add nothing."""
+"""Moments that are fitted, taken evenly from the log. A camera's neighbouring moments err alike and add nothing."""
 
 LOUDEST = 0.02
-"""Positions that are measured worse than this [m] are not measured."""
+"""Noise [m] beyond which positions do not count as measured."""
+
+UNITS = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254, "kilometres": 1000.0}
+"""Units that positions may have been logged in, each in metres."""
+
+ALIKE = 3.0
+"""Two logs of one arm differ less than by this factor in how far the tool is from the base."""
+
+POSTURES = 200
 
 
 def check_wiring(
@@ -39,22 +46,24 @@ def check_wiring(
     base_orientation_noise: float | None = None,
     progress: Progress | None = None,
 ) -> WiringReport:
-    """Check the signs, ratios and zeros of the arm's motors against a log of counts and tool poses.
+    """Check the signs, ratios and zeros of the arm's motors against a log of counts and measured tool poses.
 
-    theta = G⁻¹ (s y + e) is fitted to the poses, with y the motors' readings from their configured zeros. Faults are
-    the fewest deviations from s = 1, e = 0 that explain the log. They must be clear from the noise and above 1°, 5 mm
-    or 2 %. If other faults explain it as well, all are named and none is corrected. If the log does not determine a
-    sign, scale, offset or swap, the verdict is "cannot tell", with what to move or measure. A fault that the base's
-    pose explains as well is "possible" (`base.BaseError` has the law). An unexplained log takes seconds.
+    The check fits theta = G⁻¹ (s y + e) to the poses, with y the motors' readings from their configured zeros. Faults
+    are the fewest deviations from s = 1, e = 0 that explain the log. They are clear from the noise and larger than 1°,
+    5 mm or 2 %. If others explain the log as well, all are named and none is corrected.
+
+    The verdict is "cannot tell" if the log does not show a motor's sign, scale or offset, or whether two are swapped.
+    It comes with what to move or measure. A fault that the base's pose explains as well is "possible"; an offset of
+    the first joint is an example (`base.BaseError` gives the law). A log that nothing explains takes seconds.
 
     Args:
         arm: The arm, with actuators.
         log: A `WiringLog`, or the path of a CSV file with the motors' counts and measured tool poses.
         position_noise: Standard deviation of the measured position [m].
         orientation_noise: Standard deviation of the measured orientation [rad].
-        base_position_noise: Standard deviation of the base's position [m]. By default 0, or that of a tape measure for
-            a log that is not sound.
-        base_orientation_noise: The same of the base's orientation [rad].
+        base_position_noise: Standard deviation of the base's position [m]. By default 0; that of a tape measure if
+            the log is not sound with 0.
+        base_orientation_noise: The same for the base's orientation [rad].
         progress: Called with the fraction done, or None.
 
     Returns:
@@ -116,16 +125,32 @@ def _wiring(arm: Arm, motors: Actuators, counts: Array, measured: Array, noise: 
 def _explained(
     wiring: Wiring, motors: Actuators, doubted: tuple[float, float], progress: Progress
 ) -> tuple[str, Wiring, Found]:
-    """The explanation, the logged unit if not metres, and the wiring in metres."""
+    """The unit of the logged positions (empty for metres), the wiring in metres, and what was found."""
     if _still(wiring):
         return "", wiring, as_sound(_thinned(wiring))
-    units = plausible_units(wiring)
+    units = _plausible_units(wiring)
     for done, unit in enumerate(units):
         metres = replace(wiring, position=UNITS[unit] * wiring.position)
         found = search(_thinned(metres), motors, doubted, _part(progress, done, len(units) + 1))
         if found.fits:
             return unit, metres, found
     return "", wiring, search(_thinned(wiring), motors, doubted, _part(progress, len(units), len(units) + 1))
+
+
+def _plausible_units(wiring: Wiring) -> list[str]:
+    """The `UNITS` in which the measured distances from the base match the arm's; none if they are metres.
+
+    The arm's distances are those of random postures, because the motors' readings may be wrong.
+    """
+    usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(0, POSTURES))[:, :3, 3])
+    measured = _mean_distance(wiring.position)
+    if not usual or not measured or 1 / ALIKE < measured / usual < ALIKE:
+        return []
+    return [unit for unit, metres in UNITS.items() if 1 / ALIKE < metres * measured / usual < ALIKE]
+
+
+def _mean_distance(position: Array) -> float:
+    return float(np.sqrt((position * position).sum(axis=-1).mean()))
 
 
 def _part(progress: Progress, done: int, parts: int) -> Progress:
@@ -143,7 +168,7 @@ def _thinned(wiring: Wiring) -> Wiring:
 
 
 def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progress: Progress) -> str:
-    """The row without which the log can be explained, or the noise that would explain it."""
+    """The row that does not fit the others, or the noise that explains the log, in words."""
     wiring = found.wiring
     K, odd = len(wiring.y), _worst_row(wiring, found.explanation.p)
     if 3 < K <= MOST_ROWS:
@@ -165,7 +190,7 @@ def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progres
 
 
 def _noise_seen(found: Found) -> tuple[float, float]:
-    """The noise with which what is left has the size that noise has."""
+    """The noise that would explain the residual that is left."""
     wiring = found.wiring
     louder = float(np.sqrt(found.explanation.total / freedom(wiring, 2 * wiring.k)))
     return louder * wiring.noise[0], louder * wiring.noise[1]

@@ -33,13 +33,15 @@ FEW = 30
 """Moments that a search looks at; the fit is finished on all."""
 
 
-def refine(wiring: Wiring, p: Array, free: Array) -> tuple[Array, float]:
-    """The parameters (2k,) near p with the least squares of the residuals, moving only the `free` (2k,); and that sum.
+def refine(wiring: Wiring, p: Array, free: Array | None = None) -> tuple[Array, float]:
+    """The parameters (2k,) near p with the least sum of squared residuals, and that sum.
 
-    Levenberg–Marquardt with the columns scaled to length 1: (AᵀA + λ I) step = Aᵀ r.
+    Only the `free` (2k,) move, by default all. Levenberg–Marquardt with the columns scaled to length 1:
+    (AᵀA + λ I) step = Aᵀ r.
     """
     r = wiring.residual(p)
     total, damping = float(r @ r), 1e-3
+    free = np.ones(len(p), dtype=bool) if free is None else free
     if not free.any():
         return p, total
     for _ in range(STEPS):
@@ -64,21 +66,17 @@ def refine(wiring: Wiring, p: Array, free: Array) -> tuple[Array, float]:
     return p, total
 
 
-def from_sound(wiring: Wiring) -> tuple[Array, float]:
-    """The parameters (2k,) fitted from the sound ones, and the sum of squares."""
-    return refine(wiring, wiring.sound, np.ones(2 * wiring.k, dtype=bool))
-
-
 def best_fit(wiring: Wiring, progress: Callable[[float], object]) -> tuple[Array, float]:
-    """The parameters (2k,) with the best fit from all starts, and the sum of squares.
+    """The parameters (2k,) that fit the log best, and the sum of squares.
 
-    Starts are the best patterns of reversed motors, a beam from the sound parameters, and one from the reversed. Each
-    round gives one more motor its best scale and offset. `progress(fraction)` is called on the way.
+    The search first refines the patterns of reversed motors that come nearest. It then runs a beam from the sound
+    motors and one from the reversed. Each round gives one more motor the scale and offset that help most.
+    `progress(fraction)` is called along the way.
     """
     rows = np.unique(np.linspace(0, len(wiring.y) - 1, min(FEW, len(wiring.y))).astype(int))
-    few, every = wiring.of_rows(rows), np.ones(2 * wiring.k, dtype=bool)
+    few = wiring.of_rows(rows)
     reversed_ = _most_promising(few, sign_patterns(wiring.k), KEPT)
-    best, total = min((refine(few, p, every) for p in (few.sound, *reversed_)), key=lambda fit: fit[1])
+    best, total = min((refine(few, p) for p in (few.sound, *reversed_)), key=lambda fit: fit[1])
     enough = FITS * len(few.residual(few.sound))
     for half, beam in enumerate(([few.sound], list(reversed_))):
         for turn in range(MOST_FAULTY):
@@ -86,9 +84,9 @@ def best_fit(wiring: Wiring, progress: Callable[[float], object]) -> tuple[Array
                 break
             changed = [refine(few, start, _moved(start)) for p in beam for start in _one_more(few, p)]
             beam = [p for p, _ in sorted(changed, key=lambda fit: fit[1])[:KEPT]]
-            best, total = min([(best, total), *(refine(few, p, every) for p in beam)], key=lambda fit: fit[1])
+            best, total = min([(best, total), *(refine(few, p) for p in beam)], key=lambda fit: fit[1])
             progress((half + (turn + 1) / MOST_FAULTY) / 2)
-    return refine(wiring, best, every)
+    return refine(wiring, best)
 
 
 def _most_promising(wiring: Wiring, starts: Array, count: int) -> Array:

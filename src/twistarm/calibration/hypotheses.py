@@ -34,7 +34,7 @@ ACCOUNTS = {
 class Explanation:
     """An account for each motor (names of `ACCOUNTS`), the fitted parameters p (2k,), and the sum of squares.
 
-    `cost` is the sum of squares over `scale`, the residual's variance, plus `CLEAR` for each claim.
+    `cost` is the sum of squares over `scale`, the variance of the residual, plus `CLEAR` for each claim.
     """
 
     accounts: tuple[str, ...]
@@ -66,8 +66,8 @@ class Explanation:
 def fewest_faults(wiring: Wiring, p: Array, total: float) -> Explanation:
     """The cheapest explanation, found from the best fit p (2k,) by changing one account at a time.
 
-    The best fit may be one of several and far from the one with the fewest faults. With more than one claim the search
-    also starts at the sound arm. A fit that explains nothing stays unchanged.
+    Several fits may be equally good, and the best may lie far from the one with the fewest faults. If it claims more
+    than one fault, the search also starts from the sound arm. A fit that does not explain the log is returned as found.
     """
     k = wiring.k
     scale = max(1.0, total / freedom(wiring, 2 * k))

@@ -71,8 +71,9 @@ class WiringLog(Brief):
 def read_log(path: str | os.PathLike[str], motors: Actuators) -> WiringLog:
     """Read a log from CSV: a column for each motor, then x, y, z [m], and optionally qx, qy, qz, qw.
 
-    The first line names the columns in any order. A unit in brackets, `left [tick]`, must be that of the motor's drive.
-    A line with # is a comment. Raises InputError with the line's number for an invalid, missing or surplus value.
+    The first line names the columns, in any order. A unit may follow in brackets, as in `left [tick]`. It must be the
+    unit that the motor's drive counts in. A line that begins with # is a comment. Raises InputError with the line's
+    number for a value that is no number, is missing or is too much.
     """
     file = as_path(path)
     require(motors, Actuators, "motors", "as arm.actuators is")

@@ -20,10 +20,10 @@ SLACK = np.radians(1.0)
 class Wiring:
     """theta = P (s y + e): y (K, k) are the motors' readings from their configured zeros, P (n, k) the inverse of G.
 
-    The parameters p (2k,) are the scales s, and the offsets e over `unit` (k,). The latter makes them rad (or m) of the
-    joint that the motor turns most. Configuration and arm agree at s = 1, e = 0; a reversed motor has s = −1. `surplus`
-    (k, k) is I − G P: the readings that surplus motors must not have. `base` is the standard deviation of the base [m,
-    rad], 0 if exactly known.
+    The parameters p (2k,) are the scales s and the offsets e over `unit` (k,). The unit makes them rad (or m) of the
+    joint that the motor turns most. Configuration and arm agree at s = 1 and e = 0; a reversed motor has s = −1.
+    `surplus` (k, k) is I − G P, for more motors than joints: their readings must have none of it. `base` is one
+    standard deviation of the base's place [m, rad], 0 if it is exactly known.
     """
 
     arm: Arm
@@ -43,7 +43,7 @@ class Wiring:
 
     @property
     def sound(self) -> Array:
-        """The parameters (2k,) of an arm that is as its arm.toml says."""
+        """The parameters (2k,) of an arm that agrees with its arm.toml."""
         return np.repeat([1.0, 0.0], self.k)
 
     def of_rows(self, rows: Array) -> Wiring:
@@ -75,7 +75,7 @@ class Wiring:
         return BaseError(np.concatenate([A, np.zeros((none, 6))]))
 
     def base_offset(self, p: Array) -> BaseOffset | None:
-        """The expected base for parameters (2k,); None if exactly known."""
+        """The expected place of the base for parameters (2k,); None if it is exactly known."""
         if self.base_error is None:
             return None
         moved = self.base_error.expected(self._measured_residual(p)) * np.repeat(self.base, 3)
@@ -83,7 +83,7 @@ class Wiring:
         return BaseOffset((x, y, z), (turned[0], turned[1], turned[2]))
 
     def with_base_moved(self, p: Array) -> Wiring:
-        """The same, measured from where the base is to be expected."""
+        """The same, measured from the expected place of the base."""
         offset = self.base_offset(p)
         if offset is None:
             return self
@@ -92,7 +92,7 @@ class Wiring:
         return replace(self, position=(self.position - offset.position) @ R, rotation=rotation)
 
     def residual(self, p: Array) -> Array:
-        """`misses` in standard deviations, (..., N), without the part that an uncertain base explains."""
+        """`misses` in standard deviations, (..., N), without what an uncertain base explains."""
         r = self._measured_residual(p)
         return r if self.base_error is None else self.base_error.whitened(r)
 

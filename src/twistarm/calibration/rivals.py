@@ -17,10 +17,9 @@ from .search import Found, may_fit, swapped
 
 
 def rivals(found: Found, i: int) -> list[tuple[int, Found]]:
-    """The alternatives to the faults of motor i, as a motor and its explanation.
+    """Other faults that explain the log as well as those of motor i, each a motor and the explanation that blames it.
 
-    A rival claims no more faults and fits as well: another account for motor i, or less of it and a fault of another
-    motor.
+    A rival claims no more faults. It has another account for motor i, or a smaller one and a fault of another motor.
     """
     wiring, best = found.wiring, found.explanation
     faults, claimed = set(named_faults(found, i)), claims(best.accounts[i])
@@ -69,12 +68,12 @@ def unseen_swaps(found: Found, motors: Actuators) -> list[tuple[int, int]]:
 
 
 def _as_well_swapped(found: Found, other: Wiring) -> bool:
-    best, every = found.explanation, np.ones(2 * other.k, dtype=bool)
+    best = found.explanation
     if not may_fit(other, best.p):
         return False
     total = explained_by(other, best.p, best.accounts, best.scale).total
     if found.as_well(total):
         return True
     # Small deviations, which are no fault, fit one order of the motors better than the other: both get theirs.
-    free, other_free = refine(found.wiring, best.p, every)[1], refine(other, best.p, every)[1]
+    free, other_free = refine(found.wiring, best.p)[1], refine(other, best.p)[1]
     return other_free < free + AS_GOOD * best.scale and total - other_free < CLEAR * best.scale

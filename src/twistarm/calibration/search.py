@@ -10,7 +10,7 @@ import numpy as np
 
 from ..limits.actuators import Actuators
 from ..support.checks import Array
-from .fit import best_fit, from_sound, refine
+from .fit import best_fit, refine
 from .hypotheses import AS_GOOD, CLEAR, UNEXPLAINED, Explanation, explained_by, fewest_faults
 from .model import Wiring
 
@@ -21,8 +21,8 @@ Progress = Callable[[float], object]
 class Found:
     """An explanation of a log, and the swapped motors, if any.
 
-    `wiring` has them swapped. `as_good` are others with as many faults and as good a fit. `or_base` are the remaining
-    claims if the base may be off.
+    `wiring` has them swapped already. `as_good` are others that claim as many faults and fit as well. `or_base` is
+    what remains to claim if the base may stand beside its measured place.
     """
 
     wiring: Wiring
@@ -74,8 +74,8 @@ def as_sound(wiring: Wiring) -> Found:
 def search(wiring: Wiring, motors: Actuators, doubted: tuple[float, float], progress: Progress) -> Found:
     """The explanation of the log, or the nearest to one; `progress(fraction)` is called in long searches.
 
-    A log that is not sound is examined again with a base known only to `doubted`, [m, rad]. Both searches begin near
-    the sound arm and go far only if neither explains the log.
+    If the log is not sound, the search repeats with a base that is known only to `doubted` [m, rad]. It looks near
+    the sound arm first, with either base, and far from it if neither explains the log.
     """
     exact = _nearest(wiring, motors)
     if exact.fits and exact.explanation.sound and not exact.swapped:
@@ -121,17 +121,17 @@ def _far(wiring: Wiring, motors: Actuators, progress: Progress) -> Found:
 
 
 def _beside(exact: Found, loose: Wiring, motors: Actuators) -> Found:
-    """The claims if the base may be off: near the sound arm, or near the result for the exact base."""
-    other, every = swapped(loose, motors, exact.swapped), np.ones(2 * loose.k, dtype=bool)
-    start = Found(other, fewest_faults(other, *refine(other, exact.explanation.p, every)), exact.swapped)
+    """The claims if the base may stand elsewhere: near the sound arm, or near what the exact base gave."""
+    other = swapped(loose, motors, exact.swapped)
+    start = Found(other, fewest_faults(other, *refine(other, exact.explanation.p)), exact.swapped)
     return min([start, _nearest(loose, motors)], key=lambda found: (not found.fits, found.cost))
 
 
 def likelier(exact: Found, doubted: Found) -> Found:
-    """The better of two explanations: with the stated base, and with an uncertain one.
+    """The likelier explanation: with the base as given, or with one that may stand elsewhere.
 
-    Costs are −2 ln of the marginal likelihood, with ln det C of the base's random effect, plus `CLEAR` for each claim
-    about motors or base. If both explain the log, faults that the base could explain stay open.
+    The costs are −2 ln of the marginal likelihood, including ln det C of the base's random effect. Each claim about a
+    motor or the base costs `CLEAR`. If both explain the log, `or_base` keeps the other one.
     """
     if not doubted.fits or doubted.wiring.base_error is None:
         return exact
@@ -144,7 +144,7 @@ def likelier(exact: Found, doubted: Found) -> Found:
 
 
 def _near(wiring: Wiring, pair: tuple[int, ...]) -> Found:
-    return Found(wiring, fewest_faults(wiring, *from_sound(wiring)), pair)
+    return Found(wiring, fewest_faults(wiring, *refine(wiring, wiring.sound)), pair)
 
 
 def may_fit(wiring: Wiring, p: Array) -> bool:

@@ -1,7 +1,8 @@
-"""The verdict on each motor: what to correct, or what to log."""
+"""The verdicts on each motor and on the whole arm: what to correct, or what to log."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,8 +10,22 @@ import numpy as np
 
 from ..limits.actuators import Actuators
 from ..support.checks import Array
-from .advice import BASE_KNOWN, advice, moved, not_shown
-from .faults import correction, entries, in_words, joint_offset, named_faults, offset_of, slides
+from .faults import (
+    ALL,
+    BASE_KNOWN,
+    advice,
+    correction,
+    entries,
+    enumerated,
+    in_words,
+    joint_offset,
+    moved,
+    named_faults,
+    not_shown,
+    not_shown_of_all,
+    offset_of,
+    slides,
+)
 from .model import Wiring
 from .report import MotorVerdict
 from .rivals import rivals, unseen_signs, unseen_swaps
@@ -30,7 +45,7 @@ Suspect = tuple[int, Found]
 
 
 def standard_deviations(found: Found) -> Array:
-    """Standard deviations of a fit of all parameters (2k,): √ diag (AᵀA)⁻¹, inf along what A does not see."""
+    """Standard deviations (2k,) with all parameters fitted: √ diag (AᵀA)⁻¹, inf for what A does not see."""
     _, values, Vt = np.linalg.svd(found.wiring.slope(found.explanation.p), full_matrices=False)
     values = np.where(values > NOTHING * values[0], values, 0.0)
     # Fewer equations than parameters leave rows of Vt out: those directions are not seen either.
@@ -74,14 +89,14 @@ class Evidence:
         return groups
 
     def or_base(self, i: int) -> str:
-        """The base's pose if it explains the apparent fault of motor i, or nothing."""
+        """The base's place, in words, if it explains the apparent fault of motor i; else empty."""
         other = self.found.or_base
         if other is None or named_faults(other, i) == named_faults(self.found, i):
             return ""
         return f"the base is {other.wiring.base_offset(other.explanation.p)}"
 
     def _with_base(self, i: int) -> list[Suspect]:
-        """The alternatives to the fault of motor i with an uncertain base."""
+        """The other suspects for the fault of motor i, if the base may stand elsewhere."""
         other = self.found.or_base
         if other is None:
             return []
@@ -147,7 +162,7 @@ class Evidence:
         return "sound", "sign, ratio and zero fit the log", ""
 
     def _hidden_by_base(self, i: int) -> bool:
-        """Whether the log misses only the zero of motor i, and only because of the base."""
+        """Whether the log hides only the zero of motor i, and an exactly known base would show it."""
         if self.unseen[i] != ["zero"] or self._swapped_with(i) or self.found.wiring.base_error is None:
             return False
         exact = replace(self.found, wiring=replace(self.found.wiring, base=(0.0, 0.0)))
@@ -155,3 +170,51 @@ class Evidence:
 
     def _swapped_with(self, i: int) -> list[str]:
         return [self.motors.names[j] for pair in self.unseen_swaps if i in pair for j in pair if j != i]
+
+
+Judgement = tuple[str, str, tuple[MotorVerdict, ...]]
+"""The verdict, what it says, and the motors'."""
+
+
+def judged(found: Found, motors: Actuators) -> Judgement:
+    """Judge an explanation that fits the log, with the base that it assumes."""
+    offset = found.wiring.base_offset(found.explanation.p)
+    base = "" if offset is None else f"with the base {offset}, "
+    evidence = Evidence(found, motors)
+    each = tuple(evidence.verdict(i) for i in range(evidence.k))
+    certain = [motor.name for motor in each if motor.verdict == "fault"]
+    if certain or evidence.open_faults:
+        parts = [f"the log shows what is wrong with {enumerated([*map(repr, certain)])}"] if certain else []
+        parts += dict.fromkeys(_one_of(group, evidence) for group in evidence.open_faults)
+        return "fault", base + "; ".join(parts), each
+    hidden, shows = not_shown_of_all(motors.names, evidence.unseen, evidence.unseen_swaps)
+    if hidden:
+        return "cannot tell", base + hidden + ("; what it does show is sound" if shows else ""), each
+    return "sound", f"{base}signs, ratios and zeros fit the log", each
+
+
+def unmoved(found: Found, motors: Actuators) -> Judgement:
+    """Judge a log at one place, which anything explains."""
+    what = "no motor was moved, so the log does not show the sign, ratio or zero of any"
+    if not found.fits:
+        what += "; and the tool was not measured where the arm.toml puts it"
+    remedies = [advice(found.wiring, motors, i) for i in range(found.wiring.k)]
+    return "cannot tell", what, unjudged(motors, not_shown(ALL, ()), remedies)
+
+
+def unjudged(motors: Actuators, what: str = "", remedies: Sequence[str] = ()) -> tuple[MotorVerdict, ...]:
+    """The verdicts where nothing is known of any motor."""
+    told = zip(motors.names, remedies or [""] * len(motors.names), strict=True)
+    return tuple(MotorVerdict(name, what=what, remedy=remedy) for name, remedy in told)
+
+
+def _one_of(group: list[Suspect], evidence: Evidence) -> str:
+    motors = evidence.motors
+    suspects = dict.fromkeys(f"{motors.names[j]!r} ({', '.join(named_faults(found, j))})" for j, found in group)
+    base = next((words for j, _ in group if (words := evidence.or_base(j))), "")
+    suspects |= dict.fromkeys(filter(None, [base]))
+    (first, found), *_ = group
+    return (
+        f"one thing is wrong and the log does not tell which: {' or '.join(suspects)}; "
+        f"{BASE_KNOWN if base else advice(found.wiring, motors, first)}"
+    )

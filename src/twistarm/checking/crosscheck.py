@@ -28,7 +28,7 @@ POSE_TOL = 1e-12
 """Product of exponentials against Pinocchio: both in double precision, some ten multiplications long."""
 
 AS_WRITTEN = "pinocchio as written"
-"""The engine that gets the text which nothing of ours has changed."""
+"""The engine that reads the unchanged text."""
 
 WRITTEN_TOL, WRITTEN_SAMPLES = 1e-10, 100
 """Its parser rounds an axis near x, y or z, and walks all links in Python: of so many postures."""
@@ -128,14 +128,17 @@ def crosscheck(
 ) -> CrossCheck:
     """Compare the kinematics of independent engines at random configurations inside the limits.
 
-    The product of exponentials gives pose, J^s and J^b. They are compared with Pinocchio's model of the description,
-    with the compiled core, and with a chain of Pinocchio's joint models, one per lower pair. Arms made from screws have
-    that chain too; a spherical joint is compared by Euler angles and by a quaternion. Further checks are J^s = Ad(g)
-    J^b, J^b against fourth-order central differences of Pinocchio's pose, and every link's pose. Pinocchio and yourdfpy
-    also read the unmodified text, the file's or xacro's own output. Both give every link's pose, and Pinocchio the
-    position limits. Masses are not compared. What an engine cannot do is "not compared", with the reason. Errors are
-    absolute, in metres and radians (entries of R). `POSE_TOL` times the arm's size (at least 1 m) is allowed, and more
-    for the unmodified text.
+    Pose, J^s and J^b of the product of exponentials are compared with Pinocchio's model of the description and with
+    the compiled core. They are also compared with a chain of Pinocchio's joint models, one per lower pair. An arm made
+    from screws has that chain too, with a spherical joint by Euler angles and by a quaternion.
+
+    Further comparisons are J^s = Ad(g) J^b, J^b against fourth-order central differences of the pose, and every link's
+    pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the unrepaired text of the file, or xacro's
+    output. Both give every link's pose; Pinocchio gives the position limits too. Masses are not compared. A quantity
+    that an engine lacks is "not compared", with the reason.
+
+    Errors are absolute, in metres and radians (entries of R). The tolerance is `POSE_TOL`, times the arm's size beyond
+    1 m, and larger for the unrepaired text.
 
     Args:
         arm: The arm.
@@ -178,9 +181,9 @@ def _compared(
 
 
 def _size(arm: Arm) -> float:
-    """The arm's size [m], at least 1: its reach, link positions, and strokes of its slides.
+    """The arm's size [m], at least 1: its reach, its furthest link, and the stroke of its slides.
 
-    It is larger for joints that turn so far or so fast that rounding exceeds the allowance.
+    The size grows for joints that turn so far, or so much faster than their masters, that rounding matters.
     """
     furthest = np.abs(np.array(arm.sampling_bounds)).max(axis=0)
     values = np.abs(arm.coupling.A) @ furthest + np.abs(arm.coupling.b)
@@ -207,7 +210,7 @@ def _pinocchio(arm: Arm, theta: Array) -> list[EngineComparison]:
 
 
 def _core(arm: Arm, theta: Array) -> list[EngineComparison]:
-    """The compiled core, if it was built."""
+    """Compare with the compiled core, which answers for the arm if it was built."""
     if arm._compiled is None:
         return [_skipped("pose, J^s, J^b", "core", arm._why_not_compiled)]
     answers = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
@@ -287,7 +290,7 @@ def _links(arm: Arm, theta: Array) -> list[EngineComparison]:
 
 
 def _as_written(arm: Arm, theta: Array) -> list[EngineComparison]:
-    """Against Pinocchio's own reading of the text that nothing of ours has changed."""
+    """Compare with Pinocchio's reading of the unchanged text."""
     if arm.description is None:
         return []
     theta = _fewer(theta[:WRITTEN_SAMPLES], len(arm.description.links), USUAL_LINKS)
@@ -431,7 +434,7 @@ def _load_yourdfpy(text: str) -> Any:
 
 @contextmanager
 def _quiet_yourdfpy() -> Iterator[None]:
-    """Silence yourdfpy's log and NumPy's warnings about shapes, which our findings cover."""
+    """Silence its log and the NumPy warnings of its shapes, because our findings cover them."""
     import logging
 
     logger = logging.getLogger("yourdfpy.urdf")

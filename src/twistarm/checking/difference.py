@@ -51,14 +51,14 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
     """The differences between an arm and another one in words: "was" is the other one, "is" the arm.
 
     Args:
-        arm: The present arm.
-        against: A golden file of `freeze`, a baked arm.json, an `Arm`, or another source of `load_arm` (two designs
-            side by side). A description is loaded without options.
+        arm: The arm as it is now.
+        against: A golden file that `freeze` wrote, a baked arm.json, or another arm: an `Arm` or anything that
+            `load_arm` takes. A description is loaded without options.
 
     Returns:
         The `Difference`: names, types, limits, motors, axes, tool, and the mass, centre and inertia of each link.
-        Shapes, meshes, named poses and the SRDF are not compared. Differences below 1 µm or 1e-6 rad, or 1e-5 of a
-        mass, are rounding of an export and do not count.
+        Shapes, meshes, named poses and the SRDF are not compared. Differences below 1 µm, 1e-6 rad or 1e-5 of a mass
+        count as none, because an export rounds that much.
 
     Raises:
         DescriptionError: `against` cannot be read, or is no golden file, no baked arm and no description.

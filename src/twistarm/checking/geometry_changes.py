@@ -35,8 +35,9 @@ def geometry_changes(arm: Arm, screws: Array, home: Array) -> list[str]:
 def _axis_change(before: Array, now: Array, tool: Array, new_tool: Array) -> tuple[list[str], Array]:
     """The change of the first of the axes (6, k) in words, and the rigid motion of what is beyond it.
 
-    It is the least motion from the old line to the new one. For a turned line it is the tool's motion if every later
-    axis has made it too. The reported length is that of the line's point nearest to the tool.
+    It is the least motion that carries the old line to the new. For a line that has turned, it is the tool's motion if
+    every axis beyond has made it too. The points of a turned line have moved by different lengths. The words give that
+    of the point nearest the tool, independent of the base.
     """
     if np.abs(now[:, 0] - before[:, 0]).max() <= SAME_TOL:
         return [], np.eye(4)

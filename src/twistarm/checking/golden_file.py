@@ -40,13 +40,13 @@ _FREEZE = "twistarm freeze writes one"
 
 
 def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
-    """Write the arm as numbers (JSON, SI): names, screws, home, limits, motors, masses, and FK and Jacobians.
+    """Write the arm as numbers (JSON, SI).
 
-    Each link has its mass, centre and inertia; FK and Jacobians are at 100 seeded configurations. Shapes and meshes,
-    named poses, the SRDF, limits of joints beside the chain, damping and friction are not covered; the file says so.
+    The file holds names, screws, home, limits, motors and each link's mass, centre and inertia. It also holds FK and
+    Jacobians at 100 seeded postures. They come from the product of exponentials, so the file depends on no engine.
 
-    The numbers come from the product of exponentials, so the file depends on no engine. It is written whole or not at
-    all.
+    Shapes and meshes, named poses, the SRDF, limits of joints beside the chain, damping and friction are not covered.
+    The file lists them. It is written whole or not at all.
 
     Args:
         arm: The arm.

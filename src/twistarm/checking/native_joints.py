@@ -20,9 +20,8 @@ Ball = Literal["ZYX", "quaternion"]
 class NativeChain:
     """A serial chain of Pinocchio's joint models from the base to the tool at `home` (4, 4), at rest.
 
-    Pinocchio's coordinates are a quaternion for a ball and (x, y, cos, sin) for a planar joint, with velocities in the
-    moved frame. At joint values x, q(x) and the map N(x) from ẋ to those velocities give g_st = g(q(x)), J = J_native
-    N(x).
+    Pinocchio's coordinates are a quaternion for a ball and (x, y, cos, sin) for a planar joint. The velocities of both
+    are in the moved frame. N(x) maps ẋ to those velocities. Then g_st = g(q(x)) and J = J_native N(x).
 
     Raises InputError for more moving joints than Pinocchio's data holds.
     """

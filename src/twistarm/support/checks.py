@@ -144,7 +144,7 @@ def require(value: Any, kind: type[T], name: str, how: str) -> T:
 
 
 def require_choice(value: Any, choices: Collection[str], name: str) -> str:
-    """`value`. Raises InputError unless it is one of the texts `choices`."""
+    """`value`, or InputError if it is not one of the texts `choices`."""
     if not isinstance(value, str) or value not in choices:
         *others, last = map(repr, choices)
         raise InputError(f"{name} must be {', '.join(others)} or {last}; got {shown(value)}{closest(value, choices)}")
@@ -219,9 +219,9 @@ def as_twist(value: ArrayLike, name: str = "twist") -> Array:
 def as_rotation(value: ArrayLike, name: str = "rotation") -> Array:
     """`value` as rotation matrices (..., 3, 3).
 
-    How far a matrix is off is max |RᵀR − I| / 2: what its columns lack of unit length, or of being square to each
-    other. Up to `ORTHONORMAL_TOL` the nearest rotation is returned, beyond `ROUNDED_TOL` with a RoundedPoseWarning;
-    what is further off, or a reflection, is refused.
+    The error of a matrix is max |RᵀR − I| / 2: how far its columns are from square unit vectors. Up to
+    `ORTHONORMAL_TOL` the nearest rotation is returned, beyond `ROUNDED_TOL` with a RoundedPoseWarning. Raises
+    InputError for a larger error or a reflection.
     """
     R = as_floats(value, name)
     if R.shape[-2:] != (3, 3):
@@ -310,7 +310,7 @@ def require_broadcast(**leading: tuple[int, ...]) -> None:
 
 
 def made_by(calls: str) -> Callable[[type[T]], type[T]]:
-    """Word the errors of a class's constructor; `calls` return its objects unchecked."""
+    """Decorate a class: its constructor raises InputError for bad fields and names the `calls` that make objects."""
 
     def worded(kind: type[T]) -> type[T]:
         construct = kind.__init__

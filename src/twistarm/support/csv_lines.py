@@ -44,9 +44,10 @@ def csv_lines(path: str | os.PathLike[str], bounds: Bounds) -> Iterator[str]:
 
 
 def lines_in(file: BinaryIO, name: str, bounds: Bounds) -> Iterator[str]:
-    """The lines of an open file or pipe, with their ends: UTF-16 with a byte-order mark, UTF-8, or Latin-1.
+    """The lines of an opened file or a pipe, with their ends.
 
-    Raises InputError for a line of more than `MAX_LINE` characters and beyond the bounds.
+    The text is UTF-16 by its byte-order mark, UTF-8 with or without a mark, or Latin-1. Raises InputError for a line of
+    more than `MAX_LINE` characters and for a file beyond the bounds, soon after it reads that far.
     """
     size = 0
     try:

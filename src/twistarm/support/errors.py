@@ -21,7 +21,7 @@ LONGEST_COMPARED = 200
 
 
 class TwistarmError(Exception):
-    """The base of all exceptions of twistarm. Its text is one line for any terminal."""
+    """The base of all errors that twistarm raises on purpose. Its text is one line that any terminal can show."""
 
     def __str__(self) -> str:
         return one_line(super().__str__())
@@ -34,9 +34,7 @@ class InputError(TwistarmError, ValueError):
 class DescriptionError(TwistarmError):
     """A robot description cannot be used.
 
-    The message names the file, the element and the remedy.
-
-    `.findings` holds the same as a `Finding`, with earlier ones.
+    `.findings` holds the same as a `Finding`, with all that was noticed before it.
     """
 
     def __init__(self, message: str, findings: tuple[Any, ...] = ()) -> None:
@@ -75,7 +73,7 @@ class MissingExtraError(TwistarmError, ImportError):
 
 
 class RoundedPoseWarning(UserWarning):
-    """A pose or rotation was rounded, and the nearest rotation replaces it."""
+    """A pose or rotation was rounded, as printed numbers are, and the nearest rotation was taken instead."""
 
 
 class UnitsWarning(UserWarning):
@@ -87,8 +85,10 @@ class ComparisonError(TwistarmError):
 
 
 def printable(text: str) -> str:
-    """`text` with escaped characters that a terminal would obey or hide: C0 and C1, escapes, marks of direction and of
-    no width, half characters. A non-breaking space becomes a visible one.
+    """`text` with every character escaped that a terminal would obey or not show.
+
+    These are line ends, C0 and C1, escapes, marks of direction and of no width, and half characters. A no-break space
+    stays.
     """
     if text.isprintable():
         return text

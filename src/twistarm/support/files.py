@@ -53,8 +53,8 @@ def why_no_file(path: Path) -> str:
 def open_regular(path: str | os.PathLike[str]) -> BinaryIO:
     """The regular file at `path`, opened to read, links followed.
 
-    It is opened first and then checked, so nothing can be swapped in between. A FIFO or a device neither blocks nor is
-    read. Raises OSError, with `strerror` in words, if it cannot be opened.
+    It is opened first and examined then, so that it cannot be replaced in between. A FIFO or a device neither blocks
+    nor is read. Raises OSError, its `strerror` in words, if no regular file can be opened.
     """
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
     try:
@@ -67,9 +67,10 @@ def open_regular(path: str | os.PathLike[str]) -> BinaryIO:
 
 
 def opened_path(file: BinaryIO | int) -> Path:
-    """The real path of an opened file or folder (or descriptor), without links.
+    """The path of an opened file or folder (or its descriptor), as the system knows it.
 
-    Raises OSError if the system does not tell: /proc is not mounted, or the file was deleted.
+    It has no links, and it holds even if the name means another file by now. Raises OSError if the system does not
+    tell: /proc is not mounted, or the file was deleted.
     """
     descriptor = file if isinstance(file, int) else file.fileno()
     if os.fstat(descriptor).st_nlink == 0:
@@ -91,8 +92,9 @@ def read_bounded(path: str | os.PathLike[str], most: int) -> bytes:
 
 
 def stamp(path: Path) -> tuple[int, ...] | None:
-    """The identity of a file's content: its time of change, its length, and its inode, because editors replace files.
-    None if missing.
+    """The time of change, length and inode of a file, which change with its content; None if there is no file.
+
+    The inode tells if an editor has replaced the file.
     """
     try:
         found = path.stat()
@@ -124,12 +126,13 @@ def as_paths(paths: Iterable[str | os.PathLike[str]], name: str) -> tuple[Path, 
 def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_description: bool = False) -> Path:
     """Write `content` to `path` so that a reader sees the old file or the new one, never a part.
 
-    Text is UTF-8 with unchanged line ends. A temporary file in the same folder takes the name in one step (POSIX
-    `rename`). On any error it is removed and the old file stays. A killed process leaves it, with a name that ends with
-    `.twistarm.part`. A link is followed. The file keeps the permissions of the one it replaces. Returns the path.
+    Text is written as UTF-8, with its line ends unchanged. The content goes into a temporary file in the same folder,
+    which then takes the name in one step (POSIX `rename`). On any error it is removed, and the old file stays. A killed
+    process leaves it, under a name that ends with `.twistarm.part`. A link is followed. An existing file keeps its
+    permissions, and the temporary one has them from its first byte. Returns the path.
 
-    Raises InputError if the folder is missing or not writable, if `path` is a folder or a device, and for a description
-    (`DESCRIPTIONS`) unless `over_description`.
+    Raises InputError if the folder does not exist or is not writable, or if `path` is a folder or a device. A
+    description (`DESCRIPTIONS`) is replaced only with `over_description`.
     """
     target = writable(path, over_description=over_description)
     data = content.encode("utf-8") if isinstance(content, str) else content
@@ -143,10 +146,8 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_desc
 def _replace_whole(target: Path, data: bytes) -> None:
     """Put `data` at `target` in one step.
 
-    Raises OSError, and then nothing has changed.
-
-    The temporary file belongs to this user alone until it has the group and permissions of the file it replaces. It
-    receives them before its first byte.
+    Only this user can read the temporary file until it has the group and the permissions of the file that it replaces.
+    It gets them before its first byte.
     """
     found = target.stat() if target.exists() else None
     mode = 0o666 if found is None else 0o600

@@ -15,12 +15,14 @@ USUAL = (signal.SIG_DFL, signal.default_int_handler)
 
 @contextmanager
 def ended_like_ctrl_c() -> Iterator[list[int]]:
-    """Treat a closed terminal and `kill` as Ctrl-C, by KeyboardInterrupt with the signal's name.
+    """Let a closed terminal and `kill` act as Ctrl-C does: by KeyboardInterrupt with the signal's name.
 
-    The cursor then returns, the arm comes to rest, the poses are kept, and no part of a file remains. The context gives
-    the list of received signals; the handler of the interruption then calls `end_by`. Only signals with their default
-    action are taken, and restored afterwards. An ignored one, as under `nohup`, and another handler stay. Outside the
-    main thread, where Python sets no handlers, nothing is taken.
+    The cursor then comes back, the arm comes to rest, the poses are kept and no part of a file is left. The context
+    gives the list of the signals that were sent. The code that handles the interruption ends the process by `end_by`.
+
+    Only signals with their usual effect are taken, and they get it back after the context. An ignored signal stays
+    ignored, as under `nohup`. The handler of a program or of an outer context stays. Outside the main thread nothing
+    is taken, because Python sets no handlers there.
     """
     sent: list[int] = []
 

@@ -13,8 +13,8 @@ _ABSOLUTE = re.compile(r"(?<![\w.:/~)}>-])(?:file://(?:localhost)?)?/(?:[^\s/'\"
 def without_places(text: str, *files: Path | None) -> str:
     """`text` with file paths reduced to the name, or to the path from a known folder.
 
-    Known are the folders above `files`, the home folder and the working one. Other absolute paths are found by their
-    slashes.
+    These are the folders above `files`, the home folder and the working one. Any other absolute path is recognised by
+    its slashes.
     """
     for folder in _folders(files):
         text = re.sub(rf"(?<![\w.:~)}}>-])(?:file://(?:localhost)?)?{re.escape(folder)}(?:/|(?![\w.-]))", "", text)

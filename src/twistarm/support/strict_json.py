@@ -54,7 +54,8 @@ def decoded(text: str | bytes) -> dict[str, Any]:
 def parsed(text: str) -> Any:
     """The value of a JSON text.
 
-    Raises ValueError, in one line, for invalid JSON, duplicate names, numbers beyond floats, and deep nesting.
+    Raises ValueError, in one line, for text that is no JSON, a name that is twice in an object, a number beyond the
+    floats, or too deep nesting.
     """
     try:
         return json.loads(text, parse_constant=_no_constant, parse_int=_whole, object_pairs_hook=_once)

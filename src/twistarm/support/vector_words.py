@@ -14,7 +14,7 @@ ALONG_AXIS = 0.995
 
 
 def axis_in_words(axis: Array, frame: str) -> str:
-    """The line of a unit vector (3,) by the name of its axis, of the "base" or the "tool", or numbers."""
+    """The line of a unit vector (3,) as the name of an axis of the "base" or the "tool", or as numbers."""
     return direction_in_words(axis * np.sign(axis[leading(np.abs(axis))]), frame)
 
 

@@ -1,7 +1,7 @@
 """Motions that an arm's tool has almost everywhere, and those it never has: ranks and common null spaces.
 
-Random configurations decide. The ranks of an analytic Jacobian are largest almost everywhere, and a direction that is
-missing at many random configurations is missing at all.
+Statements about "every posture" come from random ones. The ranks of an analytic Jacobian are the largest almost
+everywhere. A direction that is missing at many random postures is missing at all.
 """
 
 from __future__ import annotations
@@ -39,14 +39,12 @@ class Motions:
 
 @dataclass(frozen=True, eq=False)
 class Abilities:
-    """The number of directions in which the tool moves, and the missing ones.
+    """The number of directions that the tool moves in, and the missing ones. Axes are unit vectors, one a row.
 
-    Axes are unit vectors in rows.
-
-    `position`, `rotation`: ranks of the two halves of the Jacobian. `turning`: rank of the rotations that hold the
-    position, so position + turning is the whole rank. `immovable`, `unturned`: directions in base axes along and about
-    which the tool never moves. With the position held, `turned_base` and `turned_tool` are axes about which it can
-    always turn. `free` (k, 3, turning) spans all of them, in base axes.
+    `position` and `rotation` are the ranks of the two halves of the Jacobian. `turning` is the rank of the rotations
+    that hold the position; position + turning is the rank of the whole. `immovable` and `unturned` are directions in
+    base axes that no motion goes along or about. `turned_base` and `turned_tool` are axes in the base or the tool that
+    the tool can always turn about, with its position held. `free` (k, 3, turning) spans all of them, in base axes.
     """
 
     position: int

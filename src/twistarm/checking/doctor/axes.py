@@ -1,4 +1,4 @@
-"""Almost exact axes (arm/almost_exact.py) as a finding, with the rounded numbers of the file."""
+"""Axes that are almost exact, or nearly have a closed form, with the rounded numbers of the file."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from ...arm.almost_exact import (
 )
 from ...arm.arm import Arm
 from ...description.findings import Finding, finding
+from ...ik import closed_form_of
 from .source_text import SourceText
 from .wording import place_of
 
@@ -38,6 +39,20 @@ def check_axes(arm: Arm) -> Iterator[Finding]:
         f"{length_in_words(sum(near.moves for near in found))}; inverse kinematics allows for up to "
         f"{length_in_words(POSITION_ROUNDING)} and {math.degrees(ORIENTATION_ROUNDING):.1g}° of it, and says so",
         rewriting(arm, apart=any(near.apart for near in found)),
+    )
+
+
+def check_closed_form(arm: Arm) -> Iterator[Finding]:
+    """One finding if the axes just miss a family, by what looks like rounding; none for arms of another build."""
+    report = closed_form_of(arm)
+    if not report.nearly or report.held:
+        return
+    yield finding(
+        "closed-form-missed",
+        place_of(arm.description, arm.name),
+        f"{report.miss}: a {report.target} has no exact closed form; solve_ik_all corrects the answers of the nearest "
+        "exact arm, and cannot say whether these are all",
+        f"{rewriting(arm, apart=False)}; exact axes give every configuration, and the proof that a target has none",
     )
 
 

@@ -16,8 +16,7 @@ from ...description.tree import Description
 from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ...support.files import as_path
 from .abilities import Abilities, abilities_of, sample_motions
-from .axes import check_axes
-from .closed_form import check_closed_form
+from .axes import check_axes, check_closed_form
 from .idle import check_off_the_chain, check_without_effect
 from .inertia import check_inertias
 from .limits import check_limits, check_reach, check_zero
@@ -51,10 +50,10 @@ class Diagnosis:
 def diagnose(source: str | os.PathLike[str] | Arm, **load: Any) -> tuple[Finding, ...]:
     """All findings about a description: errors, then warnings, then remarks, each with its remedy.
 
-    In addition to the findings of `load_arm`: limits that look like degrees, singular configurations, impossible
-    inertias, meshes out of scale, a missing tool frame, idle joints, motions that the arm lacks, almost exact axes, and
-    a narrowly missed closed form. For a description that `load_arm` refuses, the errors are findings, and the readable
-    parts are still checked.
+    The doctor adds to the findings of `load_arm`: limits that look like degrees, singular postures, impossible
+    inertias, meshes out of scale, a missing tool frame and idle joints. It also tells what the arm cannot do with its
+    tool, which axes are almost exact, and which closed form of inverse kinematics they miss. The errors of a
+    description that `load_arm` refuses are findings here, and the rest of it is examined as far as it can be read.
 
     Args:
         source: As in `load_arm`, or an `Arm`.

@@ -26,11 +26,16 @@ from ...description.tree import Description, Joint
 from ...description.urdf import build_description
 from ...support.errors import InputError
 from ...support.files import is_file, writable
-from .equality import difference
 from .source_text import SourceText
 
 UNIT = 1e-9
 """An axis whose length is off by more is written anew."""
+
+SAMPLES = 20
+"""Random joint values at which every link's pose is compared."""
+
+SAME = 1e-12
+"""[m, rad], for each metre that the robot is large: the numbers are written in full."""
 
 _FIND = re.compile(r"^\$\(find\s+([^)\s]+)\)/?")
 _SCHEME = re.compile(r"^\w+://")
@@ -48,8 +53,8 @@ class Repair:
 def repair(description: Description, output: str | os.PathLike[str]) -> Repair:
     """The repaired text of a description, for the file `output`; a xacro source is expanded.
 
-    It is read again and must be the same robot: names, types, limits, and every link's pose at random joint values.
-    Raises InputError otherwise, and for an output that is no .urdf file or is the source.
+    The copy is read again and must be the same robot: names, types, limits, and every link's pose at random joint
+    values. Raises InputError otherwise, and for an output that is no .urdf file or is the source.
     """
     target = writable(output, over_description=True)
     if target.suffix != ".urdf":
@@ -152,10 +157,38 @@ def _moved_uri(uri: str, description: Description, folder: Path) -> str:
 
 
 def _without_root(file: Path, folder: Path) -> str:
-    """A mesh with an absolute path: its package's URI, a path relative to `folder`, or its name if missing."""
+    """The URI of a mesh with an absolute path: in its package, or relative to `folder`; for a missing file its name."""
     if not is_file(file):
         return file.name
     for package in file.parents:
         if name := package_name(package):
             return f"package://{name}/{file.relative_to(package).as_posix()}"
     return Path(os.path.relpath(file, folder)).as_posix()
+
+
+def difference(one: Description, other: Description) -> str:
+    """The first difference in links, joints, limits, couplings or poses, in words; empty if there is none."""
+    for what in ("links", "joints"):
+        ours, theirs = getattr(one, what), getattr(other, what)
+        if list(ours) != list(theirs):
+            return f"its {what} are others"
+    for joint in one.joints.values():
+        changed = _joint_difference(joint, other.joints[joint.name])
+        if changed:
+            return f"joint {joint.name!r} has another {changed}"
+    rng = np.random.default_rng(0)
+    values = {name: rng.uniform(-1.0, 1.0, SAMPLES) for name, joint in one.joints.items() if joint.scalar}
+    ours, theirs = one.link_poses(values), other.link_poses(values)
+    worst = max(float(np.abs(ours[link] - theirs[link]).max()) for link in ours)
+    size = max(float(np.abs(g).max()) for g in ours.values())
+    return "" if worst <= SAME * size else f"its links stand {worst:.2g} off"
+
+
+def _joint_difference(one: Joint, other: Joint) -> str:
+    """The field in which two joints differ; a turning joint without bounds is one kind, whatever it is called."""
+    names = ("parent", "child", "lower", "upper", "velocity", "effort", "acceleration", "jerk", "mimic")
+    for name in names:
+        if getattr(one, name) != getattr(other, name):
+            return name
+    kinds = {joint.type.replace("continuous", "revolute") for joint in (one, other)}
+    return "type" if len(kinds) > 1 else ""

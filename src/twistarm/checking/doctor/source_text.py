@@ -19,8 +19,8 @@ class Span(NamedTuple):
 class SourceText:
     """A well-formed XML text, its elements, and edits to it.
 
-    `robot` is the original root element. `edited` makes all collected edits at once; one element takes one change of
-    its start tag.
+    `robot` is the root element before any edit. `edited` makes all collected edits at once. Each element takes one
+    change of its start tag.
     """
 
     def __init__(self, text: str) -> None:

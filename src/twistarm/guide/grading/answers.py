@@ -1,4 +1,4 @@
-"""Answers for the grader: their form, a shape or the forms of their parts, and their numbers in a row."""
+"""Answers in the grader's form: a shape or the forms of the parts, and all numbers in a row."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ Form = Any
 """The shape of a number, () , or of an array; a tuple ("parts", form, …) of several; a text for what is neither."""
 
 UNDEFINED = ("ValueError", "ZeroDivisionError", "FloatingPointError", "OverflowError")
-"""Errors of functions such as math.acos where NumPy's give NaN or infinity: the same slip shows as either."""
+"""Errors of functions such as math.acos. NumPy gives NaN or infinity instead, so the same slip shows as either."""
 
 LARGEST = 10_000
-"""Numbers of an answer; a larger one is told by its shape alone."""
+"""The most numbers of an answer. A larger one is described by its shape."""
 
 
 @dataclass(frozen=True)
 class Failure:
     """An error of a function or a file: its type, its text, and the last line of the reader's file in it.
 
-    `module` is a failed import; `signature` that of a function that does not accept its arguments.
+    `module` is the module that could not be imported. `signature` is that of a function with the wrong arguments.
     """
 
     kind: str
@@ -37,7 +37,7 @@ class Failure:
 
     @classmethod
     def of(cls, error: BaseException, file: str, function: Any = None, given: int = 0) -> Failure:
-        """The report of an error; `file` is the name of the compiled code."""
+        """The failure that an error means. `file` is the name that the reader's code was compiled under."""
         lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == file]
         module = error.name or "" if isinstance(error, ModuleNotFoundError) else ""
         signature = ""
@@ -55,8 +55,8 @@ class Failure:
 class Answer:
     """One answer: its value (a number, an array, a list of values, None), its form and its numbers.
 
-    `error` is the raised error; `changed` are arguments that the function changed; `strange` describes an invalid
-    result.
+    `error` is the error instead of a value. `changed` are the arguments that the function changed. `strange` describes
+    a result that is no value.
     """
 
     value: Any = None
@@ -83,7 +83,7 @@ class Answer:
 
 
 def of_function(function: Callable[..., Any], arguments: tuple[Any, ...], file: str = "") -> Answer:
-    """The answer of a function. Errors are answers too, with lines of `file`, the reader's."""
+    """The answer of a function. An error is an answer too, with its line in `file`, the reader's file."""
     given = [each.copy() if isinstance(each, np.ndarray) else each for each in arguments]
     value, error, strange = None, None, ""
     try:
@@ -106,7 +106,7 @@ def _same(one: Any, other: Any) -> bool:
 
 
 def plain(value: Any, depth: int = 0) -> Any:
-    """A value with each list or tuple of equal parts as an array. Raises TypeError for other values."""
+    """A value with each list or tuple of equal parts made an array. TypeError for anything that has no numbers."""
     if value is None:
         return None
     if isinstance(value, (int, float, np.integer, np.floating, np.bool_)):

@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from ...arm.arm import Arm
-from ...support.errors import InputError, UnknownNameError, closest, listed, one_line, shown
+from ...support.errors import InputError, UnknownNameError, closest, listed, shown
 from ...support.files import read_bounded, why_no_file
 from ..exercises import LESSONS, Exercise, every_exercise, exercises_of
 from .progress import kept
 from .report import Report
 from .results import HEADER, verdicts_on
 from .running import SECONDS, Run, run, run_function
-from .verdict import Verdict, cases_of, judged, why_stopped
+from .verdict import Verdict, cases_of, judged
 
 LARGEST_FILE = 2**24
 """Bytes of a reader's file or of a results file."""
@@ -45,9 +45,8 @@ def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
     if name not in exercises:
         raise UnknownNameError(f"there is no exercise {name!r}{closest(name, exercises)}")
     cases = cases_of(exercises[name], arm, seed)
-    done = run_function(function, {name: [case.arguments for case in cases]})
-    answers = done.answers.get(name, done.ended)
-    report = Report(name, (judged(exercises[name], cases, answers),), printed=done.printed)
+    done = run_function(function, name, [case.arguments for case in cases])
+    report = Report(name, (judged(exercises[name], cases, done.answers[name]),), printed=done.printed)
     kept(Path(), report, only_there=True)
     return report
 
@@ -79,17 +78,17 @@ def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) ->
     cases = {name: cases_of(each, arm, seed) for name, each in exercises.items()}
     instances = {name: [case.arguments for case in rows] for name, rows in cases.items()}
     done = run(text, path.name, path.absolute().parent, instances, seconds)
-    problem, excerpt = _problem(done)
     verdicts = [
         judged(each, cases[name], done.answers[name]) if name in done.answers else _missing(each, done)
         for name, each in exercises.items()
         if name in done.answers or name in expected
     ]
+    problem = done.problem
     if not problem and not verdicts:
         there = f"its functions are {listed(done.own)}" if done.own else "it defines no functions"
         near = next((words for name in done.own if (words := closest(name, every_exercise()))), "")
         problem = f"it has none of the exercises: {there}{near}; `twistarm guide exercises` writes files to fill in"
-    return Report(path.name, () if problem else tuple(verdicts), problem, excerpt, done.printed)
+    return Report(path.name, () if problem else tuple(verdicts), problem, done.excerpt, done.printed)
 
 
 def _text(path: Path) -> str:
@@ -104,22 +103,6 @@ def _text(path: Path) -> str:
         raise InputError(
             f"{path} is no UTF-8 text (byte {error.start + 1} is 0x{error.object[error.start]:02x}): save it as UTF-8"
         ) from error
-
-
-def _problem(done: Run) -> tuple[str, tuple[str, ...]]:
-    """Why a file cannot be used, in a sentence, and the line with a syntax error, with a caret below."""
-    if done.syntax is not None:
-        message, line, column, text = done.syntax
-        text = text.rstrip("\n")
-        at = max(column - 1 - (len(text) - len(text.lstrip())), 0)
-        excerpt = (f"    {text.strip()}", "    " + " " * at + "^") if text.strip() else ()
-        return f"line {line}: {message}" if line else one_line(message, 200), excerpt
-    if done.ended:
-        return f"while it was read it {done.ended}", ()
-    if done.failed is None:
-        return "", ()
-    where = f"line {done.failed.line}: " if done.failed.line else ""
-    return f"{where}it {why_stopped(done.failed)}", ()
 
 
 def _missing(exercise: Exercise, done: Run) -> Verdict:

@@ -37,7 +37,7 @@ def read_progress(folder: Path) -> dict[str, dict[str, Any]]:
 
 
 def folder_with_progress(given: Path, usual: Path) -> Path:
-    """The folder of the requested progress: the given one, or the usual one in the present folder.
+    """The folder with the progress: the given one, or the usual one in it.
 
     Raises:
         InputError: It is no folder, or holds no progress.
@@ -54,7 +54,7 @@ def folder_with_progress(given: Path, usual: Path) -> Path:
 
 
 def folder_of(path: Path) -> Path:
-    """The folder of a graded file's progress: its own, or the parent if only that has a file."""
+    """The folder with a graded file's progress: the file's own, or the one above if only that has progress."""
     own = path.absolute().parent
     above = why_no_file(own / NAME) == NO_SUCH_FILE and not why_no_file(own.parent / NAME)
     return own.parent if above else own
@@ -67,11 +67,9 @@ def begun(folder: Path) -> None:
 
 
 def kept(folder: Path, report: Report, only_there: bool = False) -> str:
-    """Record a report in the folder's file.
+    """Note a report in the folder's file. Returns a sentence if that fails; the report is valid either way.
 
-    Returns a sentence if that fails.
-
-    `only_there`: only if the file exists.
+    With `only_there` nothing is written if the folder has no such file.
     """
     if not report.verdicts or (only_there and why_no_file(folder / NAME)):
         return ""

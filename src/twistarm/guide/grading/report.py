@@ -10,7 +10,7 @@ RIGHT, NOT_RIGHT, NOT_USABLE = 0, 1, 2
 """Exit codes: all right; something is not right, or not written yet; the file cannot be used."""
 
 SHOWN_LINES, SHOWN_LETTERS = 12, 200
-"""Of what the reader's code printed; it is there for the reader's own trials."""
+"""The most lines, and letters of a line, that are shown of what the reader's code printed."""
 
 SIGNS = {"right": "✓", "wrong": "✗", "unwritten": "…", "unusable": "✗"}
 
@@ -19,8 +19,8 @@ SIGNS = {"right": "✓", "wrong": "✗", "unwritten": "…", "unusable": "✗"}
 class Report:
     """The graded exercises and their verdicts.
 
-    `problem` says in one sentence why the file cannot be used. `excerpt` is its line with a caret for a syntax error.
-    `printed` is the output of the reader's code.
+    `problem` says in one sentence why the whole file cannot be used. For a syntax error, `excerpt` has its line and a
+    caret below. `printed` is what the reader's code printed.
     """
 
     subject: str

@@ -48,7 +48,10 @@ Rows = dict[tuple[str, int], dict[str, Any]]
 
 
 def verdicts_on(text: str, path: Path) -> Iterator[Verdict]:
-    """A verdict for each exercise of a complete results file, in words of Octave and MATLAB."""
+    """A verdict for each exercise of a results file, in words of Octave and MATLAB.
+
+    None is right if the script did not run to its end.
+    """
     lines = text.splitlines()
     ran = {tuple(line.split(",")[:2]) for line in lines[1:] if line.strip() and not line.startswith("#")}
     whole = f"# {len(ran)} cases" in lines
@@ -62,7 +65,7 @@ def verdicts_on(text: str, path: Path) -> Iterator[Verdict]:
 
 
 def in_octave(words: str) -> str:
-    """The words of a verdict for Octave or MATLAB."""
+    """A verdict's words in the terms of Octave and MATLAB."""
     for python, octave in IN_OCTAVE:
         words = words.replace(python, octave)
     return words
@@ -127,7 +130,7 @@ def _case(exercise: Exercise, entry: dict[str, Any], path: Path) -> Case:
 
 @cache
 def _forms(exercise: str) -> tuple[int, ...]:
-    """The number of axes of each argument of an exercise."""
+    """How many axes each argument of an exercise has, on any arm."""
     instances = every_exercise()[exercise].instances(np.random.default_rng(0), load_arm("rr_planar"))
     return tuple(np.ndim(each) for each in next(iter(instances)))
 
@@ -137,7 +140,7 @@ def _as(numbers: Any, axes: int) -> Any:
 
 
 def _answer(entry: dict[str, Any], case: Case) -> Answer:
-    """An answer in the expected form; a row may be a column."""
+    """An answer, with a row or column made a vector or a number if one is expected."""
     text = entry.get("error", None if "answer" in entry else "it gave no answer")
     if text is not None:
         return Answer(error=Failure("NotImplementedError" if "not written yet" in text else "an error", text))

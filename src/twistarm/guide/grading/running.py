@@ -1,8 +1,6 @@
-"""Run a reader's code in a copy of this process, with limits of time, memory and output.
+"""A reader's code, run in a copy of this process with limits for its time, its memory and what it prints.
 
-The copy sends pairs: ("syntax", (message, line, column, text)), ("failed", Failure) and ("loaded", (functions, own
-ones)) of a file; ("begin", name) and ("answers", (name, list of `Answer`)) of each exercise; ("printed", text) of
-either. The last is ("ended", how), of the copy.
+The copy sends its `Run` after each step. It sends what the code prints as text.
 """
 
 from __future__ import annotations
@@ -16,14 +14,15 @@ import sys
 import time
 import types
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from ...support.errors import one_line
 from .answers import Answer, Failure, of_function
+from .verdict import why_stopped
 
 SECONDS = 10.0
 """For the file to be read, and for each exercise again."""
@@ -35,91 +34,79 @@ OUTPUT = 10_000
 """Characters of what is printed that are kept; the rest is forgotten."""
 
 IN_SANDBOX = "TWISTARM_GUIDE_GRADING"
-"""Set where a reader's code is graded: a `check` in it does nothing then."""
+"""Set while a reader's code is graded: a `check` in it does nothing then."""
 
-Functions = Mapping[str, Callable[..., Any]]
-Instances = Mapping[str, Sequence[tuple[Any, ...]]]
-Tell = Callable[[tuple[str, Any]], None]
+Rows = Sequence[tuple[Any, ...]]
 
 
 @dataclass
 class Run:
     """The result of a file: its functions, each exercise's answers, its output, and its errors.
 
-    `answers` has a text for an exercise that ended the process. `syntax` is (message, line, column, text), `failed` the
-    error of loading. `ended` says how the process ended during loading.
+    `own` are the functions that the file defines itself. `answers` has a text for an exercise that ended the process.
+    `problem` says why the file cannot be used; `excerpt` shows a syntax error with a caret below. `at` is the exercise
+    that is being answered, empty while the file is read, None at the end.
     """
 
     functions: tuple[str, ...] = ()
     own: tuple[str, ...] = ()
     answers: dict[str, list[Answer] | str] = field(default_factory=dict)
-    syntax: tuple[str, int, int, str] | None = None
-    failed: Failure | None = None
-    ended: str = ""
+    problem: str = ""
+    excerpt: tuple[str, ...] = ()
     printed: str = ""
+    at: str | None = ""
 
 
-def run(source: str, name: str, folder: Path, instances: Instances, seconds: float = SECONDS) -> Run:
-    """Run a reader's file and its functions on those instances. If one ends the process, the others get another."""
-    done, left, functions = Run(), list(instances), partial(_load, source, name, folder)
-    while True:
-        before = done.printed
-        at = _run_copy(done, functions, {each: instances[each] for each in left}, name, seconds)
-        done.printed = before or done.printed
-        left = left[left.index(at) + 1 :] if at else []
-        if not left:
-            return done
+Tell = Callable[[Run | str], None]
 
 
-def run_function(function: Callable[..., Any], instances: Instances, seconds: float = SECONDS) -> Run:
-    """Run a function of this process on the instances of its one exercise."""
+def run(source: str, name: str, folder: Path, instances: Mapping[str, Rows], seconds: float = SECONDS) -> Run:
+    """Run a reader's file and its functions on those instances.
+
+    Where an exercise ends the process, another copy goes on with the next.
+    """
+
+    def work(done: Run, tell: Tell) -> None:
+        functions = _load(done, source, name, folder)
+        for each, rows in instances.items():
+            if each in functions and each not in done.answers:
+                _answer(done, each, functions[each], rows, name, tell)
+        tell(replace(done, at=None))
+
     done = Run()
-    _run_copy(done, lambda _: dict.fromkeys(instances, function), instances, function.__code__.co_filename, seconds)
+    while done.at is not None:
+        printed = done.printed
+        done = _in_a_copy(replace(done, at=""), work, seconds)
+        done.printed = printed or done.printed
+        if done.problem:
+            break
     return done
 
 
-def _run_copy(
-    done: Run, functions: Callable[[Tell], Functions], instances: Instances, file: str, seconds: float
-) -> str | None:
-    """Note in `done` what a copy tells; the exercise in which it ended."""
-    at, said = None, False
-    for what, value in _told(partial(_grade, functions, instances, file), seconds):
-        if what == "printed":
-            done.printed += value
-        elif what == "begin":
-            at = value
-        elif what == "ended":
-            if at is not None:
-                done.answers[at] = value
-            elif not said:
-                done.ended = value
-        elif what == "answers":
-            at, done.answers[value[0]] = None, value[1]
-        elif what == "loaded":
-            done.functions, done.own = value
-        else:
-            setattr(done, what, value)
-        said = said or what != "printed"
-    return at
+def run_function(function: Callable[..., Any], name: str, rows: Rows, seconds: float = SECONDS) -> Run:
+    """Run a function of this process on the instances of its exercise."""
+    file = function.__code__.co_filename
+    return _in_a_copy(Run(at=name), lambda done, tell: _answer(done, name, function, rows, file, tell), seconds)
 
 
-def _told(work: Callable[[Tell], None], seconds: float) -> Iterator[tuple[str, Any]]:
-    """The messages of a copy of this process, with at most so many seconds between them."""
+def _in_a_copy(done: Run, work: Callable[[Run, Tell], None], seconds: float) -> Run:
+    """The run after a copy of this process went on with it, with at most so many seconds for each step."""
     context = multiprocessing.get_context("fork")
     told, telling = context.Pipe(duplex=False)
-    copy = context.Process(target=_be_the_copy, args=(work, telling.send))
+    copy = context.Process(target=_be_the_copy, args=(work, done, telling.send))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # of threads: the copy uses nothing that they hold
         copy.start()
     telling.close()
-    until = time.monotonic() + seconds
+    until, printed = time.monotonic() + seconds, ""
     how = f"was not done after {seconds:g} s: does a loop or a recursion never end?"
     try:
         while told.poll(max(until - time.monotonic(), 0.0)):
-            what, value = told.recv()
-            if what != "printed":
-                until = time.monotonic() + seconds
-            yield what, value
+            said = told.recv()
+            if isinstance(said, str):
+                printed += said
+            else:
+                done, until = said, time.monotonic() + seconds
     except (EOFError, OSError):
         copy.join(1.0)
         how = _how_it_ended(copy.exitcode)
@@ -129,7 +116,12 @@ def _told(work: Callable[[Tell], None], seconds: float) -> Iterator[tuple[str, A
         copy.kill()
         copy.join()
         told.close()
-    yield "ended", how
+    if done.at:
+        done.answers.setdefault(done.at, how)
+    elif done.at is not None:
+        done.problem = f"while it was read it {how}"
+    done.printed = printed
+    return done
 
 
 def _how_it_ended(code: int | None) -> str:
@@ -140,22 +132,22 @@ def _how_it_ended(code: int | None) -> str:
 
 
 class _Printed(io.TextIOBase):
-    """Standard output with a limited length."""
+    """Standard output that sends its beginning."""
 
     def __init__(self, tell: Tell) -> None:
         self._tell, self._left = tell, OUTPUT
 
     def write(self, text: str) -> int:
-        """Tell what there is room for."""
+        """Send what there is room for."""
         kept = text[: self._left]
         self._left -= len(kept)
         if kept:
-            self._tell(("printed", kept))
+            self._tell(kept)
         return len(text)
 
 
-def _be_the_copy(work: Callable[[Tell], None], tell: Tell) -> None:
-    """Release the terminal or notebook, limit the memory to `MEMORY` more, work, and end at once."""
+def _be_the_copy(work: Callable[[Run, Tell], None], done: Run, tell: Tell) -> None:
+    """Let go of the terminal or the notebook, take at most `MEMORY` more than now, work, and end at once."""
     try:
         os.setsid()
         sys.stdin, sys.stdout = io.StringIO(), _Printed(tell)
@@ -166,38 +158,36 @@ def _be_the_copy(work: Callable[[Tell], None], tell: Tell) -> None:
             pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
             most = MEMORY + pages * resource.getpagesize()
             resource.setrlimit(resource.RLIMIT_AS, (most, most))
-        work(tell)
+        work(done, tell)
     finally:
         os._exit(0)
 
 
-def _grade(functions: Callable[[Tell], Functions], instances: Instances, file: str, tell: Tell) -> None:
-    """Find the functions and have them answer."""
-    found = functions(tell)
-    for name, rows in instances.items():
-        if name in found:
-            tell(("begin", name))
-            tell(("answers", (name, list(_answers(found[name], rows, file)))))
-
-
-def _answers(function: Callable[..., Any], rows: Sequence[tuple[Any, ...]], file: str) -> Iterator[Answer]:
-    """What a function answers, until it says that it is not written."""
+def _answer(done: Run, name: str, function: Callable[..., Any], rows: Rows, file: str, tell: Tell) -> None:
+    """Have a function answer each of the rows, until it says that it is not written."""
+    done.at = name
+    tell(done)
+    answers: list[Answer] = []
     for row in rows:
-        answer = of_function(function, row, file)
-        yield answer
-        if answer.error is not None and answer.error.kind == "NotImplementedError":
-            return
+        answers.append(of_function(function, row, file))
+        if (error := answers[-1].error) is not None and error.kind == "NotImplementedError":
+            break
+    done.answers[name] = answers
+    tell(done)
 
 
-def _load(source: str, name: str, folder: Path, tell: Tell) -> Functions:
-    """The functions that a reader's file defines; none, with the reason, if it cannot be run."""
+def _load(done: Run, source: str, name: str, folder: Path) -> Mapping[str, Callable[..., Any]]:
+    """The functions that a reader's file defines; none, and a problem noted, where it cannot be run."""
     try:
         code = compile(source, name, "exec", dont_inherit=True)
     except SyntaxError as error:
-        tell(("syntax", (str(error.msg), error.lineno or 0, error.offset or 0, (error.text or "")[:200])))
+        message, text = str(error.msg), (error.text or "")[:200].rstrip("\n")
+        at = max((error.offset or 0) - 1 - (len(text) - len(text.lstrip())), 0)
+        done.problem = f"line {error.lineno}: {message}" if error.lineno else one_line(message, 200)
+        done.excerpt = (f"    {text.strip()}", "    " + " " * at + "^") if text.strip() else ()
         return {}
     except (ValueError, RecursionError, MemoryError, OverflowError) as error:
-        tell(("syntax", (f"it cannot be read as Python: {error or type(error).__name__}", 0, 0, "")))
+        done.problem = one_line(f"it cannot be read as Python: {error or type(error).__name__}", 200)
         return {}
     os.chdir(folder)
     sys.path.append(str(folder))
@@ -207,10 +197,11 @@ def _load(source: str, name: str, folder: Path, tell: Tell) -> Functions:
     try:
         exec(code, vars(module))
     except BaseException as error:
-        tell(("failed", Failure.of(error, name)))
+        failure = Failure.of(error, name)
+        done.problem = f"{f'line {failure.line}: ' if failure.line else ''}it {why_stopped(failure)}"
         return {}
     there = {key: each for key, each in vars(module).items() if callable(each) and not key.startswith("_")}
-    # What another module defines is none of the reader's own; a value that can be called has no module.
+    # A function that another module defines was imported; a value that can be called has no module.
     own = {key: each for key, each in there.items() if getattr(each, "__module__", None) in (None, module.__name__)}
-    tell(("loaded", (tuple(there), tuple(own))))
+    done.functions, done.own = tuple(there), tuple(own)
     return own

@@ -36,10 +36,10 @@ STOPS = {
 
 @dataclass(frozen=True)
 class Verdict:
-    """The verdict on one exercise.
+    """The grader's verdict on one exercise.
 
-    `state` is "right", "wrong", "unwritten" or "unusable". `slip` is the name of a known mistake. `words` are sentences
-    for the reader.
+    `state` is "right", "wrong", "unwritten" or "unusable". `slip` is the name of a known mistake. `words` are a
+    sentence or a few for the reader.
     """
 
     exercise: str
@@ -108,7 +108,7 @@ def _right(exercise: Exercise, case: Case, answer: Answer) -> bool:
 
 
 def _alike(exercise: Exercise, case: Case, answer: Answer, slip: Answer) -> bool:
-    """Whether a mistake explains an answer: the same form and numbers, NaN like NaN, or the same error."""
+    """Whether a slip explains an answer: the same form and numbers, with NaN equal to NaN or to an error."""
     if answer.error is not None and slip.error is not None:
         return answer.error.kind == slip.error.kind
     if answer.error is not None or slip.error is not None:
@@ -144,7 +144,7 @@ def _of_the_case(exercise: Exercise, case: Case, answer: Answer) -> tuple[str, s
 
 
 def _part_that_differs(exercise: Exercise, right: Any, yours: Any) -> tuple[str, Any, Any]:
-    """The first column, row or number that differs in large arrays, and its place."""
+    """The first column, row or number that differs in arrays that are too large for a line, and its name."""
     if isinstance(right, list) or np.size(right) <= LARGEST_SHOWN:
         return "", right, yours
     scale = max(1.0, float(np.abs(right).max()))
@@ -178,7 +178,7 @@ def why_stopped(error: Failure, where: str = "") -> str:
 
 
 def _of_a_name_taken(exercise: Exercise, text: str) -> str:
-    """The fault if an argument is used as the module or function of the same name, or nothing."""
+    """The problem, if an argument is used as the module or function of the same name; else empty."""
     missing = re.fullmatch(r"'numpy.ndarray' object has no attribute '(\w+)'", text)
     meant = next((each for each in THEORY if missing and hasattr(import_module(f"{THEORY_OF}.{each}"), missing[1])), "")
     if missing and meant:
