@@ -93,7 +93,7 @@ def _in_a_copy(done: Run, work: Callable[[Run, Tell], None], seconds: float) -> 
     """The run after a copy of this process went on with it, with at most so many seconds for each step."""
     context = multiprocessing.get_context("fork")
     told, telling = context.Pipe(duplex=False)
-    copy = context.Process(target=_be_the_copy, args=(work, done, telling.send))
+    copy = context.Process(target=_be_the_copy, args=(work, done, telling.send, told.close))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # of threads: the copy uses nothing that they hold
         copy.start()
@@ -146,9 +146,10 @@ class _Printed(io.TextIOBase):
         return len(text)
 
 
-def _be_the_copy(work: Callable[[Run, Tell], None], done: Run, tell: Tell) -> None:
-    """Let go of the terminal or the notebook, take at most `MEMORY` more than now, work, and end at once."""
+def _be_the_copy(work: Callable[[Run, Tell], None], done: Run, tell: Tell, close_other_end: Callable[[], None]) -> None:
+    """Release the terminal or notebook, limit the memory to `MEMORY` more than now, work, and end at once."""
     try:
+        close_other_end()  # sending then fails once the grader is gone
         os.setsid()
         sys.stdin, sys.stdout = io.StringIO(), _Printed(tell)
         sys.stderr = sys.stdout
