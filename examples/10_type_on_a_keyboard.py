@@ -34,8 +34,8 @@ for letter in "URC":
     to_it = LineMove if segments else JointMove
     segments += [
         to_it(facing(letter, CLEARANCE)),
-        LineMove(facing(letter, -TRAVEL), tool_speed=SPEED, label=f"press {letter}"),
-        LineMove(facing(letter, CLEARANCE), tool_speed=SPEED),
+        LineMove(facing(letter, -TRAVEL), linear_speed=SPEED, label=f"press {letter}"),
+        LineMove(facing(letter, CLEARANCE), linear_speed=SPEED),
     ]
 motion = plan(arm, [*segments, JointMove("ready")], start="ready")
 

@@ -19,9 +19,9 @@ motion = plan(
     arm,
     [
         JointMove(Approach(cap + CLEARANCE * axis, -axis), label="open gripper"),
-        LineMove(Approach(cap, -axis), tool_speed=0.1),
+        LineMove(Approach(cap, -axis), linear_speed=0.1),
         Dwell(0.5, label="close gripper"),
-        ScrewMove.about(axis, cap, angle, pitch, turn_speed=1.5, label="off the thread"),
+        ScrewMove.about(axis, cap, angle, pitch, angular_speed=1.5, label="off the thread"),
         LineMove.by(CLEARANCE * axis, frame="base"),
     ],
     start="ready",

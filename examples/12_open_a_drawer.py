@@ -15,9 +15,9 @@ motion = plan(
     arm,
     [
         JointMove(Approach(handle - 0.08 * into, into), label="open gripper"),
-        LineMove(Approach(handle, into), tool_speed=SPEED),
+        LineMove(Approach(handle, into), linear_speed=SPEED),
         Dwell(0.5, label="close gripper"),
-        LineMove.by(-LENGTH * into, frame="base", tool_speed=SPEED, label="drawer open"),
+        LineMove.by(-LENGTH * into, frame="base", linear_speed=SPEED, label="drawer open"),
         Dwell(0.5, label="open gripper"),
         LineMove.by(-0.06 * into, frame="base", blend=0.02),
         LineMove.by(above, frame="base"),

@@ -16,10 +16,10 @@ motion = plan(
     arm,
     [
         JointMove(Approach(end + 0.05 * normal, -normal), label="open gripper"),
-        LineMove(Approach(end, -normal), tool_speed=0.1),
+        LineMove(Approach(end, -normal), linear_speed=0.1),
         Dwell(0.5, label="close gripper"),
-        ArcMove.about(normal, hinge, ANGLE, tool_speed=0.1, label="latch swung"),
-        LineMove.by(-0.01 * normal, frame="base", tool_speed=0.02, label="open gripper"),
+        ArcMove.about(normal, hinge, ANGLE, linear_speed=0.1, label="latch swung"),
+        LineMove.by(-0.01 * normal, frame="base", linear_speed=0.02, label="open gripper"),
         LineMove.by(0.06 * normal, frame="base"),
     ],
     start="ready",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from twistarm.ik import IKSolution, solve_ik, textbook
+from twistarm.ik import IKResult, solve_ik, textbook
 from twistarm.ik.request import checked
 from twistarm.ik.targets import target_for
 
@@ -21,7 +21,7 @@ def textbook_ik(arm, target, theta0=None, **how):
         "posture": None,
     }
     request = checked(arm, theta0, **usual | how)
-    return IKSolution(arm, textbook.solve(arm, asked, request), asked)
+    return IKResult(arm, textbook.solve(arm, asked, request), asked)
 
 
 SOLVERS = [pytest.param(solve_ik, id="core"), pytest.param(textbook_ik, id="textbook")]

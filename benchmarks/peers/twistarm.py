@@ -19,11 +19,11 @@ class Solver:
         limits = {side: dict(zip(robot["joints"], robot[side], strict=True)) for side in ("lower", "upper")}
         self.arm = twistarm.load_arm(robot["whole_urdf"], base=robot["base"], tip=robot["tip"], limits=limits)
 
-    def solve(self, g: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, bool, twistarm.IKSolution]:
+    def solve(self, g: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, bool, twistarm.IKResult]:
         solution = twistarm.solve_ik(self.arm, g, start)
         return solution.theta, solution.converged, solution
 
-    def reason(self, solution: twistarm.IKSolution) -> str:
+    def reason(self, solution: twistarm.IKResult) -> str:
         """Found by the call; written out by whoever reads it."""
         return solution.stop.name
 

@@ -25,11 +25,11 @@ from .control.servo import ServoStatus as ServoStatus
 from .control.servo import TwistCommand as TwistCommand
 from .control.servo import servo_step as servo_step
 from .description.findings import Finding as Finding
+from .ik import AllSolutions as AllSolutions
+from .ik import AllSolutionsBatch as AllSolutionsBatch
 from .ik import Approach as Approach
 from .ik import IKBatch as IKBatch
-from .ik import IKSolution as IKSolution
-from .ik import IKSolutions as IKSolutions
-from .ik import IKSolutionsBatch as IKSolutionsBatch
+from .ik import IKResult as IKResult
 from .ik import Pose as Pose
 from .ik import Position as Position
 from .ik import StopReason as StopReason
@@ -41,8 +41,8 @@ from .ik import solve_ik_batch as solve_ik_batch
 from .ik import subproblems as subproblems
 from .limits.actuators import Actuators as Actuators
 from .limits.joint_limits import JointLimits as JointLimits
+from .planning import ActiveLimit as ActiveLimit
 from .planning import ArcMove as ArcMove
-from .planning import Binding as Binding
 from .planning import Dwell as Dwell
 from .planning import JointMove as JointMove
 from .planning import LineMove as LineMove
@@ -51,7 +51,7 @@ from .planning import PathError as PathError
 from .planning import ScrewMove as ScrewMove
 from .planning import Segment as Segment
 from .planning import Trajectory as Trajectory
-from .planning import binding_limits as binding_limits
+from .planning import active_limits as active_limits
 from .planning import load_motion as load_motion
 from .planning import load_trajectory as load_trajectory
 from .planning import plan as plan

@@ -31,7 +31,7 @@ def same(arm: Arm, other: Arm) -> None:
     assert np.array_equal(arm.home, other.home)
     assert np.array_equal(arm.screws, other.screws)
     assert np.array_equal(arm.ready, other.ready)
-    assert arm.disabled_pairs == other.disabled_pairs
+    assert arm.disabled_collisions == other.disabled_collisions
     theta = other.random_theta(np.random.default_rng(1), 3)
     assert np.allclose(arm.fk(theta), other.fk(theta), atol=1e-14)
 

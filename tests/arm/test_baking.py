@@ -46,7 +46,7 @@ def test_every_arm_of_the_catalogue(catalogue_arm: Arm, tmp_path: Path) -> None:
 def test_all_that_an_arm_may_have(everything: Arm, tmp_path: Path) -> None:
     """Followers, a tool of the arm.toml, motors with and without ticks, poses, pairs that need no check."""
     assert everything.moving_names == ("a", "b", "c")
-    assert everything.disabled_pairs
+    assert everything.disabled_collisions
     assert everything.actuators is not None
     path = bake(everything, tmp_path)
     baked = load_arm(path)

@@ -76,7 +76,7 @@ REFUSED: dict[str, tuple[str, Any, str]] = {
     ),
     "ready beyond the limits": ("ready", [9.0, 0.0, 0.0, 0.0, 0.0], "ready lies outside the limits"),
     "motors with limits of another size": ("actuators", LIMITED, "limits of 1 actuators must be those of 1"),
-    "a pair of three": ("disabled_pairs", [["a", "b", "c"]], "too many values to unpack"),
+    "a pair of three": ("disabled_collisions", [["a", "b", "c"]], "too many values to unpack"),
     "a proof of nothing": ("proof", {}, "'pose_error' is missing"),
 }
 

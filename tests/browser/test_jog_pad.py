@@ -240,7 +240,7 @@ def test_the_gauges_near_a_singularity_and_near_a_limit(benches: Benches) -> Non
     singularity, limit = (page.get_by_role("meter", name=name) for name in ("singularity", "limit"))
     J = arm.by_pinocchio(theta)[2]
     scaled = np.diag([1 / arm.reach] * 3 + [1.0] * 3) @ J  # all joints turn
-    share = np.linalg.svd(scaled, compute_uv=False)[-1] / ServoSettings().singular_below
+    share = np.linalg.svd(scaled, compute_uv=False)[-1] / ServoSettings().singularity_threshold
     assert share < 1
     assert float(singularity.get_attribute("aria-valuenow")) == pytest.approx(share, abs=0.006)
     assert singularity.get_attribute("aria-valuetext").startswith("near: slowed")

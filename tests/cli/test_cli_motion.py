@@ -27,7 +27,7 @@ def test_the_file_that_init_writes_is_planned(capsys: Capture, tmp_path: Path) -
     arm = load_arm("rover_arm")
     assert np.allclose(planned["waypoints"][-1], arm.ready)
     assert "close gripper" in (tmp_path / "m.csv").read_text("utf-8")
-    longest = max(planned["binding"], key=lambda each: each["end"] - each["begin"])
+    longest = max(planned["active_limits"], key=lambda each: each["end"] - each["begin"])
     assert (longest["rate"], longest["name"]) == ("acceleration", "slide")  # 5 cm at 1 m/s²: half of them to brake
     assert run(["follow", "rover_arm", str(file), "--no-browser", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["duration"] == planned["duration"]
@@ -40,10 +40,10 @@ def test_the_file_that_init_writes_is_planned(capsys: Capture, tmp_path: Path) -
 def test_a_line_is_planned_to_a_typed_position(capsys: Capture) -> None:
     arm = load_arm("rover_arm")
     p = arm.fk(arm.ready)[:3, 3] + [0.05, 0.05, 0.0]
-    planned = answer(capsys, "plan", "rover_arm", "--xyz", " ".join(map(str, p)), "--line", "--tool-speed", "0.1")
+    planned = answer(capsys, "plan", "rover_arm", "--xyz", " ".join(map(str, p)), "--line", "--linear-speed", "0.1")
     np.testing.assert_allclose(arm.fk(planned["waypoints"][-1])[:3, 3], p, atol=1e-6)
     assert planned["duration"] > np.linalg.norm([0.05, 0.05]) / 0.1
-    assert "tool speed" in [each["rate"] for each in planned["binding"]]
+    assert "tool speed" in [each["rate"] for each in planned["active_limits"]]
 
 
 @pytest.mark.parametrize(
@@ -110,9 +110,9 @@ def test_each_position_may_have_its_own_direction(capsys: Capture) -> None:
 
 def test_what_is_typed_goes_before_what_the_file_says(capsys: Capture, tmp_path: Path) -> None:
     file = tmp_path / "motion.toml"
-    file.write_text("start = 'zero'\ntool_speed = 0.2\n[[segment]]\njoint = 'ready'", "utf-8")
+    file.write_text("start = 'zero'\nlinear_speed = 0.2\n[[segment]]\njoint = 'ready'", "utf-8")
     planned, slower = (
-        answer(capsys, "plan", "rover_arm", str(file), *typed) for typed in ([], ["--tool-speed", "0.02"])
+        answer(capsys, "plan", "rover_arm", str(file), *typed) for typed in ([], ["--linear-speed", "0.02"])
     )
     assert (planned["start"], planned["waypoints"][0]) == ("zero", [0.0] * 5)
     assert slower["duration"] > 5 * planned["duration"]

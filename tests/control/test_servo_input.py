@@ -49,7 +49,7 @@ REFUSED = [
     (lambda: TwistCommand([0, 0, 1e155, 0, 0, 0]), "twist must be at most 10000 in size, in SI units; got 1e.155"),
     (lambda: PoseCommand(np.array([[1, 0, 0, 1e160], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])), "g must be at most"),
     (lambda: ServoState.at(load("ur5"), np.full(6, 1e9)), "theta must be at most 1e.06 in size; got 1e.09"),
-    (lambda: ServoSettings(singular_below=1e-4), "singular_below must be more than 0.001"),
+    (lambda: ServoSettings(singularity_threshold=1e-4), "singularity_threshold must be more than 0.001"),
     (lambda: ServoSettings(length=-1.0), "length must be a positive number; got -1.0"),
     (lambda: ServoSettings(position_margin=-0.1), "position_margin must not be negative, in rad or m; got -0.1"),
     (lambda: ServoState.at(load("ur5"), np.zeros((2, 6))), "one configuration"),

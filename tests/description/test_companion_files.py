@@ -107,7 +107,7 @@ def test_names_that_are_not_there_are_one_warning(urdf: Path) -> None:
         '<disable_collisions link1="upper" link2="hand"/><disable_collisions link1="upper" link2="base_link"/></robot>'
     )
     arm = load_arm(urdf, srdf=write(urdf.parent, text, "arm.srdf"))
-    assert arm.disabled_pairs == {("base_link", "upper")}
+    assert arm.disabled_collisions == {("base_link", "upper")}
     (finding,) = [finding for finding in arm.findings if finding.code == "srdf-unknown-name"]
     assert finding.severity == "warning"
     assert "tiny has no joint or link 'elbow', 'hand'; their entries are not used" in finding.what

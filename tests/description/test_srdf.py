@@ -51,10 +51,10 @@ def test_what_it_says(tmp_path: Path) -> None:
 def test_pairs_that_need_no_check(tmp_path: Path) -> None:
     """tool0 collides with nothing by default, but for base_link; links that are not there do not count."""
     semantics = read_srdf(write(tmp_path, SRDF, "arm.srdf"))
-    assert semantics.disabled_pairs(["base_link", "upper", "tool0", "camera"]) == {
+    assert semantics.disabled_collisions(["base_link", "upper", "tool0", "camera"]) == {
         ("base_link", "upper"), ("tool0", "upper"), ("camera", "tool0"),
     }  # fmt: skip
-    assert semantics.disabled_pairs(["upper"]) == frozenset()
+    assert semantics.disabled_collisions(["upper"]) == frozenset()
 
 
 def test_xacro_is_expanded_with_the_arguments_it_takes(tmp_path: Path) -> None:
@@ -121,8 +121,8 @@ def test_named_states_are_pinocchios_reference_configurations(name: str) -> None
         assert np.allclose(theta, expected, atol=1e-12)
     written = {(e.get("link1"), e.get("link2")) for e in ET.parse(path).getroot().iter("disable_collisions")}
     links = set(arm.description.links)
-    assert arm.disabled_pairs == {tuple(sorted(pair)) for pair in written if set(pair) <= links}
-    assert len(arm.disabled_pairs) > 10
+    assert arm.disabled_collisions == {tuple(sorted(pair)) for pair in written if set(pair) <= links}
+    assert len(arm.disabled_collisions) > 10
 
 
 # -- which group is the arm ---------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from catalogue import load
 from family_arms import CASES, family_arm
 from ik_targets import require_core
 from twistarm import Approach, Arm, Pose, Position
-from twistarm.ik import AnyTarget, IKSolutions, solve_ik_all, solve_ik_all_batch
+from twistarm.ik import AllSolutions, AnyTarget, solve_ik_all, solve_ik_all_batch
 from twistarm.ik.closed_form import methods
 from twistarm.ik.ranges import joint_ranges
 from twistarm.ik.targets import target_for
@@ -65,7 +65,7 @@ def readable(
     target: AnyTarget,
     given: dict[str, float] | None = None,
     near: np.ndarray | None = None,
-) -> IKSolutions:
+) -> AllSolutions:
     """The answer without the core's closed form."""
     with monkeypatch.context() as patch:
         patch.setattr(methods, "_KEPT", type(methods._KEPT)())
@@ -73,7 +73,7 @@ def readable(
         return solve_ik_all(arm, target, near, given=given)
 
 
-def assert_same(arm: Arm, core: IKSolutions, other: IKSolutions) -> None:
+def assert_same(arm: Arm, core: AllSolutions, other: AllSolutions) -> None:
     """As many roots, and each with its like; of continuous families there are members, and the same joints move."""
     assert np.all(core.position_error <= 1e-9)
     assert np.all(core.orientation_error <= 1e-9)

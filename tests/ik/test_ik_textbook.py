@@ -133,7 +133,7 @@ def test_every_configuration_is_found_by_the_readable_closed_form(name):
 
 
 def test_motions_are_planned_without_a_core(bare):
-    motion = plan(bare, [LineMove.by([0.0, 0.0, 0.03]), LineMove.by([0.0, 0.0, -0.03])], tool_speed=0.05)
+    motion = plan(bare, [LineMove.by([0.0, 0.0, 0.03]), LineMove.by([0.0, 0.0, -0.03])], linear_speed=0.05)
     assert motion.duration > 1.2
     lift = pinocchio_fk(bare, motion(motion.duration / 2)) - pinocchio_fk(bare, bare.ready)
     np.testing.assert_allclose(np.linalg.norm(lift[:3, 3]), 0.03, atol=1e-4)

@@ -97,7 +97,7 @@ def test_in_single_precision_and_in_what_drives_count(tmp_path):
     planned.to_header(tmp_path / "motion.h", counts=True)
     t = instants(planned)
     values, words = compiled(tmp_path, C99, "-DTWISTARM_REAL=float")(t, 3)
-    motors = planned.of_motors()
+    motors = planned.to_motors()
     for order, value in enumerate(values[:2]):
         exact = arm.actuators.to_counts(motors(t, order))
         assert_allclose(value, exact, atol=3e-6 * np.abs(exact).max(), rtol=0)

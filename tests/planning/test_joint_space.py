@@ -276,7 +276,7 @@ def test_limits_of_motors_are_kept(kind: str) -> None:
     if kind == "cubic":
         with pytest.raises(LimitError, match=r"motor 'm\d' would need .* limit is .*: multiply times by"):
             plan_joint(arm, POINTS, limits=LIMITS, times=0.9 * planned.times)
-    motion = planned.of_motors()
+    motion = planned.to_motors()
     ratio = max(motion.peak(1).max() / 60.0, motion.peak(2).max() / 200.0)
     assert 1.0 - 1e-3 < ratio < 1.0 + 1e-6
 

@@ -18,7 +18,7 @@ from twistarm import (
     Position,
     ScrewMove,
     Trajectory,
-    binding_limits,
+    active_limits,
     load_arm,
     plan,
     rotations,
@@ -69,7 +69,7 @@ def test_a_tour_keeps_every_limit_and_ends_at_rest(kind):
     tour = [
         JointMove(moved([0.0, 0.05, 0.0])),
         LineMove(moved([0.0, -0.05, 0.05]), blend=0.01),
-        LineMove(moved([0.05, 0.0, 0.0], [0.0, 0.0, 0.2]), tool_speed=0.1, label="close gripper"),
+        LineMove(moved([0.05, 0.0, 0.0], [0.0, 0.0, 0.2]), linear_speed=0.1, label="close gripper"),
         Dwell(0.25, label="wait"),
         ScrewMove.about([0, 0, 1], G[:3, 3], 0.3, 0.05),
         JointMove({ARM.joint_names[0]: 0.0}, speed=0.5),
@@ -95,7 +95,7 @@ def test_usual_limits_stand_in_for_missing_ones_and_are_named():
     assert motion.duration == told.duration
     assert told.notes == ()
     assert "acceleration 3 rad/s²" in motion.notes[0]
-    assert binding_limits(free, motion) == binding_limits(free, motion, limits=usual)
+    assert active_limits(free, motion) == active_limits(free, motion, limits=usual)
 
 
 def test_a_line_is_straight_and_turns_in_proportion():
@@ -275,7 +275,7 @@ def test_what_lies_beyond_the_end_of_a_path_says_why_it_ends():
         ([JointMove({"elbw": 1.0})], {}, UnknownNameError, "^segment 1 .JointMove.: no joint 'elbw'"),
         ([JointMove([1.0, 2.0])], {}, InputError, "^segment 1 .JointMove.: its goal must have shape"),
         ([JointMove("ready")], {"kind": "fast"}, InputError, "kind must be"),
-        ([JointMove("ready")], {"tool_speed": -1.0}, InputError, "tool_speed must be a positive"),
+        ([JointMove("ready")], {"linear_speed": -1.0}, InputError, "linear_speed must be a positive"),
     ],
 )
 def test_what_cannot_be_planned_is_refused(segments, options, error, words):

@@ -18,7 +18,7 @@ from twistarm.viewer.parts.gauge import SILENT, Gauge
 from twistarm.viewer.parts.servo_words import SILENT as WORDLESS
 from twistarm.viewer.stage import Stage
 
-BELOW = ServoSettings().singular_below
+BELOW = ServoSettings().singularity_threshold
 
 
 def gauge(arm: Arm, theta: Any) -> dict[str, Any]:

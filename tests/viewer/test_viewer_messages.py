@@ -146,7 +146,7 @@ def told(arm: Arm) -> Iterator[dict[str, Any]]:
         do(stage, type="theta", theta=list(theta))
         do(stage, type="record", name=name)
         yield from stage.messages()
-    do(stage, type="plan", kind="cubic", stop=True, corner=0.0, tool_speed=0.0)
+    do(stage, type="plan", kind="cubic", stop=True, corner=0.0, linear_speed=0.0)
     stage.draw_path(tool_path(arm, [THETA, (0.0, 0.1, 0.05)]))
     yield from stage.messages()
     stage.take_commands()

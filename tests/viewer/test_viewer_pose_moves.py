@@ -92,7 +92,7 @@ def test_an_arc_without_an_end_is_refused_in_words() -> None:
 
 def test_the_tool_keeps_the_speed_that_was_asked_for() -> None:
     stage = recorded((ARM.ready, "line"), (meeting(0.0, 0.2, -0.1), "line"))
-    motion = planned(stage, tool_speed=0.05)
+    motion = planned(stage, linear_speed=0.05)
     step = motion.duration / 2000
     speeds = np.linalg.norm(np.diff(way(motion), axis=0), axis=1) / step
     assert 0.0499 < speeds.max() <= 0.05 * (1 + 1e-6)

@@ -129,7 +129,7 @@ BY_CALL: dict[str, dict[str, Any]] = {
     "SerialSource": {"port": "nowhere"},
     "Following.cycle": {"periods": 1},
     "Streaming.cycle": {"periods": 1},
-    "Trajectory.of_motors": {"actuators": DRIVES},
+    "Trajectory.to_motors": {"actuators": DRIVES},
     "parse_state": {"text": b'{"joint_names": ["elbow"], "theta": [0.1]}'},
     "parse_command": {"text": b'{"stop": true}'},
     "Trajectory": vars(MOTION),
@@ -276,7 +276,7 @@ USES: dict[str, Callable[[Any], Any]] = {
     "ServoState": lambda made: twistarm.servo_step(ARM, made, SIDEWAYS, 0.01),
     "Reading": lambda made: cycles(Answers(made), Answers(stream.Measured(ARM.ready, 0.0))),
     "Measured": lambda made: cycles(Says(None), Answers(made)),
-    "Trajectory": lambda made: made.of_motors(),
+    "Trajectory": lambda made: made.to_motors(),
 }
 """Who looks at the fields of what a caller made by hand."""
 

@@ -86,9 +86,9 @@ class Arm:
     ξ_i, and `home` (4, 4) is the pose at theta = 0. `coupling` is the mimic coupling (A, b). Poses are seen from the
     base link. Every method accepts any finite theta, also outside the limits, with any leading axes.
 
-    `actuators` are the motors that an arm.toml describes. `disabled_pairs` are the pairs of links, each sorted, that
-    an SRDF exempts from collision checks. `moving_names` are the moving joints of the chain, base to tip. There is one
-    per column of `screws`, and followers count.
+    `actuators` are the motors that an arm.toml describes. `disabled_collisions` are the sorted pairs of links that an
+    SRDF exempts from collision checks. `moving_names` are the moving joints of the chain, base to tip. There is one per
+    column of `screws`, and followers count.
 
     An arm is plain data and picklable. The compiled core computes `fk` and the Jacobians. Without the core Pinocchio
     does, and `poe` for an arm without a description.
@@ -113,7 +113,7 @@ class Arm:
     tool: Array = field(default_factory=lambda: np.eye(4), repr=False)
     tip_link: str = ""
     actuators: Actuators | None = field(default=None, repr=False)
-    disabled_pairs: frozenset[tuple[str, str]] = field(default=frozenset(), repr=False)
+    disabled_collisions: frozenset[tuple[str, str]] = field(default=frozenset(), repr=False)
     moving_names: tuple[str, ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
@@ -567,7 +567,7 @@ class Arm:
         if self.description is None or not self.description.has_shapes:
             return None
         return Bodies(
-            self.pinocchio, self.description, self.base, self.moving_names[0], self.disabled_pairs
+            self.pinocchio, self.description, self.base, self.moving_names[0], self.disabled_collisions
         ).overlapping
 
     @property

@@ -62,7 +62,7 @@ class Baked(NamedTuple):
     ready: Array
     named_states: Mapping[str, Array]
     actuators: Actuators | None
-    disabled_pairs: frozenset[tuple[str, str]]
+    disabled_collisions: frozenset[tuple[str, str]]
     proof: tuple[float, float, int] | None
 
 
@@ -111,7 +111,7 @@ def _content(baked: Baked) -> dict[str, Any]:
         "ready": baked.ready.tolist(),
         "named_states": {name: theta.tolist() for name, theta in baked.named_states.items()},
         "actuators": None if baked.actuators is None else actuators_entry(baked.actuators),
-        "disabled_pairs": [list(pair) for pair in sorted(baked.disabled_pairs)],
+        "disabled_collisions": [list(pair) for pair in sorted(baked.disabled_collisions)],
         "proof": proof,
     }
 
@@ -229,7 +229,7 @@ def _checked(content: dict[str, Any]) -> Baked:
         ready=ready,
         named_states={name: _array(x, f"pose {name}", (n,), FARTHEST) for name, x in content["named_states"].items()},
         actuators=read_actuators(content["actuators"], names),
-        disabled_pairs=frozenset(_pair(pair) for pair in content["disabled_pairs"]),
+        disabled_collisions=frozenset(_pair(pair) for pair in content["disabled_collisions"]),
         proof=_read_proof(content["proof"]),
     )
 
@@ -299,7 +299,7 @@ def read_limits(content: Mapping[str, Any]) -> JointLimits:
 
 
 def _pair(value: Any) -> tuple[str, str]:
-    first, second = (text(link, "disabled_pairs") for link in value)
+    first, second = (text(link, "disabled_collisions") for link in value)
     return first, second
 
 

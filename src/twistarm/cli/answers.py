@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..arm.arm import Arm
-from ..ik import IKBatch, IKSolution, IKSolutions, StopReason
+from ..ik import AllSolutions, IKBatch, IKResult, StopReason
 from ..ik.solution import missed_by_rounding
 from ..support.csv_lines import csv_text
 from .csv_rows import ROWS_SHOWN, Sheet, few
@@ -39,12 +39,12 @@ def tell_answers(sheet: Sheet, batch: IKBatch, outputs: Outputs, *, radians: boo
     return 0 if batch.converged.all() else 1
 
 
-def _row_json(line: int, answer: IKSolution) -> dict[str, Any]:
+def _row_json(line: int, answer: IKResult) -> dict[str, Any]:
     fields = ("converged", "rounded", "theta", *ERRORS)
     return {"line": line, "stop": answer.stop.name} | {field: getattr(answer, field) for field in fields}
 
 
-def _answers(arm: Arm, lines: list[int], answers: list[IKSolution], radians: bool) -> Grid:
+def _answers(arm: Arm, lines: list[int], answers: list[IKResult], radians: bool) -> Grid:
     """The first answers, each as it can be typed."""
     rows = [
         [line, answer.stop.name, theta_typed(arm, answer.theta, radians)]
@@ -53,7 +53,7 @@ def _answers(arm: Arm, lines: list[int], answers: list[IKSolution], radians: boo
     return table(arm.name, ["line", "answer", "theta"], rows, text=["answer", "theta"])
 
 
-def _counted(sheet: Sheet, lines: list[int], answers: list[IKSolution]) -> list[str]:
+def _counted(sheet: Sheet, lines: list[int], answers: list[IKResult]) -> list[str]:
     """How many targets are met, and which are not, by reasons."""
     by_reason: dict[StopReason, list[int]] = {}
     for line, answer in zip(lines, answers, strict=True):
@@ -69,7 +69,7 @@ def _counted(sheet: Sheet, lines: list[int], answers: list[IKSolution]) -> list[
     return [count, *(f"{reason.value}: line {few(numbers)}" for reason, numbers in by_reason.items())]
 
 
-def answers_csv(arm: Arm, lines: list[int], answers: list[IKSolution]) -> str:
+def answers_csv(arm: Arm, lines: list[int], answers: list[IKResult]) -> str:
     """The answers as CSV: theta, whether and why not, and how far off."""
     rows = (
         [line, *answer.theta.tolist(), answer.stop.name, answer.position_error, answer.orientation_error]
@@ -83,7 +83,7 @@ def _joint_columns(arm: Arm) -> list[str]:
     return [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)]
 
 
-def tell_all(solutions: IKSolutions, outputs: Outputs, *, radians: bool, json: bool) -> int:
+def tell_all(solutions: AllSolutions, outputs: Outputs, *, radians: bool, json: bool) -> int:
     """Write and say all configurations; the exit code."""
     written = outputs.write({"csv": lambda: all_csv(solutions)})
     if json:
@@ -97,7 +97,7 @@ def tell_all(solutions: IKSolutions, outputs: Outputs, *, radians: bool, json: b
     return 0 if len(solutions) else 1
 
 
-def _all_table(solutions: IKSolutions, radians: bool) -> Grid:
+def _all_table(solutions: AllSolutions, radians: bool) -> Grid:
     """A row for each configuration, nearest first."""
     arm, count = solutions.arm, len(solutions)
     moving = any(solutions.free)
@@ -112,7 +112,7 @@ def _all_table(solutions: IKSolutions, radians: bool) -> Grid:
     return table(title, ["", *heads, *last], rows, text=last)
 
 
-def _all_json(solutions: IKSolutions) -> dict[str, Any]:
+def _all_json(solutions: AllSolutions) -> dict[str, Any]:
     fields = ("theta", "free", "outside", "complete", "timed_out", "method", "family", "starts", "hits")
     return {
         "arm": solutions.arm.name,
@@ -124,7 +124,7 @@ def _all_json(solutions: IKSolutions) -> dict[str, Any]:
     }
 
 
-def all_csv(solutions: IKSolutions) -> str:
+def all_csv(solutions: AllSolutions) -> str:
     """All configurations as CSV, also those outside the limits: theta, joints that may go on moving, within or not.
 
     Members of one family have one number.

@@ -40,7 +40,7 @@ class Asked:
     line: bool = False
     stop: bool = False
     blend: float | None = None
-    tool_speed: float | None = None
+    linear_speed: float | None = None
     kind: str | None = None
     tolerances: Mapping[str, Any] = field(default_factory=dict)
     unwrap: bool = False
@@ -49,15 +49,15 @@ class Asked:
         """Raise InputError for an option that has no effect beside the others."""
         if self.blend is not None:
             as_not_negative(self.blend, "--blend")
-        if self.tool_speed is not None:
-            as_positive(self.tool_speed, "--tool-speed")
+        if self.linear_speed is not None:
+            as_positive(self.linear_speed, "--linear-speed")
         typed = {"--line": self.line, "--stop": self.stop, "--blend": self.blend is not None}
         idle = [option for option, is_typed in typed.items() if is_typed]
         if by_file and idle:
             raise InputError(f"a motion.toml says itself how it goes to each goal: leave out {' and '.join(idle)}")
         if self.stop and self.blend is not None:
             raise InputError("--stop comes to rest at every pose, --blend rounds the corners there: give one of them")
-        tool = {"--blend": self.blend is not None, "--tool-speed": self.tool_speed is not None}
+        tool = {"--blend": self.blend is not None, "--linear-speed": self.linear_speed is not None}
         tool |= {f"--{name.replace('_', '-')}": True for name in self.tolerances}
         about_tool = [option for option, is_typed in tool.items() if is_typed]
         if not by_file and by_joints and about_tool:
@@ -83,9 +83,9 @@ class Asked:
     def of_file(self, content: MotionFile, limits: JointLimits, progress: Progress) -> Planned:
         """The motion of a motion.toml. Typed options win over the file."""
         start: Any = content.start if self.start is None else self.poses(())[0]
-        speed = content.tool_speed if self.tool_speed is None else self.tool_speed
+        speed = content.linear_speed if self.linear_speed is None else self.linear_speed
         met = {"position_tol": content.position_tol, "orientation_tol": content.orientation_tol, **self.tolerances}
-        segments = as_segments(content.segments, speed, content.turn_speed, **met)
+        segments = as_segments(content.segments, speed, content.angular_speed, **met)
         how: Any = {"kind": self.kind or content.kind or "s_curve", "unwrap": self.unwrap or content.unwrap}
         return plan_segments(self.arm, segments, start=start, limits=limits, progress=progress, **how), segments
 
@@ -94,7 +94,7 @@ class Asked:
         move = LineMove if self.line else JointMove
         blends = [self.blend or 0.0] * (len(goals) - 1) + [0.0]
         segments: list[Segment] = [
-            move(goal, tool_speed=self.tool_speed, blend=blend, **self.tolerances)
+            move(goal, linear_speed=self.linear_speed, blend=blend, **self.tolerances)
             for goal, blend in zip(goals, blends, strict=True)
         ]
         how: Any = {"kind": self.kind or "s_curve", "unwrap": self.unwrap, "start": self.poses(())[0]}

@@ -96,7 +96,7 @@ def _servo(arm: Arm) -> Mapping[str, str | int]:
         "unit": cpp_numbers(bounds.unit),
         "ready": cpp_numbers(bounds.ready),
         "length": cpp_number(bounds.length),
-        "below": cpp_number(bounds.singular_below),
+        "below": cpp_number(bounds.singularity_threshold),
         "damping": cpp_number(bounds.damping),
     }
 

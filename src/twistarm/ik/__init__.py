@@ -1,26 +1,26 @@
 """Inverse kinematics: targets, the solver, and solutions that say what was reached and why not more."""
 
 from . import subproblems
-from .all_solutions import IKSolutions
-from .all_solutions_batch import IKSolutionsBatch, solve_ik_all_batch
+from .all_solutions import AllSolutions
+from .all_solutions_batch import AllSolutionsBatch, solve_ik_all_batch
 from .answer import StopReason
 from .batch import IKBatch, solve_ik_batch
 from .closed_form.report import ClosedFormReport, closed_form_of
 from .request import POSTURES
-from .solution import IKSolution
+from .solution import IKResult
 from .solve import solve_ik
 from .solve_all import solve_ik_all
 from .targets import AnyTarget, Approach, Pose, Position, Target, TargetLike, Task
 
 __all__ = [
     "POSTURES",
+    "AllSolutions",
+    "AllSolutionsBatch",
     "AnyTarget",
     "Approach",
     "ClosedFormReport",
     "IKBatch",
-    "IKSolution",
-    "IKSolutions",
-    "IKSolutionsBatch",
+    "IKResult",
     "Pose",
     "Position",
     "StopReason",

@@ -46,7 +46,7 @@ class AllAnswers:
 
 
 @dataclass(eq=False, repr=False, slots=True)
-class IKSolutions:
+class AllSolutions:
     """Configurations inside the limits that meet the target, each verified by forward kinematics. It cannot be changed.
 
     Nearest to theta0 first, by the largest joint difference in shares of the joint's range (2π or 1 m where it has
@@ -199,7 +199,7 @@ class IKSolutions:
         return theta
 
     def __repr__(self) -> str:
-        return f"IKSolutions({self.arm.name}, {self._counted()}; {self.method})"
+        return f"AllSolutions({self.arm.name}, {self._counted()}; {self.method})"
 
     def __reduce__(self) -> tuple[Any, ...]:
         found = [getattr(self._found, name) for name in AllAnswers.__dataclass_fields__]
@@ -207,6 +207,6 @@ class IKSolutions:
         return _unpickled, (arm, found, *known)
 
 
-def _unpickled(arm: Arm, fields: list[Any], members: tuple[Array, ...], *known: Any) -> IKSolutions:
+def _unpickled(arm: Arm, fields: list[Any], members: tuple[Array, ...], *known: Any) -> AllSolutions:
     # An array is writeable again when it comes out of a pickle.
-    return IKSolutions(arm, AllAnswers(*fields), tuple(map(frozen, members)), *known)
+    return AllSolutions(arm, AllAnswers(*fields), tuple(map(frozen, members)), *known)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, RealArray, as_flag, as_whole, made_by
-from .all_solutions import AllAnswers, IKSolutions
+from .all_solutions import AllAnswers, AllSolutions
 from .batch import MAX_THREADS, targets_for
 from .certainty import is_exact
 from .closed_form.methods import Method, method_for
@@ -25,8 +25,8 @@ from .task_space import Tolerances
 
 @made_by("solve_ik_all_batch")
 @dataclass(frozen=True, eq=False, repr=False)
-class IKSolutionsBatch:
-    """Every configuration of N targets, read-only arrays with a row for each. `batch[i]` is one as an `IKSolutions`.
+class AllSolutionsBatch:
+    """Every configuration of N targets, read-only arrays with a row for each. `batch[i]` is one as an `AllSolutions`.
 
     count (N,): configurations inside the limits; outside_count (N,): beyond them.
     """
@@ -46,7 +46,7 @@ class IKSolutionsBatch:
     """How, and whether these are all there are: of all targets, or for each."""
     tolerances: Tolerances
     """What was to count as met."""
-    each: tuple[IKSolutions, ...] = field(default=(), repr=False)
+    each: tuple[AllSolutions, ...] = field(default=(), repr=False)
     """The answers where they were found one by one."""
 
     def __post_init__(self) -> None:
@@ -91,15 +91,15 @@ class IKSolutionsBatch:
         return first
 
     def __repr__(self) -> str:
-        return f"IKSolutionsBatch({self.arm.name}, {len(self)} targets, {int((self.count > 0).sum())} met)"
+        return f"AllSolutionsBatch({self.arm.name}, {len(self)} targets, {int((self.count > 0).sum())} met)"
 
     def __len__(self) -> int:
         return len(self.count)
 
-    def __iter__(self) -> Iterator[IKSolutions]:
+    def __iter__(self) -> Iterator[AllSolutions]:
         return (self[i] for i in range(len(self)))
 
-    def __getitem__(self, index: int) -> IKSolutions:
+    def __getitem__(self, index: int) -> AllSolutions:
         i = range(len(self))[operator.index(index)]
         if self.each:
             return self.each[i]
@@ -109,7 +109,7 @@ class IKSolutionsBatch:
         target = Pose(self.targets[i]) if isinstance(self.targets, np.ndarray) else self.targets[i]
         method, complete = self.known[i % len(self.known)]
         found = AllAnswers(self.thetas[own], self.moves[own] > 0.5, count, start, target.kind, target.numbers.ravel())
-        return IKSolutions(self.arm, found, (), method, complete, target, self.tolerances)
+        return AllSolutions(self.arm, found, (), method, complete, target, self.tolerances)
 
 
 def solve_ik_all_batch(
@@ -123,7 +123,7 @@ def solve_ik_all_batch(
     position_tol: float = 1e-9,
     orientation_tol: float = 1e-9,
     threads: int = 1,
-) -> IKSolutionsBatch:
+) -> AllSolutionsBatch:
     """Every configuration of N targets: `solve_ik_all` of each, at the core's speed where it has the arm's family.
 
     The core needs targets of one kind, for an `Approach` with one tool axis, no sampled joint and no copies. Then
@@ -141,8 +141,8 @@ def solve_ik_all_batch(
         threads: Number of threads.
 
     Returns:
-        The `IKSolutionsBatch`: theta (N, most, n), NaN behind the last of each target, count (N,); batch[i] is an
-        `IKSolutions`.
+        The `AllSolutionsBatch`: theta (N, most, n), NaN behind the last of each target, count (N,); batch[i] is an
+        `AllSolutions`.
 
     Raises:
         InputError: A target (the message says which), theta0, a given value or a number cannot be used.
@@ -154,7 +154,7 @@ def solve_ik_all_batch(
     count = as_whole(samples, "samples", 1, 1000)
     met = position_tol, orientation_tol
 
-    def one(target: TargetLike, start: ArrayLike) -> IKSolutions:
+    def one(target: TargetLike, start: ArrayLike) -> AllSolutions:
         return solve_ik_all(
             arm, target, start, given=given, samples=count, copies=copies, position_tol=met[0], orientation_tol=met[1]
         )
@@ -190,8 +190,8 @@ def _by_core(
     targets: RealArray | tuple[AnyTarget, ...],
     near: ArrayLike,
     how: tuple[float, float, int],
-    one: Callable[[TargetLike, Array], IKSolutions],
-) -> IKSolutionsBatch | None:
+    one: Callable[[TargetLike, Array], AllSolutions],
+) -> AllSolutionsBatch | None:
     """The core's answer. None where an argument is not plainly right.
 
     `one` solves a target from its theta0, where the core does not tell families apart or allow for rounded axes.
@@ -210,7 +210,7 @@ def _by_core(
     wider = any(arm.rounding) or not known[0][1]
     left = (found.families > 0) | ((found.inside == 0) & wider)
     beyond = found.count - found.inside
-    batch = IKSolutionsBatch(arm, found.inside, beyond, kept, start, found.theta, found.moves, known, tolerances)
+    batch = AllSolutionsBatch(arm, found.inside, beyond, kept, start, found.theta, found.moves, known, tolerances)
     if not left.any():
         return batch
     each = [one(answer.target, answer.theta0) if more else answer for answer, more in zip(batch, left, strict=True)]
@@ -218,12 +218,12 @@ def _by_core(
 
 
 def _gathered(
-    arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, tolerances: Tolerances, each: list[IKSolutions]
-) -> IKSolutionsBatch:
+    arm: Arm, targets: Array | tuple[AnyTarget, ...], theta0: Array, tolerances: Tolerances, each: list[AllSolutions]
+) -> AllSolutionsBatch:
     """A batch of answers that were found one by one."""
     count = np.array([len(found) for found in each], dtype=np.int64)
     beyond = np.array([len(found.outside) for found in each], dtype=np.int64)
     thetas = np.concatenate([np.zeros((0, arm.n)), *(found._found.theta for found in each)])
     moves = np.concatenate([np.zeros((0, arm.n)), *(found._found.moves for found in each)])
     known = tuple((found._method, found.complete) for found in each)
-    return IKSolutionsBatch(arm, count, beyond, targets, theta0, thetas, moves, known, tolerances, tuple(each))
+    return AllSolutionsBatch(arm, count, beyond, targets, theta0, thetas, moves, known, tolerances, tuple(each))

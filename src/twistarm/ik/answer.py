@@ -1,4 +1,4 @@
-"""An answer by name: `IKSolution` reads one, `IKBatch` has a record for each target.
+"""An answer by name: `IKResult` reads one, `IKBatch` has a record for each target.
 
 An answer holds copies of what was asked, so arrays that the caller changes later do not change it.
 """

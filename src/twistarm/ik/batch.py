@@ -19,7 +19,7 @@ from .answer import FIELDS, NOT_FINISHED, STOPS, Records, StopReason, answer_in,
 from .certainty import settled
 from .ranges import joint_ranges
 from .request import Request, checked, named
-from .solution import IKSolution
+from .solution import IKResult
 from .targets import AnyTarget, Pose, TargetLike, checked_target, meant_by, target_for, target_of
 
 Progress = Callable[[int, int], object]
@@ -31,7 +31,7 @@ MAX_THREADS = 256
 @made_by("solve_ik_batch")
 @dataclass(frozen=True, eq=False, repr=False)
 class IKBatch:
-    """The answers to N targets, read-only arrays with a row for each. `batch[i]` is one of them as an `IKSolution`.
+    """The answers to N targets, read-only arrays with a row for each. `batch[i]` is one of them as an `IKResult`.
 
     A target that was not finished in time has its start as theta, and infinite errors.
     """
@@ -106,12 +106,12 @@ class IKBatch:
     def __len__(self) -> int:
         return len(self.records)
 
-    def __iter__(self) -> Iterator[IKSolution]:
+    def __iter__(self) -> Iterator[IKResult]:
         return (self[i] for i in range(len(self)))
 
-    def __getitem__(self, index: int) -> IKSolution:
+    def __getitem__(self, index: int) -> IKResult:
         i = operator.index(index)
-        return IKSolution(self.arm, answer_in(self.records, i), None if self.given is None else self.given[i])
+        return IKResult(self.arm, answer_in(self.records, i), None if self.given is None else self.given[i])
 
 
 def solve_ik_batch(
@@ -148,7 +148,7 @@ def solve_ik_batch(
         progress: Called some twenty times a second with the number of finished targets and N, or None.
 
     Returns:
-        The `IKBatch`: theta (N, n), errors (N,) [m, rad], `converged` (N,); batch[i] is an `IKSolution`.
+        The `IKBatch`: theta (N, n), errors (N,) [m, rad], `converged` (N,); batch[i] is an `IKResult`.
 
     Raises:
         InputError: A target (the message says which), a start, a posture or a number cannot be used.

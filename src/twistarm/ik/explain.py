@@ -19,7 +19,7 @@ from .ranges import joint_ranges
 from .targets import Approach, Pose, Task
 
 if TYPE_CHECKING:
-    from .solution import IKSolution
+    from .solution import IKResult
 
 OFF_BY = {
     Pose: "as one turn about one axis",
@@ -44,7 +44,7 @@ SEARCHES = 100
 """So many, at most, each time."""
 
 
-def explain(solution: IKSolution) -> str:
+def explain(solution: IKResult) -> str:
     """The solution in words, line by line."""
     lines = [f"asked of {solution.arm.name}: {solution.target.describe()}", f"reached: {reached(solution)}"]
     if not solution.converged:
@@ -54,17 +54,17 @@ def explain(solution: IKSolution) -> str:
     return "\n".join(map(printable, [*lines, *(f"note: {note}" for note in solution.notes)]))
 
 
-def why_not(solution: IKSolution) -> list[str]:
+def why_not(solution: IKResult) -> list[str]:
     """The reason why the target is not met, line by line."""
     return [f"reason: {solution.stop.value}", *(f"  {line}" for line in _why(solution))]
 
 
-def summary(solution: IKSolution) -> str:
+def summary(solution: IKResult) -> str:
     """One line: what was asked, how far off the answer is, the reason."""
     return f"{solution.arm.name} does not meet {solution.target.describe()}: {reached(solution)}; {solution.stop.value}"
 
 
-def in_one_line(solution: IKSolution) -> str:
+def in_one_line(solution: IKResult) -> str:
     """What was asked, how far off the answer is, the reason and its details."""
     why = [printable(line) for line in _why(solution)]
     if why and why[0].startswith(solution.stop.value):
@@ -72,7 +72,7 @@ def in_one_line(solution: IKSolution) -> str:
     return "; ".join([summary(solution), *why])
 
 
-def reached(solution: IKSolution) -> str:
+def reached(solution: IKResult) -> str:
     """The two errors in words."""
     if math.isinf(solution.position_error):
         return "nothing yet"
@@ -99,7 +99,7 @@ def _hardly(error: float, tolerance: float, argument: str, unit: str) -> str:
     return f" (the tolerance is {quantity(tolerance, unit)}; {argument}= widens it)"
 
 
-def _traded(solution: IKSolution) -> str:
+def _traded(solution: IKResult) -> str:
     """The wider position tolerance that lets the arm meet the rotation, where only the rotation is missed."""
     chain, target, met = solution.arm._compiled, solution.target, solution.tolerances
     if chain is None or solution.position_error > met.position or not len(target._position_tolerance):
@@ -112,7 +112,7 @@ def _traded(solution: IKSolution) -> str:
     return ""
 
 
-def _why(solution: IKSolution) -> list[str]:
+def _why(solution: IKResult) -> list[str]:
     if math.isinf(solution.position_error):
         return ["it was not finished in time, and theta is its start; give a longer max_time"]
     if solution.stop is StopReason.TIMED_OUT:
@@ -130,7 +130,7 @@ def _why(solution: IKSolution) -> list[str]:
     )
 
 
-def at_bounds(solution: IKSolution) -> list[str]:
+def at_bounds(solution: IKResult) -> list[str]:
     """The joints at a bound, in words."""
     arm, lower, upper = solution.arm, solution.arm.limits.lower, solution.arm.limits.upper
     turns = joint_ranges(arm).turns
@@ -143,7 +143,7 @@ def at_bounds(solution: IKSolution) -> list[str]:
     return words
 
 
-def _blocked(solution: IKSolution) -> list[str]:
+def _blocked(solution: IKResult) -> list[str]:
     """The joint values that the limits do not allow, and what is missed without limits too."""
     arm, theta, turns = solution.arm, solution.unlimited, joint_ranges(solution.arm).turns
     if theta is None:
@@ -168,7 +168,7 @@ def _blocked(solution: IKSolution) -> list[str]:
     ]
 
 
-def _missing(solution: IKSolution) -> list[str]:
+def _missing(solution: IKResult) -> list[str]:
     """The position that is out of reach, and the rotation that is missing."""
     if solution.position_error <= solution.tolerances.position:
         return _missing_rotation(solution)
@@ -177,7 +177,7 @@ def _missing(solution: IKSolution) -> list[str]:
     return lines + _impossible(solution, solution.theta)
 
 
-def _impossible(solution: IKSolution, theta: Array) -> list[str]:
+def _impossible(solution: IKResult, theta: Array) -> list[str]:
     """The rotation that no joint can undo at theta (n,), and the plane that holds the approach."""
     arm, target = solution.arm, solution.target
     split = split_rotation(arm, target, theta)
@@ -193,7 +193,7 @@ def _impossible(solution: IKSolution, theta: Array) -> list[str]:
     return lines
 
 
-def _missing_rotation(solution: IKSolution) -> list[str]:
+def _missing_rotation(solution: IKResult) -> list[str]:
     """The missing rotation and why, the larger part first, and how far the position is out of reach for it."""
     arm, target, theta = solution.arm, solution.target, solution.theta
     split = split_rotation(arm, target, theta)

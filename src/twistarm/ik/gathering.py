@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..support.checks import Array, frozen
-from .all_solutions import AllAnswers, IKSolutions
+from .all_solutions import AllAnswers, AllSolutions
 from .batch import Progress
 from .certainty import is_exact
 from .closed_form.methods import Method
@@ -21,7 +21,7 @@ from .deadline import Deadline
 from .ranges import holding, joint_ranges
 from .searches import searched
 from .self_motions import SelfMotions
-from .solution import IKSolution
+from .solution import IKResult
 from .solve import solve_ik
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ class Gathering(Asked):
         found = self.one_search()
         return [Root(found.theta, self.method.idle)] if found.converged else []
 
-    def one_search(self) -> IKSolution:
+    def one_search(self) -> IKResult:
         """The solution of `solve_ik` from theta0, with the given joints held."""
         arm = holding(self.arm, self.method.given, self.near)
         return solve_ik(arm, self.target, self.near, **self.tolerances.keywords, max_time=self.deadline.left)
@@ -270,7 +270,7 @@ class Gathering(Asked):
         moving = np.array([i in free for i in range(self.arm.n)])
         return Entry(first, moving, there, self.distance(first))
 
-    def told(self, families: list[list[Root]], copies: bool, tries: tuple[int, int], all_seen: bool) -> IKSolutions:
+    def told(self, families: list[list[Root]], copies: bool, tries: tuple[int, int], all_seen: bool) -> AllSolutions:
         """The answers inside the limits, nearest first, then those outside. Twins are one answer."""
         arm, kept = self.arm, list[Entry]()
         entries = [self.entry(members, bool(self.method.swept)) for members in families]
@@ -293,7 +293,7 @@ class Gathering(Asked):
         found = AllAnswers(theta, moves, len(within), self.near, self.target.kind, numbers, *tries)
         late = self.deadline.passed
         members = tuple(frozen(np.array(entry.inside)) for entry in within)
-        return IKSolutions(
+        return AllSolutions(
             arm, found, members, self.method,
             all_seen and not late and self.complete, self.target, self.tolerances, late, self.rounded,
         )  # fmt: skip

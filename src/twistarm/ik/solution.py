@@ -49,7 +49,7 @@ WITHOUT_CORE = (
 
 
 @dataclass(eq=False, repr=False, slots=True)
-class IKSolution:
+class IKResult:
     """The answer to one target, which cannot be changed. It computes what costs time only when you ask for it."""
 
     _arm: Arm
@@ -187,8 +187,8 @@ class IKSolution:
 
     def __repr__(self) -> str:
         off = {"position_error": self.position_error, "orientation_error": self.orientation_error}
-        return told("IKSolution", {"stop": self.stop, "theta": self.theta, **off, "method": self.method})
+        return told("IKResult", {"stop": self.stop, "theta": self.theta, **off, "method": self.method})
 
 
-def _restored(arm: Arm, fields: list[Any], target: AnyTarget | None) -> IKSolution:
-    return IKSolution(arm, Answer(*fields), target)
+def _restored(arm: Arm, fields: list[Any], target: AnyTarget | None) -> IKResult:
+    return IKResult(arm, Answer(*fields), target)

@@ -11,7 +11,7 @@ from ..arm.arm import Arm, require_arm
 from . import textbook
 from .certainty import settled
 from .request import checked, named
-from .solution import IKSolution
+from .solution import IKResult
 from .targets import KINDS, AnyTarget, Approach, Pose, TargetLike, checked_target
 
 
@@ -26,7 +26,7 @@ def solve_ik(
     max_time: float | None = None,
     rng: int | np.random.Generator = 0,
     posture: ArrayLike | str | None = None,
-) -> IKSolution:
+) -> IKResult:
     """Inverse kinematics: joint coordinates inside the limits that bring the tool to `target`.
 
     The first search begins at `theta0`, brought inside the limits. The starts of the others depend on the seed `rng`
@@ -55,7 +55,7 @@ def solve_ik(
         posture: Preferred configuration (n,), its name, "theta0", "middle" (of the limits), or None.
 
     Returns:
-        The `IKSolution`: theta (n,), its errors [m, rad], `converged`, `stop` and `explain()`.
+        The `IKResult`: theta (n,), its errors [m, rad], `converged`, `stop` and `explain()`.
 
     Raises:
         InputError: The target, the start, the posture or a number cannot be used.
@@ -70,16 +70,16 @@ def solve_ik(
         answer = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, rather)
         if answer is not None:
             if answer.stop == 0:
-                return IKSolution(arm, answer, given)
+                return IKResult(arm, answer, given)
             given = given or Pose(np.asarray(target))
-            return IKSolution(arm, settled(arm, given, answer), given)
+            return IKResult(arm, settled(arm, given, answer), given)
     asked = checked_target(arm, target)
     request = checked(arm, theta0, posture, position_tol, orientation_tol, restarts, rng, max_time)
     if chain is None:
-        return IKSolution(arm, textbook.solve(arm, asked, request), asked)
+        return IKResult(arm, textbook.solve(arm, asked, request), asked)
     answer = chain.solve(asked.kind, asked.numbers, *request.for_core)
     assert answer is not None, "what was refused is plain now"
-    return IKSolution(arm, settled(arm, asked, answer), asked)
+    return IKResult(arm, settled(arm, asked, answer), asked)
 
 
 def as_given(arm: Arm, target: Any) -> AnyTarget | None:

@@ -12,7 +12,7 @@ from ..arm.arm import Arm, require_arm
 from ..support.caller_words import quantity
 from ..support.checks import as_flag, as_number, as_whole, require_callback
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
-from .all_solutions import IKSolutions
+from .all_solutions import AllSolutions
 from .batch import Progress
 from .certainty import is_exact
 from .closed_form.methods import closest_miss_of, known_method, method_for
@@ -41,7 +41,7 @@ def solve_ik_all(
     orientation_tol: float = 1e-9,
     max_time: float | None = None,
     progress: Progress | None = None,
-) -> IKSolutions:
+) -> AllSolutions:
     """Every configuration inside the limits that meets `target`, verified, nearest to `theta0` first.
 
     Distance is the largest joint difference, in shares of the joint's range (2π or 1 m where it has none).
@@ -75,7 +75,7 @@ def solve_ik_all(
         max_time: Greatest time [s], which a closed form of a microsecond ignores; None for no limit.
         progress: Called with the number of sampled values and searches that are done, and with their count, or None.
 
-    Returns: The `IKSolutions`: theta (k, n), k ≥ 0, and whether these are all. When the time is up it holds what was
+    Returns: The `AllSolutions`: theta (k, n), k ≥ 0, and whether these are all. When the time is up it holds what was
     found, with `complete` False and `timed_out` True.
 
     Raises:
@@ -107,7 +107,7 @@ def solve_ik_all(
     return _in_two_passes(task, count, copies) if any(arm.rounding) else _answered(task, count, copies)
 
 
-def _in_two_passes(task: Gathering, count: int, copies: bool) -> IKSolutions:
+def _in_two_passes(task: Gathering, count: int, copies: bool) -> AllSolutions:
     """The exact answers, or else those that only rounded axes allow. Each pass is half of the progress."""
     tell = task.progress or (lambda *_: None)
     exact = replace(task, progress=lambda done, of: tell(done, 2 * of))
@@ -120,7 +120,7 @@ def _in_two_passes(task: Gathering, count: int, copies: bool) -> IKSolutions:
     return _answered(rounded, count, copies)
 
 
-def _answered(task: Gathering, count: int, copies: bool) -> IKSolutions:
+def _answered(task: Gathering, count: int, copies: bool) -> AllSolutions:
     """The answers of the method, with `count` values of each sampled joint."""
     method, values = task.method, task.held_values(count)
     known = None if method.compiled is None or task.rounded else task.compiled(values)
@@ -128,7 +128,7 @@ def _answered(task: Gathering, count: int, copies: bool) -> IKSolutions:
         if known.families:
             known = None  # the core keeps one of all families that move the same joints
         elif not copies and (known.inside or is_exact(task.tolerances)):
-            return IKSolutions(task.arm, known, (), method, task.complete, task.target, task.tolerances)
+            return AllSolutions(task.arm, known, (), method, task.complete, task.target, task.tolerances)
     if known is None:
         found, starts, hits = task.solved(values)
     else:
@@ -155,7 +155,7 @@ def _answered(task: Gathering, count: int, copies: bool) -> IKSolutions:
 
 def _at_once(
     arm: Arm, target: TargetLike, theta0: ArrayLike | None, position_tol: float, orientation_tol: float
-) -> IKSolutions | None:
+) -> AllSolutions | None:
     """The core's answer, where it has the family and all arguments are plainly right."""
     asked = None if type(target) is np.ndarray else as_given(arm, target)
     like, numbers = (Pose, target) if asked is None else (type(asked), asked.numbers)
@@ -167,7 +167,7 @@ def _at_once(
     if found is None or found.families:
         return None
     tolerances = Tolerances(position_tol, orientation_tol)
-    return IKSolutions(arm, found, (), method, is_exact(tolerances), asked, tolerances)
+    return AllSolutions(arm, found, (), method, is_exact(tolerances), asked, tolerances)
 
 
 def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:

@@ -1,6 +1,6 @@
 """Motions in time: planned inside the joint limits, evaluated at any instant, written to files and read back."""
 
-from .binding import Binding, binding_limits
+from .active_limits import ActiveLimit, active_limits
 from .cartesian.refusal import PathError
 from .joint_space import plan_joint
 from .load import load_trajectory
@@ -10,8 +10,8 @@ from .segments import ArcMove, Dwell, JointMove, LineMove, ScrewMove, Segment
 from .trajectory import Samples, Trajectory
 
 __all__ = [
+    "ActiveLimit",
     "ArcMove",
-    "Binding",
     "Dwell",
     "JointMove",
     "LineMove",
@@ -21,7 +21,7 @@ __all__ = [
     "ScrewMove",
     "Segment",
     "Trajectory",
-    "binding_limits",
+    "active_limits",
     "load_motion",
     "load_trajectory",
     "plan",

@@ -160,7 +160,7 @@ def plan_joint(
     if times is not None and kind not in BY_LAW:
         require_rates(motion, bounds)
         if arm.actuators is not None:
-            require_rates(motion.of_motors(), arm.actuators.limits, "motor")
+            require_rates(motion.to_motors(), arm.actuators.limits, "motor")
     if progress is not None:
         progress(1.0)
     return motion

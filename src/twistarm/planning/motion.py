@@ -46,8 +46,8 @@ def plan(
     start: Row | Mapping[str, float] | str | None = None,
     limits: JointLimits | Mapping[str, Any] | None = None,
     kind: MotionKind = "s_curve",
-    tool_speed: float | None = None,
-    turn_speed: float | None = None,
+    linear_speed: float | None = None,
+    angular_speed: float | None = None,
     position_tol: float | None = None,
     orientation_tol: float | None = None,
     unwrap: bool = False,
@@ -73,8 +73,8 @@ def plan(
         start: Configuration (n,) [rad, m], {joint: value} or the name of one; by default `arm.ready`.
         limits: By default those of the arm; a `JointLimits`, or changes to the arm's such as {"acceleration": 3.0}.
         kind: "s_curve", "time_optimal" or "quintic".
-        tool_speed: Greatest speed of the tool's origin [m/s] where a segment gives none.
-        turn_speed: Greatest angular speed of the tool [rad/s] where a segment gives none.
+        linear_speed: Greatest speed of the tool's origin [m/s] where a segment gives none.
+        angular_speed: Greatest angular speed of the tool [rad/s] where a segment gives none.
         position_tol: Tolerance of a target [m] where a segment gives none; 1e-6 by default.
         orientation_tol: Tolerance of its rotation [rad], likewise.
         unwrap: Whether continuous joints go to configurations by the shorter way, from 3.1 to −3.1 by 0.08 rad. To
@@ -95,7 +95,7 @@ def plan(
     """
     require_choice(kind, tuple(LAWS), "kind")
     require_callback(progress, "progress", "(fraction)")
-    moves = as_segments(segments, tool_speed, turn_speed, position_tol, orientation_tol)
+    moves = as_segments(segments, linear_speed, angular_speed, position_tol, orientation_tol)
     bounds, notes = completed(require_arm(arm), limits)
     planned = _with_ranges(arm, bounds)
     origin = planned.ready if start is None else planned.theta_from(start, name="start")
@@ -139,15 +139,15 @@ def _with_ranges(arm: Arm, limits: JointLimits) -> Arm:
 
 def as_segments(
     segments: Any,
-    tool_speed: float | None = None,
-    turn_speed: float | None = None,
+    linear_speed: float | None = None,
+    angular_speed: float | None = None,
     position_tol: float | None = None,
     orientation_tol: float | None = None,
 ) -> list[Segment]:
     """Return the segments. Moves without a speed of the tool, or a tolerance, take the ones given here."""
     whole: dict[str, Any] = {
-        "tool_speed": None if tool_speed is None else as_positive(tool_speed, "tool_speed"),
-        "turn_speed": None if turn_speed is None else as_positive(turn_speed, "turn_speed"),
+        "linear_speed": None if linear_speed is None else as_positive(linear_speed, "linear_speed"),
+        "angular_speed": None if angular_speed is None else as_positive(angular_speed, "angular_speed"),
         "position_tol": position_tol,
         "orientation_tol": orientation_tol,
     }

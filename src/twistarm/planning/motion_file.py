@@ -32,7 +32,7 @@ from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
 from .segments import ArcMove, Dwell, Goal, JointMove, LineMove, ScrewMove, Segment
 
-WHOLE = ("tool_speed", "turn_speed", "position_tol", "orientation_tol")
+WHOLE = ("linear_speed", "angular_speed", "position_tol", "orientation_tol")
 """What holds for every segment that does not say it itself."""
 
 TOP = ("start", "kind", "degrees", *WHOLE, "unwrap", "limits", "segment")
@@ -40,7 +40,7 @@ KINDS = ("joint", "line", "screw", "arc", "dwell")
 OPTIONS = ("blend", "speed", *WHOLE, "label")
 GOAL = ("xyz", "rpy", "quaternion_wxyz", "direction", "tool_axis", "tolerance", "frame")
 
-ANGLES = ("rpy", "angle", "turn_speed", "orientation_tol")
+ANGLES = ("rpy", "angle", "angular_speed", "orientation_tol")
 """Entries in degrees where the file says so."""
 
 
@@ -52,8 +52,8 @@ class MotionFile:
     start: Goal | None = None
     kind: str | None = None
     limits: Mapping[str, Any] = field(default_factory=dict)
-    tool_speed: float | None = None
-    turn_speed: float | None = None
+    linear_speed: float | None = None
+    angular_speed: float | None = None
     position_tol: float | None = None
     orientation_tol: float | None = None
     unwrap: bool = False

@@ -21,7 +21,7 @@ def draft_motion_file(arm: Arm) -> str:
 start = "ready"              # a pose's name, the joints' values, or {{ joint = value, … }} of every joint
 # kind = "s_curve"           # or "time_optimal", "quintic"
 # degrees = true             # angles below are degrees
-# tool_speed = 0.2           # m/s, for segments that give none; turn_speed is in rad/s
+# linear_speed = 0.2           # m/s, for segments that give none; angular_speed is in rad/s
 # unwrap = true              # continuous joints go to configurations by the shorter way
 # position_tol = 1e-4        # m that the tool may be off its targets and lines; orientation_tol is in rad
 

@@ -47,16 +47,16 @@ class Move(Segment):
     """The options of every move.
 
     blend: radius [m] of the ball about the move's end in which the tool may round the corner to the next; 0 stops
-    there. speed: the greatest share, in (0, 1], of the joints' velocity limits. tool_speed, turn_speed: the greatest
-    speed of the tool's origin [m/s] and of its rotation [rad/s]. position_tol, orientation_tol: tolerances of the
+    there. speed: the greatest share, in (0, 1], of the joints' velocity limits. linear_speed, angular_speed: the
+    greatest speed of the tool's origin [m/s] and of its rotation [rad/s]. position_tol, orientation_tol: tolerances of the
     target [m, rad], at the goal and along a curve. label: an action that is due at the move's end, such as "close
     gripper"; files carry it.
     """
 
     blend: float = 0.0
     speed: float = 1.0
-    tool_speed: float | None = None
-    turn_speed: float | None = None
+    linear_speed: float | None = None
+    angular_speed: float | None = None
     position_tol: float | None = None
     orientation_tol: float | None = None
     label: str = ""
@@ -67,9 +67,9 @@ class Move(Segment):
         if kept["speed"] > 1.0:
             raise InputError(
                 f"speed must be a share of the joints' velocity limits, more than 0 and at most 1; got {self.speed:g} "
-                "(tool_speed= takes m/s)"
+                "(linear_speed= takes m/s)"
             )
-        for name in ("tool_speed", "turn_speed"):
+        for name in ("linear_speed", "angular_speed"):
             value = getattr(self, name)
             kept[name] = None if value is None else as_positive(value, name)
         for name, unit in (("position_tol", "m"), ("orientation_tol", "rad")):

@@ -99,7 +99,7 @@ def _of_unit_speed(leg: Leg, limits: JointLimits) -> JointPath:
     length = float(efforts(points[:-1], points[1:], limits.velocity).sum()) / path.length
     powers = np.arange(len(path.coefficients) - 1, -1, -1.0)
     scaled = JointPath(path.breakpoints * length, path.coefficients / length ** powers[:, None, None])
-    if len(path.breakpoints) > 2 or (leg.move.tool_speed is None and leg.move.turn_speed is None):
+    if len(path.breakpoints) > 2 or (leg.move.linear_speed is None and leg.move.angular_speed is None):
         return scaled
     return scaled.in_pieces(scaled.length / STRAIGHT_PIECES)[0]
 
@@ -111,8 +111,8 @@ def _caps(arm: Arm, path: JointPath, move: Move, limits: JointLimits) -> Array:
         if move.speed < 1.0:
             _, rates = extremes(derivative(path.coefficients), np.diff(path.breakpoints))
             cap = move.speed / (np.abs(rates) / limits.velocity).max(axis=(0, 2))
-        if move.tool_speed is not None or move.turn_speed is not None:
-            most = [np.inf if speed is None else speed for speed in (move.tool_speed, move.turn_speed)]
+        if move.linear_speed is not None or move.angular_speed is not None:
+            most = [np.inf if speed is None else speed for speed in (move.linear_speed, move.angular_speed)]
             for speed, greatest in zip(most, greatest_tool_speeds(arm, path, limits, *most), strict=True):
                 cap = np.minimum(cap, speed / greatest)
     return cap

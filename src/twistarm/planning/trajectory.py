@@ -136,7 +136,7 @@ class Trajectory:
         t = np.append(step * np.arange(steps), self.duration)
         return Samples(t, self(t), self(t, 1), self(t, 2))
 
-    def of_motors(self, actuators: Actuators | None = None) -> Trajectory:
+    def to_motors(self, actuators: Actuators | None = None) -> Trajectory:
         """Return the same motion of its k motors, motor = G theta + o [rad, or m where a drive pushes].
 
         `actuators` default to those of the arm. Raises InputError where there are none, or they drive other joints.

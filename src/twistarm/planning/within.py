@@ -102,7 +102,7 @@ def require_within(trajectory: Trajectory, limits: JointLimits, advice: str = "p
 def require_rates(trajectory: Trajectory, limits: JointLimits, moved: str = "joint") -> None:
     """Raise LimitError naming joint, limit, value and time where a rate of `trajectory` is above its limit.
 
-    `moved` is the word for what moves: "motor" for a `Trajectory.of_motors`.
+    `moved` is the word for what moves: "motor" for a `Trajectory.to_motors`.
     """
     durations = np.diff(trajectory.breakpoints)
     for order, limit in _limited(limits):

@@ -54,7 +54,7 @@ class LimitError(TwistarmError):
 
 
 class NotConvergedError(TwistarmError):
-    """`IKSolution.require()` on a solution that did not converge; `.solution` is that solution."""
+    """`IKResult.require()` on a solution that did not converge; `.solution` is that solution."""
 
     def __init__(self, message: str, solution: Any) -> None:
         super().__init__(message)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from ..arm.arm import Arm, require_arm
 from ..control.servo import ServoOutput, ServoSettings
 from ..control.stream import Cycle, Inbox
-from ..ik import IKSolutions
+from ..ik import AllSolutions
 from ..planning.trajectory import Trajectory
 from ..support.checks import Array, as_flag, as_positive, require
 from ..support.closeable import Closeable
@@ -240,7 +240,7 @@ class Viewer(Closeable):
         path = NO_PATH if motion is None else tool_path(self.arm, motion)
         self._server.post("path", lambda stage: stage.draw_path(path))
 
-    def show_solutions(self, solutions: IKSolutions | None) -> None:
+    def show_solutions(self, solutions: AllSolutions | None) -> None:
         """Draw each configuration of `solve_ik_all` faintly, for stepping through on the pages.
 
         None draws none.
@@ -251,7 +251,7 @@ class Viewer(Closeable):
         arm = self.arm
         if (
             solutions is not None
-            and require(solutions, IKSolutions, "solutions", "as solve_ik_all returns").arm is not arm
+            and require(solutions, AllSolutions, "solutions", "as solve_ik_all returns").arm is not arm
         ):
             raise InputError("these are configurations of another arm: solve_ik_all(viewer.arm, …) gives this one's")
         others = self._server.ask(lambda stage: dict(stage.others))

@@ -277,9 +277,9 @@ def _rates(bounds: Bounds, state: ServoState, goal: Goal, dt: float) -> Wanted:
     size = max(float(np.linalg.norm(task.asked)), NOTHING)
     lost = task.asked - task.J @ x
     place = where.place()
-    beside = singular(place, task, lost, bounds.singular_below, bounds.stops, goal.steady)
+    beside = singular(place, task, lost, bounds.singularity_threshold, bounds.stops, goal.steady)
     if beside is not None:
-        part, joint = beside.part(lost, bounds.singular_below)
+        part, joint = beside.part(lost, bounds.singularity_threshold)
         if part > NOTICED * size * size:
             cause, row = Cause.SINGULARITY, joint
         led = beside.lead(task, bounds.stops)

@@ -322,7 +322,7 @@ def _with_what_is_said(
     if semantics is None or arm.description is None:
         return _with_ready_said(arm, specification, None)
     states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked)
-    pairs = semantics.disabled_pairs(arm.description.links)
+    pairs = semantics.disabled_collisions(arm.description.links)
     taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
     taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []
     taken += [f"{len(pairs)} pair{'s' * (len(pairs) > 1)} of links that need no collision check"] if pairs else []
@@ -333,7 +333,7 @@ def _with_what_is_said(
         "tip=, an arm.toml or another srdf= win over it",
     )
     arm = replace(
-        arm, named_states={**states, **poses}, disabled_pairs=pairs, findings=(*arm.findings, found, *stating)
+        arm, named_states={**states, **poses}, disabled_collisions=pairs, findings=(*arm.findings, found, *stating)
     )
     return _with_ready_said(arm, specification, semantics)
 

@@ -65,7 +65,7 @@ def info_json(arm: Arm) -> dict[str, Any]:
         "ready": arm.ready,
         "named_states": dict(arm.named_states),
         "actuators": None if arm.actuators is None else actuators_json(arm.actuators),
-        "disabled_pairs": sorted(arm.disabled_pairs),
+        "disabled_collisions": sorted(arm.disabled_collisions),
         "frames": arm.frame_names,
         "proof": arm.proof._asdict() if arm.proof else None,
         "engine": engine_of(arm),

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from ...arm.arm import Arm
-from ...ik import POSTURES, IKSolution, solve_ik, solve_ik_all, solve_ik_batch
+from ...ik import POSTURES, IKResult, solve_ik, solve_ik_all, solve_ik_batch
 from ...support.errors import InputError
 from ..answers import answers_csv, tell_all, tell_answers
 from ..csv_rows import Columns, read_sheet
@@ -145,7 +145,7 @@ def _require_fitting(all_: bool, alone: dict[str, Any], never: dict[str, Any]) -
             raise InputError(f"--all takes no {option}: it gives every configuration for the one target of --xyz")
 
 
-def solution_table(arm: Arm, solution: IKSolution, radians: bool) -> Any:
+def solution_table(arm: Arm, solution: IKResult, radians: bool) -> Any:
     """The solution's joint values with their limits."""
     lower, upper = (shown(arm, bound, radians) for bound in (arm.limits.lower, arm.limits.upper))
     values = shown(arm, solution.theta, radians)
@@ -153,7 +153,7 @@ def solution_table(arm: Arm, solution: IKSolution, radians: bool) -> Any:
     return table(f"{arm.name}: {solution.stop.name}", ["joint", "value", "unit", "lower", "upper"], rows)
 
 
-def _as_json(arm: Arm, solution: IKSolution) -> dict[str, Any]:
+def _as_json(arm: Arm, solution: IKResult) -> dict[str, Any]:
     fields = ("position_error", "orientation_error", "within_limits", "iterations", "restarts", "method", "notes")
     return {
         "arm": arm.name,

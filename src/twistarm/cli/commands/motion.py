@@ -14,7 +14,7 @@ from ...arm.arm import Arm
 from ...arm.ready_pose import named_ready
 from ...arm.usual_limits import defaults_line, with_defaults
 from ...limits.joint_limits import JointLimits
-from ...planning import Binding, Trajectory, binding_limits, load_motion, plan_joint
+from ...planning import ActiveLimit, Trajectory, active_limits, load_motion, plan_joint
 from ...planning.files.c_header import SUFFIXES, header_text
 from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text, yaml_text
@@ -29,7 +29,7 @@ from ..typed import POSE, RPY, XYZ
 from ..wording import in_options
 
 MOST_STRETCHES = 8
-"""So many rows of binding limits are shown; --json has them all."""
+"""So many rows of active limits are shown; --json has them all."""
 
 COUNTED = ("csv", "header")
 """The kinds of files that may hold what drives count in place of the joints."""
@@ -93,7 +93,7 @@ Blend = Annotated[
 ]
 ToolSpeed = Annotated[
     float | None,
-    typer.Option("--tool-speed", metavar="M/S", help="The tool goes no faster, with --line, --xyz or a motion.toml."),
+    typer.Option("--linear-speed", metavar="M/S", help="The tool goes no faster, with --line, --xyz or a motion.toml."),
 ]
 Rate = Annotated[
     float | None,
@@ -141,7 +141,7 @@ def plan(
     axis: Axis = None,
     line: Line = False,
     blend: Blend = None,
-    tool_speed: ToolSpeed = None,
+    linear_speed: ToolSpeed = None,
     position_tol: PositionTol = None,
     orientation_tol: OrientationTol = None,
     start: Start = None,
@@ -166,7 +166,7 @@ def plan(
     if smooth is not None and (line or not to):
         raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
     met = typed_tolerances(position_tol, orientation_tol, rad)
-    asked = Asked(arm, start, rad, line, stop, blend, tool_speed, None if kind is None else kind.value, met, unwrap)
+    asked = Asked(arm, start, rad, line, stop, blend, linear_speed, None if kind is None else kind.value, met, unwrap)
     asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line), goals=len(to or xyz or ()))
     targets = typed_targets(xyz or (), rpy or (), direction or (), axis, rad)
     file = None if motion is None else load_motion(motion, arm)
@@ -208,16 +208,16 @@ def plan(
             "header": lambda: header_text(planned, header, counts=counts),
         }
     )
-    binding = binding_limits(arm, planned, limits=limits, segments=segments)
+    active = active_limits(arm, planned, limits=limits, segments=segments)
     if json:
         said = {"start": "ready" if origin is None else origin, "assumed": defaults_line(arm, given) or None}
-        print_json({**_as_json(arm, planned, written), **said, "binding": [asdict(each) for each in binding]})
+        print_json({**_as_json(arm, planned, written), **said, "active_limits": [asdict(each) for each in active]})
         return
     if assumed := defaults_line(arm, given):
         say(f"{assumed} (--velocity, --acceleration)", file=outputs.words)
     console(outputs.words).print(plan_table(arm, planned, rad, limits))
-    if binding:
-        console(outputs.words).print(binding_table(binding))
+    if active:
+        console(outputs.words).print(active_limits_table(active))
     outputs.say(written)
 
 
@@ -246,14 +246,14 @@ def plan_table(arm: Arm, planned: Trajectory, radians: bool, limits: JointLimits
     return table(title, ["joint", "unit", *columns], rows, text=["unit"])
 
 
-def binding_table(binding: Sequence[Binding]) -> Any:
+def active_limits_table(active: Sequence[ActiveLimit]) -> Any:
     """The limit that each stretch of a motion uses most; of many the longest stretches, in time order."""
-    longest = sorted(binding, key=lambda each: each.begin - each.end)[:MOST_STRETCHES]
+    longest = sorted(active, key=lambda each: each.begin - each.end)[:MOST_STRETCHES]
     rows = [
         [number(each.begin, 3), number(each.end, 3), each.describe(), f"{100.0 * each.share:.0f} %"]
         for each in sorted(longest, key=lambda each: each.begin)
     ]
-    left = len(binding) - len(longest)
+    left = len(active) - len(longest)
     title = "limits used most" + (f" ({left} shorter stretches are in --json)" if left else "")
     return table(title, ["from [s]", "to [s]", "limit", "used"], rows, text=["limit"])
 

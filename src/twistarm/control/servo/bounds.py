@@ -27,7 +27,7 @@ class Bounds:
     unit: Array
     ready: Array
     length: float
-    singular_below: float
+    singularity_threshold: float
     damping: float
     stops: bool
     compiled: engine.Servo
@@ -56,7 +56,7 @@ def _made(arm: Arm, settings: ServoSettings) -> Bounds:
     length = arm.reach if settings.length is None else settings.length
     unit = frozen(np.where(np.array(arm.units) == "m", length, 1.0))
     motion, stops = _motion(arm, settings.position_margin), settings.beyond == STOP
-    numbers = length, settings.singular_below, settings.damping
+    numbers = length, settings.singularity_threshold, settings.damping
     compiled = engine.servo_of(_plain(arm, motion, unit), *numbers, stops)
     return Bounds(motion, unit, arm.ready, *numbers, stops, compiled)
 

@@ -24,29 +24,29 @@ class ServoSettings:
     beyond: "slide" or "stop", at a joint limit or the end of the reach. The tool slides along as far as it can, or
     slows down and stops on its course.
 
-    singular_below: singular values below this (rad per rad, see `Manipulability`) count as singular.
+    singularity_threshold: singular values below this (rad per rad, see `Manipulability`) count as singular.
 
     position_margin [rad or m]: distance that joints keep from their position limits.
 
-    longest_dt [s]: longer steps are refused, because the arm was not watched for so long.
+    max_dt [s]: longer steps are refused, because the arm was not watched for so long.
 
     Raises InputError for numbers that are not positive (the margin may be 0).
     """
 
     length: float | None = None
-    singular_below: float = 0.04
+    singularity_threshold: float = 0.04
     damping: float = 0.03
     beyond: str = SLIDE
     position_margin: float = 0.0
-    longest_dt: float = 0.1
+    max_dt: float = 0.1
 
     def __post_init__(self) -> None:
-        for name in ("length", "singular_below", "damping", "longest_dt"):
+        for name in ("length", "singularity_threshold", "damping", "max_dt"):
             value = getattr(self, name)
             if value is not None or name != "length":
                 object.__setattr__(self, name, as_positive(value, name))
-        if self.singular_below <= NO_MOTION:
-            raise InputError(f"singular_below must be more than {NO_MOTION:g}, which counts as no motion at all")
+        if self.singularity_threshold <= NO_MOTION:
+            raise InputError(f"singularity_threshold must be more than {NO_MOTION:g}, which counts as no motion at all")
         require_choice(self.beyond, BEYOND, "beyond")
         margin = as_number(self.position_margin, "position_margin")
         if margin < 0.0:

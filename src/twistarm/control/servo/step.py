@@ -27,7 +27,7 @@ def servo_step(
     """One step of the servo: the state after `dt` [s] under `command`, and the joint rates that lead there.
 
     An unusable command raises no error, because a loop that raises loses the arm. The arm comes to rest within its
-    acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.longest_dt] or a state that
+    acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.max_dt] or a state that
     is not finite gives STALE with zero rates.
 
     The rates minimise a strictly convex function, continuous in configuration and command (docs/servo.md). Away from
@@ -45,7 +45,7 @@ def servo_step(
         state: The state before the step; `ServoState.at(arm, theta)` makes the first one.
         command: A `TwistCommand`, `JogCommand` or `PoseCommand`; six numbers are a twist (v, w) [m/s, rad/s] in tool
             axes; None is no command.
-        dt: The length of the step [s], in (0, settings.longest_dt].
+        dt: The length of the step [s], in (0, settings.max_dt].
         settings: Margins, thresholds and the length that compares metres with radians.
 
     Returns:
@@ -58,8 +58,8 @@ def servo_step(
     require(state, ServoState, "state", "as ServoState.at(arm, theta) makes it")
     bounds = bounds_of(require_arm(arm), require(settings, ServoSettings, "settings", "as ServoSettings() is"))
     step = _seconds(dt)
-    if not 0.0 < step <= settings.longest_dt:
-        return _refused(arm, state, f"dt must be more than 0 and at most {settings.longest_dt:g} s; got {shown(dt)}")
+    if not 0.0 < step <= settings.max_dt:
+        return _refused(arm, state, f"dt must be more than 0 and at most {settings.max_dt:g} s; got {shown(dt)}")
     checked, reason = _usable(arm, command)
     try:
         answer = _answer(arm, bounds, state, checked, step)

@@ -218,8 +218,8 @@ class Cycles(ABC, Generic[C]):
         elapsed = self.period if self._stepped is None else now - self._stepped
         if elapsed <= 0.0:
             return "time went back"
-        if elapsed >= self.settings.longest_dt + self.period * (1.0 - ROUNDING):
-            return f"{elapsed:.3g} s since the last cycle (longest step {self.settings.longest_dt:g} s)"
+        if elapsed >= self.settings.max_dt + self.period * (1.0 - ROUNDING):
+            return f"{elapsed:.3g} s since the last cycle (longest step {self.settings.max_dt:g} s)"
         return ""
 
     def _elapsed(self, now: float) -> float:
@@ -228,7 +228,7 @@ class Cycles(ABC, Generic[C]):
         """
         if self._stepped is None or self._untimely(now):
             return self.period
-        return min(max(now - self._stepped, ROUNDING * self.period), self.settings.longest_dt)
+        return min(max(now - self._stepped, ROUNDING * self.period), self.settings.max_dt)
 
     def _braked(self, now: float, reason: str) -> Setpoint:
         """One step toward rest of each joint alone, as fast as its acceleration limit allows."""
@@ -282,9 +282,9 @@ class Cycles(ABC, Generic[C]):
 def checked_rate(rate: float, settings: ServoSettings) -> float:
     """`rate` [Hz]. Raises InputError if it is not positive, or if a period exceeds the servo's longest step."""
     checked = as_positive(rate, "rate")
-    if 1.0 / checked > settings.longest_dt:
+    if 1.0 / checked > settings.max_dt:
         raise InputError(
-            f"rate must be at least {1.0 / settings.longest_dt:g} Hz, because no step is longer than "
-            f"{settings.longest_dt:g} s (ServoSettings.longest_dt); got {checked:g} Hz"
+            f"rate must be at least {1.0 / settings.max_dt:g} Hz, because no step is longer than "
+            f"{settings.max_dt:g} s (ServoSettings.max_dt); got {checked:g} Hz"
         )
     return checked

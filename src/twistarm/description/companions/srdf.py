@@ -76,7 +76,7 @@ class Semantics:
     passive_joints: tuple[str, ...] = ()
     virtual_joints: tuple[str, ...] = ()
 
-    def disabled_pairs(self, links: Iterable[str]) -> frozenset[Pair]:
+    def disabled_collisions(self, links: Iterable[str]) -> frozenset[Pair]:
         """The pairs of `links`, each sorted, that are not to be checked for collisions."""
         known = set(links)
         default = {_pair(a, b) for a in self.silent_links for b in known if a in known and a != b}

@@ -393,7 +393,7 @@ def push(arm, share):
         line = LineMove.by(share * arm.reach * direction, frame="base", constrain="position")
         try:
             limits = {"velocity": v, "acceleration": a}
-            return direction, plan(arm, line, limits=limits, tool_speed=0.2)
+            return direction, plan(arm, line, limits=limits, linear_speed=0.2)
         except TwistarmError:
             continue  # not that way
     return None

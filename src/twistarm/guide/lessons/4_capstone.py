@@ -278,9 +278,9 @@ def fetch(arm, g_object, length):
     before[:3, 3] -= length * into / np.linalg.norm(into)
     segments = [
         JointMove(asked(arm, before)),
-        LineMove(asked(arm, g_object), tool_speed=0.1, label="close gripper"),
+        LineMove(asked(arm, g_object), linear_speed=0.1, label="close gripper"),
         Dwell(0.5),
-        LineMove(asked(arm, before), tool_speed=0.1),
+        LineMove(asked(arm, before), linear_speed=0.1),
         JointMove("ready"),
     ]
     velocity, acceleration = limits_of(arm)

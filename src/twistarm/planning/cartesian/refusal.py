@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...ik.answer import StopReason
-from ...ik.solution import IKSolution
+from ...ik.solution import IKResult
 from ...ik.solve import solve_ik
 from ...ik.targets import AnyTarget, Approach, Pose, Position
 from ...ik.task_space import Tolerances
@@ -103,7 +103,7 @@ def _part(moving: MovingTarget, share: float) -> str:
     return f"{so_far} of {all_} ({min(round(100.0 * share), 99)} %)"
 
 
-def _why(arm: Arm, blocked: Blocked, beyond: IKSolution | None) -> tuple[str, str | None, str]:
+def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str | None, str]:
     """Return reason, joint and words. A limit is the reason if the arm would go on with more room at that joint.
 
     `beyond` is the nearest solution farther on, or None where the target there is met.

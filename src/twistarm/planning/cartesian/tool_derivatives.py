@@ -96,7 +96,7 @@ def deviation_bend(arm: Arm, moving: MovingTarget, path: JointPath) -> Array:
 
 
 def greatest_tool_speeds(
-    arm: Arm, path: JointPath, limits: JointLimits, tool_speed: float, turn_speed: float
+    arm: Arm, path: JointPath, limits: JointLimits, linear_speed: float, angular_speed: float
 ) -> tuple[Array, Array]:
     """Bound ‖p'‖ [m] and ‖ω‖ [rad] by s on each piece, (m,) each.
 
@@ -106,7 +106,7 @@ def greatest_tool_speeds(
     """
     bounds = ToolDerivatives.along(arm, path)
     bend = np.stack([bounds.jerk, bounds.turn_jerk], axis=1)
-    most = np.array([tool_speed, turn_speed])
+    most = np.array([linear_speed, angular_speed])
     count = np.full(len(bend), LOOKS)
     seen, pace = _seen(arm, path, limits, count)
     slack = (np.diff(path.breakpoints) / LOOKS)[:, None] ** 2 / 8.0 * bend

@@ -30,13 +30,13 @@ def require_motors(motors: Actuators | None) -> Actuators:
 
 def motor_values(trajectory: Trajectory, motors: Actuators, t: Array) -> list[Array]:
     """Return position and velocity [rad or m, per s] of the k motors at t (m,), then both in counts: (m, k) each."""
-    moved = trajectory.of_motors(motors)
+    moved = trajectory.to_motors(motors)
     turned = [moved(t), moved(t, 1)]
     return [*turned, *map(motors.to_counts, turned)]
 
 
 def counted(trajectory: Trajectory, motors: Actuators) -> Trajectory:
     """Return the motion of the motors in what their drives count."""
-    moved, scale = trajectory.of_motors(motors), motors.counts_per_unit
+    moved, scale = trajectory.to_motors(motors), motors.counts_per_unit
     waypoints, coefficients = moved.waypoints * scale, moved.coefficients * scale
     return replace(moved, units=motors.units, waypoints=waypoints, coefficients=coefficients)

@@ -7,7 +7,7 @@ import { read, written } from "./pose_file.js";
 import { fileName, save } from "./saving.js";
 
 const OUTDATED = "The motion was planned with other settings: plan again.";
-const SETTINGS = ["plan-kind", "plan-stop", "plan-corner", "plan-tool-speed"];
+const SETTINGS = ["plan-kind", "plan-stop", "plan-corner", "plan-linear-speed"];
 
 export class Program {
   // `page` holds panel, state and ask(request).
@@ -15,7 +15,7 @@ export class Program {
     this.page = page;
     this.poses = [];
     this.planned = false;
-    this.asked = null; // kind, stop, corner [m] and tool_speed [m/s] of the motion that is loaded; null: of no list
+    this.asked = null; // kind, stop, corner [m] and linear_speed [m/s] of the motion that is loaded; null: of no list
     this.note = "";
     this.duration = null;
     this.trying = this.failed = false; // the motion that was asked for last: it may still come, and it did not
@@ -46,11 +46,11 @@ export class Program {
     $("poses-file").addEventListener("change", () => this.open());
   }
 
-  show({ poses, planned, kind, stop, corner, tool_speed, note }) {
+  show({ poses, planned, kind, stop, corner, linear_speed, note }) {
     const before = this.asked;
     this.poses = poses;
     this.planned = planned;
-    this.asked = kind === null ? null : { kind, stop, corner, tool_speed };
+    this.asked = kind === null ? null : { kind, stop, corner, linear_speed };
     this.note = note;
     this.trying = false;
     this.failed = false;
@@ -65,11 +65,11 @@ export class Program {
 
   // The boxes say what was planned, by whichever page.
   follow() {
-    const { kind, stop, corner, tool_speed } = this.asked;
+    const { kind, stop, corner, linear_speed } = this.asked;
     $("plan-kind").value = kind;
     $("plan-stop").checked = stop;
     if (!stops(this.asked)) $("plan-corner").value = corner;
-    $("plan-tool-speed").value = tool_speed || "";
+    $("plan-linear-speed").value = linear_speed || "";
     this.choose();
   }
 
@@ -81,8 +81,8 @@ export class Program {
 
   // What the boxes ask for.
   get settings() {
-    const [corner, tool_speed] = ["plan-corner", "plan-tool-speed"].map((id) => ($(id).value ? $(id).valueAsNumber : 0));
-    return { kind: $("plan-kind").value, stop: $("plan-stop").checked, corner, tool_speed };
+    const [corner, linear_speed] = ["plan-corner", "plan-linear-speed"].map((id) => ($(id).value ? $(id).valueAsNumber : 0));
+    return { kind: $("plan-kind").value, stop: $("plan-stop").checked, corner, linear_speed };
   }
 
   placed({ theta }) {
@@ -155,5 +155,5 @@ function stops({ kind, stop }) {
 // Whether both ask for the same motion: one that stops at each pose rounds no corners.
 function same(one, other) {
   const corners = stops(one) || one.corner === other.corner;
-  return one.kind === other.kind && stops(one) === stops(other) && corners && one.tool_speed === other.tool_speed;
+  return one.kind === other.kind && stops(one) === stops(other) && corners && one.linear_speed === other.linear_speed;
 }

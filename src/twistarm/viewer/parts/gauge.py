@@ -35,7 +35,7 @@ JOINTS_TO_POINT = 5
 """Joints that position and point a tool; below, the position alone can be singular, and is looked at first."""
 
 SILENT: dict[str, Any] = {
-    "sigma": None, "below": ServoSettings().singular_below, "lacks": None,
+    "sigma": None, "below": ServoSettings().singularity_threshold, "lacks": None,
     "joint": None, "unit": None, "room": None, "near": None, "end": None,
 }  # fmt: skip
 """Where no servo drives."""
@@ -93,7 +93,12 @@ class Measure:
         """The fields of the message at theta (n,)."""
         sigma, u = self.least(theta)
         lacks = DIRECTIONS[leading(np.abs(u))] if u.any() else None
-        return {"sigma": round(sigma, 5), "below": self.bounds.singular_below, "lacks": lacks, **self.room(theta)}
+        return {
+            "sigma": round(sigma, 5),
+            "below": self.bounds.singularity_threshold,
+            "lacks": lacks,
+            **self.room(theta),
+        }
 
     def least(self, theta: Array) -> Least:
         """The smallest singular value of the directions that the arm has elsewhere, 0 if it lacks one here.

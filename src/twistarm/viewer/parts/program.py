@@ -45,11 +45,11 @@ class Asked(NamedTuple):
     kind: Any
     stop: bool
     corner: float
-    tool_speed: float
+    linear_speed: float
 
     def through_joints(self, poses: Sequence[RecordedPose]) -> bool:
         """Whether joint waypoints say it all, so that a spline may lead through them."""
-        plain = all(pose.by == "joint" for pose in poses[1:]) and not self.tool_speed
+        plain = all(pose.by == "joint" for pose in poses[1:]) and not self.linear_speed
         return plain and (self.stop or self.kind in SPLINES)
 
 
@@ -123,7 +123,7 @@ class Program:
             raise InputError(f"a motion needs at least two poses; the list has {len(poses)}: record another")
         if not np.ptp([pose.theta for pose in poses], axis=0).any():
             raise InputError("the poses of the list are all the same: there is no motion between them")
-        if asked.corner < 0.0 or asked.tool_speed < 0.0:
+        if asked.corner < 0.0 or asked.linear_speed < 0.0:
             raise InputError("the radius of corners and the tool's speed must be 0 or more")
         if asked.kind not in LAWS and not asked.through_joints(poses):
             raise InputError(
@@ -205,7 +205,7 @@ def _motion(
         start=poses[0].theta,
         limits=limits,
         kind=asked.kind,
-        tool_speed=asked.tool_speed or None,
+        linear_speed=asked.linear_speed or None,
         **met,
         progress=progress,
     )

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arm.arm import Arm
-from ...ik import AnyTarget, IKSolutions, closed_form_of, solve_ik_all
+from ...ik import AllSolutions, AnyTarget, closed_form_of, solve_ik_all
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...support.vector_words import value_in_words
@@ -106,7 +106,7 @@ def _found(arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float
     return answer_of(solve_ik_all(arm, target, start, given=held, **met), others, _held_in_words(arm, held))
 
 
-def answer_of(solutions: IKSolutions, others: Mapping[str, float], more: Sequence[str] = ()) -> Answer:
+def answer_of(solutions: AllSolutions, others: Mapping[str, float], more: Sequence[str] = ()) -> Answer:
     """What is held and told of the configurations; `more`: further lines of words."""
     theta = np.vstack([solutions.theta, solutions.outside])[:MOST]
     placement = Placement(solutions.arm)
@@ -127,7 +127,7 @@ def _held_in_words(arm: Arm, held: Mapping[str, float]) -> list[str]:
     return [f"held where the arm stands, because the target leaves it free: {', '.join(values)}"] if values else []
 
 
-def _place(solutions: IKSolutions, theta: Array, i: int) -> dict[str, list[str]]:
+def _place(solutions: AllSolutions, theta: Array, i: int) -> dict[str, list[str]]:
     """The free joints of a configuration and the joints beyond their limits, in words."""
     if i < len(solutions):
         return {"free": list(solutions.free[i]), "beyond": []}

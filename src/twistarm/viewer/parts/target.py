@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...arm.arm import Arm
-from ...ik import Approach, IKSolution, Pose, Position, solve_ik
+from ...ik import Approach, IKResult, Pose, Position, solve_ik
 from ...ik.request import as_tolerance
 from ...support.checks import Array
 from ...support.errors import InputError
@@ -130,7 +130,7 @@ def tolerances_asked(fields: Mapping[str, float]) -> dict[str, float]:
 
 def solved_at_once(
     arm: Arm, target: Pose | Position | Approach, start: Array, met: Mapping[str, Any] = NONE
-) -> IKSolution | None:
+) -> IKResult | None:
     """The solution of the first search from `start` if it meets the target within AT_ONCE, else None.
 
     A full search gives the same bits, because the first converged search wins and none was cut short.
@@ -155,7 +155,7 @@ def _solved(
     return solution.theta, {**_status(given, solution), "ghost": ghost(solution, others)}
 
 
-def _status(given: dict[str, Any], solution: IKSolution) -> Message:
+def _status(given: dict[str, Any], solution: IKResult) -> Message:
     return {
         "type": "target",
         "given": given,

@@ -15,7 +15,7 @@ from ...theory import poe
 from ...theory.manipulability import Manipulability, scaled_jacobian
 from ...theory.screws import to_screw
 
-BELOW = ServoSettings().singular_below
+BELOW = ServoSettings().singularity_threshold
 """Singular values less than this are said to be singular by a servo of ordinary settings."""
 
 SLIGHT = 0.05

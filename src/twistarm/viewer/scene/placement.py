@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...arm.arm import Arm
-from ...ik import IKSolution
+from ...ik import IKResult
 from ...support.checks import Array
 from ...theory.rotations import GIMBAL_LOCK_TOL
 from ...theory.screws import exp, inverse
@@ -75,7 +75,7 @@ def _moving_links(arm: Arm) -> tuple[list[str], Array]:
     return children, inverse(np.array([rest[name] for name in children]))
 
 
-def ghost(solution: IKSolution, others: Mapping[str, float]) -> dict[str, list[float]] | None:
+def ghost(solution: IKResult, others: Mapping[str, float]) -> dict[str, list[float]] | None:
     """Where each link would stand without joint limits, {node: matrix by columns}.
 
     None where the limits are not the reason: a target is met, or out of reach of any configuration.

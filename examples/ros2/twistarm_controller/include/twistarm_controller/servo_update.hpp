@@ -24,7 +24,7 @@ inline const char* text(stopped_by reason) {
 
 /// Told once. Times [s]; tolerance: how far a joint may be from where it was commanded [rad, m].
 template <class T> struct update_settings {
-    T period, command_timeout = T(0.2), state_timeout = T(0.2), longest_dt = T(0.1), tolerance = T(0.2);
+    T period, command_timeout = T(0.2), state_timeout = T(0.2), max_dt = T(0.1), tolerance = T(0.2);
 };
 
 /// What a cycle begins with: the joints as measured, what is commanded, how old both are [s], dt since the last cycle.
@@ -89,7 +89,7 @@ stopped_by why_not(const update_settings<T>& settings, const update_input<T, N>&
     if (memory.blind) return stopped_by::stale_state;
     if (memory.strayed) return stopped_by::strayed;
     if (!in.enabled) return stopped_by::interlock;
-    if (in.dt > settings.longest_dt) return stopped_by::late_cycle;
+    if (in.dt > settings.max_dt) return stopped_by::late_cycle;
     if (!fresh(in.command_age, settings.command_timeout)) return stopped_by::stale_command;
     if (memory.held) return stopped_by::held;
     return stopped_by::nothing;
@@ -123,7 +123,7 @@ void update(const twistarm::chain<T, N, M>& arm, const twistarm::servo_bounds<T,
     if (!out.valid) return;
     twistarm::servo_command<T, N> command{};
     if (out.reason == stopped_by::nothing) command = in.command;
-    const T dt = in.dt > settings.longest_dt ? settings.period : in.dt;
+    const T dt = in.dt > settings.max_dt ? settings.period : in.dt;
     twistarm::servo_step(arm, bounds, command, dt, memory.state, out.servo);
 }
 }  // namespace twistarm_controller

@@ -1,4 +1,4 @@
-"""Binding limits: on lines whose time is in the textbook, the limit that sets it is named, from when to when."""
+"""ActiveLimit limits: on lines whose time is in the textbook, the limit that sets it is named, from when to when."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from twistarm import Actuators, Arm, ArmBuilder, Dwell, JointMove, LineMove, binding_limits, plan, plan_joint
+from twistarm import Actuators, Arm, ArmBuilder, Dwell, JointMove, LineMove, active_limits, plan, plan_joint
 from twistarm.limits import JointLimits
 from twistarm.support.errors import InputError
 
@@ -25,7 +25,7 @@ def gantry() -> Arm:
 def test_a_line_is_bound_by_acceleration_velocity_acceleration(gantry, kind):
     """Lynch & Park §9.2.2.2: V/A to come to full speed, as long to stop, the rest of the way at V."""
     motion = plan_joint(gantry, [[0, 0], [3.0, 1.5]], kind=kind, limits=LIMITS)
-    found = binding_limits(gantry, motion, limits=LIMITS)
+    found = active_limits(gantry, motion, limits=LIMITS)
     assert [each.describe() for each in found] == [
         "acceleration of joint 'x'",
         "velocity of joint 'x'",
@@ -37,9 +37,9 @@ def test_a_line_is_bound_by_acceleration_velocity_acceleration(gantry, kind):
 
 
 def test_the_tool_s_speed_a_share_of_speed_and_rest_count(gantry):
-    segments = [LineMove.by([1.0, 0, 0], tool_speed=0.1), Dwell(2.0), JointMove([1.0, 3.0], speed=0.25)]
+    segments = [LineMove.by([1.0, 0, 0], linear_speed=0.1), Dwell(2.0), JointMove([1.0, 3.0], speed=0.25)]
     motion = plan(gantry, segments, start=[0, 0], limits=LIMITS, kind="time_optimal")
-    found = binding_limits(gantry, motion, limits=LIMITS, segments=segments)
+    found = active_limits(gantry, motion, limits=LIMITS, segments=segments)
     line = [each for each in found if each.end <= motion.times[1] + 0.01]
     assert max(line, key=lambda each: each.end - each.begin).describe() == "tool speed"
     assert not any(each.begin < middle < each.end for each in found for middle in [np.mean(motion.times[1:3])])
@@ -55,15 +55,15 @@ def test_a_motor_that_is_slower_than_its_joints_is_named(gantry):
     drives = Actuators(("a", "b"), ("x", "y"), G, np.zeros(2), ("rad", "rad"), np.full(2, np.nan), motors)
     arm = replace(gantry, actuators=drives)
     motion = plan_joint(arm, [[0, 0], [1.0, 1.0]], kind="s_curve", limits=LIMITS)
-    longest = max(binding_limits(arm, motion, limits=LIMITS), key=lambda each: each.end - each.begin)
+    longest = max(active_limits(arm, motion, limits=LIMITS), key=lambda each: each.end - each.begin)
     assert longest.describe() == "velocity of motor 'a'"
     assert longest.share == pytest.approx(1.0, abs=1e-3)
 
 
 def test_what_stands_is_bound_by_nothing_and_strangers_are_refused(gantry):
     still = plan_joint(gantry, [[1.0, 1.0]], limits=LIMITS)
-    assert binding_limits(gantry, still, limits=LIMITS) == ()
+    assert active_limits(gantry, still, limits=LIMITS) == ()
     with pytest.raises(InputError, match="2 segments has 3 waypoints; this one has 1"):
-        binding_limits(gantry, still, limits=LIMITS, segments=[Dwell(1.0), Dwell(1.0)])
+        active_limits(gantry, still, limits=LIMITS, segments=[Dwell(1.0), Dwell(1.0)])
     with pytest.raises(InputError, match="Trajectory of the arm's joints"):
-        binding_limits(gantry, [1.0, 2.0])
+        active_limits(gantry, [1.0, 2.0])

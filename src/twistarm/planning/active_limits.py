@@ -1,4 +1,4 @@
-"""Binding limits: what keeps each stretch of a motion from being faster."""
+"""ActiveLimit limits: what keeps each stretch of a motion from being faster."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SLIVER = 5e-3
 
 
 @dataclass(frozen=True)
-class Binding:
+class ActiveLimit:
     """The limit that a motion uses most from `begin` to `end` [s].
 
     `rate` is "velocity", "acceleration" or "jerk" of `owner` "joint" or "motor", by `name`. For owner "tool" it is
@@ -50,13 +50,13 @@ class Binding:
         return self.rate if self.owner == "tool" else f"{self.rate} of {self.owner} {self.name!r}"
 
 
-def binding_limits(
+def active_limits(
     arm: Arm,
     motion: Trajectory,
     *,
     limits: JointLimits | Mapping[str, Any] | None = None,
     segments: Sequence[Segment] = (),
-) -> tuple[Binding, ...]:
+) -> tuple[ActiveLimit, ...]:
     """Return the limit that each stretch of a motion uses most. Raise that limit to make the motion faster there.
 
     At some 2,000 instants the shares |rate_j(t)| / limit_j are compared, for every rate of every joint and motor j. A
@@ -89,7 +89,7 @@ def binding_limits(
     shares = _shares(arm, motion, bounds, moves, t)
     rows = _rows(arm, bounds)
     return tuple(
-        Binding(begin, end, *rows[row], share) for begin, end, row, share in _stretches(motion, t, between, shares)
+        ActiveLimit(begin, end, *rows[row], share) for begin, end, row, share in _stretches(motion, t, between, shares)
     )
 
 
@@ -118,10 +118,10 @@ def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Se
             continue
         among = (t >= begin) & (t < end)
         rates[0][among, : motion.n] /= move.speed
-        if move.tool_speed is None and move.turn_speed is None:
+        if move.linear_speed is None and move.angular_speed is None:
             continue
         twist = (arm.body_jacobian(motion(t[among])) @ motion(t[among], 1)[..., None])[..., 0]
-        for column, (most, part) in enumerate(((move.tool_speed, twist[:, :3]), (move.turn_speed, twist[:, 3:]))):
+        for column, (most, part) in enumerate(((move.linear_speed, twist[:, :3]), (move.angular_speed, twist[:, 3:]))):
             if most is not None:
                 tool[among, column] = np.linalg.norm(part, axis=-1) / most
     return np.concatenate([*rates, tool], axis=1)
