@@ -47,10 +47,15 @@ class Move(Segment):
     """The options of every move.
 
     blend: radius [m] of the ball about the move's end in which the tool may round the corner to the next; 0 stops
-    there. speed: the greatest share, in (0, 1], of the joints' velocity limits. linear_speed, angular_speed: the
-    greatest speed of the tool's origin [m/s] and of its rotation [rad/s]. position_tol, orientation_tol: tolerances of the
-    target [m, rad], at the goal and along a curve. label: an action that is due at the move's end, such as "close
-    gripper"; files carry it.
+    there.
+
+    speed: the greatest share, in (0, 1], of the joints' velocity limits.
+
+    linear_speed, angular_speed: the greatest speed of the tool's origin [m/s] and of its rotation [rad/s].
+
+    position_tol, orientation_tol: tolerances of the target [m, rad], at the goal and along a curve.
+
+    label: an action that is due at the move's end, such as "close gripper"; files carry it.
     """
 
     blend: float = 0.0
