@@ -95,7 +95,7 @@ def _lacking(U: Array, Vt: Array, beside: Array, count: int) -> Array:
     """Axes (6, count) across the columns of U (6, r): first those that rows (m, 6, n) beside have across Vt (r, n)."""
     P = np.eye(6) - U @ U.T
     free = np.eye(Vt.shape[1]) - Vt.T @ Vt
-    Q, size, _ = np.linalg.svd(np.hstack(list(P @ beside @ free)))
+    Q, size, _ = np.linalg.svd(np.hstack(list(P @ beside @ free)), full_matrices=False)
     Q = Q[:, : int((size > SEEN * BESIDE).sum())]
     seen = nearest_axes(Q @ Q.T, min(Q.shape[1], count))
     return np.hstack([seen, nearest_axes(P - Q @ Q.T, count - seen.shape[1])])
