@@ -122,7 +122,7 @@ def note_names(semantics: Semantics, description: Description) -> tuple[Finding,
     missing += [name for name in _links(semantics) if name not in description.links]
     if missing:
         names = listed(dict.fromkeys(missing))
-        what = f"{description.name} has no joint or link {names}; what is said of them is not used"
+        what = f"{description.name} has no joint or link {names}; their entries are not used"
         noted.append(finding("srdf-unknown-name", place, what, "correct the names; is it of an older description?"))
     return tuple(noted)
 
