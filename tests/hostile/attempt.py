@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
@@ -26,7 +28,8 @@ class Outcome:
     """What came of it: the exit code (None where it had to be killed), what was printed, and what it took.
 
     `seconds` are the clock's, `busy` the processor's; `megabytes` is the most that the process, or one that it waited
-    for, held at a time.
+    for, held at a time. A process inherits the peak of the one that starts it; a peak no larger than that is looked up
+    while it runs, where the system tells.
     """
 
     code: int | None
@@ -82,14 +85,40 @@ def attempt(
 
         clock = threading.Timer(seconds, end)
         clock.start()
+        peak = _Peak(process.pid)
+        peak.start()
         _, status, used = os.wait4(process.pid, 0)
         took = time.monotonic() - began
         clock.cancel()
         process.returncode = os.waitstatus_to_exitcode(status)
         told = [file.seek(0) or file.read().decode("utf-8", "replace") for file in (output, errors)]
     busy = used.ru_utime + used.ru_stime
-    kilobytes = used.ru_maxrss / (1024 if sys.platform == "darwin" else 1)
+    unit = 1024 if sys.platform == "darwin" else 1
+    kilobytes = used.ru_maxrss / unit
+    if peak.kilobytes and used.ru_maxrss <= resource.getrusage(resource.RUSAGE_SELF).ru_maxrss:
+        kilobytes = peak.kilobytes
     return Outcome(None if late.is_set() else process.returncode, told[0], told[1], took, kilobytes / 1000, busy)
+
+
+class _Peak(threading.Thread):
+    """The largest memory of the processes in a session, while one of them runs; 0 where no /proc tells."""
+
+    def __init__(self, session: int) -> None:
+        super().__init__(daemon=True)
+        self.session, self.kilobytes = session, 0
+
+    def run(self) -> None:
+        while (found := self._now()) > 0:
+            self.kilobytes = max(self.kilobytes, found)
+            time.sleep(0.02)
+
+    def _now(self) -> int:
+        found = 0
+        for folder in Path("/proc").glob("[0-9]*"):
+            with suppress(OSError, IndexError, ValueError):
+                if int((folder / "stat").read_text().rpartition(")")[2].split()[3]) == self.session:
+                    found = max(found, int((folder / "status").read_text().partition("VmHWM:")[2].split()[0]))
+        return found
 
 
 @dataclass

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from types import EllipsisType
 from typing import Any
 
+from .errors import printable
+
 ARGUMENT = re.compile(
     r"""(?<![\w.])(?P<name>[a-z_]+)=
     (?P<value>\.\.\. | True | -?\d[\d.e+-]*(?<!\.) | '(?:[^'\\]|\\.)*' | "(?:[^"\\]|\\.)*"
@@ -32,7 +34,7 @@ def argument(name: str, value: Any = ...) -> str:
 
 def package_folder(held: str) -> str:
     """The argument for a package folder that holds `held`."""
-    return f"{argument('package_dirs', [...])} (the folder that holds {held})"
+    return f"{argument('package_dirs', [...])} (the folder that holds {printable(held)})"
 
 
 def quantity(value: float, unit: str) -> str:
