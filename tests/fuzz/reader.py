@@ -99,7 +99,7 @@ def pose(robot: ET.Element, value: Mapping[str, float], base: str, tip: str) -> 
 
 
 def bounds(robot: ET.Element) -> dict[str, tuple[float, float]]:
-    """lower and upper of the joints that give both and neither follow nor are followed."""
+    """lower and upper of the joints that give both, and have no mimics, masters or soft limits."""
     masters = {mimic.get("joint") for mimic in robot.iter("mimic")}
     return {
         joint.get("name", ""): (float(limit.get("lower", "")), float(limit.get("upper", "")))
@@ -109,6 +109,7 @@ def bounds(robot: ET.Element) -> dict[str, tuple[float, float]]:
         and {"lower", "upper"} <= set(limit.attrib)
         and joint.get("name") not in masters
         and joint.find("mimic") is None
+        and joint.find("safety_controller") is None  # its soft limits are the narrower ones
     }
 
 

@@ -306,7 +306,7 @@ def _as_written(arm: Arm, theta: Array) -> list[EngineComparison]:
     rows = [_compared("all links", ("walk", AS_WRITTEN), difference, theta, tolerance)]
     joints = {name: arm.description.joints[name] for name in written.bounds() if name in arm.description.joints}
     bounds = [
-        (np.clip(joint.hard, -WIDE, WIDE) - written.bounds()[name]).tolist()
+        np.subtract(*np.clip([joint.hard, written.bounds()[name]], -WIDE, WIDE)).tolist()
         for name, joint in joints.items()
         if joint.type != "continuous" and joint.hard != (-np.inf, np.inf)
     ]
