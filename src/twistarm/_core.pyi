@@ -55,7 +55,7 @@ def shortest_spline(
     """
 
 class AllAnswers(Found):
-    """`ik/all_answers.py` says what its fields are, but for two.
+    """The fields of `AllAnswers` in `ik/all_solutions.py`, and two more.
 
     left: those of continuous families outside the limits, whose members inside are left to look for; families: those
     of any continuous family, some of which may be one.

@@ -43,7 +43,7 @@ def test_a_line_is_planned_to_a_typed_position(capsys: Capture) -> None:
     planned = answer(capsys, "plan", "rover_arm", "--xyz", " ".join(map(str, p)), "--line", "--linear-speed", "0.1")
     np.testing.assert_allclose(arm.fk(planned["waypoints"][-1])[:3, 3], p, atol=1e-6)
     assert planned["duration"] > np.linalg.norm([0.05, 0.05]) / 0.1
-    assert "tool speed" in [each["rate"] for each in planned["active_limits"]]
+    assert "linear speed" in [each["rate"] for each in planned["active_limits"]]
 
 
 @pytest.mark.parametrize(

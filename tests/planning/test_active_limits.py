@@ -41,7 +41,7 @@ def test_the_tool_s_speed_a_share_of_speed_and_rest_count(gantry):
     motion = plan(gantry, segments, start=[0, 0], limits=LIMITS, kind="time_optimal")
     found = active_limits(gantry, motion, limits=LIMITS, segments=segments)
     line = [each for each in found if each.end <= motion.times[1] + 0.01]
-    assert max(line, key=lambda each: each.end - each.begin).describe() == "tool speed"
+    assert max(line, key=lambda each: each.end - each.begin).describe() == "linear speed"
     assert not any(each.begin < middle < each.end for each in found for middle in [np.mean(motion.times[1:3])])
     slow = [each for each in found if each.rate == "velocity"]
     assert [each.name for each in slow] == ["y"]

@@ -193,7 +193,7 @@ class Arm:
     def ready(self) -> Array:
         """The configuration to start from, inside the limits, (n,): a named one, else `computed_ready`.
 
-        It has the first of these names that exists, in any case: `ready`, `home`, `default`, `rest`, `stowed`.
+        It has the first of these names that exists, in capitals or not: `ready`, `home`, `default`, `rest`, `stowed`.
         """
         name = named_ready(self.named_states)
         return self.computed_ready if name is None else self.named_states[name]
@@ -445,7 +445,7 @@ class Arm:
 
     @property
     def sampling_bounds(self) -> tuple[Array, Array]:
-        """The limits, lower and upper (n,). ± `usual_half` replaces a limit that is infinite."""
+        """The limits made finite, lower and upper (n,): a missing one is ±`usual_half`, or that far from the other."""
         return self.limits.sampling_bounds(self.usual_half)
 
     @cached_property

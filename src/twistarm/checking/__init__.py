@@ -1,1 +1,1 @@
-"""an arm compared with other engines and with its golden file."""
+"""An arm compared with other engines and with its golden file."""

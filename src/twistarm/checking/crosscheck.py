@@ -132,10 +132,10 @@ def crosscheck(
     the compiled core. They are also compared with a chain of Pinocchio's joint models, one per lower pair. An arm made
     from screws has that chain too, with a spherical joint by Euler angles and by a quaternion.
 
-    Further comparisons are J^s = Ad(g) J^b, J^b against fourth-order central differences of the pose, and every link's
-    pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the unrepaired text of the file, or xacro's
-    output. Both give every link's pose; Pinocchio gives the position limits too. Masses are not compared. A quantity
-    that an engine lacks is "not compared", with the reason.
+    Further comparisons are J^s = Ad(g) J^b, J^b against fourth-order central differences of Pinocchio's pose, and every
+    link's pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the unrepaired text of the file, or
+    xacro's output without our changes. Both give every link's pose; Pinocchio gives the position limits too. Masses are
+    not compared. A quantity that an engine lacks is "not compared", with the reason.
 
     Errors are absolute, in metres and radians (entries of R). The tolerance is `POSE_TOL`, times the arm's size beyond
     1 m, and larger for the unrepaired text.

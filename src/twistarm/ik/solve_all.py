@@ -48,8 +48,9 @@ def solve_ik_all(
 
     The closed form solves an arm's family: a group of joints whose axes meet in a point or are parallel, and at most
     three joints beside it. Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their
-    axes. Newton's method corrects each answer until forward kinematics meets the target to rounding. Others are
-    dropped. Where neither applies, searches from many starts are tried, and `complete` is False.
+    axes. Newton's method corrects each answer until forward kinematics meets the target to rounding. Answers
+    that do not meet it are dropped. Where neither applies, searches from many starts are tried, and `complete` is
+    False.
 
     A `Pose` takes arms of up to six joints, an `Approach` of up to five, a `Position` of up to three. Arms with fewer
     joints meet the targets that fit them; `explain()` says how far off another is. An arm with more joints than the
@@ -75,8 +76,9 @@ def solve_ik_all(
         max_time: Greatest time [s], which a closed form of a microsecond ignores; None for no limit.
         progress: Called with the number of sampled values and searches that are done, and with their count, or None.
 
-    Returns: The `AllSolutions`: theta (k, n), k ≥ 0, and whether these are all. When the time is up it holds what was
-    found, with `complete` False and `timed_out` True.
+    Returns:
+        The `AllSolutions`: theta (k, n), k ≥ 0, and whether these are all. When the time is up it holds what was
+        found, with `complete` False and `timed_out` True.
 
     Raises:
         InputError: The target, theta0, a given value or a number cannot be used.

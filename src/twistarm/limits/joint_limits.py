@@ -68,7 +68,7 @@ class JointLimits:
         return cls(-inf, inf, inf, inf, inf, inf)
 
     def contains(self, theta: ArrayLike, tol: float = 0.0) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Tell whether theta (..., n) lies inside the position limits, with `tol` [rad, m] to spare.
+        """Tell whether theta (..., n) lies inside the position limits, or at most `tol` [rad, m] beyond them.
 
         Args:
             theta: Configurations (..., n) [rad, m].

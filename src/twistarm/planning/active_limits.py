@@ -1,4 +1,4 @@
-"""ActiveLimit limits: what keeps each stretch of a motion from being faster."""
+"""Active limits: what keeps each stretch of a motion from being faster."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .segments import Move, Segment
 from .time_laws.bounds import PathBounds
 from .trajectory import Trajectory
 
-Rate = Literal["velocity", "acceleration", "jerk", "tool speed", "turn speed"]
+Rate = Literal["velocity", "acceleration", "jerk", "linear speed", "angular speed"]
 
 LOOKS = 2000
 """Instants of a motion that are looked at, about; at least three in each of its pieces."""
@@ -35,7 +35,7 @@ class ActiveLimit:
     """The limit that a motion uses most from `begin` to `end` [s].
 
     `rate` is "velocity", "acceleration" or "jerk" of `owner` "joint" or "motor", by `name`. For owner "tool" it is
-    "tool speed" or "turn speed". `share` is the greatest part of the limit in use there; 1 is all of it.
+    "linear speed" or "angular speed". `share` is the greatest part of the limit in use there; 1 is all of it.
     """
 
     begin: float
@@ -135,7 +135,7 @@ def _rows(arm: Arm, bounds: PathBounds) -> list[tuple[Rate, Literal["joint", "mo
     rows: list[tuple[Rate, Literal["joint", "motor", "tool"], str]] = [
         (rate, owner, names[owner][index]) for rate in rates for owner, index in bounds.owners
     ]
-    return [*rows, ("tool speed", "tool", ""), ("turn speed", "tool", "")]
+    return [*rows, ("linear speed", "tool", ""), ("angular speed", "tool", "")]
 
 
 def _stretches(

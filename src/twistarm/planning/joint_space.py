@@ -89,9 +89,10 @@ def plan_joint(
     """Plan a motion through `waypoints`, at rest at the first and the last, inside the joint limits.
 
     A waypoint is a configuration or a target of the tool (`Pose`, `Position`, `Approach`, `Task` or a pose (4, 4)).
-    `solve_ik` finds the configuration of a target from the waypoint before it, or from `arm.ready`. Continuous joints
-    go to a target by the shorter way. To a configuration they go as it says, from 0 to 2π by a full turn. With `unwrap`
-    they take the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18.
+    `solve_ik` finds the configuration of a target from the waypoint before it, or from `arm.ready`. Joints
+    that a whole turn brings back, with room for one, go to a target by the shorter way. To a configuration they go as
+    it says, from 0 to 2π by a full turn. With `unwrap` they take the shorter way there too: from 3.1 to −3.1 by 0.08
+    rad, to 3.18.
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
     - `quintic`: the C⁴ spline, acceleration zero at both ends. It is smoother and swings wider between waypoints.
@@ -99,7 +100,8 @@ def plan_joint(
       velocity, if need be at rest, on added pieces. The cubic stays C² and the quintic C⁴.
     - `trapezoid`: straight from waypoint to waypoint, stopping at each. All joints accelerate, coast and brake
       together. Jerk is not limited.
-    - `time_optimal`: the shortest motion along a cubic spline. Some velocity or acceleration is always at its limit.
+    - `time_optimal`: the shortest motion along a cubic spline through the waypoints. Some velocity or acceleration is
+    always at its limit.
       Jerk is not limited. It takes no `times`.
     - `s_curve`: straight from waypoint to waypoint in the shortest time within velocity, acceleration and jerk,
       stopping at each. A joint without a jerk limit takes 0.1 s to its acceleration limit. Each joint has a separate
@@ -129,7 +131,7 @@ def plan_joint(
             swing beyond its waypoints, inside the limits.
         position_tol: Tolerance of a target [m]; 1e-6 by default.
         orientation_tol: Tolerance of its rotation [rad], likewise.
-        unwrap: Whether continuous joints go to configurations by the shorter way too.
+        unwrap: Whether these joints go to configurations by the shorter way too.
         smooth: How far [rad, m] each joint may leave recorded waypoints, such as 0.01 for two decimals. Third
             differences become as small as that allows, and a stay is passed once. The first and the last waypoint are
             kept. None: all are passed exactly.

@@ -77,14 +77,13 @@ def plan(
         angular_speed: Greatest angular speed of the tool [rad/s] where a segment gives none.
         position_tol: Tolerance of a target [m] where a segment gives none; 1e-6 by default.
         orientation_tol: Tolerance of its rotation [rad], likewise.
-        unwrap: Whether continuous joints go to configurations by the shorter way, from 3.1 to −3.1 by 0.08 rad. To
-            targets they always do.
+        unwrap: Whether joints that a whole turn brings back, with room for one, go to configurations by the shorter
+            way, from 3.1 to −3.1 by 0.08 rad. To targets they always do.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
         The `Trajectory`. Its waypoints are the start and the end of every segment, its labels those of the segments.
-            Its `notes` name usual limits used for missing ones, shorter ways by whole turns, and curves that do not
-            move.
+        Its `notes` name usual limits used for missing ones, shorter ways by whole turns, and curves that do not move.
 
     Raises:
         PathError: A curve cannot be followed; the message says how far it can, why no farther and what would help.

@@ -165,10 +165,10 @@ class Trajectory:
         """Write CSV: a row every `dt` [s] and one at the end.
 
         A row has the time, then position, velocity and acceleration of each joint. The header names column and unit,
-        `slide.position [m]`. Each motor adds `left.motor_position [rad]` and `left.motor_velocity [rad/s]` on its side
-        of the gears, `left.counts [tick]` and `left.counts_rate [tick/s]`, not rounded. Labels stand in a last column
-        `label`, each in a row at its time. Numbers read back as the same floats. The file is written whole or not at
-        all. `load_trajectory` reads it.
+        `slide.position [m]`. Each motor (of `actuators`, else of the arm) adds `left.motor_position [rad]` and
+        `left.motor_velocity [rad/s]` on its side of the gears, `left.counts [tick]` and `left.counts_rate [tick/s]`,
+        not rounded. Labels stand in a last column `label`, each in a row at its time. Numbers read back as the same
+        floats. The file is written whole or not at all. `load_trajectory` reads it.
 
         Args:
             path: The file to write.
@@ -188,9 +188,10 @@ class Trajectory:
         """Write a `trajectory_msgs/JointTrajectory` as JSON: a point every `dt` [s] and one at the end.
 
         Each point has positions, velocities, accelerations (rad or m, and per s, s²) and time_from_start as `sec` and
-        `nanosec`, strictly increasing from 0. The last velocity is zero. Two fields are extra: `motors`, with names,
-        units, count_units and points of positions, velocities, counts and counts_rates, and `labels`, each with `time`
-        [s] and `text`. The file is written whole or not at all.
+        `nanosec`, strictly increasing from 0. The last velocity is zero. Two fields may follow: `motors` (if there are
+        any, as in `to_csv`), with names, units, count_units and points of positions, velocities, counts and
+        counts_rates, and `labels` (if there are any), each with `time` [s] and `text`. The file is written whole or not
+        at all.
 
         Args:
             path: The file to write.

@@ -1,1 +1,1 @@
-"""from a description and its companions to a proven arm; arms built in Python; a first arm.toml."""
+"""From a description and its companions to a proven arm; arms built in Python; a first arm.toml."""

@@ -28,7 +28,7 @@ def servo_step(
 
     An unusable command raises no error, because a loop that raises loses the arm. The arm comes to rest within its
     acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.max_dt] or a state that
-    is not finite gives STALE with zero rates.
+    is not finite gives STALE with zero rates at once.
 
     The rates minimise a strictly convex function, continuous in configuration and command (docs/servo.md). Away from
     singularities a twist is exact. If the arm lacks directions (below six joints, at a limit), held components come

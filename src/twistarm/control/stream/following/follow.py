@@ -1,4 +1,4 @@
-"""a trajectory on a robot, from the arm's position to the motion's end."""
+"""Follow a trajectory on a robot, from the arm's position to the motion's end."""
 
 from __future__ import annotations
 
@@ -42,8 +42,10 @@ def follow(
     The motion begins only if each measured joint is within `start_tolerance` of the trajectory's start. A straight
     joint move inside the limits covers the rest. With `approach` this move may begin anywhere; it avoids no obstacles.
 
-    The motion's time s advances at the rate r = ds/dt of `speed`, or less if the trajectory would exceed the arm's
-    limits. A pause changes r within the acceleration limits, so the arm stays on its path.
+    The motion's time s advances at the rate r = ds/dt of `speed`, or less if the trajectory would exceed a
+    velocity or acceleration limit of the arm or its motors. For a pause or stop r goes to 0 and the arm rests on its
+    path; to resume, r rises again. |dr/dt| is at most 4 1/s, and keeps q' dr/dt + q'' r² within the acceleration
+    limits. While a joint brakes at its limit, the motion cannot be slowed further.
 
     A joint farther than `tolerance` from all setpoints within the last `feedback_timeout` ends the motion, as does an
     emergency stop of `interlock`. Each joint then brakes as fast as its limit allows, off the path. Other trouble

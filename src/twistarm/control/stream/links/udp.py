@@ -1,4 +1,4 @@
-"""commands and joint states in, setpoints out, one JSON message per datagram; see docs/streaming.md."""
+"""UDP: commands and joint states in, setpoints out, one JSON message per datagram; see docs/streaming.md."""
 
 from __future__ import annotations
 
