@@ -100,9 +100,8 @@ def plan_joint(
       velocity, if need be at rest, on added pieces. The cubic stays C² and the quintic C⁴.
     - `trapezoid`: straight from waypoint to waypoint, stopping at each. All joints accelerate, coast and brake
       together. Jerk is not limited.
-    - `time_optimal`: the shortest motion along a cubic spline through the waypoints. Some velocity or acceleration is
-    always at its limit.
-      Jerk is not limited. It takes no `times`.
+    - `time_optimal`: the shortest motion along a cubic spline through the waypoints. Some velocity or acceleration
+      is always at its limit. Jerk is not limited. It takes no `times`.
     - `s_curve`: straight from waypoint to waypoint in the shortest time within velocity, acceleration and jerk,
       stopping at each. A joint without a jerk limit takes 0.1 s to its acceleration limit. Each joint has a separate
       profile and all arrive together; joints that share a motor move in proportion.
