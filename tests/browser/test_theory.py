@@ -195,6 +195,7 @@ def test_columns_ellipsoids_and_labels(page: Any, viewer: Viewer) -> None:
 
 def test_labels_follow_the_camera_and_hide_behind_it(page: Any, viewer: Viewer) -> None:
     switch(page, "Labels")
+    after_frames(page)
     before = page.evaluate(DRAWN)["labels"]
     page.mouse.move(620, 400)
     page.mouse.down()
@@ -241,7 +242,8 @@ def test_the_screw_of_a_motion_and_the_trace_it_leaves(page: Any, viewer: Viewer
     switch(page, "Instantaneous screw", "Trace")
     trajectory = motion_of(ARM)
     viewer.play(trajectory, speed=1.0)
-    until(page, "twistarm.state.frame.time > 0.6 && twistarm.parts.theory.numbers.motion")
+    trace = "twistarm.parts.theory.trace.pieces"
+    until(page, f"twistarm.state.frame.time > 0.6 && twistarm.parts.theory.numbers.motion && {trace}.flat().length > 5")
     page.get_by_role("button", name="Pause").click()
     until(page, "!twistarm.state.frame.running")
     drawn = page.evaluate(DRAWN)
@@ -251,7 +253,6 @@ def test_the_screw_of_a_motion_and_the_trace_it_leaves(page: Any, viewer: Viewer
     h = drawn["numbers"]["motion"]["screw"]["pitch"][0]
     v, w = np.split(ARM.spatial_jacobian(theta) @ rates, 2)
     assert h == pytest.approx(v @ w / (w @ w))
-    trace = "twistarm.parts.theory.trace.pieces"
     points = np.array(page.evaluate(f"{trace}.flat().map((point) => point.toArray())"))
     way = ARM.fk(trajectory(np.linspace(0, drawn["time"], 2000)))[:, :3, 3]
     passed = points[-min(10, len(points) - 1) :]
