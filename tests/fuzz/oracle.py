@@ -138,7 +138,7 @@ def _read_again(arm: Arm, path: Path, packages: Mapping[str, Path], arguments: M
         size = 1 + np.abs(expected[:3, 3]).max() + np.abs(arm.home[:3, 3]).max() + arm.reach
         error = np.abs(arm.fk(theta) - expected).max()
         # The reading rounds the joints' values themselves, and a follower may turn a hundred million rad.
-        values_rounded = np.finfo(float).eps * np.abs(arm.coupling.A @ theta + arm.coupling.b).max()
+        values_rounded = np.finfo(float).eps * (np.abs(arm.coupling.A) @ np.abs(theta) + np.abs(arm.coupling.b)).max()
         if not error <= (TOLERANCE + values_rounded) * size:
             problems.append(f"fk differs by {error:.3g} from the independent reading at {values}")
     return problems
