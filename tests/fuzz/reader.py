@@ -99,18 +99,27 @@ def pose(robot: ET.Element, value: Mapping[str, float], base: str, tip: str) -> 
 
 
 def bounds(robot: ET.Element) -> dict[str, tuple[float, float]]:
-    """lower and upper of the joints that give both, and have no mimics, masters or soft limits."""
+    """lower and upper, soft limits included, of the joints that give both and neither follow nor are followed."""
     masters = {mimic.get("joint") for mimic in robot.iter("mimic")}
     return {
-        joint.get("name", ""): (float(limit.get("lower", "")), float(limit.get("upper", "")))
+        joint.get("name", ""): _softened(joint, float(limit.get("lower", "")), float(limit.get("upper", "")))
         for joint in robot.findall("joint")
         for limit in joint.findall("limit")[:1]
         if joint.get("type") in ("revolute", "prismatic")
         and {"lower", "upper"} <= set(limit.attrib)
         and joint.get("name") not in masters
         and joint.find("mimic") is None
-        and joint.find("safety_controller") is None  # its soft limits are the narrower ones
     }
+
+
+def _softened(joint: ET.Element, lower: float, upper: float) -> tuple[float, float]:
+    """The range inside the soft limits (URDF: a missing one is 0), or the whole one if that leaves no room."""
+    soft = joint.find("safety_controller")
+    if soft is None:
+        return lower, upper
+    least, most = (float(soft.get(f"soft_{end}_limit", "0")) for end in ("lower", "upper"))
+    narrow = max(lower, least), min(upper, most)
+    return narrow if least != most and narrow[0] < narrow[1] else (lower, upper)
 
 
 def potential_energy(robot: ET.Element, value: Mapping[str, float], base: str, massless: Container[str]) -> float:

@@ -42,10 +42,14 @@ MOVED = "the program moves the arm: Drive was switched off"
 class Viewer(Closeable):
     """A view of `arm` at `theta`, by default the ready pose, served to the browser until `close`.
 
-    host: the interface. Any other than the default opens the view to a network, with the token still required. port: 0
-    takes a free one. open_browser: show the page at once; without a browser, open `url` yourself. keep: store the
-    recorded poses of this port for the next view at that port. Without `theta` the arm then returns to its last
-    configuration. `notes` lists what could not be stored or used.
+    host: the interface. Any other than the default opens the view to a network, with the token still required.
+
+    port: 0 takes a free one.
+
+    open_browser: show the page at once; without a browser, open `url` yourself.
+
+    keep: store the recorded poses of this port for the next view at that port. Without `theta` the arm then returns to
+    its last configuration. `notes` lists what could not be stored or used.
 
     The view is a context manager. Every method may be called from any thread. Methods that move or show something
     return at once. `theta` and `recorded` wait at most a frame. `save_html`, `save_png` and `inline(static=True)` wait
