@@ -16,7 +16,7 @@ from twistarm.viewer import Viewer
 from twistarm.viewer.server import listening
 from twistarm.viewer.server.downloads import DOWNLOADS
 from twistarm.viewer.server.handlers import MOST_FILES
-from viewer_page import WAIT, Page, get, visit
+from viewer_page import WAIT, Page, get, until, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
 
@@ -110,6 +110,7 @@ def test_files_under_way_are_counted(viewer: Viewer, monkeypatch: pytest.MonkeyP
         for one in waiting:
             one.sendall(there.head("motion.csv"))
         assert begun.wait(WAIT)
+        until(lambda: viewer._server.files == MOST_FILES)
         assert get(viewer.url + "motion.csv")[:2] == (503, f"503 {MOST_FILES} files are under way: try again\n")
         leave.set()
         assert [one.recv(12) for one in waiting] == [b"HTTP/1.1 200"] * MOST_FILES
