@@ -1,4 +1,4 @@
-// One answer beside what was asked, as Python reads it by name: alone, or as a record of NumPy among those of a batch.
+// One answer and its target, which Python reads by name: a single object, or a NumPy record of a batch.
 #pragma once
 
 #include <nanobind/nanobind.h>

@@ -12,8 +12,8 @@ namespace bindings {
 
 namespace nb = nanobind;
 
-// The start of a NumPy array and of its data type, which NumPy's own inline functions (PyArray_DATA, PyArray_TYPE …) read
-// in whatever extension they are compiled into, under 1.x and 2.x alike: its layout is part of the binary interface.
+// The start of a NumPy array and of its data type. NumPy's inline functions (PyArray_DATA, PyArray_TYPE …) read it in
+// every extension, under 1.x and 2.x alike. So the layout is part of the binary interface.
 struct ArrayHead {
     PyObject_HEAD
     char* data;
@@ -36,7 +36,7 @@ inline void make_read_only(nb::handle array) {
     reinterpret_cast<ArrayHead*>(array.ptr())->flags &= ~ArrayHead::writeable;
 }
 
-// What is asked of numpy, looked up once.
+// What this extension needs from numpy, looked up once.
 class NumPy {
 public:
     static const NumPy& get() {
@@ -47,7 +47,7 @@ public:
     // A scalar of NumPy's own that is a real number, or a whole one.
     bool is_number(nb::handle object) const { return is_integer(object) || is_a(object, floating_); }
     bool is_integer(nb::handle object) const { return is_a(object, integer_); }
-    // A new array, of float64 or another type; making one may end this thread, as any call of Python may.
+    // A new array of float64 or another type. Like any call of Python, it may end this thread.
     nb::object empty(nb::handle shape) const {
         return called([&] { return nb::object(empty_(shape)); });
     }
@@ -74,7 +74,8 @@ private:
     nb::handle array_, empty_, floating_, integer_, truth_, whole_;
 };
 
-// One array's numbers where they lie; its owner must hold it, and the interpreter lock as long as others could resize it.
+// The numbers of one array, in place. The caller keeps a reference, and the interpreter lock as long as others could
+// resize the array.
 class Array {
 public:
     explicit Array(nb::handle array) : head_(reinterpret_cast<const ArrayHead*>(array.ptr())) {}
@@ -112,7 +113,7 @@ private:
     const ArrayHead* head_;
 };
 
-// An array that nobody may write to: a copy of these numbers.
+// A read-only array with a copy of these numbers.
 inline nb::object frozen(const nb::object& array, const double* values, std::size_t count) {
     std::memcpy(Array(array).data(), values, count * sizeof(double));
     make_read_only(array);

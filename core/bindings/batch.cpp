@@ -1,4 +1,4 @@
-// Chain.solve_batch: blocks of targets, taken by as many threads as are asked for.
+// Chain.solve_batch: several threads take blocks of targets.
 #include <algorithm>
 #include <new>
 
@@ -20,7 +20,7 @@ public:
         query_.clock = this;
     }
 
-    // What was asked in blocks that nobody has begun.
+    // Fills the blocks that no thread has begun.
     void ask_the_rest() { ask(std::min(next_.load(), asked_.count), asked_.count); }
 
 private:

@@ -91,7 +91,7 @@ public:
     Call(const Chain& chain, nb::handle theta) : chain_(chain), theta_(theta) {
         const std::size_t axes = theta_.plain() ? theta_.dimensions() : 0;
         plain_ = (axes == 1 || axes == 2) && theta_.shape(axes - 1) == chain.n_ && theta_.finite();
-        // One configuration beyond two turns may be in degrees: Python looks at it, and hands it on as rows.
+        // A configuration beyond two turns may be in degrees. Python checks it and passes it on as rows.
         for (std::size_t i = 0; axes == 1 && plain_ && i < chain.n_; ++i) plain_ = std::fabs(theta_.data()[i]) <= two_turns;
     }
 

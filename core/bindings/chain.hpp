@@ -10,8 +10,8 @@
 
 namespace bindings {
 
-// What a call hands back in place of an answer where an argument is not plainly what the core takes: None. Python then
-// converts it, or says what is wrong with it, and calls again.
+// A call returns None if the core does not take an argument as it is. Python then converts the argument and calls
+// again, or raises an error.
 inline nb::object not_plain() { return nb::none(); }
 
 // How one target or many are to be solved.
@@ -50,7 +50,8 @@ public:
     nb::object body_jacobian(nb::handle theta) const;
     nb::object fk_and_body_jacobian(nb::handle theta) const;
 
-    // None, or five numbers: what of a target's rotation error is impossible, what is prevented, and an axis of the tool.
+    // None, or five numbers: the impossible and the prevented part of a target's rotation error, and an axis of the
+    // tool.
     nb::object split_rotation(nb::handle kind, nb::handle numbers, nb::handle theta) const;
 
     // None, or an Answer (answer.hpp).

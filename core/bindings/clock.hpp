@@ -1,4 +1,4 @@
-// When a call has to end: its time is up, or somebody has pressed Ctrl-C.
+// Tells when a call has to end: its time is up, or the user has pressed Ctrl-C.
 #pragma once
 
 #include <chrono>
@@ -33,8 +33,8 @@ private:
     Steady::time_point at_;
 };
 
-// The time of a call that works in the thread of its caller. It keeps the interpreter lock until it is asked for the
-// first time: who never asks is done in a microsecond or two, of which letting go would cost a tenth.
+// The time of a call that works in its caller's thread. It keeps the interpreter lock until the first check of the
+// time. A call that ends within a microsecond or two never checks; releasing the lock would cost it a tenth.
 class Watch {
 public:
     explicit Watch(double seconds) : deadline_(seconds) {}
@@ -43,8 +43,8 @@ public:
 
     static bool passed(const void* watch) { return static_cast<Watch*>(const_cast<void*>(watch))->look(); }
 
-    // To be called when the work is done, whatever has come of it: holds the lock again. Throws what the handler of a
-    // signal has raised.
+    // Takes the lock again. Call it when the work is done, with or without a result. Throws what a signal handler has
+    // raised.
     void end() {
         if (state_ != nullptr) take_lock(state_);
         state_ = nullptr;

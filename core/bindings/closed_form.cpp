@@ -85,9 +85,9 @@ private:
     std::vector<Place> inside_, outside_;
 };
 
-// Rows of blocks that end in any order, in the order of the blocks. What a batch gives back is memory that it touches once:
-// there is no time for a copy of it, nor for pages that are taken from the system twice. So there is room for what the blocks
-// so far let expect, and it is not cut to size: the allocator uses a freed piece again for a batch that needs no more.
+// Collects rows from blocks that end in any order and keeps the order of the blocks. A batch touches its result once,
+// so a copy or fresh pages would cost too much. The buffer has the size that the blocks so far suggest, and is not
+// trimmed. The allocator can use a freed buffer for the next batch.
 class OrderedRows {
 public:
     explicit OrderedRows(std::size_t blocks) : waiting_(blocks), there_(blocks, false) {}

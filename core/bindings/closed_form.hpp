@@ -1,4 +1,4 @@
-// twistarm._core.ClosedForm: the closed form of one arm's family, for one kind of target, as Python sees it.
+// twistarm._core.ClosedForm: the closed form of one arm's family for one kind of target.
 #pragma once
 
 #include <memory>
@@ -22,20 +22,20 @@ struct AllAnswers {
     static void define(nb::module_& module);
 };
 
-// The same of N targets: theta and moves (r, n), one target's behind those of the one before; the others (N,).
+// The same for N targets: theta and moves (r, n) have the rows of target 0, then of target 1 …; the others are (N,).
 struct AllAnswersBatch {
     nb::object theta, moves, count, inside, families;
 };
 
 class ClosedForm {
 public:
-    // axes (k, 7): w, o and 1 for a slide, in the family's order; joint (k,): theta's index of each, -1 for a turn that the
-    // target leaves free; kept (4,): as `keeps` says, a point and 0, or a plane's normal and d; held (h,) and held_axes (h, 7): base to tip;
-    // rate (n,), home (4, 4); idle (n,): 1 for what any answer may move.
+    // axes (k, 7): w, o and 1 for a slide, in the family's order. joint (k,): the index in theta, -1 for a turn that
+    // the target leaves free. kept (4,): a point and 0, or a plane's normal and d, as `keeps` says. held (h,) and
+    // held_axes (h, 7): base to tip. rate (n,), home (4, 4). idle (n,): 1 for joints that do not affect the target.
     ClosedForm(nb::object chain, int kind, int first, int last, int keeps, nb::handle axes, nb::handle joint,
                nb::handle kept, nb::handle held, nb::handle held_axes, nb::handle rate, nb::handle home, nb::handle idle);
 
-    // None, or AllAnswers; held: None, or values (m, h), each of which is tried.
+    // None, or AllAnswers. held: None, or values (m, h); the call tries each row.
     nb::object solve(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle position_tolerance,
                      nb::handle orientation_tolerance) const;
     // None, or AllAnswersBatch.

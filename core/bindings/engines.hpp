@@ -1,8 +1,7 @@
-// The engines of one instruction set: any arm, and arms of a number of joints that code of their own is made for.
+// Engines of one instruction set: a general one, and faster ones for arms with a fixed number of joints.
 //
-// Compiled several times, each with its own flags and the name TWISTARM_KERNELS. Nothing of the standard library's
-// templates may be used here: their code would carry this file's instructions under a name that the rest of the program
-// shares.
+// This file is compiled several times, with different flags and a different TWISTARM_KERNELS. It must not use templates
+// of the standard library: the program would share their code under one name, with this file's instructions in it.
 #pragma once
 
 #include "kernels.hpp"
@@ -56,8 +55,8 @@ template <class V> void write_jacobian(const column<V>* columns, int n, int coun
 
 using some = pack<double, lanes_at_once<double>>;
 
-// A register of configurations side by side, of which `count` are there. One alone goes the same way, so that it gets the bits
-// that it would have got among others.
+// A register of configurations side by side; `count` of them are valid. A single one takes the same path, so its bits
+// are the same as in a batch.
 template <int N>
 void several(const chain<double, N, N>& arm, const double* theta, int count, double* poses, double* spatial,
              double* body) {
@@ -338,7 +337,7 @@ protected:
     const Conclusion conclusion_;
 };
 
-// An arm whose number of joints has code of its own, each joint its own coordinate; null: there is none for it.
+// The engine for an arm without coupling whose number of joints has code of its own, or null.
 Engine* fixed_engine(const general_chain& arm, const ArmNumbers& numbers);
 
 }  // namespace engines

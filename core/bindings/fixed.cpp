@@ -1,4 +1,4 @@
-// Engines of arms of `smallest` to `largest` joints: a tenth to a fifth faster than that of any arm.
+// Engines for arms with `smallest` to `largest` joints. They are 10 to 20 % faster than the general one.
 #include "engines.hpp"
 
 namespace twistarm {
@@ -8,7 +8,7 @@ namespace {
 
 constexpr int smallest = 5, largest = 7;
 
-// An arm of N joints, each its own coordinate: code of its own for what is asked most, kinematics and poses.
+// An arm of N uncoupled joints. The most frequent calls, kinematics and poses, have code of their own.
 template <int N> class FixedEngine final : public GeneralEngine {
 public:
     FixedEngine(const general_chain& arm, const ArmNumbers& numbers)

@@ -24,7 +24,7 @@ void copy(const char* from, const Py_ssize_t* strides, const std::size_t* shape,
     for (std::size_t i = 0; i < *shape; ++i) copy<T>(from + static_cast<Py_ssize_t>(i) * *strides, strides + 1, shape + 1, axes - 1, into);
 }
 
-// By the numbers of NumPy's types: a truth value, the integers from char to long long, float and double.
+// Types are NumPy's type numbers: bool, the integers from char to long long, float and double.
 bool copy_of(const Array& array, const std::size_t* shape, std::size_t axes, double* into) {
     if (!array.is(shape, axes) || !array.native()) return false;
     if (array.plain()) {

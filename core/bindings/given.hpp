@@ -1,4 +1,4 @@
-// What a caller gave, as numbers: arrays of any real type and order, lists, tuples, Python's and NumPy's own numbers.
+// Reads numbers from a caller: arrays of any real type and order, lists, tuples, numbers of Python and NumPy.
 #pragma once
 
 #include "arrays.hpp"
@@ -7,12 +7,12 @@
 
 namespace bindings {
 
-// Each is false for what Python has to convert or to refuse; what is written then means nothing. Nothing of the
-// caller's is kept: an array may be changed or resized by another thread as soon as the interpreter lock is let go.
+// Each function returns false if Python has to convert or refuse the value; the output is then undefined. All values
+// are copied: another thread may change or resize an array as soon as the interpreter lock is free.
 
 // One number, which may be infinite or NaN.
 bool real(nb::handle value, double& number);
-// A whole number from 0 to 2^64 - 1; True and False are none.
+// A whole number from 0 to 2^64 - 1; True and False are refused.
 bool whole(nb::handle value, std::uint64_t& number);
 // Numbers of exactly this shape, row by row.
 bool numbers(nb::handle value, const std::size_t* shape, std::size_t axes, double* into);

@@ -8,7 +8,8 @@ namespace bindings {
 
 constexpr int most_joints = 32;
 
-// An arm as numbers, all row-major; bounds (coordinates,), infinite where there are none, but for the starts'.
+// An arm as numbers, all row-major. Bounds (coordinates,) are infinite without limits, except those of the random
+// starts.
 struct ArmNumbers {
     int joints, coordinates;
     const double *screws, *home, *coupling, *lower, *upper, *start_lower, *start_upper;
@@ -21,7 +22,7 @@ struct ArmNumbers {
 constexpr int kinds = 4;
 constexpr std::size_t numbers_of_kind[kinds] = {16, 3, 9, 23}, most_numbers = 23;
 
-// What is asked of a solver beside the target.
+// Settings of a solver, without the target.
 struct Query {
     int kind;
     double position_tolerance, orientation_tolerance;
@@ -52,8 +53,8 @@ struct Batch {
     void* owner;
 };
 
-// What the kernels have made of screws and home (twistarm::chain): base · T(offset) Rx(alpha) Rz(turn x + phase)
-// Tz(slide x) … · tip, poses (4, 4), coupling (joints, coordinates).
+// The kernels' form of screws and home (twistarm::chain): base · T(offset) Rx(alpha) Rz(turn x + phase) Tz(slide x) … ·
+// tip. Poses are (4, 4), coupling is (joints, coordinates).
 struct Constants {
     struct Link {
         double offset[3], cos_alpha, sin_alpha, turn, phase, slide;
@@ -65,7 +66,7 @@ struct Constants {
     Link links[most_joints];
 };
 
-// What has been recognised of an arm for one kind of target (twistarm::solved_arm), all of it as numbers.
+// The recognised family of an arm for one kind of target (twistarm::solved_arm), as numbers.
 struct FamilyNumbers {
     int kind, count, first, last;
     int keeps;                   // twistarm::closed_form::keeps
@@ -104,7 +105,7 @@ public:
                             double* body) const = 0;
     virtual void solve(const Query& query, const Question& question, Answer& answer) const = 0;
     virtual void solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const = 0;
-    // Of the rotation error of a target at theta: what is impossible, what is prevented, and an axis (3,) of the tool.
+    // The rotation error of a target at theta: its impossible part, its prevented part, and an axis (3,) of the tool.
     virtual void split_rotation(int kind, const double* numbers, const double* theta, double* split) const = 0;
     // It must not outlive this engine.
     virtual ClosedFormEngine* closed_form(const FamilyNumbers& family) const = 0;

@@ -1,4 +1,4 @@
-// Python's interpreter lock: let go, taken back, and what becomes of a thread that asks for it when the program is over.
+// Python's interpreter lock: release it, take it back, and survive a request after the program has ended.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -9,10 +9,9 @@
 
 namespace bindings {
 
-// Calls something that may take the lock. Once the program is over Python ends a daemon thread that asks for it: before
-// 3.14 by pthread_exit, whose unwinding of the stack would abort the whole program in the first destructor, or function
-// of nanobind's, that lets nothing through. Such a thread rests here instead until it is gone with the program, which is
-// what Python does from 3.14 on.
+// Calls a function that may take the lock. After the end of the program, Python ends a daemon thread that requests the
+// lock. Before 3.14 it uses pthread_exit, which unwinds the stack and aborts in the first noexcept function. Here such
+// a thread sleeps until the process is gone, as Python does from 3.14 on.
 template <class Call> auto called(const Call& call) -> decltype(call()) {
     try {
         return call();

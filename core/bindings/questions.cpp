@@ -17,7 +17,7 @@ bool read_thetas(nb::handle given, std::size_t count, std::size_t n, Each& theta
 
 bool read_targets(nb::handle given, int kind, Questions& asked) {
     const std::size_t width = numbers_of_kind[kind];
-    // Before memory is asked for: whether it is so many of anything at all.
+    // Checks a number of items before memory is allocated for them.
     if (!length(given, asked.count) || asked.count > most_targets || !has_axes(given, kind == 0 ? 3 : 2)) return false;
     const std::size_t poses[] = {asked.count, 4, 4}, others[] = {asked.count, width};
     double* const values = asked.numbers.make(asked.count * width);

@@ -1,4 +1,4 @@
-// Work that one thread or several do, until the time is up or somebody has pressed Ctrl-C.
+// Work that one or more threads do until the time is up or the user presses Ctrl-C.
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@ constexpr std::size_t block = 256;           // targets that a thread takes at o
 
 class SharedWork {
 public:
-    // `over` is asked in whichever thread works.
+    // Each working thread calls `over`.
     SharedWork(bool (*over)(const void* clock), const void* clock) : over_(over), clock_(clock) {}
     SharedWork(const SharedWork&) = delete;
     SharedWork& operator=(const SharedWork&) = delete;
@@ -30,7 +30,7 @@ public:
     std::size_t done() const { return done_.load(std::memory_order_relaxed); }
 
 protected:
-    // Blocks until there are none.
+    // Takes blocks until none are left.
     virtual void do_blocks() = 0;
     bool stopped() const { return stop_.load(std::memory_order_relaxed) || over_(clock_); }
     void count_done(std::size_t more) { done_.fetch_add(more, std::memory_order_relaxed); }
@@ -45,8 +45,8 @@ private:
     int finished_ = 0;
 };
 
-// Does the work with so many threads. They are joined, whatever happens, before this returns; the last hand on the lock is
-// that of the caller, who hears Ctrl-C and reports progress (None, or called with what is done and `count`) meanwhile.
+// Does the work with this many threads and joins them before it returns, also after an exception. The caller's thread
+// handles Ctrl-C and reports progress: None, or a function of the number done and `count`.
 void share(SharedWork& work, int threads, std::size_t count, nanobind::handle progress);
 
 }  // namespace bindings

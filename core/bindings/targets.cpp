@@ -15,7 +15,7 @@ constexpr double half_turn = 3.14159265358979323846;
 
 double dot_of_columns(const double* g, int i, int j) { return g[i] * g[j] + g[4 + i] * g[4 + j] + g[8 + i] * g[8 + j]; }
 
-// R (3 I - Rᵀ R) / 2: a step of Newton's method to the orthogonal matrix nearest to R, which squares what it is off.
+// R (3 I - Rᵀ R) / 2: a Newton step to the nearest orthogonal matrix. It squares the error.
 void step_to_rotation(double* g) {
     double inner[3][3];
     for (int i = 0; i < 3; ++i)

@@ -1,4 +1,4 @@
-// Every configuration that meets a target, by the closed form of the arm's family, each verified by forward kinematics.
+// All configurations that meet a target, by the closed form of the arm's family. Forward kinematics verifies each.
 #pragma once
 
 #include "verification.hpp"
@@ -18,8 +18,8 @@ namespace closed_form {
 /// What misses a subproblem by less, in shares of its size, is rounding: a stretched arm.
 template <class T> constexpr T default_slack = is_double<T> ? T(1e-6) : T(2e-3);
 
-/// θ by whole turns as near to `near` as the limits allow, which it may pass by `slack`, `cut`; false where it is farther
-/// outside.
+/// Shifts θ by whole turns as near to `near` as the limits allow. θ may exceed a limit by `slack` and is then cut to
+/// it. Returns false if it is farther outside.
 template <class V, class T, int N>
 mask_of<V> nearest_copy(const ranges<T, N>& range, int n, const V* theta, const T* near, T slack, V* copy, mask_of<V>& cut) {
     constexpr T turn = T(whole_turn), rest = static_cast<T>(whole_turn - static_cast<double>(turn));
@@ -45,10 +45,10 @@ mask_of<V> nearest_copy(const ranges<T, N>& range, int n, const V* theta, const 
     return inside;
 }
 
-/// θ by whole turns inside the limits, as near to `near` as they allow; false where it is outside, and then unchanged.
+/// Shifts θ by whole turns as near to `near` as the limits allow. Returns false, with θ unchanged, if it is outside.
 ///
-/// A copy that passes a limit by no more than a multiple root may be wrong is brought to the limit, if the target is met
-/// there too, by what the other joints can do; if it is not, other copies are left.
+/// A copy may exceed a limit by no more than the error of a multiple root. It moves to the limit if the other joints
+/// can then meet the target. Otherwise the other copies remain.
 template <class Judge, class T, int N>
 bool bring_within(const Judge& judged, const ranges<T, N>& range, int n, const T* near, T* theta) {
     T copy[capacity(N)];
@@ -78,7 +78,7 @@ template <class V, class T> V distance(int n, const T* span, const V* theta, con
     return largest;
 }
 
-/// Some of the candidates side by side, from `first` on; the last of a register are the first again.
+/// Some of the candidates side by side, from `first` on. The last lanes of a register repeat the first.
 template <class V, class T, int N>
 void to_lanes(const solved_arm<T, N>& solved, const T* held_values, const candidate_list<T>& candidates, int first, V* theta) {
     for (int h = 0; h < solved.held_count; ++h) theta[solved.held[h]] = V(held_values[h]);
@@ -92,11 +92,11 @@ void to_lanes(const solved_arm<T, N>& solved, const T* held_values, const candid
     }
 }
 
-/// How many answers there are with the different ones among the candidates behind the first `count`, each with its copy
-/// nearest to `near`.
+/// The number of answers with the distinct ones among the candidates after the first `count`, each in its copy nearest
+/// to `near`.
 ///
-/// Members of a continuous family are added only where none of the first moves the same joints: those at the value at hand
-/// stand for the others. `twins` is set where two are one to the tolerances.
+/// Members of a continuous family are added only if none of the first moves the same joints: one member represents the
+/// family. `twins` is set if two answers are one within the tolerances.
 template <class Judge, class T, int N>
 int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, N>& range, int n, const T* near,
            const T* held_values, const T* span, const candidate_list<T>& candidates, configuration<T, N>* answers, int count,
@@ -118,7 +118,7 @@ int verify(const Judge& judged, const solved_arm<T, N>& solved, const ranges<T, 
         for (int l = 0; l < lanes && first + l < candidates.count && count < most_configurations; ++l) {
             configuration<T, N>& one = answers[count];
             const bool regular = bit(done, l), free_to_move = candidates.items[first + l].free != 0;
-            // With a joint at a value at hand the others may be far from where Newton's method takes them all.
+            // If a joint is fixed at its current value, the others may be far from the root that Newton's method finds.
             if (!regular && !free_to_move && !bit(hardly_missed, l)) continue;
             for (int k = 0; k < n; ++k) one.theta[k] = lane(bit(by_itself, l) ? copy[k] : theta[k], l);
             if (!regular && !judged.correct(one.theta, free_to_move ? precision<T>::steps : precision<T>::patience)) continue;
@@ -181,11 +181,11 @@ __attribute__((noinline, cold)) void drop_twins(const Judge& judged, const range
 
 }  // namespace closed_form
 
-/// Every configuration that meets the target, and, where an answer is one of a continuous family, the one at hand.
+/// All configurations that meet the target. Each continuous family has one member, with its free joint as in `near`.
 ///
-/// `solved`: what has been recognised of the arm, for this kind of target and, of an approach, this tool axis. near (n,):
-/// where distances are counted from, and where a joint stands for which any value would do. held_values: θ of the joints
-/// that are held. Tolerances in m and rad; each answer is met to rounding where it can be.
+/// `solved`: the arm's family for this kind of target and, for an approach, this tool axis. near (n,): the reference
+/// for distances, and the values of free joints. held_values: θ of the held joints. Tolerances are in m and rad; each
+/// answer meets the target to rounding if it can.
 template <class T, int N, int M, class Target>
 void find_all(const chain<T, N, M>& arm, const solved_arm<T, N>& solved, const ranges<T, N>& range, const Target& asked,
               const T* near, const T* held_values, T position_tolerance, T orientation_tolerance,

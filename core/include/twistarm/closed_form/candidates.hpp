@@ -1,8 +1,8 @@
 // A family's closed form: all candidates for x with E₁(x₁) ⋯ Eₖ(xₖ) = G.
 //
-// With E_L, E_K, E_R the products of the joints before the group, of it and behind it, E_K = E_L⁻¹ G E_R⁻¹ leaves the point
-// or plane X alone: E_L X = G E_R⁻¹ X. The joints behind, seen from the other side of G, come to stand before the others, so
-// that one chain of at most three has to place X where G takes it.
+// E_L, E_K, E_R are the products of the joints before the group, in it and after it: E_K = E_L⁻¹ G E_R⁻¹. E_K does not
+// move the point or plane X, so E_L X = G E_R⁻¹ X. Seen from G, the joints after the group come before the others. So a
+// single chain of at most three joints has to place X.
 #pragma once
 
 #include "group.hpp"
@@ -12,9 +12,9 @@ TWISTARM_BEGIN
 /// Unknowns of a closed form, at most.
 constexpr int most_unknowns = 6;
 
-/// An arm's axes in the order in which they are solved for; those from `first` to before `last` are the group that leaves
-/// `kept` alone. At most three are in it, and at most three are not; but of at most three joints that turn and three that
-/// slide, whose group keeps nothing, all are in it.
+/// An arm's axes in the order of the solution. Those in [first, last) are the group that leaves `kept` unmoved. The
+/// group has at most three joints, and so has the rest. With at most three turns and three slides whose group keeps
+/// nothing, the group has all of them.
 template <class T> struct fitted_family {
     int count, first, last;
     closed_form::keeps keeps;
@@ -24,11 +24,11 @@ template <class T> struct fitted_family {
 
 namespace closed_form {
 
-/// A candidate that misses by less [m, or a rotation's numbers] is an answer but for rounding.
+/// A candidate with a smaller error [m, or numbers of a rotation] is an answer up to rounding.
 template <class T> constexpr T rounded = is_double<T> ? T(1e-12) : T(1e-5);
 
-/// Where nothing with the value at hand is an answer, a joint of which any would do is tried at so many values, evenly
-/// about a turn or a length of 2π m, the nearest to it first.
+/// The number of values tried for a free joint if its current value gives no answer. They cover a turn, or a length of
+/// 2π m, evenly, the nearest first.
 constexpr int values_tried = 16;
 
 /// x [rad, m] in the order of the family's axes, and which of them are free, as bits.
@@ -52,8 +52,7 @@ template <class T> bool is_met(const fitted_family<T>& family, const candidate<T
     return off <= rounded<T>;
 }
 
-/// Of joints that turn, at most three in different directions, and at most three that slide, in whatever order, the rotation
-/// gives the former.
+/// At most three turns in different directions and at most three slides, in any order. The rotation gives the turns.
 template <class T>
 void find_decoupled(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack, bool free_ones,
                     candidate_list<T>& found) {
@@ -82,7 +81,7 @@ void find_decoupled(const fitted_family<T>& family, const frame<T>& G, const joi
     }
 }
 
-/// The candidates of some placings of what the group keeps, from `start` on, side by side in the lanes of V.
+/// The candidates of several placings of the kept point or plane, from `start` on, side by side in the lanes of V.
 template <class V, class T>
 void find_behind(const fitted_family<T>& family, const group<T>& inner, const frame<T>& G, const joint_axis<T>* chain,
                  const placings<T>& outer, int start, const joint_value<T>* near, T slack, bool free_ones,
@@ -121,7 +120,7 @@ void find_behind(const fitted_family<T>& family, const group<T>& inner, const fr
     }
 }
 
-/// The candidates where what is free stands at `near`; where `free_ones` alone are wanted, not those without anything free.
+/// The candidates with free joints at `near`; with `free_ones`, only those that have a free joint.
 template <class T>
 void find_with(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack, bool free_ones,
                candidate_list<T>& found) {
@@ -145,10 +144,10 @@ void find_with(const fitted_family<T>& family, const frame<T>& G, const joint_va
 }
 }  // namespace detail
 
-/// Every x with E₁(x₁) ⋯ Eₖ(xₖ) = G, and some that only nearly do, or not: forward kinematics decides.
+/// A superset of the x with E₁(x₁) ⋯ Eₖ(xₖ) = G. Forward kinematics decides which are roots.
 ///
-/// Where any value of a joint would do it has that of `near`, in the family's order. Returns, as bits, the joints that
-/// are free in a candidate that is no answer with that value, but may be one with another.
+/// A free joint has its value in `near`, in the family's order. Returns, as bits, the free joints of candidates that
+/// may become an answer with another value.
 template <class T>
 unsigned find_candidates(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack,
                          candidate_list<T>& found) {
@@ -159,7 +158,7 @@ unsigned find_candidates(const fitted_family<T>& family, const frame<T>& G, cons
     return open;
 }
 
-/// Those of them that have something free, where the `open` joints stand at the nth value of those that are tried.
+/// The candidates with a free joint, with the `open` joints at the nth of the tried values.
 template <class T>
 void find_elsewhere(const fitted_family<T>& family, const frame<T>& G, const joint_value<T>* near, T slack, unsigned open,
                     int nth, candidate_list<T>& found) {

@@ -1,6 +1,6 @@
-// A group of joints that leaves a point or a plane alone: all x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3.
+// A group of joints that leaves a point or a plane unmoved: all x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3.
 //
-// The joints are numbers T; E, and with it x, is of a type V: T or a pack of it, which solves for several E at once.
+// The joints are numbers of type T. E and x are of type V: T, or a pack of T for several E at once.
 #pragma once
 
 #include "placing.hpp"
@@ -9,8 +9,8 @@ TWISTARM_BEGIN
 
 namespace closed_form {
 
-/// Joints that follow one another, and what they leave alone: the point in which axes meet, or a plane across axes that are
-/// parallel, and along those that slide.
+/// Successive joints and what they leave unmoved: the point where their axes meet, or a plane. The plane is normal to
+/// parallel turn axes and contains the slide axes.
 template <class T> struct group {
     const joint_axis<T>* axes;
     int count;
@@ -25,8 +25,8 @@ template <class T, class V> joint_value<V> turn_between(const T w[3], const T u[
     return turned(dot(u, there), dot(v, there));
 }
 
-/// x₁ turns `middle`, where the joint in the middle has brought the last axis, to where E takes it; the last turns what is
-/// left. `between`: the value of the joint in the middle, or null.
+/// The middle joint has moved the last axis; x₁ turns it to where E takes it. The last joint makes the remaining turn.
+/// `between`: the value of the middle joint, or null.
 template <class T, class V>
 void first_and_last(const group<T>& wrist, const frame<V>& E, const V middle[3], const joint_value<V>* between,
                     const joint_value<T>& near, const mask_of<V>& where, placings<V>& found) {
@@ -53,9 +53,8 @@ template <class T, class V> V angle_between(const T a[3], const V b[3]) {
 
 /// The turns of `last` about the middle axis to where its angle from `first` is that of `goal`.
 ///
-/// The three directions make a triangle on the sphere with the sides α, γ and β. Its half-angle formulas give the angle at
-/// the middle axis to rounding, however small it is; from its cosine half the digits of a nearly singular wrist would be
-/// lost.
+/// The three directions are a triangle on the sphere with the sides α, γ and β. Its half-angle formulas give the angle
+/// at the middle axis to rounding, even if it is small. Its cosine would lose half of the digits near a singular wrist.
 template <class T, class V>
 roots<V, 2> middle_turns(const joint_axis<T>& middle, const T first[3], const T last[3], const V goal[3], V slack) {
     roots<V, 2> found;
@@ -75,8 +74,8 @@ roots<V, 2> middle_turns(const joint_axis<T>& middle, const T first[3], const T 
     return found;
 }
 
-/// Axes that meet: of three, the angle from w₁ to R w₃ gives x₂; then x₁ turns e^{ŵ₂x₂} w₃ to R w₃, and x₃ is the turn that
-/// is left. Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
+/// Axes that meet. Of three, the angle from w₁ to R w₃ gives x₂; x₁ turns e^{ŵ₂x₂} w₃ to R w₃; x₃ is the remaining
+/// turn. If x₂ brings w₃ along w₁, the wrist is singular and x₁ is free.
 template <class T, class V>
 void rotating(const group<T>& wrist, const frame<V>& E, const joint_value<T>* near, V slack, placings<V>& found) {
     const joint_axis<T>* axes = wrist.axes;
@@ -103,8 +102,8 @@ void rotating(const group<T>& wrist, const frame<V>& E, const joint_value<T>* ne
     }
 }
 
-/// Lengths along `count` directions whose sum comes nearest to `wanted`, by Gram and Schmidt; 0 along one that is a sum of
-/// those before it.
+/// Lengths along `count` directions whose sum comes nearest to `wanted`, by Gram–Schmidt. A direction that depends on
+/// the earlier ones gets 0.
 template <class V> void lengths_along(V (*directions)[3], int count, const V wanted[3], V* lengths) {
     using T = scalar_of<V>;
     V q[3][3], r[3][3], left[3] = {wanted[0], wanted[1], wanted[2]}, share[3];
@@ -128,7 +127,7 @@ template <class V> void lengths_along(V (*directions)[3], int count, const V wan
     }
 }
 
-/// The slides among the joints, at 0 so far, by least squares where E takes the origin: they are linear in it.
+/// Sets the slides, which are at 0. They are linear in the image of the origin under E, so least squares gives them.
 template <class T, class V> void set_slides(const joint_axis<T>* axes, int count, const frame<V>& E, joint_value<V>* x) {
     V directions[3][3], there[3] = {V(0), V(0), V(0)}, lengths[3];
     int slides[3], found = 0;
@@ -144,8 +143,9 @@ template <class T, class V> void set_slides(const joint_axis<T>* axes, int count
     for (int s = 0; s < found; ++s) x[slides[s]] = slid(lengths[s]);
 }
 
-/// Joints that turn about the normal and slide across it: the angles add up. With one turn it is the whole angle, and the
-/// slides are two lengths in the plane; else the joints before the last turn take a point of its axis where E takes it.
+/// Joints that turn about the normal and slide across it: their angles add up. A single turn has the whole angle, and
+/// the slides are two lengths in the plane. With more turns, the joints before the last turn take a point of its axis
+/// to where E takes it.
 template <class T, class V>
 void sliding(const group<T>& plane, const frame<V>& E, const joint_value<T>* near, V slack, placings<V>& found) {
     const T* const normal = plane.kept.v;

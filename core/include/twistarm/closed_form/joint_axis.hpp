@@ -1,4 +1,5 @@
-// The axis of one joint, which turns about a line or slides along it, and what it moves: points, directions, planes.
+// The axis of one joint, and its action on points, directions and planes. The joint turns about the axis or slides
+// along it.
 #pragma once
 
 #include "../kinematics/frame.hpp"
@@ -27,14 +28,14 @@ template <class Item, int Most, class Mask = bool> struct few {
     const Item* end() const { return items + count; }
 };
 
-/// A line along the unit vector w through the point o [m]: the joint turns about it, or slides along it.
+/// A line along the unit vector w through the point o [m], which the joint turns about or slides along.
 template <class T> struct joint_axis {
     T w[3], o[3];
     bool slides;
 };
 
-/// Where a joint stands: a turn by its cosine and sine, a slide by its length [m]; the other is that of 0. `free`: any other
-/// value would do as well, with others for the rest. Of packs, one joint in several configurations.
+/// A joint's value: a turn as cosine and sine, a slide as length [m]; the other part is that of 0. `free`: any other
+/// value also works, with other values of the rest. For packs: one joint in several configurations.
 template <class V> struct joint_value {
     V cosine, sine, length;
     mask_of<V> free;
@@ -55,7 +56,7 @@ template <class V> joint_value<V> set_free(joint_value<V> value) {
 
 template <class V> TWISTARM_INLINE joint_value<V> slid(V length) { return {V(1), V(0), length}; }
 
-/// The turn of which cosine and sine are known but for a common factor; both 0 are the turn 0.
+/// The turn with this cosine and sine, up to a common factor. Both 0 give the turn 0.
 template <class V> TWISTARM_INLINE joint_value<V> turned(V cosine, V sine) {
     const V zero = V(0), one = V(1), square = cosine * cosine + sine * sine;
     const auto turns = square > zero;
@@ -92,7 +93,7 @@ TWISTARM_INLINE joint_value<V> select(const mask<T, L>& m, const joint_value<V>&
     return {select(m, a.cosine, b.cosine), select(m, a.sine, b.sine), select(m, a.length, b.length), select(m, a.free, b.free)};
 }
 
-/// One lane, and a pack of which lane l is one(l).
+/// One lane, and a pack with one(l) in lane l.
 template <class V> TWISTARM_INLINE joint_value<scalar_of<V>> lane(const joint_value<V>& x, int i) {
     return {lane(x.cosine, i), lane(x.sine, i), lane(x.length, i), (bits(x.free) >> i & 1U) != 0};
 }
@@ -176,7 +177,7 @@ template <class T> joint_axis<T> seen(const joint_axis<T>& axis, const frame<T>&
 /// What a group of joints leaves alone.
 enum class keeps { nothing, point, plane };
 
-/// A point v [m], or the plane of the points x with v · x = d, v a unit vector; turned round it is another plane.
+/// A point v [m], or the plane of all x with v · x = d and a unit vector v. (−v, −d) is a different plane.
 template <class V> struct feature {
     bool plane;
     V v[3], d;

@@ -1,10 +1,10 @@
-// Placing a point or a plane by up to three joints: all x with E₁(x₁) ⋯ Eₖ(xₖ) X = Y.
+// Places a point or a plane with up to three joints: all x with E₁(x₁) ⋯ Eₖ(xₖ) X = Y.
 //
-// What moves along the middle joint keeps two numbers, so E₃(x₃) X and E₁(x₁)⁻¹ Y must have the same: of a point p, where
-// the middle joint turns about (w, o), w · (p − o) and ‖p − o‖², where it slides the two coordinates across w; of a plane
-// (n, d) w · n and d − n · o, where it slides two components of n. These are two conditions on x₁ and x₃; x₂ is the turn or
-// slide that is left (subproblem 1). For points this is how Pieper (1968) solves the first three joints of an arm with a
-// spherical wrist; for planes it serves three parallel axes.
+// The middle joint keeps two numbers of what it moves, so E₃(x₃) X and E₁(x₁)⁻¹ Y must agree in them. For a point p and
+// a turn about (w, o) they are w · (p − o) and ‖p − o‖²; for a slide, the two coordinates normal to w. For a plane (n,
+// d) they are w · n and d − n · o; for a slide, two components of n. These are two conditions on x₁ and x₃. x₂ is the
+// remaining turn or slide (subproblem 1). For points, Pieper (1968) solves the first three joints of an arm with a
+// spherical wrist this way. For planes it solves three parallel axes.
 #pragma once
 
 #include "two_conditions.hpp"
@@ -13,8 +13,8 @@ TWISTARM_BEGIN
 
 namespace closed_form {
 
-/// What lies nearer to an axis than this [m], or points along it to so much, is hardly moved by a turn about it, and where a
-/// double root, which has half the digits, brought it there, by which is not known: any will do to begin with.
+/// A turn hardly moves a point that is nearer to its axis than this [m], or a direction that is as near to parallel. A
+/// double root has half of the digits and can end here. Any first value of the turn is then good enough.
 template <class T> constexpr T on_axis = is_double<T> ? T(1e-7) : T(1e-4);
 
 /// Values of up to three joints.
@@ -72,7 +72,7 @@ template <class T, class V> void kept_numbers(const joint_axis<T>& middle, const
     }
 }
 
-/// The kept numbers of E(sense · x) X: constant, and what goes with cos x and sin x, or with x and x² where it slides.
+/// The kept numbers of E(sense · x) X: the constant part, and the parts in cos x and sin x, or in x and x² for a slide.
 template <class T> struct kept_along {
     T constant[2], A[2][2];
 
@@ -166,7 +166,7 @@ void place_by_three(const joint_axis<T>* axes, const feature<T>& X, const featur
 }
 }  // namespace detail
 
-/// All x with E₁(x₁) ⋯ Eₖ(xₖ) X = Y, k ≤ 3, in the sense of least squares where there are too few joints.
+/// All x with E₁(x₁) ⋯ Eₖ(xₖ) X = Y, k ≤ 3. With too few joints, in the least-squares sense.
 ///
 /// Where any value would do, a joint takes that of `near`. What just misses by `slack` counts. In the lanes of a pack Y is
 /// at several places, for at most two joints.

@@ -24,15 +24,15 @@ template <class T> T size_of(complex_number<T> a) { return absolute(a.re) + abso
 
 /// Roots t of p₀ + p₁ t + … + p₄ t⁴ with p₄ ≠ 0.
 ///
-/// tᵢ ← tᵢ − N / (1 − N Σ 1/(tᵢ − tⱼ)), N = p/p' at tᵢ: each of the four is kept away from the others, so that they find
-/// all roots. Simple roots are found to rounding; of roots that lie together the digits that they have.
-/// Sources: L. W. Ehrlich, A modified Newton method for polynomials, Comm. ACM 10(2), 1967; O. Aberth, Iteration methods for
-/// finding all zeros of a polynomial simultaneously, Math. Comp. 27, 1973.
+/// tᵢ ← tᵢ − N / (1 − N Σ 1/(tᵢ − tⱼ)) with N = p/p' at tᵢ. The sum keeps the four apart, so they find all roots:
+/// simple ones to rounding, clustered ones to the digits that they have. Sources: L. W. Ehrlich, A modified Newton
+/// method for polynomials, Comm. ACM 10(2), 1967; O. Aberth, Iteration methods for finding all zeros of a polynomial
+/// simultaneously, Math. Comp. 27, 1973.
 template <class T> void quartic_roots(const T p[5], complex_number<T> t[4]) {
     constexpr int most_steps = 60;
     constexpr T precise = sizeof(T) == 8 ? T(1e-14) : T(1e-6);
     const T lead = T(1) / p[4], a[4] = {p[0] * lead, p[1] * lead, p[2] * lead, p[3] * lead};
-    // On a circle about the roots' mean, as wide as they lie about it on average, none of them on the real axis.
+    // On a circle about the mean of the roots, with their mean distance from it as radius, and off the real axis.
     const T mean = T(-0.25) * a[3];
     const T there = a[0] + mean * (a[1] + mean * (a[2] + mean * (a[3] + mean)));
     const T radius = sqrt(sqrt(absolute(there))) + T(1e-3) * (T(1) + absolute(mean));

@@ -8,9 +8,9 @@ TWISTARM_BEGIN
 
 /// What twistarm's Python has recognised of an arm (src/twistarm/ik/closed_form), as numbers.
 ///
-/// E₁(x₁) ⋯ Eₙ(xₙ) V₁ ⋯ Vₖ = g home⁻¹ with x = rate θ: V are one turn about the tool axis for an approach and three about
-/// the tool's origin for a position. Joints beyond those that the target determines are `held` at given values, each
-/// moving those behind it; the family's axes are those where they stand at 0.
+/// E₁(x₁) ⋯ Eₙ(xₙ) V₁ ⋯ Vₖ = g home⁻¹ with x = rate θ. V is one turn about the tool axis for an approach, and three
+/// turns about the tool's origin for a position. Surplus joints are `held` at given values and move the joints after
+/// them. The family's axes are those with the held joints at 0.
 template <class T, int N> struct solved_arm {
     fitted_family<T> family;
     int joint[most_unknowns];  ///< which coordinate each of the family's axes is; -1: a turn that the target leaves free
@@ -23,7 +23,7 @@ template <class T, int N> struct solved_arm {
 
 namespace closed_form {
 
-/// The family where the held joints stand at `values` of θ, and what the pose is to be multiplied by behind home⁻¹.
+/// The family with the held joints at `values` of θ, and the factor of the pose after home⁻¹.
 template <class T, int N>
 void hold(const solved_arm<T, N>& arm, const T* values, fitted_family<T>& family, frame<T>& behind) {
     family = arm.family;
@@ -71,8 +71,8 @@ template <class T, int N> void values_at(const solved_arm<T, N>& arm, const T* t
     }
 }
 
-/// Candidates for θ (n,) by the values of the family's axes; what is free stands as in `near` (n,), or, where `nth` is not 0,
-/// those of them whose `open` joints stand at the nth other value.
+/// Candidates for θ (n,) from the values of the family's axes. Free joints are as in `near` (n,). With `nth` above 0:
+/// only those with their `open` joints at the nth other value.
 template <class T, int N>
 void find_candidates(const solved_arm<T, N>& arm, const target<T>& asked, const T* near, const T* held_values, T slack,
                      unsigned& open, int nth, candidate_list<T>& found) {

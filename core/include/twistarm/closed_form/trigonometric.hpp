@@ -1,7 +1,7 @@
-// Roots of the equations that subproblems come down to: in the sine and cosine of an angle, or in a length.
+// Roots of the equations that subproblems lead to: in the sine and cosine of an angle, or in a length.
 //
-// An equation that just misses, by less than `slack` of its size, has the root that comes nearest: a stretched arm has one
-// answer, not none, whatever rounding says. Whether a root is one is decided later, by forward kinematics.
+// An equation that misses a root by less than `slack` of its size has the nearest value as its root. So a stretched arm
+// has one answer in spite of rounding. Forward kinematics decides later which roots are true.
 #pragma once
 
 #include "joint_axis.hpp"
@@ -16,10 +16,10 @@ template <class T> constexpr bool is_double = sizeof(T) == 8;
 /// A coefficient below this part of the equation's scale is zero.
 template <class T> constexpr T nothing = is_double<T> ? T(1e-9) : T(1e-5);
 
-/// What is left of the equation when all its coefficients are zero may be so much of its scale.
+/// If all coefficients are zero, the rest of the equation may be this part of its scale.
 template <class T> constexpr T level = is_double<T> ? T(1e-7) : T(1e-4);
 
-/// The slack with which whatever misses has the root that comes nearest.
+/// The slack with which every equation has a root: the nearest value.
 template <class T> constexpr T nearest = T(is_double<T> ? 1e100 : 1e30F);
 
 /// A discriminant below this part of its size is rounding, and two roots are one.
@@ -29,7 +29,7 @@ template <class T> constexpr T double_root = is_double<T> ? T(1e-13) : T(1e-6);
 template <class V, int Most> struct roots : few<joint_value<V>, Most, mask_of<V>> {
     mask_of<V> any = in_every_lane<V>(false);
 
-    /// Those roots, or, where every value is one, the one at hand.
+    /// These roots, or the current value if every value is a root.
     roots or_near(const joint_value<scalar_of<V>>& near) const {
         roots found = *this;
         found.add(joint_value<V>(set_free(near)), any);
@@ -37,7 +37,7 @@ template <class V, int Most> struct roots : few<joint_value<V>, Most, mask_of<V>
     }
 };
 
-/// Angles x with a cos x + b sin x = c: atan2(b, a) ± acos(c / √(a² + b²)); `scale`, of the equation's other coefficients.
+/// Angles x with a cos x + b sin x = c: atan2(b, a) ± acos(c / √(a² + b²)). `scale` is that of the other coefficients.
 template <class T, class V> roots<V, 2> harmonic(T a, T b, V c, T scale, V slack) {
     roots<V, 2> found;
     const T amplitude = sqrt(a * a + b * b);
@@ -84,8 +84,8 @@ template <class T> struct second_harmonic {
         return largest;
     }
 
-    /// The zeros, at most four: a quartic in t = tan((x − x₀)/2), x₀ chosen so that its leading coefficient is large.
-    /// terms: the size of what the coefficients are sums of; where they all cancel but for rounding every x is a root.
+    /// The zeros, at most four: a quartic in t = tan((x − x₀)/2), with x₀ such that its leading coefficient is large.
+    /// terms: the size of the summands of the coefficients. If all coefficients cancel to rounding, every x is a root.
     roots<T, 4> zeros(T slack, T terms = T(0)) const {
         roots<T, 4> found;
         const T size = scale();
@@ -140,7 +140,7 @@ private:
                 for (int j = 0; j < 3; ++j) p[i + j] += k[m] * pairs[m][0][i] * pairs[m][1][j];
     }
 
-    /// x after three of Newton's steps, none of them far: at a double root there is nothing to gain.
+    /// x after three short Newton steps. At a double root they gain nothing.
     joint_value<T> corrected(joint_value<T> x, T size) const {
         for (int step = 0; step < 3; ++step) {
             const T rate = slope(x.cosine, x.sine);

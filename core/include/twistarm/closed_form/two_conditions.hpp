@@ -1,10 +1,9 @@
-// Two conditions on two joints, A u(x) + B u(y) = e: where two ellipses, or their kin, meet.
+// Two conditions on two joints, A u(x) + B u(y) = e: the points where two ellipses or parabolas meet.
 //
-// u(x) is (cos x, sin x) for a joint that turns and (x, x²) for one that slides; squares of lengths stand in the second
-// condition alone. For two joints that turn this is subproblem 6 of Elias & Wen, IK-Geo, 2022: a quartic. Where any value
-// of one joint would do, and the other has none with the one at hand, so does what comes nearest: Newton's method moves both
-// from there. Where one condition is nearly a multiple of the other both ways of solving are taken. So the answers hold every
-// root, and some that are none.
+// u(x) is (cos x, sin x) for a turn and (x, x²) for a slide. Only the second condition has squares of lengths. For two
+// turns this is subproblem 6 of Elias & Wen, IK-Geo, 2022: a quartic. If every value of one joint works but the other
+// has no root, the nearest value counts as one; Newton's method then moves both. If one condition is nearly a multiple
+// of the other, both ways of solving are used. So the result holds every root, and some values that are not roots.
 #pragma once
 
 #include "trigonometric.hpp"
@@ -13,11 +12,12 @@ TWISTARM_BEGIN
 
 namespace closed_form {
 
-/// Ratio of a matrix's singular values above which its two rows are two conditions; below the second they are one.
+/// Ratio of singular values above which the two rows of a matrix are two conditions. Below the second number they are
+/// one.
 template <class T> constexpr T clearly_two = is_double<T> ? T(1e-6) : T(1e-3);
 template <class T> constexpr T barely_two = is_double<T> ? T(1e-12) : T(1e-6);
 
-/// Below this a matrix is of rank 1 but for rounding.
+/// Below this ratio a matrix has rank 1 up to rounding.
 template <class T> constexpr T only_one = is_double<T> ? T(1e-12) : T(1e-6);
 
 /// Above this ratio a pair (cos x, sin x) is solved for as two numbers.
@@ -45,8 +45,8 @@ template <class T> struct pair {
 
 template <class T> using pairs = few<pair<T>, 8>;
 
-/// Singular values of a 2 × 2 matrix, and the direction `row` that its columns have most of: U of U Σ Vᵀ by its first
-/// column; the second is (−row[1], row[0]).
+/// Singular values of a 2 × 2 matrix, and the main direction `row` of its columns. `row` is the first column of U in U
+/// Σ Vᵀ; the second is (−row[1], row[0]).
 template <class T> struct two_by_two {
     T larger, smaller, row[2];
 
@@ -74,7 +74,7 @@ template <class T, class V> void solve_two(const T A[2][2], const V e[2], V x[2]
     x[1] = (A[0][0] * e[1] - e[0] * A[1][0]) / determinant;
 }
 
-/// All x with A u(x) = e: two conditions, of which one will do.
+/// All x with A u(x) = e: two conditions, one of which is enough.
 template <class T, class V> roots<V, 4> one_joint(const side<T>& a, const V e[2], V slack) {
     roots<V, 4> found;
     const auto always = in_every_lane<V>(true);
@@ -113,7 +113,7 @@ template <class T> void add_swapped(const pairs<T>& swapped, pairs<T>& found) {
     for (const pair<T>& each : swapped) found.add({each.y, each.x});
 }
 
-/// Both conditions are linear; where they are one condition the second length is that at hand.
+/// Both conditions are linear. If they are dependent, the second length keeps its current value.
 template <class T> void two_linear(const side<T>& a, const side<T>& b, const T e[2], pairs<T>& found) {
     const T both[2][2] = {{a.A[0][0], b.A[0][0]}, {a.A[1][0], b.A[1][0]}};
     if (absolute(both[0][0] * both[1][1] - both[0][1] * both[1][0]) > nothing<T>) {
@@ -156,7 +156,7 @@ template <class T> void two_lengths(const side<T>& a, const side<T>& b, const T 
     for (const joint_value<T>& y : quadratic(square, linear, constant, slack)) found.add({slid(p + q * y.length), y});
 }
 
-/// x turns, y slides: y follows from a condition that is linear in it, or x from one without it.
+/// x turns, y slides. y follows from a condition that is linear in it, or x from one without y.
 template <class T> void angle_and_length(const side<T>& a, const side<T>& b, const T e[2], T slack, pairs<T>& found) {
     const auto& A = a.A;
     const T linear[2] = {b.A[0][0], b.A[1][0]}, square = b.A[1][1], scale = a.largest() + b.largest();
@@ -219,9 +219,9 @@ void one_by_one(const side<T>& a, const side<T>& b, const T e[2], const T row[2]
     }
 }
 
-/// Both turn: x is taken out where A is the better conditioned, by its inverse, or by the row that A has not.
+/// Both turn. If A is the better conditioned, x is eliminated: by A's inverse, or by the row that A lacks.
 ///
-/// Where one of them is of rank 1 and the other is not, what goes with the other stands alone in one condition.
+/// If only one of the matrices has rank 1, one condition holds the other joint alone.
 template <class T> void two_angles(const side<T>& a, const side<T>& b, const T e[2], T slack, pairs<T>& found) {
     const two_by_two<T> size_a(a.A), size_b(b.A);
     const T scale = greatest(size_a.larger, size_b.larger);

@@ -9,7 +9,7 @@
 
 TWISTARM_BEGIN
 
-/// An answer: θ, the coordinates, as bits, that may change while the target stays met, its distance from the start.
+/// An answer: θ, its distance from the start, and, as bits, the coordinates that may change while the target stays met.
 template <class T, int N> struct configuration {
     T theta[capacity(N)];
     std::uint32_t free;
@@ -20,7 +20,7 @@ template <class T, int N> struct configuration {
 
 namespace closed_form {
 
-/// What counts as nothing, in m and rad; src/twistarm/ik/closed_form/roots.py has the same for double.
+/// Thresholds for zero, in m and rad. src/twistarm/ik/closed_form/roots.py has the same for double.
 template <class T> struct precision {
     static constexpr int steps = 30;               ///< of Newton's, for a candidate
     static constexpr int patience = 8;             ///< for steps that gain little, along a direction that hardly moves the tool
@@ -65,8 +65,8 @@ public:
     }
     bool meets(const T* theta) const { return meets(theta, position_, chord_); }
 
-    /// Whether two answers are one: near together, but for whole turns, and the target is met as well
-    /// halfway between them, or to rounding. They are twins where it is met there to the tolerances.
+    /// Whether two answers are one. They are near each other up to whole turns, and their midpoint meets the target as
+    /// well, or to rounding. They are twins if the midpoint meets it within the tolerances.
     __attribute__((noinline, cold)) relation compare(const ranges<T, N>& range, const T* a, const T* b) const {
         T apart[width], between[width], farthest = T(0);
         if (!differences(range, a, b, apart)) return relation::apart;
@@ -85,8 +85,8 @@ public:
         return differences(range, theta, answer, apart);
     }
 
-    /// A register of configurations after one of Newton's steps, where one of them needs it; which of them miss by rounding
-    /// alone, far from any singularity, and which are so near before it that they may be answers.
+    /// A register of configurations after one Newton step, if one of them needs it. Tells which of them have only
+    /// rounding errors far from singularities, and which were near enough before the step to be answers.
     template <class V> void step(V* theta, unsigned& done, unsigned& near) const {
         constexpr T far = precision<T>::near;
         const int n = arm_.coordinates();
@@ -130,8 +130,9 @@ public:
         done = bits(good & (worst <= enough));
     }
 
-    /// θ after some of Newton's steps of least length, −J⁺ e, of which so many may gain little; whether it meets the target.
-    /// singular: singular values below this part of the largest are none. still: the coordinates, as bits, that stay.
+    /// θ after Newton steps of least length, −J⁺ e; at most `patience` of them may gain little. Returns whether the
+    /// target is met. singular: smaller singular values, as a part of the largest, are ignored. still: the coordinates,
+    /// as bits, that stay.
     bool correct(T* theta, int patience = precision<T>::patience, T singular = precision<T>::singular,
                  std::uint32_t still = 0) const {
         residual<T, N, rows> missed;
@@ -152,7 +153,8 @@ public:
         return meets(theta);
     }
 
-    /// Whether the target is met inside the limits, with the coordinates of θ that lie beyond one at it; θ is that then.
+    /// Whether the target can be met inside the limits with the coordinates that exceed a limit moved to it. θ is then
+    /// that answer.
     bool meet_at_limits(const ranges<T, N>& range, T* theta) const {
         std::uint32_t still = 0;
         for (int pass = 0; pass <= arm_.coordinates(); ++pass) {
@@ -171,9 +173,9 @@ public:
 
     /// The coordinates that move while the target stays met.
     ///
-    /// Where the rows of the Jacobian are dependent there is a direction that moves nothing at first. A step along it,
-    /// corrected, either comes back, or is another answer, as exact, or so exact that a whole turn would stay within the
-    /// tolerances: then the two belong to a family.
+    /// If the rows of the Jacobian are dependent, some direction moves nothing to first order. The code takes a step
+    /// along it and corrects the result. If the result is a different answer that is as exact, both belong to a family.
+    /// An answer also counts as exact if a whole turn along the direction stays within the tolerances.
     std::uint32_t self_motion(const T* theta) const {
         residual<T, N, rows> missed;
         six_rows<T, most_unknowns> columns;
@@ -202,7 +204,8 @@ public:
     }
 
 private:
-    /// a − b less whole turns, and the lanes in which it is small, as bits; where there are none, not all of it is set.
+    /// a − b without whole turns, and, as bits, the lanes where it is small. If there are none, the difference is
+    /// incomplete.
     template <class V> unsigned differences(const ranges<T, N>& range, const V* a, const T* b, V* apart) const {
         auto near = in_every_lane<V>(true);
         for (int k = 0; k < arm_.coordinates(); ++k) {
@@ -261,8 +264,8 @@ private:
         return most;
     }
 
-    /// No step is long in any of the directions that J tells apart: where one of them hardly moves the tool, near a wrist in
-    /// line, the others go all their way nevertheless.
+    /// Limits the step in each direction that J tells apart. If one direction hardly moves the tool, as near a straight
+    /// wrist, the others still take their full step.
     void pseudo_inverse_step(const residual<T, N, rows>& missed, T singular, T move[6]) const {
         six_rows<T, most_unknowns> columns;
         T X[6][6], size[6];

@@ -1,4 +1,4 @@
-// A target built into the chain, so that the error is read off the walk: its goal becomes the base, the identity the goal.
+// A target built into the chain: its goal becomes the base and the identity the goal. The walk then gives the error.
 #pragma once
 
 #include "../kinematics/chain.hpp"
@@ -6,18 +6,18 @@
 
 TWISTARM_BEGIN
 
-/// The base and tip with which the walk along a chain ends at the identity where the target is met.
+/// The base and tip with which the walk along a chain ends at the identity if the target is met.
 ///
-/// pose, task: g_goal⁻¹ · g_st. task in base axes: T(−p) · g_st · R_goalᵀ, whose rotation is R R_goalᵀ. position and
-/// approach: the origin at p, and for approach z along the direction before and along the tool axis behind, so that
-/// the last z column is (0, 0, 1) where it is met.
+/// pose, task: g_goal⁻¹ · g_st. task in base axes: T(−p) · g_st · R_goalᵀ, with the rotation R R_goalᵀ. position and
+/// approach: the origin at p. approach also turns z along the direction before and along the tool axis after, so that
+/// the last z column is (0, 0, 1) if the target is met.
 template <class V> struct aim {
     frame<V> base, tip;
     V tolerance[6];
 };
 
 namespace detail {
-/// A rotation whose z column is the unit vector `axis`.
+/// A rotation with the unit vector `axis` as z column.
 template <class T> inline frame<T> rotation_onto(const T axis[3]) {
     frame<T> g = identity_frame<T>();
     int smallest = 0;

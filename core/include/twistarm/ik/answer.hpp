@@ -34,9 +34,9 @@ void take_nearest_start(const chain<T, N, M>& arm, const ranges<T, N>& range, co
     }
 }
 
-/// Whether limits are the reason: what would meet the target without them, or where its position is missed and nothing
-/// meets all of it, its position alone. What the limits leave of that is the answer after all. Without roots, `roots`
-/// holds where the searches have ended.
+/// Whether limits are the reason. Searches look for roots without limits: of the target, or of its position alone if
+/// the position is missed and no root meets the target. The nearest configuration that the limits leave is the answer.
+/// Without roots, `roots` holds the ends of the searches.
 template <class T, int N, int M, class Stopped>
 void find_unlimited(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                     const target<T>& asked, const T* theta0, std::uint64_t seed, Stopped& stopped,
@@ -83,15 +83,15 @@ void explain(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
     find_unlimited(arm, range, settings, asked, theta0, seed, stopped, roots, out);
     if (found.converged || out.has_unlimited || stopped()) return;
     out.stop = stop_reason::exhausted;
-    // How far a position is out of reach does not hang on the rotation there.
+    // The distance of a position that is out of reach does not depend on the rotation.
     const bool decided = nearest.rotation_stationary || found.position_error > settings.position_tolerance;
     if (!nearest.position_stationary || !decided) return;
     out.stop = reason_for(arm, range, settings, asked, reach, found, roots, stopped, out.unlimited);
     out.has_unlimited = out.stop == stop_reason::blocked_by_limits;
 }
 
-/// The errors of an answer that is met but for the rounding of the axes made as small as the arm allows from there: the
-/// position's first.
+/// Makes the errors of an answer that is met up to the rounding of the axes as small as the arm allows nearby: first
+/// the position's.
 template <class T, int N, int M, class Stopped>
 void sharpen(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
              const target<T>& asked, Stopped& stopped, solution<T, N>& found) {
@@ -112,8 +112,8 @@ template <class T, int N> void begin(answer<T, N>& out) {
 }
 }  // namespace detail
 
-/// Whether an answer may need more than `solve` has done: it is none, or met but for the rounding of the axes, or not
-/// near θ₀, though some configuration near θ₀ may meet the target.
+/// Whether an answer may need more than `solve` has done. It misses the target, or meets it up to the rounding of the
+/// axes, or is not near θ₀ though another configuration near θ₀ may meet the target.
 template <class T, int N>
 bool is_open(const solution<T, N>& found, const ranges<T, N>& range, const search_settings<T>& settings,
              target_kind kind, const T* theta0, int n) {
@@ -171,11 +171,11 @@ void conclude(const chain<T, N, M>& arm, const ranges<T, N>& range, const search
 
 /// Inverse kinematics of one target, and where it cannot be met, the nearest configuration and the reason.
 ///
-/// As `solve`: settings.searches searches from `theta0` (n,) and random starts of `seed`; the same call gives the same
-/// bits unless stopped() ends it: asked now and then, true means that the time is up. `reach` [m] brings metres and
-/// radians together where the rank of a task is asked. `posture` (n,) is what a redundant arm should be near while it
-/// meets the target, or null; without one an answer stays on the branch of θ₀ where it can. What is not finite is
-/// answered at once: unusable.
+/// As `solve`: settings.searches searches from `theta0` (n,) and from random starts of `seed`. Equal calls give equal
+/// bits unless stopped() ends them; it is called now and then and returns true when the time is up. `reach` [m] brings
+/// metres and radians together for the rank of a task. `posture` (n,) or null: a redundant arm stays near it while it
+/// meets the target. Without one, an answer stays on the branch of θ₀ if it can. Numbers that are not finite give the
+/// answer "unusable".
 template <class T, int N, int M, class Stopped>
 void answer_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                const target<T>& asked, const T* theta0, std::uint64_t seed, T reach, const T* posture, Stopped& stopped,

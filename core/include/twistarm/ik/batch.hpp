@@ -1,4 +1,4 @@
-// Batch of targets: each lane works on a target of its own and takes the next one when it is done.
+// Batch of targets: each lane works on one target and then takes the next.
 #pragma once
 
 #include "searches.hpp"
@@ -6,12 +6,12 @@
 TWISTARM_BEGIN
 
 namespace detail {
-/// The targets of a batch, one per lane at a time, each searched from its θ₀, then from random starts in order.
+/// The targets of a batch, one per lane at a time. Each is searched from its θ₀, then from random starts in order.
 ///
-/// `Job` gives and takes: job.count(), job.asked(t), job.start(t, theta), job.seed(t), job.store(t, solution, ends)
-/// and job.goes_on(done), asked after each target and now and then; false ends the batch, and what is being searched is
-/// not stored. job.ends(lane) is room for `most_ends` (n,) ends of the searches that fail in a lane, which `store` gets
-/// back; or null.
+/// `Job` has job.count(), job.asked(t), job.start(t, theta), job.seed(t), job.store(t, solution, ends) and
+/// job.goes_on(done). goes_on is called after each target and now and then; false ends the batch, and targets in
+/// progress are not stored. job.ends(lane) is null, or room for `most_ends` (n,) ends of the failed searches in a lane;
+/// `store` gets them back.
 template <class V, class T, int N, int M, class Job> struct batch_of_targets final : search_owner<V, T, N> {
     static constexpr int lane_count = number<V>::lanes;
     static constexpr std::int64_t none = -1;
@@ -125,10 +125,10 @@ template <class V, class T, int N, int M, class Job> struct batch_of_targets fin
 
 /// Inverse kinematics of job.count() targets of one kind.
 ///
-/// Each target is searched from its θ₀, then from the random starts 1, 2, … of its seed; the first search to converge in
-/// this order answers. So the verdicts are those of `solve`, and an answer depends on nothing but its own target; it
-/// may be another root than that of `solve`, which races whole rounds to be done sooner. A target that none converges to
-/// is stored as the end with the least error; `conclude` finds the nearest configuration and the reason from there.
+/// Each target is searched from its θ₀, then from the random starts 1, 2, … of its seed. The first search in this order
+/// that converges gives the answer. So the verdicts are those of `solve`, and an answer depends on its target alone. It
+/// may be another root than that of `solve`, which races whole rounds to finish sooner. If no search converges, the end
+/// with the least error is stored; `conclude` finds the nearest configuration and the reason from there.
 template <target_kind Kind, class T, int N, int M, class Job>
 void solve_batch(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings, Job& job) {
     constexpr int at_once = lanes_at_once<T>;

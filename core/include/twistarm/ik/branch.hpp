@@ -6,7 +6,7 @@
 TWISTARM_BEGIN
 
 namespace detail {
-/// A target this near to the tool at θ₀ [m, rad] is a step of a motion: its nearest branch is looked for.
+/// A target this near to the tool at θ₀ [m, rad] is a step of a motion. Its nearest branch is found.
 template <class T> constexpr T near_position = T(0.02);
 template <class T> constexpr T near_orientation = T(0.05235987755982988731);
 /// An answer that moves a coordinate by more than this [rad, m] is not near θ₀.
@@ -15,7 +15,8 @@ template <class T> constexpr T other_branch = T(0.2);
 template <class T> constexpr T box_growth = T(1.3);
 /// Where a first step is longer than this [rad, m], no box about θ₀ of `other_branch` is searched.
 template <class T> constexpr T far_step = T(0.5);
-/// Added to that step's λ: near a singular posture the target may be met without the long way that J asks for.
+/// Added to the λ of that step. Near a singular configuration the target may be met without the long step that J
+/// demands.
 template <class T> constexpr T damping_of_first_step = T(1e-3);
 /// Iterations and stalls of a search in a box: many coordinates stand at its sides.
 constexpr int iterations_in_box = 40, stalls_in_box = 8;
@@ -59,8 +60,8 @@ bool begins_within(const solution<T, N>& found, const search_settings<T>& settin
            (angle >= T(3.14159265358979323846) || found.start_error.rotation <= squared * chord);
 }
 
-/// Whether a damped step from θ₀ toward the target is short enough for the target to be met in the box of
-/// `other_branch` about θ₀.
+/// Whether a damped step from θ₀ toward the target is so short that the box of `other_branch` about θ₀ may hold an
+/// answer.
 template <target_kind Kind, class T, int N, int M>
 bool may_be_met_near(const chain<T, N, M>& arm, const search_settings<T>& settings, const target<T>& asked,
                      const T* theta0) {
@@ -79,8 +80,9 @@ bool may_be_met_near(const chain<T, N, M>& arm, const search_settings<T>& settin
     return longest <= far_step<T>;
 }
 
-/// The configuration nearest to θ₀ (n,) that searches in the box of this half width find, from θ₀ and from points of
-/// the box; one that is met but for the rounding of the axes only if no other is. False for none.
+/// The configuration nearest to θ₀ (n,) that searches find in the box of this half width, from θ₀ and from points of
+/// the box. One that meets the target only up to the rounding of the axes is taken if there is no other. Returns false
+/// for none.
 template <class T, int N, int M, class Stopped>
 bool meet_in_box(const chain<T, N, M>& arm, const ranges<T, N>& range, search_settings<T> settings,
                  const target<T>& asked, const T* theta0, T half, Stopped& stopped, solution<T, N>& found) {
@@ -111,8 +113,8 @@ bool meet_in_box(const chain<T, N, M>& arm, const ranges<T, N>& range, search_se
 }
 }  // namespace detail
 
-/// Whether the nearest configuration to a target lies elsewhere than θ₀ (n,), though the tool is hardly farther from the
-/// target at θ₀: within 2 cm of the position, and where the position is met within 3° of the rotation.
+/// Whether the target is near the tool at θ₀ (n,) although its nearest configuration is elsewhere. Near means within 2
+/// cm of the position and, if the position is met, within 3° of the rotation.
 template <class T, int N, int M>
 bool lies_elsewhere(const chain<T, N, M>& arm, const search_settings<T>& settings, const target<T>& asked,
                     const T* theta0, const solution<T, N>& nearest) {
@@ -123,9 +125,9 @@ bool lies_elsewhere(const chain<T, N, M>& arm, const search_settings<T>& setting
            errors.orientation <= nearest.orientation_error + detail::near_orientation<T>;
 }
 
-/// Brings an answer that is not near θ₀ (n,), which lies inside the limits, to a configuration that is, if one meets the
-/// target. For a target near the tool at θ₀ ever wider boxes are searched, up to the answer: the nearest branch. Returns
-/// whether the target is near and the answer is not.
+/// Moves an answer that is not near θ₀ (n,), which is inside the limits, to a configuration near θ₀ that meets the
+/// target, if there is one. For a target near the tool at θ₀, it searches growing boxes up to the answer for the
+/// nearest branch. Returns whether the target is near and the answer is not.
 template <class T, int N, int M, class Stopped>
 bool keep_branch(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                  const target<T>& asked, const T* theta0, Stopped& stopped, solution<T, N>& found) {

@@ -103,9 +103,9 @@ TWISTARM_INLINE void freeze_outward(const ranges<T, N>& range, int n, const V* t
 
 /// θ one step further: d minimises ‖J d + e‖² + λ ‖d‖², and θ + d is clamped to the limits. Uses up the residual.
 ///
-/// A coordinate at a bound that is pulled outward is frozen before; one that steps past a bound is cut there. Solving
-/// again for the others succeeds a little more often per search, but costs a fifth of the time of all. Source: S. K. Chan & P. D. Lawrence, General inverse kinematics with the error damped pseudoinverse,
-/// ICRA 1988.
+/// A coordinate at a bound that is pulled outward is frozen first; one that steps past a bound is cut. Solving again
+/// for the others succeeds slightly more often per search, but costs a fifth more in total. Source: S. K. Chan & P. D.
+/// Lawrence, General inverse kinematics with the error damped pseudoinverse, ICRA 1988.
 template <class V, class T, int N, int K>
 TWISTARM_INLINE void bounded_step(const ranges<T, N>& range, const V& lambda, int n, residual<V, N, K>& at, V* theta) {
     V d[capacity(N)];

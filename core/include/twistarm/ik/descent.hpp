@@ -28,15 +28,15 @@ template <class T> constexpr T machine_epsilon = T(sizeof(T) == 8 ? 2.2204460492
 
 /// The weight of the second level is lowered, to its square, where a step promises less than `settled` · ε.
 template <class T> constexpr T settled = T(0.01);
-/// A descent ends where a step at the last weight promises less than this, of ε, or of 1 m² without a weight.
+/// A descent ends if a step at the last weight promises less than this, in units of ε, or of 1 m² without a weight.
 template <class T> constexpr T arrived = T(sizeof(T) == 8 ? 1e-13 : 1e-6);
 template <class T> constexpr T arrived_without_weight = T(sizeof(T) == 8 ? 1e-26 : 1e-13);
 /// A curvature below this share of the weight is flat.
 template <class T> constexpr T flat = T(1e-3);
 /// A step that leads uphill is tried again at a quarter, down to this.
 template <class T> constexpr T least_fraction = T(1e-2);
-/// So many steps on the first level alone lead a step back, with this added to every curvature, above what the error
-/// itself makes of it.
+/// The number of steps on the first level alone that lead a step back, and what they add to every curvature beyond the
+/// error's own.
 template <class T> constexpr T most_returns = T(2);
 template <class T> constexpr T returning_shift = T(1e-4);
 /// So many iterations pass between two looks at a clock.
@@ -100,8 +100,8 @@ template <class V, class T, int N, int M> struct descent {
 
     /// A Newton step on F, or on f₁ alone where the trial is led back.
     ///
-    /// The path's curvature is weighed with the position error that the step from θ was to leave: at the end of a step
-    /// along a bent valley the error itself is mostly that of the bend, and would ask for another valley.
+    /// The weight of the path's curvature is the position error that the step from θ was to leave. At the end of a step
+    /// along a bent valley, the actual error comes mostly from the bend and would give another valley.
     TWISTARM_INLINE V step_from_trial(local_errors<V, M>& at, const truth& returning, V* d) {
         const V epsilon = select(returning, V(T(0)), lanes.epsilon);
         const truth first = !(value < V(static_cast<T>(__builtin_inf())));
@@ -147,11 +147,10 @@ template <class V, class T, int N, int M> struct descent {
 
 /// Minimises F = f₁ + ε f₂ inside the limits from each lane's θ, ε lowered from where it is to the last.
 ///
-/// A step that leads uphill has mostly left the valley that f₁ makes: it is led back by at most `most_returns` steps on
-/// f₁ alone, and if that does not help, tried again shorter. stopped() is asked now and then, and true ends it.
-/// Sources: D. Bertsekas, Projected Newton methods for optimization problems with simple constraints, SIAM J. Control
-/// 20, 1982; J. Nocedal & S. Wright, Numerical Optimization, 2nd ed., §17.1 (the weight) and §18.3 (second-order
-/// correction).
+/// A step that leads uphill has usually left the valley of f₁. At most `most_returns` steps on f₁ alone lead it back;
+/// if they fail, a shorter step is tried. stopped() is called now and then; true ends the descent. Sources: D.
+/// Bertsekas, Projected Newton methods for optimization problems with simple constraints, SIAM J. Control 20, 1982; J.
+/// Nocedal & S. Wright, Numerical Optimization, 2nd ed., §17.1 (the weight) and §18.3 (second-order correction).
 template <class V, class T, int N, int M, class Stopped>
 __attribute__((noinline)) void descend(const two_levels<V, T, N, M>& objective, const ranges<T, N>& range,
                                        const descent_settings<T>& settings, descent_lanes<V, N>& lanes,

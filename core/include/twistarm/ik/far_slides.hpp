@@ -1,6 +1,6 @@
 // Slides without real limits, moved to where a far target is before the search.
 //
-// A search begins within a metre or so of where a slide stands, and goes a step at a time: a kilometre is too far.
+// A search starts within about a metre of a slide's position and moves in limited steps. It cannot cover a kilometre.
 #pragma once
 
 #include "../numeric/ldl.hpp"
@@ -21,9 +21,9 @@ template <class T, int N, int M> bool slides_far(const chain<T, N, M>& arm, cons
 }
 }  // namespace detail
 
-/// Moves the slides of θ (n,) that have no real limits, and the random starts of `range` with them, by the least motion
-/// that brings the tool to the target, as far as they can: −Vᵀ(V Vᵀ)⁻¹ e, exact because they only slide. Returns whether
-/// the target was far, and one of them moved by more than random starts go.
+/// Moves the slides of θ (n,) without real limits, and the random starts of `range` with them, so that the tool comes
+/// as near to the target as they can. The motion is the least one, −Vᵀ(V Vᵀ)⁻¹ e, which is exact for slides. Returns
+/// whether the target was far and a slide moved farther than random starts reach.
 template <class T, int N, int M>
 bool bring_slides_near(const chain<T, N, M>& arm, const target<T>& asked, ranges<T, N>& range, T* theta) {
     const int n = arm.coordinates();

@@ -1,4 +1,5 @@
-// Lexicographic cost: each level least only as far as the one before allows, F = f₁ + ε (f₂ + ν f₃), with gradient and whole Hessian.
+// Lexicographic cost F = f₁ + ε (f₂ + ν f₃), with its gradient and full Hessian. Each level is minimised as far as the
+// one before allows.
 #pragma once
 
 #include "../numeric/definite.hpp"
@@ -25,8 +26,8 @@ template <class V, int M> struct local_errors {
     V departure;         ///< f₃ = ½ ‖off‖²
 };
 
-/// F = f₁ + ε (f₂ + ν f₃) for one target; f₃ = ½ ‖θ − θ_near‖² counts where θ_near (n,) is given, and
-/// f₃ = ½ ‖θ − θ brought inside‖² where limits are.
+/// F = f₁ + ε (f₂ + ν f₃) for one target. f₃ is ½ ‖θ − θ_near‖² if θ_near (n,) is given, and ½ ‖θ − θ clipped to the
+/// limits‖² if limits are.
 template <class V, class T, int N, int M> struct two_levels {
     const chain<T, N, M>& arm;
     target_kind kind;
@@ -68,8 +69,8 @@ template <class V, class T, int N, int M> struct two_levels {
             away[k] = kind == target_kind::task ? detail::beyond(p[k], aims.tolerance[k]) : p[k];
     }
 
-    /// Holds at its tolerance's edge what was `expected` (3,) beyond it and has come out inside: were it free, the next
-    /// step would lead out again. An active set that goes by the sign of the multiplier (J. Nocedal & S. Wright,
+    /// Holds at the edge of its tolerance what was `expected` (3,) beyond it but came out inside. If it were free, the
+    /// next step would leave the tolerance again. An active set by the sign of the multiplier (J. Nocedal & S. Wright,
     /// Numerical Optimization, 2nd ed., §16.5).
     TWISTARM_INLINE void hold_at_edges(const V* expected, local_errors<V, M>& at) const {
         if (kind != target_kind::task) return;
@@ -86,9 +87,9 @@ template <class V, class T, int N, int M> struct two_levels {
         return at.position + rotation_weight(epsilon) * at.turned.value + epsilon * nu * at.departure;
     }
 
-    /// ∇F (n,) and the lower triangle of F's Hessian at θ, by joints: with vⱼ and wⱼ what joint j does to the tool,
-    /// ∂vⱼ/∂θᵢ = wᵢ × vⱼ for i ≤ j, whatever the joints' types.
-    /// `pull` (3,) [m] is the position error that the curvature of the tool's path is weighed with.
+    /// ∇F (n,) and the lower triangle of F's Hessian at θ, by joints. With vⱼ and wⱼ the velocities that joint j gives
+    /// the tool, ∂vⱼ/∂θᵢ = wᵢ × vⱼ for i ≤ j and all joint types. `pull` (3,) [m] is the position error that weights
+    /// the curvature of the tool's path.
     TWISTARM_INLINE void slopes(const local_errors<V, M>& at, const V& epsilon, const V* pull, V* g, V* H) const {
         if (N == M && arm.identity) by_joints(at, epsilon, pull, g, H);
         else by_coordinates(at, epsilon, pull, g, H);

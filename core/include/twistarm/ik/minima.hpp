@@ -1,4 +1,4 @@
-// Minima of the distance to a target, and of the rotation error where the distance allows: starts brought to rest.
+// Minima of the distance to a target, and of the rotation error among them. Several starts descend side by side.
 #pragma once
 
 #include "promising.hpp"
@@ -12,27 +12,27 @@ template <class T, int N> struct nearest_configuration {
 };
 
 namespace detail {
-/// What a radian counts beside a square metre in the end. The valley that the position leaves is the stiffer the less it
-/// is; what it makes the distance longer is far below any tolerance.
+/// The final weight of a radian beside a square metre. A smaller weight makes the valley of the position stiffer. This
+/// one lengthens the distance by far less than any tolerance.
 template <class T> constexpr T last_epsilon = T(sizeof(T) == 8 ? 1e-9 : 1e-5);
 
-/// First every start a little way down; then the best of them, to the last weight; the last of these to their minima,
-/// and the slow ones among them to where they settle; in the end the position alone, to rounding, with what does not
-/// move it held in place.
+/// Every start first descends a little, then the best go on to the last weight. The best of these go to their minima,
+/// and the slow ones among them until they settle. At the end the position alone is minimised to rounding, with all
+/// that does not move it held.
 template <class T> constexpr descent_settings<T> approaching = {T(1e-5), T(0), 10, false};
 template <class T> constexpr descent_settings<T> following = {last_epsilon<T>, T(0), 20, true};
 template <class T> constexpr descent_settings<T> finishing = {last_epsilon<T>, T(0), 40, true};
 template <class T> constexpr descent_settings<T> settling = {last_epsilon<T>, T(0), 120, true};
 template <class T> constexpr descent_settings<T> position_alone = {T(0), T(sizeof(T) == 8 ? 1e-9 : 1e-5), 6, true};
 
-/// Two minima whose distances [m] differ by less are equally near: the rotation decides.
+/// Two minima with a smaller difference in distance [m] are equally near; the rotation decides.
 template <class T> constexpr T same_position = T(sizeof(T) == 8 ? 1e-8 : 1e-5);
-/// A distance that the rotation's weight makes longer by less [m] is as short as without: so a stretched arm, which the
-/// fourth derivative alone holds in some directions, keeps the rotation that it has there.
+/// If the rotation's weight lengthens the distance by less [m], the distance counts as unchanged. In some directions
+/// only the fourth derivative holds a stretched arm; so it keeps its rotation there.
 template <class T> constexpr T as_short = T(sizeof(T) == 8 ? 1e-9 : 1e-5);
 /// A distance [m] below this is zero to the rounding of forward kinematics.
 template <class T> constexpr T exact = T(sizeof(T) == 8 ? 1e-11 : 1e-6);
-/// What another step may promise of distance [m], and of the rotation's f (some 1e-5 rad), where a point is stationary.
+/// A point is stationary if another step promises less distance [m], and less of the rotation's f (about 1e-5 rad).
 template <class T> constexpr T stationary = T(sizeof(T) == 8 ? 1e-9 : 1e-5);
 template <class T> constexpr T rotation_stationary = T(sizeof(T) == 8 ? 1e-10 : 1e-3);
 
@@ -66,7 +66,7 @@ template <class T, int N> bool is_nearer(const minimum<T, N>& a, const minimum<T
     return a.rotation < b.rotation;
 }
 
-/// Takes a lane back to where it was with a weight on the rotation, if its distance was as short there, and not zero
+/// Takes a lane back to its state with a weight on the rotation, if its distance was as short there and is not zero
 /// here.
 template <class V, int N> void keep_rotation(const descent_lanes<V, N>& weighted, int n, descent_lanes<V, N>& lanes) {
     using T = scalar_of<V>;
@@ -121,7 +121,7 @@ template <class T, int N> const minimum<T, N>& nearest_of(const minimum<T, N>* m
     return minima[best];
 }
 
-/// The starts whose minima are not settled but may come to be the nearest, in `which`. Returns how many they are.
+/// Writes to `which` the starts that are not settled but may become the nearest, and returns their number.
 template <class T, int N> int unsettled(const minimum<T, N>* minima, int count, int* which) {
     const minimum<T, N>& best = nearest_of(minima, count);
     int left = 0;

@@ -6,8 +6,8 @@
 TWISTARM_BEGIN
 
 namespace detail {
-/// Minima of so many starts agree where their rotations' f differ by less than this part. Where a valley bends sharply a
-/// model of second order promises much more than there is, and several starts end in the same place.
+/// Minima from this many starts agree if the f of their rotations differs by a smaller part. In a sharp bend of a
+/// valley, a second-order model promises too much, but several starts end at the same place.
 constexpr int enough_agree = 2;
 template <class T> constexpr T agreeing = T(1e-2);
 
@@ -24,11 +24,11 @@ template <class T, int N> bool is_agreed(const minimum<T, N>* minima, int count,
 }
 }  // namespace detail
 
-/// The best minimum that the starts lead to: the least distance, among equals the least rotation error, and among
-/// equals, within the tolerances, the one nearest to θ₀ (n,), inside the limits.
+/// The best minimum inside the limits that the starts lead to: the least distance, then the least rotation error, then
+/// the nearest to θ₀ (n,). Differences within the tolerances do not count.
 ///
-/// Its rotation counts as stationary also where several starts agree. `field` holds the starts and is used up. The position is held by a weight that grows until `last_epsilon` m² stand
-/// against a radian, and comes to its own least at the end.
+/// Its rotation is also stationary if several starts agree. `field` holds the starts and is used up. The weight of the
+/// position grows to 1/`last_epsilon`; at the end the position is minimised alone.
 template <class V, class T, int N, int M, class Stopped>
 void nearest_from(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                   const target<T>& asked, const T* theta0, detail::field_of_starts<T, N>& field, Stopped& stopped,

@@ -1,7 +1,7 @@
 // Nearest configuration to the start, among those that are equally near to a target.
 //
-// Beyond its reach a target leaves joints free: a stretched arm may roll, a wrist may turn about the point that it
-// holds. An arm that follows such a target would jump from one of these configurations to another.
+// A target beyond the reach leaves joints free: a stretched arm may roll, and a wrist may turn about the held point. An
+// arm that follows such a target would jump between these configurations.
 #pragma once
 
 #include "branch.hpp"
@@ -14,18 +14,19 @@ namespace detail {
 /// What f₃ = ½ ‖θ − θ₀‖² counts beside the rotation's f while a configuration is drawn to θ₀, and beside nothing.
 template <class T> constexpr T departure_beside_rotation = T(1e-2);
 template <class T> constexpr T departure_alone = T(1);
-/// Where ε begins, and how a configuration is drawn to θ₀; then f₃ is let go, so that the rotation comes to its least.
+/// The first ε, and the weight that draws a configuration to θ₀. f₃ is then dropped, so that the rotation reaches its
+/// minimum.
 template <class T> constexpr T drawn_from = T(1e-3);
 template <class T> constexpr descent_settings<T> drawing = {last_epsilon<T>, T(0), 60, true};
 template <class T> constexpr descent_settings<T> letting_go = {last_epsilon<T>, T(0), 20, true};
-/// Of the starts only those are drawn to θ₀ that came this near: their f₁ over the least, and more by so much [m²].
+/// Only starts this near to the target are drawn to θ₀: their f₁ over the least, plus this much [m²].
 template <class T> constexpr T drawn_share = T(1.2);
 template <class T> constexpr T drawn_excess = T(1e-4);
-/// Where the nearest lies elsewhere, what is this much farther [rad] is as near, and is looked for in boxes about θ₀ that
-/// grow by this.
+/// A configuration that is this much farther [rad] than the nearest counts as equally near. Boxes about θ₀ grow by this
+/// width.
 template <class T> constexpr T as_near = T(1e-4);
 template <class T> constexpr T nearest_box_growth = T(3);
-/// What two distances [m] may differ by and be one: the position's tolerance, of a loose one no more than the usual.
+/// Two distances [m] with a smaller difference are equal: the position's tolerance, at most the default one.
 template <class T> constexpr T usual_tolerance = T(1e-6);
 template <class T> T as_far(const search_settings<T>& settings) {
     return least(settings.position_tolerance, usual_tolerance<T>);
@@ -58,9 +59,9 @@ int nearest_starts(const ranges<T, N>& range, int n, const field_of_starts<T, N>
     return count;
 }
 
-/// θ₀ (n,) itself, the best minimum known and the starts nearest to θ₀, drawn to θ₀ along the configurations that are
-/// equally near: minima of f₁ + ε (f₂ + ν f₃), then without f₃. Limits hold: past one a joint would come back by a turn.
-/// `drawn` has room for as many as there are lanes. Returns how many.
+/// Draws θ₀ (n,), the best known minimum and the starts nearest to θ₀ to θ₀ along configurations that are equally near:
+/// minima of f₁ + ε (f₂ + ν f₃), then without f₃. Limits hold, since a joint past one would come back by a turn.
+/// `drawn` has room for one configuration per lane. Returns their number.
 template <class V, class T, int N, int M, class Stopped>
 int draw_to(const two_levels<V, T, N, M>& objective, const ranges<T, N>& range, const T* theta0,
             const minimum<T, N>& best, const field_of_starts<T, N>& field, Stopped& stopped, minimum<T, N>* drawn) {
@@ -90,7 +91,7 @@ int draw_to(const two_levels<V, T, N, M>& objective, const ranges<T, N>& range, 
 }
 
 /// Of the minima (count,) that are as near to the target as the nearest, within the tolerances, the one nearest to θ₀
-/// (n,); the minima are wrapped near it.
+/// (n,). The minima are wrapped near it.
 template <class T, int N, int M>
 const minimum<T, N>& nearest_to(const chain<T, N, M>& arm, const ranges<T, N>& range,
                                 const search_settings<T>& settings, const target<T>& asked, const T* theta0,
@@ -127,8 +128,9 @@ const minimum<T, N>& nearest_to(const chain<T, N, M>& arm, const ranges<T, N>& r
 }
 }  // namespace detail
 
-/// Replaces a nearest configuration that is not near θ₀ (n,) by one in a box about θ₀ that is as near to the target,
-/// within the position's tolerance and `as_near` of the rotation, if descents from θ₀ and from points of the box find one.
+/// Replaces a nearest configuration that is far from θ₀ (n,) by one in a box about θ₀ that is as near to the target,
+/// within the position's tolerance and `as_near` of the rotation. Descents from θ₀ and from points of the box search
+/// for it.
 template <class T, int N, int M, class Stopped>
 void keep_near(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                const target<T>& asked, const T* theta0, Stopped& stopped, solution<T, N>& found) {

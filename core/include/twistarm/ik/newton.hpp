@@ -54,8 +54,8 @@ TWISTARM_INLINE V unbounded_step(const quadratic_model<V, N>& model, const V& fl
     return promise;
 }
 
-/// The step in which those coordinates that d takes past a bound go just there, and the others know of it. What it
-/// promises takes the place of `promise`, where it promises anything.
+/// The step with the coordinates that d takes past a bound stopped at it, and the others solved with that known. A
+/// positive decrease that it promises replaces `promise`.
 template <class V, class T, int N>
 void step_to_bounds(const ranges<T, N>& range, const V* theta, quadratic_model<V, N>& model, const V& floor, T longest,
                     int n, V* d, V& promise) {
@@ -85,11 +85,11 @@ void step_to_bounds(const ranges<T, N>& range, const V* theta, quadratic_model<V
 }
 }  // namespace detail
 
-/// The step d (n,) downhill from θ by the model, `shift` added to every curvature, no coordinate by more than `longest`
-/// (m, rad). Returns what it promises, twice the decrease of the model; the model is used up.
+/// The downhill step d (n,) from θ by the model, with `shift` added to every curvature and no coordinate longer than
+/// `longest` (m, rad). Returns its promise, twice the decrease of the model. Uses the model up.
 ///
-/// Coordinates at a bound that are pulled outward rest there. Those that the step takes past a bound will be cut there;
-/// if `again`, the rest is solved again with that known.
+/// Coordinates at a bound that are pulled outward rest. Those that the step takes past a bound will be cut there; with
+/// `again`, the rest is solved again with that known.
 template <class V, class T, int N>
 TWISTARM_INLINE V newton_step(const ranges<T, N>& range, const V* theta, quadratic_model<V, N>& model, const V& shift,
                               T longest, bool again, int n, V* d) {

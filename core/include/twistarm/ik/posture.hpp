@@ -14,7 +14,7 @@ template <class T> constexpr T corrected = T(sizeof(T) == 8 ? 1e-18 : 1e-11);   
 
 template <class T> constexpr T corrected_but_for_rounding = T(sizeof(T) == 8 ? 1e-14 : 1e-10);  ///< [m²]
 
-/// What a target asks for where its answer misses it by the rounding of the axes: that which the answer meets.
+/// The target as its answer meets it, if the answer misses it by the rounding of the axes.
 template <class T, int N, int M>
 target<T> target_met(const chain<T, N, M>& arm, const target<T>& asked, const T* theta) {
     const frame<T> g = forward(arm, theta);
@@ -56,7 +56,7 @@ template <target_kind Kind, class T, int N, int M> struct posture_walk {
         return at.position_squared + at.rotation_squared;
     }
 
-    /// d − Jᵀ (J Jᵀ)⁻¹ (J d + r), on the coordinates that are free: the step nearest to d with J d' = −r.
+    /// d − Jᵀ (J Jᵀ)⁻¹ (J d + r) on the free coordinates: the step d' nearest to d with J d' = −r.
     void project(const T* r, T* d) const {
         T H[rows][rows], y[rows];
         for (int a = 0; a < rows; ++a) {
@@ -110,9 +110,9 @@ template <target_kind Kind, class T, int N, int M> struct posture_walk {
         return false;
     }
 
-    /// How much of the way d to go: ‖s‖²/(s · y) for the step s before and what y it took off the way, the inverse of the
-    /// curvature along it. Source: J. Barzilai & J. Borwein, Two-point step size gradient methods, IMA J. Numer. Anal. 8,
-    /// 1988.
+    /// The part of d to go: ‖s‖²/(s · y), with s the previous step and y the decrease of d by it. It is the inverse of
+    /// the curvature along s. Source: J. Barzilai & J. Borwein, Two-point step size gradient methods, IMA J. Numer.
+    /// Anal. 8, 1988.
     T share_of(const T* theta, const T* d) {
         T moved = T(0), bent = T(0);
         for (int i = 0; i < size(); ++i) {
@@ -127,8 +127,8 @@ template <target_kind Kind, class T, int N, int M> struct posture_walk {
         return known ? moved / bent : T(1);
     }
 
-    /// One step, as much of it as leads nearer and is brought back by no more than it was long: what is brought back
-    /// farther has left its branch. False where none does.
+    /// One step, shortened until it leads nearer and its correction is no longer than the step. A longer correction
+    /// means another branch. False if no length works.
     bool step(T* theta) {
         T d[capacity(N)], ahead[capacity(N)], trial[capacity(N)];
         look(theta);
@@ -159,9 +159,9 @@ void walk_to_posture(const chain<T, N, M>& arm, const ranges<T, N>& range, const
 }  // namespace detail
 
 /// Moves an answer to a local minimum of ‖θ − θ_p‖² (rad, m) inside the limits among the configurations that meet the
-/// target, by steps along them: θ_p − θ projected onto the null space of the target's rows, then back onto the target.
-/// The answer stays as it is where that leads to none, or to none nearer to the posture. Source: the gradient projection
-/// of J. B. Rosen, The gradient projection method for nonlinear programming II, SIAM J. 9, 1961.
+/// target. Each step is θ_p − θ projected onto the null space of the target's rows, then corrected onto the target. The
+/// answer stays if no minimum is found, or none nearer to the posture. Source: the gradient projection of J. B. Rosen,
+/// The gradient projection method for nonlinear programming II, SIAM J. 9, 1961.
 template <class T, int N, int M, class Stopped>
 void approach_posture(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                       const target<T>& asked, const T* posture, Stopped& stopped, solution<T, N>& found) {

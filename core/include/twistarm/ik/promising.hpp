@@ -7,16 +7,16 @@
 TWISTARM_BEGIN
 
 namespace detail {
-/// The nearest is looked for from so many starts: the ends of searches, and random configurations. So many of the most
-/// promising are followed, and so many, side by side, to the end: local minima are many where a position leaves several
-/// joints free.
+/// Numbers of starts in the search for the nearest: ends of searches and random configurations in all, the most
+/// promising that are followed, and those followed to the end side by side. A position that leaves several joints free
+/// has many local minima.
 constexpr int most_starts = 112, most_followed = 32, most_finalists = 8;
 
 /// Of the random starts among them.
 constexpr std::uint64_t random_starts_seed = 1;
 
-/// What a radian counts beside a square metre at first, from start to start: where the position can be met, minima with
-/// a small rotation error are found from above; where it cannot, a start must not be drawn away from the nearest.
+/// The first weights of a radian beside a square metre, from start to start. If the position can be met, large ones
+/// find minima with a small rotation error. If it cannot, the weight must not draw a start away from the nearest.
 template <class T> constexpr T first_epsilons[4] = {T(1e-1), T(1e-3), T(1e-1), T(sizeof(T) == 8 ? 1e-9 : 1e-5)};
 
 /// What the rotation counts in the choice of the most promising: less than where any of them stands.
@@ -29,8 +29,8 @@ template <class T, int N> struct field_of_starts {
     int count;
 };
 
-/// Fills the field up with random starts and gives each its first weight. Every fourth, with
-/// which the position is looked for almost alone, is random too: searches for a whole pose mostly end elsewhere.
+/// Fills the field with random starts and gives each its first weight. Every fourth start is random too and looks
+/// almost only for the position, because searches for a whole pose mostly end elsewhere.
 template <class T, int N> void spread_out(const ranges<T, N>& range, int n, field_of_starts<T, N>& field) {
     for (int i = 0; i < most_starts; ++i) {
         if (i >= field.count || i % 4 == 3) random_start(range, n, random_starts_seed, i, field.theta + i * n);
@@ -39,7 +39,7 @@ template <class T, int N> void spread_out(const ranges<T, N>& range, int n, fiel
     field.count = most_starts;
 }
 
-/// As many of the starts `which` as there are lanes; where fewer are `left`, the first of them again.
+/// One start of `which` per lane. If fewer are `left`, the first is repeated.
 template <class V, class T, int N>
 void gather(const field_of_starts<T, N>& field, const int* which, int left, int n, descent_lanes<V, N>& lanes) {
     for (int l = 0; l < number<V>::lanes; ++l) {
@@ -64,8 +64,8 @@ template <class T, int N> T nearness(const field_of_starts<T, N>& field, int i) 
     return field.position[i] + rotation_in_choice<T> * field.rotation[i];
 }
 
-/// What rotation f₂ a start may come to where the position is at its least, f₁*: f₂ + 2 (f₁ − f₁*)/ε at a minimum of
-/// f₁ + ε f₂, to first order in ε. It may still be on its way from √ε to ε.
+/// The rotation f₂ that a start may reach at the least position f₁*: f₂ + 2 (f₁ − f₁*)/ε at a minimum of f₁ + ε f₂, to
+/// first order in ε. It may still be on its way from √ε to ε.
 template <class T, int N> T rotation_to_come(const field_of_starts<T, N>& field, T least_position, int i) {
     return field.rotation[i] + T(2) * (field.position[i] - least_position) / sqrt(field.epsilon[i]);
 }
@@ -76,8 +76,7 @@ template <class T, int N> bool is_same(const field_of_starts<T, N>& field, int i
            absolute(field.rotation[i] - field.rotation[j]) <= T(1e-5) * (T(1e-1) + field.rotation[j]);
 }
 
-/// Appends those of the starts `from` with the least key(start), at most `most` and each minimum once, to `chosen`
-/// (count,).
+/// Appends to `chosen` (count,) at most `most` of the starts `from` with the least key(start), each minimum once.
 template <class T, int N, class Key>
 void choose(const field_of_starts<T, N>& field, const int* from, int candidates, int most, Key key, int* chosen,
             int& count) {
@@ -100,8 +99,8 @@ void choose(const field_of_starts<T, N>& field, const int* from, int candidates,
     }
 }
 
-/// The most promising of the starts `from`, at most `most`: some stand nearest, more may have the least rotation error
-/// in the end. Returns how many.
+/// At most `most` promising starts of `from`: some are the nearest, the others may end with the least rotation error.
+/// Returns their number.
 template <class T, int N>
 int most_promising(const field_of_starts<T, N>& field, const int* from, int candidates, int most, int* chosen) {
     T least_position = static_cast<T>(__builtin_inf());

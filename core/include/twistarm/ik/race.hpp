@@ -1,4 +1,4 @@
-// Race of searches for one target: several starts in the lanes, and the rule that says which of them wins.
+// Race of searches for one target: several starts in the lanes, and the rule that chooses the winner.
 #pragma once
 
 #include "searches.hpp"
@@ -9,12 +9,12 @@ TWISTARM_BEGIN
 constexpr int searches_in_round = 4;
 
 namespace detail {
-/// The searches of one target. Search 0 begins at θ₀, or where it is resumed, search k where `Starts` says; round r holds
-/// the searches 4 r to 4 r + 3.
+/// The searches of one target. Search 0 begins at θ₀ or where it is resumed, search k where `Starts` puts it. Round r
+/// has the searches 4 r to 4 r + 3.
 ///
-/// The winner: search 0 if it converges in its head start; else, in the first round in which any converges, the one with
-/// the fewest iterations, then the lowest number. A lane that has ended takes the next search at once, of whatever round:
-/// what a search does depends on its start alone, so the rule gives the same winner in whatever order they run.
+/// The winner is search 0 if it converges in its head start. Otherwise it is in the first round in which a search
+/// converges: the one with the fewest iterations, then the lowest number. A free lane takes the next search of any
+/// round at once. A search depends on its start alone, so the winner is the same in every order.
 template <class V, class T, int N, int M, class Starts, class Stopped> struct race_of_one final : search_owner<V, T, N> {
     static constexpr int lane_count = number<V>::lanes;
     static constexpr int none = -1;
@@ -90,7 +90,7 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
         return true;
     }
 
-    /// The first search that has met the target but for the rounding answers, if none of some more does better.
+    /// The first search that meets the target up to rounding gives the answer, unless one of the next few does better.
     void keep_rounded(const solution<T, N>& candidate, int which) {
         if (rounded != none && rounded <= which) return;
         most = most < which + searches_past_rounded ? most : which + searches_past_rounded;
@@ -123,7 +123,7 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
         return (unseen >> i & 1U) != 0U ? 0 : static_cast<int>(lane(lanes.iterations, i)) + 1;
     }
 
-    /// Over once no search that runs or has yet to begin could win, or when the time is up.
+    /// The race is over if no running or later search can win, or the time is up.
     bool finished(const lane_searches<V, N>& lanes) override {
         const unsigned unseen = fresh;
         fresh = 0U;
@@ -137,7 +137,7 @@ template <class V, class T, int N, int M, class Starts, class Stopped> struct ra
     }
 };
 
-/// Runs the race; `found` is the winner, or if there is none, whatever `failed` has left in it. Whether there is one.
+/// Runs the race. `found` is the winner, or else what `failed` has put there. Returns whether there is a winner.
 template <class V, target_kind Kind, class T, int N, int M, class Starts, class Stopped>
 bool race_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
              const target<T>& asked, const Starts& begins, const T* theta0, T* ends, int room, Stopped& stopped,
@@ -159,13 +159,13 @@ bool race_to(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_
 }
 }  // namespace detail
 
-/// Inverse kinematics of one target of this kind: at most settings.searches searches, the first from `theta0` (n,)
-/// brought inside the limits, the others from random starts of `seed`; settings.searches ≥ 1. The same call gives the
-/// same bits. `Lanes` searches run side by side, which changes no answer; by default as many as a register holds.
+/// Inverse kinematics of one target of this kind, with at most settings.searches ≥ 1 searches. The first starts from
+/// `theta0` (n,) inside the limits, the others from random starts of `seed`. Equal calls give equal bits. `Lanes`
+/// searches run side by side, by default as many as a register holds; the number changes no answer.
 ///
-/// The errors are those of forward kinematics at the answer. Where there is none, `found` is the end with the
-/// least error, not converged. `ends` (room, n), if not null, takes the ends of the first searches that failed; all of
-/// them without a winner. stopped() is asked now and then, and true ends the searches where they are.
+/// The errors are those of forward kinematics at the answer. Without one, `found` is the end with the least error, not
+/// converged. `ends` (room, n), if not null, takes the ends of the first failed searches; all of them without a winner.
+/// stopped() is called now and then; true ends the searches.
 template <target_kind Kind, int Lanes = 0, class T, int N, int M, class Stopped>
 void solve_kind(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                 const target<T>& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends, int room,
@@ -186,7 +186,7 @@ void solve_kind(const chain<T, N, M>& arm, const ranges<T, N>& range, const sear
     found.converged = false;
 }
 
-/// The same, of the kind that the target's type says; for a plain target<T>, of any, the solvers of all four are compiled.
+/// The same for the kind of the target's type. A plain target<T> may have any kind and compiles all four solvers.
 template <int Lanes = 0, class T, int N, int M, class Target, class Stopped>
 void solve(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
            const Target& asked, const T* theta0, std::uint64_t seed, solution<T, N>& found, T* ends, int room,

@@ -1,5 +1,5 @@
-// Starts spread over a box without gaps: number (seed, restart, coordinate) is the same however many are drawn, in any
-// order and on any machine.
+// Starts that fill a box evenly. The number for (seed, restart, coordinate) is the same for any count, order and
+// machine.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ TWISTARM_INLINE std::uint64_t mixed(std::uint64_t word) {
 
 }  // namespace detail
 
-/// Where a seed's sequence begins in each coordinate: the words of a SplitMix64 stream of its own.
+/// The start of a seed's sequence in each coordinate: words of a separate SplitMix64 stream.
 template <int N> struct start_sequence {
     std::uint64_t shift[capacity(N)];
 };
@@ -32,8 +32,9 @@ template <int N> TWISTARM_INLINE start_sequence<N> sequence_of(std::uint64_t see
     return sequence;
 }
 
-/// The stride φ⁻ⁱ of coordinate i − 1 of d in turns of 2⁶⁴, φ the positive root of x^(d+1) = x + 1, the golden ratio for
-/// d = 1. Source: M. Roberts, The unreasonable effectiveness of quasirandom sequences, 2018 (the sequence R_d).
+/// The stride φ⁻ⁱ of coordinate i − 1 of d in turns of 2⁶⁴, with φ the positive root of x^(d+1) = x + 1. For d = 1 φ is
+/// the golden ratio. Source: M. Roberts, The unreasonable effectiveness of quasirandom sequences, 2018 (the sequence
+/// R_d).
 inline std::uint64_t stride_of(int dimension, int coordinate) {
     double root = 2.0;
     for (int newton = 0; newton < 64; ++newton) {
@@ -48,8 +49,8 @@ inline std::uint64_t stride_of(int dimension, int coordinate) {
 
 /// frac(shift_i + restart · stride_i) in [0, 1): its upper 24 (float) or 53 (double) bits.
 ///
-/// A hundred starts that keep away from each other find a small basin more often than a hundred independent ones:
-/// a third fewer targets were left after any number of searches.
+/// A hundred starts that keep apart find a small basin more often than a hundred independent ones: after any number of
+/// searches a third fewer targets remained.
 template <class T>
 TWISTARM_INLINE T spread(std::uint64_t shift, std::uint64_t restart, std::uint64_t stride) {
     const std::uint64_t word = shift + restart * stride;

@@ -6,9 +6,9 @@
 
 TWISTARM_BEGIN
 
-/// Limits (infinite where there are none), ranges of random starts (finite), and which coordinates are periodic.
+/// Limits (infinite without one), ranges of random starts (finite), and the periodic coordinates.
 ///
-/// A periodic coordinate whose range holds a whole turn `turns` freely during a search and is wrapped at its end.
+/// A periodic coordinate with a range of at least a turn `turns` freely during a search and is wrapped at the end.
 template <class T, int N> struct ranges {
     T lower[capacity(N)], upper[capacity(N)];
     T start_lower[capacity(N)], start_upper[capacity(N)];
@@ -21,17 +21,17 @@ template <class T, int N> struct ranges {
 constexpr double whole_turn = 6.28318530717958647693;
 
 namespace detail {
-/// How far a multiplier may be from a whole number, and a pitch [m/rad] from 0, and still be the rounding of one.
+/// Largest rounding of a multiplier that is a whole number, and of a pitch [m/rad] that is 0.
 constexpr double whole_turn_tolerance = 1e-9;
 
-/// Whether a joint that turns `rate` rad and slides `slide` m for each unit of its coordinate is back after 2π of it.
+/// Whether a joint with the rates `rate` [rad] and `slide` [m] per unit of its coordinate is back after 2π of it.
 inline bool returns(double rate, double slide, double multiplier) {
     const double turns = absolute(rate * multiplier);
     return rate > 0.0 && absolute(slide) <= whole_turn_tolerance * rate &&
            absolute(turns - __builtin_round(turns)) <= whole_turn_tolerance;
 }
 
-/// x with the whole turns that lie outside [lower, upper] taken back; a hair outside, by rounding, is left.
+/// x without the whole turns that lie outside [lower, upper]. An excess of the size of rounding stays.
 template <class T> inline T turned_back(T x, T lower, T upper) {
     const double turn = whole_turn, margin = whole_turn_tolerance;
     const double below = __builtin_ceil(greatest(static_cast<double>(lower - x), 0.0) / turn - margin);
@@ -40,7 +40,7 @@ template <class T> inline T turned_back(T x, T lower, T upper) {
 }
 }  // namespace detail
 
-/// Which coordinates move nothing in 2π: each of their joints is a pure rotation that makes a whole number of turns.
+/// The coordinates whose motion by 2π has no effect: each of their joints is a pure rotation by whole turns.
 template <class T, int N, int M> void find_periodic(const chain<T, N, M>& arm, bool* periodic) {
     for (int k = 0; k < arm.coordinates(); ++k) {
         bool moves = false, returns = true;
@@ -56,8 +56,8 @@ template <class T, int N, int M> void find_periodic(const chain<T, N, M>& arm, b
 }
 
 namespace detail {
-/// Bounds of the tool's speed and angular velocity while no coordinate is faster than 1: a joint turns the tool on a
-/// radius of at most the links between, and slides stand no farther out than random starts go.
+/// Bounds of the tool's speed and angular velocity with all coordinates at rates of at most 1. A joint turns the tool
+/// on a radius of at most the links after it; slides are at most where random starts go.
 template <class T, int N, int M> void find_most_velocity(const chain<T, N, M>& arm, ranges<T, N>& found) {
     found.most_speed = found.most_turning = T(0);
     T radius = sqrt(dot(arm.tip.p, arm.tip.p));
@@ -96,7 +96,8 @@ ranges<T, N> ranges_of(const chain<T, N, M>& arm, const double* lower, const dou
     return found;
 }
 
-/// A configuration brought into the limits: by whole turns where that moves nothing and suffices, else to the bound.
+/// A configuration inside the limits: shifted by whole turns if that has no effect and suffices, otherwise cut to the
+/// bound.
 template <class T, int N> inline void bring_inside(const ranges<T, N>& range, int coordinates, T* theta) {
     for (int k = 0; k < coordinates; ++k) {
         if (range.periodic[k]) {

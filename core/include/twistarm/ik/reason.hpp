@@ -1,4 +1,4 @@
-// Reason why a target cannot be met: the limits, a direction the arm has no joint for, or its reach.
+// The reason why a target cannot be met: the limits, a direction without a joint, or the reach.
 #pragma once
 
 #include "minima.hpp"
@@ -12,22 +12,23 @@ enum class stop_reason {
 };
 
 namespace detail {
-/// How far beside a configuration [rad, m] one looks for what it lacks by itself: where a reach ends, all joints that turn
-/// the tool one way may stand still at first.
+/// The distance to neighbouring configurations [rad, m] that are checked for what this one lacks. At the edge of the
+/// reach, all joints that turn the tool one way may be without effect to first order.
 constexpr double beside = 0.1;
-/// Where postures beside a configuration lack less than this part of what it lacks, the posture is to blame.
+/// If neighbouring configurations lack less than this part of what this one lacks, the configuration is the reason.
 constexpr double lacking_alone = 0.9;
-/// Lengths below this [rad for a rad], positions over the reach, are of directions the arm cannot move in: descriptions
-/// write 1.57 for a right angle, and mean it.
+/// Shorter vectors [rad for a rad], positions divided by the reach, are directions in which the arm cannot move.
+/// Descriptions write 1.57 for a right angle.
 constexpr double lacking_below = 1e-3;
 /// A smaller part of a rotation error than this is no reason beside the rest of it.
 constexpr double lacking_share = 0.05;
-/// A component whose error is at least this part of its tolerance is held: the nearest stands at the edges of tolerances.
+/// A component is held if its error is at least this part of its tolerance, because the nearest lies at the edge of
+/// tolerances.
 constexpr double held_from = 0.999;
 }  // namespace detail
 
-/// A rotation error [rad] in two with the position held: what no joint can undo, about an axis (3,) of the tool, and the
-/// rest of the angle, which limits or the reach prevent.
+/// A rotation error [rad] in two parts, with the position held. The first, about an axis (3,) of the tool, no joint can
+/// undo; limits or the reach prevent the second.
 template <class T> struct rotation_split {
     T impossible, prevented, axis[3];
 };
@@ -49,8 +50,8 @@ template <class T> target<T> position_of(const target<T>& asked) {
 }
 
 namespace detail {
-/// Takes what lies along the first `spanning` of the vectors (count, size) out of all of them, as far as those are longer
-/// than `lacking_below`: Gram-Schmidt, the longest first.
+/// Removes the directions of the first `spanning` vectors (count, size) from all of them, if these are longer than
+/// `lacking_below`: Gram–Schmidt, the longest first.
 template <class T, int Size> void take_out(T (*vectors)[Size], int spanning, int count, int size) {
     for (int taken = 0; taken < spanning; ++taken) {
         T longest = static_cast<T>(lacking_below * lacking_below), unit[Size];
@@ -72,9 +73,9 @@ template <class T, int Size> void take_out(T (*vectors)[Size], int spanning, int
     }
 }
 
-/// What is asked of the tool at a configuration: how far off each component is, its rows, and whether it is held. Rows of
-/// a task's rotation are as if it were met there, in the axes of its tolerances: far off, its logarithm changes with what
-/// is left free.
+/// The target's components at a configuration: the error of each, its rows, and whether it is held. Rows of a task's
+/// rotation are as if the rotation were met, in the axes of its tolerances: far from the goal, its logarithm changes
+/// with what is left free.
 template <target_kind Kind, class T, int N> struct asked_here {
     frame<T> g, behind;  ///< the pose in the axes of the aim, and what the aim adds to the tool
     residual<T, N, rows_of(Kind)> at;
@@ -108,8 +109,8 @@ template <target_kind Kind, class T, int N> struct asked_here {
         }
     }
 
-    /// What remains of the rotation error, `left` (3,), if the joints may turn the tool as at `there`, with what is held
-    /// of the position held, metres over `reach` [m]. The square of its length.
+    /// The remaining rotation error, `left` (3,), if the joints may turn the tool as at `there` with the held position
+    /// fixed, metres over `reach` [m]. Returns the square of its length.
     T remains(const residual<T, N, rows_of(Kind)>& there, int n, T reach, T* left) const {
         constexpr int rows = rows_of(Kind);
         T J[rows][capacity(N)], turns[capacity(N) + 1][3] = {};
@@ -164,7 +165,7 @@ rotation_split<T> split_rotation_as(const chain<T, N, M>& arm, const target<T>& 
 }
 }  // namespace detail
 
-/// The rotation error at θ in two: what no joint can undo with the position held, at θ or beside it, and the rest.
+/// The rotation error at θ in two parts: what no joint can undo at θ or near it with the position held, and the rest.
 template <class T, int N, int M>
 rotation_split<T> split_rotation(const chain<T, N, M>& arm, const target<T>& asked, const T* theta, T reach) {
     rotation_split<T> split{};
@@ -204,9 +205,8 @@ bool come_near_without_limits(const chain<T, N, M>& arm, const ranges<T, N>& ran
 }
 }  // namespace detail
 
-/// Why the nearest configuration, with these errors, is no answer, though nothing meets the target without limits: the
-/// largest cause. `ends` are those of the searches without limits; where limits are blamed all the same, `unlimited` is
-/// the nearest without them.
+/// The largest cause of the nearest configuration's errors if nothing meets the target without limits. `ends` are the
+/// ends of the searches without limits. If limits are still the reason, `unlimited` is the nearest without them.
 template <class T, int N, int M, class Stopped>
 stop_reason reason_for(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                        const target<T>& asked, T reach, const solution<T, N>& nearest, const searched<T, N>& ends,

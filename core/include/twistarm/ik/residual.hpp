@@ -8,7 +8,7 @@ TWISTARM_BEGIN
 
 /// Error e and rows J with de = J dθ for the constrained components, rotations weighed by `rotation_scale`.
 ///
-/// A component that is free, or within its tolerance, has rows and error of zero: it asks for nothing.
+/// A component that is free or within its tolerance has zero rows and zero error.
 template <class V, int N, int K> struct residual {
     V J[capacity(N)][K], e[K];
     V position_squared, rotation_squared;  ///< unweighed: [m²], and chord² or [rad²]
@@ -18,7 +18,7 @@ namespace detail {
 /// Keeps the length of an error of zero from dividing by zero [m²].
 template <class T> constexpr T least_length = T(sizeof(T) == 8 ? 1e-30 : 1e-20);
 
-/// Below this 1 + trace, R − Rᵀ has lost half of its digits, and the axis is read from R + Rᵀ.
+/// For a smaller 1 + trace, R − Rᵀ has lost half of its digits, and R + Rᵀ gives the axis.
 template <class T> constexpr T near_half_turn = T(sizeof(T) == 8 ? 1e-6 : 1e-2);
 
 /// The longest column of (R + Rᵀ)/2 − cos φ I = (1 − cos φ) u uᵀ, brought to the length of the chord.
@@ -42,8 +42,8 @@ template <class V> __attribute__((noinline, cold)) void chord_near_half_turn(con
 
 /// 2 sin(φ/2) u of the rotation R by φ about u: (R − Rᵀ)^∨ / √(1 + tr R), without an arc tangent.
 ///
-/// dφ/dt = u · ω, so Jᵀ chord is the gradient of 4 (1 − cos φ/2), which grows with φ up to the half turn; there the
-/// sign of u is arbitrary.
+/// dφ/dt = u · ω, so Jᵀ chord is the gradient of 4 (1 − cos φ/2). It grows with φ up to half a turn, where the sign of
+/// u is arbitrary.
 template <class V> TWISTARM_INLINE void chord_of(const frame<V>& R, V chord[3]) {
     using T = scalar_of<V>;
     const V stretched = R.x[0] + R.y[1] + R.z[2] + T(1);
@@ -80,7 +80,7 @@ template <class V> TWISTARM_INLINE void logarithm_rate(const V phi[3], const V& 
     for (int k = 0; k < 3; ++k) rate[k] = omega[k] - scalar_of<V>(0.5) * once[k] + c * twice[k];
 }
 
-/// Error across the tool axis z and the scale of it: 2 sin(φ/2) u of the turn from (0, 0, 1) to z, along x and y.
+/// The error across the tool axis z, and its scale: 2 sin(φ/2) u of the turn from (0, 0, 1) to z, along x and y.
 ///
 /// (0, 0, 1) × z has the components y₃ and −x₃ along x and y, and the length sin φ = 2 sin(φ/2) cos(φ/2).
 template <class V> TWISTARM_INLINE void error_across(const frame<V>& g, V& along_x, V& along_y) {
@@ -100,7 +100,7 @@ template <class V> TWISTARM_INLINE void error_across(const frame<V>& g, V& along
     along_y = along_y * scale;
 }
 
-/// What of an error lies beyond its tolerance; `active` where it does, or where nothing is tolerated.
+/// The part of an error beyond its tolerance. `active` is set if there is one, or if the tolerance is zero.
 template <class V> TWISTARM_INLINE V beyond(const V& error, const V& tolerance) {
     return error - clamped(error, -tolerance, tolerance);
 }
@@ -175,8 +175,8 @@ TWISTARM_INLINE void residual_of(const frame<V>& g, const column<V>* columns, in
 
 /// Takes out of an error what a tolerance allows, and out of its rows what that leaves free.
 ///
-/// Of rows first to last with r = ‖e‖ beyond the radius ρ there is left (1 − ρ/r) e, with the derivative
-/// (1 − ρ/r) J + (ρ/r) u uᵀ J, u = e/r; within ρ nothing is left. Returns the square of what is left.
+/// Rows first to last with r = ‖e‖ beyond the radius ρ keep (1 − ρ/r) e, with the derivative (1 − ρ/r) J + (ρ/r) u uᵀ
+/// J, u = e/r. Within ρ nothing remains. Returns the square of the rest.
 template <class V, int N, int K>
 TWISTARM_INLINE V allow(residual<V, N, K>& at, int first, int last, scalar_of<V> radius, int n) {
     using T = scalar_of<V>;

@@ -6,13 +6,13 @@
 TWISTARM_BEGIN
 
 namespace detail {
-/// Below this E a search was on its way: where the arm is near a singularity the last steps are many and short.
+/// A search with a smaller E was on its way. Near a singularity the last steps are many and short.
 template <class T> constexpr T on_its_way = T(1e-3);
 constexpr int patience = 200;  ///< iterations, and as many stalls
 
 constexpr int resumed = 8;       ///< ends that are gone on from
 
-/// The width [rad, m] in which the nearest end is shaken for the lanes that have none of their own.
+/// The width [rad, m] of the random shift of the nearest end, for lanes without an end.
 template <class T> constexpr T shake = T(0.1);
 
 /// Where searches are resumed, the nearest first.
@@ -29,7 +29,7 @@ template <class T, int N> void shake_into(const ranges<T, N>& range, int n, int 
     }
 }
 
-/// E of errors: the squared position error and the rotation's by its weight, of loose tolerances only what is beyond.
+/// E of errors: the squared position error plus the weighted rotation error, without what a loose tolerance allows.
 template <class T> T error_of(const search_settings<T>& settings, T position, T orientation) {
     if (is_loose(settings)) {
         position = greatest(position - settings.position_tolerance, T(0));
@@ -38,7 +38,7 @@ template <class T> T error_of(const search_settings<T>& settings, T position, T 
     return position * position + settings.rotation_weight * orientation * orientation;
 }
 
-/// The ends with the least E, eight of them, the nearest first; where there are fewer, the nearest is shaken.
+/// The eight ends with the least E, the nearest first. If there are fewer, the nearest is shifted at random.
 template <class T, int N, int M>
 void take_nearest(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings, const target<T>& asked,
                   const T* ends, int count, resumed_ends<T, N>& starts) {
@@ -86,8 +86,8 @@ void resume_as(const chain<T, N, M>& arm, const ranges<T, N>& range, const searc
 }
 }  // namespace detail
 
-/// Goes on from the ends (count, n) of searches that failed, if `found`, the best of them, was on its way; `found` is
-/// replaced where that meets the target.
+/// Continues from the ends (count, n) of failed searches if `found`, the best of them, was on its way. Replaces `found`
+/// if that meets the target.
 template <int Lanes = 0, class T, int N, int M, class Target, class Stopped>
 void resume(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
             const Target& asked, const T* theta0, const T* ends, int count, Stopped& stopped, solution<T, N>& found) {

@@ -25,7 +25,7 @@ template <class T, int N> struct solution {
     squared_errors<T> start_error;  ///< at θ₀, inside the limits
 };
 
-/// What is found of a target that cannot be used (`is_usable`): θ₀ as it is, infinitely far, no search begun.
+/// The result for a target that is not usable (`is_usable`): θ₀, infinite errors, no search begun.
 template <class T, int N> void find_nothing(const T* theta0, int n, solution<T, N>& found) {
     found = {};
     for (int k = 0; k < n; ++k) found.theta[k] = theta0[k];
@@ -33,7 +33,7 @@ template <class T, int N> void find_nothing(const T* theta0, int n, solution<T, 
     found.start_error = {found.position_error, found.position_error};
 }
 
-/// After a search has met its target but for the rounding of the axes, so many more may still meet it.
+/// The number of further searches after one has met its target only up to the rounding of the axes.
 constexpr int searches_past_rounded = 24;
 
 /// How many ends of failed searches are kept, at most, for what comes after them.
@@ -45,7 +45,7 @@ template <class V, int N> struct lane_searches {
     squared_errors<V> first;
 };
 
-/// Lanes in which nothing runs yet; what stands there is worked on all the same, and never looked at.
+/// Idle lanes. Their contents are computed with the others and ignored.
 template <class V, int N> TWISTARM_INLINE lane_searches<V, N> searches_at_rest() {
     const V zero = V(scalar_of<V>(0));
     lane_searches<V, N> lanes;
@@ -55,14 +55,14 @@ template <class V, int N> TWISTARM_INLINE lane_searches<V, N> searches_at_rest()
     return lanes;
 }
 
-/// Where a search begins that takes a lane over: written while others go on, put in place after their step.
+/// The start of a search that takes a lane over: written while others run, moved in after their step.
 template <class T, int N, int Lanes> struct lane_starts {
     T theta[capacity(N)][Lanes];
     unsigned waiting = 0;
 };
 
 namespace detail {
-/// A search goes this much below the tolerances, so that the rounding of wrapped angles cannot undo its verdict.
+/// A search goes this far below the tolerances, so that the rounding of wrapped angles cannot change its verdict.
 constexpr double margin = 0.9;
 /// Of a loose tolerance that rounding is next to nothing. A search takes errors below the share `allowed` for none, so
 /// that it gets below the margin.
@@ -127,7 +127,7 @@ template <class V, class T, int N> struct search_owner {
     using starts = lane_starts<T, N, number<V>::lanes>;
 
     aim<V> aims;  ///< what each lane is after
-    /// Hears which lanes have ended and which of them have met their target; may put new searches into `next`.
+    /// Receives the lanes that have ended and those that have met their target. May put new searches into `next`.
     virtual void settle(const lane_searches<V, N>& lanes, starts& next, unsigned ended, unsigned met) = 0;
     /// Asked after each evaluation; true ends the run.
     virtual bool finished(const lane_searches<V, N>& lanes) = 0;
@@ -191,8 +191,8 @@ template <class T, class V> TWISTARM_INLINE squared_errors<T> lane_of(const V& p
     return {lane(position, i), lane(rotation, i)};
 }
 
-/// The answer in a lane that has met its target: θ wrapped near `near`, and the errors of the evaluation at θ, which
-/// whole turns change by rounding alone.
+/// The answer in a lane that has met its target: θ wrapped near `near`, and the errors computed before wrapping, which
+/// changes them only by rounding.
 template <class V, class T, int N>
 inline bool accept(const lane_searches<V, N>& lanes, int i, const ranges<T, N>& range, int n, target_kind kind,
                    const T* near, solution<T, N>& found) {

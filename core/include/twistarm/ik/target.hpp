@@ -6,8 +6,8 @@
 
 TWISTARM_BEGIN
 
-/// pose: all six components. position: the tool's origin. approach: the origin and R tool_axis = direction.
-/// task: every component within a tolerance of its own.
+/// pose: all six components. position: the tool's origin. approach: the origin and R tool_axis = direction. task: each
+/// component with a tolerance of its own.
 enum class target_kind { pose, position, approach, task };
 
 /// Rows of the error: what is free by its kind has none.
@@ -17,7 +17,7 @@ constexpr int rows_of(target_kind kind) {
 
 template <target_kind Kind> using constant_kind = std::integral_constant<target_kind, Kind>;
 
-/// f of the kind as a constant: the one place where what is known when the program runs chooses what was compiled.
+/// Calls f with the kind as a constant. It is the only place where a run-time value selects compiled code.
 template <class F> TWISTARM_INLINE void with_kind(target_kind kind, const F& f) {
     switch (kind) {
         case target_kind::pose: return f(constant_kind<target_kind::pose>{});
@@ -27,7 +27,7 @@ template <class F> TWISTARM_INLINE void with_kind(target_kind kind, const F& f) 
     }
 }
 
-/// A target of whatever kind, in the base frame; lengths in m, angles in rad.
+/// A target of any kind in the base frame; lengths in m, angles in rad.
 template <class T> struct target {
     target_kind kind;
     frame<T> goal;                   ///< position and approach: its origin alone
@@ -36,16 +36,16 @@ template <class T> struct target {
     bool base_axes;                  ///< task: tolerances along the base's axes, not the goal's
 };
 
-/// A target whose kind is known when the program is compiled: the solver of that kind is all that it needs.
+/// A target with a kind known at compile time. It needs only the solver of that kind.
 template <class T, target_kind Kind> struct target_of : target<T> {
     static constexpr target_kind kind = Kind;  ///< before the member of this name, so that nothing changes that
 };
 
-/// Whether what is asked for by a Target can be of this kind; a plain `target` can be of any.
+/// Whether a Target can be of this kind; a plain `target` can be of any.
 template <target_kind Kind, class Target> constexpr bool may_be = true;
 template <target_kind Kind, class T, target_kind Other> constexpr bool may_be<Kind, target_of<T, Other>> = Kind == Other;
 
-/// f of a target's kind: the one that its type says, or whichever it has when the program runs.
+/// Calls f with a target's kind: that of its type, or else its run-time value.
 template <class T, class F> TWISTARM_INLINE void with_kind(const target<T>& asked, const F& f) { with_kind(asked.kind, f); }
 template <class T, target_kind Kind, class F> TWISTARM_INLINE void with_kind(const target_of<T, Kind>&, const F& f) {
     f(constant_kind<Kind>{});
@@ -63,7 +63,7 @@ template <class T> target_of<T, target_kind::position> position_target(const T p
     return {{target_kind::position, goal, {}, {}, {}, false}};
 }
 
-/// The tool's origin at p [m] and R tool_axis along the direction, both of any length but zero.
+/// The tool's origin at p [m], and R tool_axis along the direction. Both vectors may have any length but zero.
 template <class T>
 target_of<T, target_kind::approach> approach_target(const T p[3], const T direction[3], const T tool_axis[3]) {
     target_of<T, target_kind::approach> asked{{target_kind::approach, position_target(p).goal, {}, {}, {}, false}};
@@ -134,8 +134,8 @@ template <class T> inline target_errors<T> task_errors(const target<T>& asked, c
 }
 }  // namespace detail
 
-/// The errors of the pose g. pose: ‖p − p_g‖ and the angle of R_gᵀ R; approach: the angle between the axes; task: the
-/// norms of what lies beyond the tolerances, of p − p_g and of log(R R_gᵀ) in base axes or the goal's.
+/// The errors of the pose g. pose: ‖p − p_g‖ and the angle of R_gᵀ R. approach: the angle between the axes. task: the
+/// norms of the parts beyond the tolerances, of p − p_g and of log(R R_gᵀ) in base axes or the goal's.
 template <class T> target_errors<T> errors_at(const target<T>& asked, const frame<T>& g) {
     const T offset[3] = {g.p[0] - asked.goal.p[0], g.p[1] - asked.goal.p[1], g.p[2] - asked.goal.p[2]};
     const T distance = sqrt(dot(offset, offset));
@@ -152,8 +152,8 @@ template <class T> target_errors<T> errors_at(const target<T>& asked, const fram
     return {distance, sqrt(dot(phi, phi))};
 }
 
-/// Whether a solver can begin: the numbers of the target and of θ₀ (n,) are finite, tolerances 0 or more, which may be
-/// infinite, and an approach's directions had a length.
+/// Whether a solver can begin. The numbers of the target and of θ₀ (n,) are finite, tolerances are 0 to infinity, and
+/// an approach's directions have a length.
 template <class T> bool is_usable(const target<T>& asked, const T* theta0, int n) {
     T sum = T(0);  // 0 x is NaN for what is not finite, and so is every sum that it enters
     for (int k = 0; k < n; ++k) sum += T(0) * theta0[k];

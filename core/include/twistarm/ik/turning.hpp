@@ -6,10 +6,10 @@
 
 TWISTARM_BEGIN
 
-/// A function f of the rotation R that grows with the angle a target misses it by, where the walk has ended.
+/// A function f of the rotation R at the end of the walk that grows with the angle to the target.
 ///
-/// If joints i ≤ j of a chain turn the tool about wᵢ and wⱼ, in axes at rest: ∂f/∂θᵢ = slope · wᵢ and
-/// ∂²f/∂θᵢ∂θⱼ = wⱼ · curvature wᵢ, because ∂wⱼ/∂θᵢ = wᵢ × wⱼ.
+/// If joints i ≤ j of a chain turn the tool about wᵢ and wⱼ, in fixed axes, then ∂f/∂θᵢ = slope · wᵢ and ∂²f/∂θᵢ∂θⱼ =
+/// wⱼ · curvature wᵢ, because ∂wⱼ/∂θᵢ = wᵢ × wⱼ.
 template <class V> struct turning {
     V value, slope[3], curvature[3][3];
 };
@@ -23,7 +23,7 @@ template <class V> TWISTARM_INLINE V one_less_cosine(const V& cosine, const V& s
 
 /// pose: f = 1 − cos φ = ½ (3 − tr R).
 ///
-/// ∂R/∂θᵢ = ŵᵢ R and ∂²R/∂θᵢ∂θⱼ = ŵᵢ ŵⱼ R, whose trace is wᵢᵀ R wⱼ − wᵢᵀwⱼ tr R.
+/// ∂R/∂θᵢ = ŵᵢ R and ∂²R/∂θᵢ∂θⱼ = ŵᵢ ŵⱼ R. The trace of the latter is wᵢᵀ R wⱼ − wᵢᵀwⱼ tr R.
 template <class V> TWISTARM_INLINE void turning_to_pose(const frame<V>& R, turning<V>& out) {
     using T = scalar_of<V>;
     const V* columns[3] = {R.x, R.y, R.z};
@@ -61,10 +61,10 @@ template <class V> TWISTARM_INLINE V growth_of_c(const V& squared, const V& c) {
     return select(small, T(1.0 / 360.0) + squared * T(1.0 / 7560.0), exact);
 }
 
-/// task: f = ½ ‖X‖², X what of φ = log R lies beyond the tolerances; dφ/dt = J_l⁻¹(φ) ω.
+/// task: f = ½ ‖X‖² with X the part of φ = log R beyond the tolerances; dφ/dt = J_l⁻¹(φ) ω.
 ///
-/// X · ∂²φ/∂θᵢ∂θⱼ = X · (∂J_l⁻¹/∂φ [δ] wⱼ + J_l⁻¹ (wᵢ × wⱼ)) with δ = J_l⁻¹ wᵢ, and with J_l⁻¹ ω = ω − ½ φ × ω +
-/// c φ × (φ × ω) every term is wⱼ times a vector that is linear in wᵢ.
+/// X · ∂²φ/∂θᵢ∂θⱼ = X · (∂J_l⁻¹/∂φ [δ] wⱼ + J_l⁻¹ (wᵢ × wⱼ)) with δ = J_l⁻¹ wᵢ. With J_l⁻¹ ω = ω − ½ φ × ω + c φ × (φ ×
+/// ω), every term is wⱼ times a vector that is linear in wᵢ.
 template <class V> TWISTARM_INLINE void turning_to_task(const frame<V>& R, const V tolerance[3], turning<V>& out) {
     using T = scalar_of<V>;
     V phi[3], X[3], held[3], X_phi[3], X_phi_phi[3];

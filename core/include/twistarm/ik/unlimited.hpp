@@ -8,8 +8,8 @@
 TWISTARM_BEGIN
 
 namespace detail {
-/// Searches without limits before the limits are found not to be the reason, and roots after which no more are begun:
-/// six joints reach a pose in 16 ways at most.
+/// The number of searches without limits before limits are excluded as the reason, and of roots after which none are
+/// begun: six joints reach a pose in at most 16 ways.
 constexpr int searches_without_limits = 48, most_searches_without_limits = 96, enough_roots = 48;
 /// They are given more patience: a helical joint takes many turns to where it is wanted.
 constexpr int iterations_without_limits = 60;
@@ -66,7 +66,7 @@ template <class T, int N> struct searched {
 };
 
 namespace detail {
-/// A search from each configuration, which its end replaces, until all have ended or enough of them have met the target.
+/// A search from each configuration, which its end replaces, until all have ended or enough have met the target.
 template <class V, class T, int N, class Stopped> struct searches_from_each final : search_owner<V, T, N> {
     static constexpr int lane_count = number<V>::lanes, none = -1;
 
@@ -109,8 +109,8 @@ template <class V, class T, int N, class Stopped> struct searches_from_each fina
     bool finished(const lane_searches<V, N>&) override { return running == 0 || stopped(); }
 };
 
-/// Runs a search from each; where none meets the target, the nearest of them go on with more patience. How many have met
-/// it, which come first.
+/// Runs a search from each configuration. If none meets the target, the nearest go on with more patience. Returns how
+/// many have met it; these come first.
 template <target_kind Kind, class T, int N, int M, class Stopped>
 int search_from_each_as(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                         const target<T>& asked, int enough, Stopped& stopped, searched<T, N>& set) {
@@ -168,8 +168,8 @@ template <class T, int N> void sort_by_distance_outside(const ranges<T, N>& rang
 }
 }  // namespace detail
 
-/// What meets the target if the arm had no limits, searched from `theta` (n,) and random starts of `seed`; the first of
-/// the roots is that which is least outside the limits.
+/// Configurations that meet the target without limits, searched from `theta` (n,) and from random starts of `seed`. The
+/// first root is the one that exceeds the limits least.
 template <class T, int N, int M, class Stopped>
 void meet_without_limits(const chain<T, N, M>& arm, const ranges<T, N>& range, search_settings<T> settings,
                          const target<T>& asked, const T* theta, std::uint64_t seed, int enough,
@@ -187,14 +187,14 @@ void meet_without_limits(const chain<T, N, M>& arm, const ranges<T, N>& range, s
 }
 
 namespace detail {
-/// What a squared radian or metre outside the limits counts beside a squared metre while a root is drawn inside.
+/// Weight of a squared radian or metre outside the limits beside a squared metre, while a root is drawn inside.
 template <class T> constexpr T outside_beside_position = T(0.1);
-/// The weight ε that it is written with: without a second level it says no more than when a descent has arrived.
+/// The weight ε of that cost. Without a second level it only decides when a descent has arrived.
 template <class T> constexpr T drawn_inside_with = T(sizeof(T) == 8 ? 1e-6 : 1e-3);
 template <class T> constexpr descent_settings<T> drawing_inside = {drawn_inside_with<T>, T(0), 20, false};
 
-/// Draws each root along the configurations that meet the target toward the limits, which are left open on the way: least
-/// squares of both, so that a corner of the limits is met where the target leaves no more than that.
+/// Draws each root toward the limits along the configurations that meet the target. The limits are open on the way:
+/// least squares of both finds a corner of the limits if the target allows no more.
 template <class T, int N, int M, class Stopped>
 void draw_inside(const chain<T, N, M>& arm, const ranges<T, N>& range, const target<T>& asked, Stopped& stopped,
                  searched<T, N>& roots) {
@@ -218,8 +218,8 @@ void draw_inside(const chain<T, N, M>& arm, const ranges<T, N>& range, const tar
 }
 }  // namespace detail
 
-/// Tries inside the limits what meets the target without them: the first root as it is, then all of them drawn to the
-/// limits, and searches from the nearest of these. `found` is replaced by the answer, if there is one.
+/// Tries to meet the target inside the limits: from the first root, from all roots drawn to the limits, and by searches
+/// from the nearest of these. Replaces `found` if one succeeds.
 template <class T, int N, int M, class Stopped>
 void meet_inside(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
                  const target<T>& asked, const T* theta0, searched<T, N> roots, Stopped& stopped,

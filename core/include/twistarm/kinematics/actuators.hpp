@@ -7,8 +7,8 @@ TWISTARM_BEGIN
 
 /// K motors that drive N coordinates: geared, belted and differential joints. Both sides in rad, or m where they slide.
 ///
-/// P G = I; where the motors leave a coordinate undriven there is no such P, and `Determined` is false. Arrays are N
-/// numbers of joints and K of motors, and may not overlap. What a drive counts is not rounded.
+/// P G = I. If the motors leave a coordinate undriven, P does not exist and `Determined` is false. Arrays have N joints
+/// and K motors and must not overlap. Motor counts are not rounded.
 template <class T, int N, int K, bool Determined = true> struct actuators {
     T G[K][N], offset[K], P[N][K];
     T counts_per_unit[K];  ///< of a motor's rad or m

@@ -14,8 +14,8 @@ constexpr int capacity(int size) { return size == dynamic ? most_joints : size; 
 /// One joint and the constant transform before it: T(offset) Rx(alpha) · Rz(turn x + phase) Tz(slide x).
 ///
 /// A revolute joint has turn 1 and slide 0 [m/rad], a prismatic one turn 0 and slide 1, a helical one turn 1 and its
-/// pitch as slide. Any constant rotation is Rz Rx Rz, and a turn about z commutes with the joint: what stands beside Rx
-/// is part of the phases.
+/// pitch as slide. Any constant rotation is Rz Rx Rz, and a turn about z commutes with the joint. So the phases hold
+/// both Rz.
 template <class T> struct link {
     T offset[3], cos_alpha, sin_alpha;
     T turn, phase, slide;
@@ -45,7 +45,7 @@ template <class T, int N, int M> chain<T, N, M> with_tool(const chain<T, N, M>& 
     return extended;
 }
 
-/// Whether a chain known at run time is one of N coordinates and M joints, coupled as the template can hold it.
+/// Whether a chain with run-time sizes has N coordinates, M joints and a coupling that the template can hold.
 template <int N, int M, class S> bool fits(const chain<S, dynamic, dynamic>& arm) {
     if (N != dynamic && arm.coordinate_count != N) return false;
     return M == dynamic || (arm.joint_count == M && (N != M || arm.identity));

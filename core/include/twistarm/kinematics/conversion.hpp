@@ -1,4 +1,4 @@
-// Chain from screws and home: the form in which an arm is written down, converted to the one that kernels walk.
+// Chain from screws and home: converts the description of an arm to the form of the kernels.
 #pragma once
 
 #include "chain.hpp"
@@ -15,7 +15,7 @@ struct screw_model {
 };
 
 namespace detail {
-/// A twist whose motion follows `row` of the coupling, `scale` times as fast.
+/// A twist that follows `row` of the coupling, `scale` times as fast.
 struct driven_twist {
     double v[3], w[3], scale, row[most_joints];  // scale ≥ 0: a negative multiplier turns the twist round
 };
@@ -50,8 +50,8 @@ inline bool moves_after_scaling(driven_twist& twist, int coordinates) {
     return true;
 }
 
-/// Whether two neighbours follow the same coordinates and commute, [ξ₁, ξ₂] = (w₁ × v₂ − w₂ × v₁, w₁ × w₂) = 0, so
-/// that exp(ξ̂₁ x) exp(ξ̂₂ x) = exp((ξ₁ + ξ₂)^ x): a turn and the slide that follows it are one helical joint.
+/// Whether two neighbours follow the same coordinates and commute: [ξ₁, ξ₂] = (w₁ × v₂ − w₂ × v₁, w₁ × w₂) = 0. Then
+/// exp(ξ̂₁ x) exp(ξ̂₂ x) = exp((ξ₁ + ξ₂)^ x). A turn with a slide along the same axis is one helical joint.
 inline bool are_one(const driven_twist& a, const driven_twist& b, int coordinates) {
     for (int k = 0; k < coordinates; ++k)
         if (a.row[k] != b.row[k]) return false;
@@ -73,10 +73,11 @@ inline void add(driven_twist& a, const driven_twist& b) {
     a.scale = 1.0;
 }
 
-/// The constant transform between two joints' axes as T(offset) Rx(alpha); the turns beside it go into the phases.
+/// The constant transform between two joint axes as T(offset) Rx(alpha). The remaining turns about z go into the
+/// phases.
 inline void connect(const frame<double>& between, link<double>& before, link<double>& after) {
-    // The third column of Rz(a) Rx(α) Rz(b) is (sin a sin α, −cos a sin α, cos α); with a chosen, b and α follow from
-    // Rz(−a) R, so that nothing is lost between them where α is small.
+    // The third column of Rz(a) Rx(α) Rz(b) is (sin a sin α, −cos a sin α, cos α). With a chosen, b and α follow from
+    // Rz(−a) R, so small α cost no digits.
     const bool parallel = absolute(between.z[0]) <= no_motion && absolute(between.z[1]) <= no_motion;
     const double a = parallel ? 0.0 : __builtin_atan2(between.z[0], -between.z[1]);
     const double s = __builtin_sin(a), c = __builtin_cos(a);
@@ -92,7 +93,7 @@ inline void connect(const frame<double>& between, link<double>& before, link<dou
     after.phase += b;
 }
 
-/// The joints that are left once those that never move are gone and neighbours that commute are one; −1: too many.
+/// The number of joints after constant ones are removed and commuting neighbours merged; −1 if there are too many.
 inline int gathered_twists(const screw_model& model, driven_twist twists[most_joints]) {
     int count = 0;
     for (int i = 0; i < model.joints; ++i) {

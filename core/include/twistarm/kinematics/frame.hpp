@@ -1,4 +1,4 @@
-// Rigid motions as four columns: the axes x, y, z of a frame and its origin p, seen from another.
+// Rigid motions as four columns: a frame's axes x, y, z and its origin p, in another frame.
 #pragma once
 
 #include "../numeric/lanes.hpp"

@@ -12,7 +12,7 @@ template <class V> struct column {
 };
 
 namespace detail {
-/// One joint further: g ← g T(offset) Rx(alpha) Rz(turn x + phase) Tz(slide x); the first joint has no link before it.
+/// The next joint: g ← g T(offset) Rx(alpha) Rz(turn x + phase) Tz(slide x). The first joint has no link before it.
 template <class V, class T> TWISTARM_INLINE void step_through(const link<T>& joint, bool first, const V& x, frame<V>& g) {
     V s, c;
     sincos(joint.revolute ? x + joint.phase : x * joint.turn + joint.phase, s, c);
@@ -49,7 +49,7 @@ TWISTARM_INLINE void joint_values(const chain<T, N, M>& arm, const V* theta, V* 
     }
 }
 
-/// The tool's velocity when joint i alone moves at rate 1: (turn z × (p − o) + slide z, turn z), z and o its axis.
+/// The tool's velocity if joint i alone moves at rate 1: (turn z × (p − o) + slide z, turn z), with z and o its axis.
 template <class V, class T>
 TWISTARM_INLINE void joint_column(const link<T>& joint, const V p[3], const V z[3], const V o[3], column<V>& out) {
     const V arm[3] = {p[0] - o[0], p[1] - o[1], p[2] - o[2]};
@@ -75,7 +75,7 @@ TWISTARM_INLINE void walk(const chain<T, N, M>& arm, const frame<V>& base, const
     g = product(g, tip);
 }
 
-/// `walk`, and what each of the M joints does to the tool: velocity of its origin and angular velocity, in base axes.
+/// `walk`, and the tool's velocity for each of the M joints: of its origin and angular, in base axes.
 template <class V, class T, int N, int M>
 TWISTARM_INLINE void walk_with_joint_columns(const chain<T, N, M>& arm, const frame<V>& base, const frame<V>& tip,
                                              const V* theta, frame<V>& g, column<V>* moved) {

@@ -1,11 +1,11 @@
-// Motion limits of everything that moves with the joints, motors too: rates from which the arm can always stop inside them.
+// Motion limits of joints and motors, and rates from which the arm can always stop inside them.
 #pragma once
 
 #include "chain.hpp"
 
 TWISTARM_BEGIN
 
-/// Limits of the rows x = C θ + c: motors first, then each coordinate by itself. Infinite where there are none.
+/// Limits of the rows x = C θ + c: first the motors, then each coordinate. Infinite without a limit.
 template <class T, int N> struct motion_limits {
     static constexpr int most_rows = 2 * most_joints;
     int motors, coordinates;
@@ -31,7 +31,7 @@ template <class T> constexpr T rounded = T(sizeof(T) == 8 ? 1.0 + 1e-9 : 1.0 + 1
 
 template <class T> constexpr T infinite = static_cast<T>(__builtin_inf());
 
-/// The time after which the first row meets a position limit from x + time · x_dot, and which row.
+/// The time until the first row meets a position limit from x + time · x_dot, and that row.
 template <class T> struct meeting {
     T time;
     int row;
@@ -73,7 +73,7 @@ template <class T, int N> T velocity_share(const motion_limits<T, N>& limits, co
 }
 
 namespace detail {
-/// Whether after dt + T/2 at these rates no row is beyond a position limit, or farther than it is already.
+/// Whether, after dt + T/2 at these rates, every row is inside its position limits or no farther outside than now.
 template <class T, int N>
 bool is_safe(const motion_limits<T, N>& limits, const T* theta, const T* theta_dot, T dt, T stop) {
     for (int r = 0; r < limits.rows(); ++r) {
@@ -84,8 +84,8 @@ bool is_safe(const motion_limits<T, N>& limits, const T* theta, const T* theta_d
     return true;
 }
 
-/// Slows the rates as a whole to what velocity and position limits allow: s dt + s² T/2 ≤ t, the time until a limit; the
-/// row whose position limit it is, −1 for none.
+/// Scales the rates down to the velocity and position limits: s dt + s² T/2 ≤ t, with t the time until a limit. Returns
+/// the row of that position limit, −1 for none.
 template <class T, int N> int slow_down(const motion_limits<T, N>& limits, const T* theta, T dt, T* rates) {
     const int n = limits.coordinates;
     int row;
@@ -121,7 +121,7 @@ T speed_in_reach(const motion_limits<T, N>& limits, const T* before, T dt, const
     return speed;
 }
 
-/// As much of the rates as is safe, the rest the straight stop from `before`, which is; and for which row.
+/// As much of the rates as is safe, the rest the straight stop from `before`, which is safe; and the limiting row.
 ///
 /// Between two courses no stop takes longer than the longer of theirs. Where the straight stop would not be safe were it to
 /// take as long, nothing is mixed in.
@@ -145,12 +145,12 @@ int stop_partly(const motion_limits<T, N>& limits, const T* theta, const T* befo
 }
 }  // namespace detail
 
-/// What may be commanded for the next dt in place of `rates`, after `before`; written to `rates`. Answers the row whose
-/// position limit slows it, −1 for none.
+/// Replaces `rates` by what may be commanded for the next dt after `before`. Returns the row whose position limit slows
+/// it, −1 for none.
 ///
-/// The same motion at another speed where that will do, else as much of the change as the accelerations allow.
-/// A motion is safe while the arm could stop straight on: with T the time that takes, no row may meet its position
-/// limit, at its present speed, within dt + T/2. Slowing by dt/T in any next step keeps this true.
+/// The result is the same motion at another speed if that suffices, otherwise as much of the change as the
+/// accelerations allow. A motion is safe if the arm could still stop along it. With T the stopping time, no row may
+/// meet its position limit within dt + T/2 at its present speed. Slowing by dt/T in each next step keeps this true.
 template <class T, int N>
 int keep_within(const motion_limits<T, N>& limits, const T* theta, const T* before, T dt, T* rates) {
     const int n = limits.coordinates;

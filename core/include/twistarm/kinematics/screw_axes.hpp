@@ -5,7 +5,7 @@
 
 TWISTARM_BEGIN
 
-/// A joint's twist ξ = (v, w): exp(ξ̂ x) = B Rz(turn x) Tz(slide x) B⁻¹ with B = `axis`, its z along the screw axis.
+/// A joint's twist ξ = (v, w): exp(ξ̂ x) = B Rz(turn x) Tz(slide x) B⁻¹ with B = `axis` and its z along the screw axis.
 struct screw_axis {
     frame<double> axis;
     double turn, slide;
@@ -17,7 +17,7 @@ constexpr double no_motion = 1e-12;
 
 inline double length(const double v[3]) { return sqrt(dot(v, v)); }
 
-/// The length of a direction: exactly 1 where it is so to the rounding of its components, for a joint may turn far.
+/// The length of a direction. It is exactly 1 if that is so to rounding, because a joint may turn far.
 inline double length_of_axis(const double v[3]) {
     const double size = length(v);
     return absolute(size - 1.0) <= 1e-15 ? 1.0 : size;

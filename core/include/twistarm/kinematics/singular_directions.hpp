@@ -8,8 +8,8 @@ TWISTARM_BEGIN
 /// Up to six rows of n numbers.
 template <class T, int N> using six_rows = T[6][capacity(N)];
 
-/// At most the smallest of the k = min(count, n) singular values of `count` rows A of n numbers, and at least 1/√k of it:
-/// 1/√tr((A Aᵀ)⁻¹) or 1/√tr((Aᵀ A)⁻¹), by way of L D Lᵀ.
+/// A lower bound of the smallest of the k = min(count, n) singular values of `count` rows A of n numbers, and at least
+/// 1/√k of it: 1/√tr((A Aᵀ)⁻¹) or 1/√tr((Aᵀ A)⁻¹), by L D Lᵀ.
 template <class T, int N> T smallest_about(const six_rows<T, N>& rows, int count, int n) {
     const bool wide = count <= n;
     const int k = wide ? count : n, length = wide ? n : count;
@@ -37,7 +37,8 @@ template <class T, int N> T smallest_about(const six_rows<T, N>& rows, int count
     return T(1) / sqrt(trace);
 }
 
-/// One-sided Jacobi rotations: rows ← Xᵀ rows until they are orthogonal; row i is then σ_i v_i and u_i is X's column i.
+/// One-sided Jacobi rotations: rows ← Xᵀ rows until they are orthogonal. Row i is then σ_i v_i, and u_i is X's column
+/// i.
 ///
 /// Accurate to rounding for small singular values too: M. R. Hestenes, Inversion of matrices by biorthogonalization and
 /// related results, J. SIAM 6(1), 1958; J. Demmel & K. Veselić, SIAM J. Matrix Anal. 13(4), 1992.

@@ -12,7 +12,7 @@ namespace detail {
 /// What is added to H's diagonal, of its largest element: so much rounding can take of a pivot.
 template <class T> constexpr T pivot_rounding = T(sizeof(T) == 8 ? 1e-15 : 5e-7);
 
-/// Solves H y = r for the unknowns at no bound, the others as they are in x; the others' y is x.
+/// Solves H y = r for the unknowns at no bound. The others keep their value: y is x.
 template <int Capacity, class T>
 void solve_between(const T (&H)[Capacity][Capacity], const T* r, int n, const sides<Capacity>& at, const T* x, T* y) {
     int open[Capacity], count = 0;
@@ -42,7 +42,8 @@ T pull_inward(const T (&H)[Capacity][Capacity], const T* r, int n, const sides<C
 }
 }  // namespace detail
 
-/// Moves x, within the bounds, to the least of ½ xᵀ H x − rᵀ x; `at` says where x starts and ends. H positive definite.
+/// Moves x within the bounds to the minimum of ½ xᵀ H x − rᵀ x, H positive definite. `at` holds the bounds that x
+/// starts and ends at.
 ///
 /// The active-set method: J. Nocedal & S. Wright, Numerical Optimization, 2nd ed., §16.5.
 template <int Capacity, class T>

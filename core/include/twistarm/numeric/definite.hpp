@@ -5,16 +5,16 @@
 
 TWISTARM_BEGIN
 
-/// Where element (i, j), j ≤ i, of a symmetric matrix stands that is kept as its lower triangle, row by row.
+/// The index of element (i, j), j ≤ i, of a symmetric matrix stored as its lower triangle, row by row.
 constexpr int in_triangle(int i, int j) { return i * (i + 1) / 2 + j; }
 constexpr int triangle_of(int size) { return in_triangle(size, 0); }
 
-/// d = −(H + E)⁻¹ g with H + E = L D Lᵀ positive definite, E diagonal, and 0 where H is well enough so already.
-/// Returns −gᵀd ≥ 0: twice the decrease of ½ dᵀ(H + E) d + gᵀd. H is used up, its lower triangle; n ≤ Capacity.
+/// d = −(H + E)⁻¹ g with H + E = L D Lᵀ positive definite. E is diagonal, and 0 if H is sufficiently definite. Returns
+/// −gᵀd ≥ 0: twice the decrease of ½ dᵀ(H + E) d + gᵀd. Overwrites H's lower triangle; n ≤ Capacity.
 ///
-/// Each pivot is at least `floor`, and large enough that no element of L √D exceeds √`bound`: so a direction of
-/// negative curvature is followed downhill at the length its size gives. Source: P. Gill, W. Murray, M. Wright,
-/// Practical Optimization, 1981, §4.4.2.2 (without interchanges).
+/// Each pivot is at least `floor`, and so large that no element of L √D exceeds √`bound`. So a direction of negative
+/// curvature is followed downhill, with a step as for a positive curvature of that size. Source: P. Gill, W. Murray, M.
+/// Wright, Practical Optimization, 1981, §4.4.2.2 (without interchanges).
 template <int Capacity, class V>
 TWISTARM_INLINE V descent_direction(V (&H)[triangle_of(Capacity)], const V* g, const V& floor, const V& bound, int n,
                                     V* d) {
@@ -22,7 +22,7 @@ TWISTARM_INLINE V descent_direction(V (&H)[triangle_of(Capacity)], const V* g, c
     V inverse[Capacity], promise = V(T(0));
     TWISTARM_UNROLL
     for (int j = 0; j < n; ++j) {
-        // Column j holds L_ij D_j until its pivot D_j is known; H_jj has lost what the columns before it take.
+        // Column j holds L_ij D_j until its pivot D_j is known. The columns before it are subtracted from H_jj already.
         V longest = V(T(0));
         TWISTARM_UNROLL
         for (int i = j + 1; i < n; ++i) longest = greatest(longest, absolute(H[in_triangle(i, j)]));

@@ -1,8 +1,8 @@
 // Instruction set for which this translation unit is compiled: the name of the inline namespace.
 //
-// Kernels are compiled once per instruction set, the same headers in several translation units with different flags.
-// Everything stands in an inline namespace named after the set: the linker would otherwise keep one copy of each
-// inline function for all of them, and a machine without AVX-512 might be handed the wrong one.
+// Kernels are compiled once per instruction set: the same headers in several translation units with different flags.
+// All of them are in an inline namespace with the set's name. Otherwise the linker keeps one copy of each inline
+// function, and a machine without AVX-512 may run the wrong one.
 #pragma once
 
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
@@ -19,11 +19,11 @@
 #define TWISTARM_BEGIN namespace twistarm { inline namespace TWISTARM_INSTRUCTION_SET {
 #define TWISTARM_END } }
 
-// Kernels are small and called from one place each; a call would put every pack in them through memory.
+// Kernels are small and called from one place each. A call would put every pack through memory.
 #define TWISTARM_INLINE inline __attribute__((always_inline))
 
-// Loops over joints and rows are short: unrolled, their arrays become registers. By a count, not "full": Clang warns, in
-// the caller's own file, of each loop that it cannot unroll for good, because its length shows when the program runs.
+// Loops over joints and rows are short; unrolled, their arrays become registers. The pragma has a count instead of
+// "full", because Clang then warns, in the user's file, of each loop with a run-time length.
 #if defined(__clang__)
 #define TWISTARM_UNROLL _Pragma("clang loop unroll_count(8)")
 #else

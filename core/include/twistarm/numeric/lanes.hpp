@@ -1,7 +1,7 @@
 // Packs of L numbers that are computed side by side: one search or one target per lane.
 //
-// A kernel is a template on its number type V: a scalar (float, double) or pack<T, L>, which is as many registers as L
-// numbers need. Lanes never mix, so what a lane computes does not depend on its neighbours, nor on how many they are.
+// A kernel is a template on its number type V: a scalar (float, double) or pack<T, L>, with the registers that L
+// numbers need. Lanes never mix: the result of a lane does not depend on its neighbours or their number.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ TWISTARM_BEGIN
 /// Searches side by side where a rule counts on their number, on every instruction set.
 constexpr int searches_in_group = 8;
 
-/// Numbers side by side where no answer depends on it: one register's, at most `Most`, a power of two.
+/// The number of lanes where it does not affect answers: those of one register, at most `Most`, a power of two.
 template <class T, int Most = 8>
 constexpr int lanes_at_once = TWISTARM_REGISTER_BYTES < Most * static_cast<int>(sizeof(T))
                                   ? TWISTARM_REGISTER_BYTES / static_cast<int>(sizeof(T))

@@ -5,12 +5,12 @@
 
 TWISTARM_BEGIN
 
-/// Solves H y = r for `size` ≤ Capacity unknowns: H = L D Lᵀ; on entry y holds r, and H its lower triangle.
-/// Source: G. Golub & C. Van Loan, Matrix Computations, 4th ed., §4.1.2.
+/// Solves H y = r for `size` ≤ Capacity unknowns with H = L D Lᵀ. On entry y holds r, and H its lower triangle. Source:
+/// G. Golub & C. Van Loan, Matrix Computations, 4th ed., §4.1.2.
 template <int Capacity, class V> TWISTARM_INLINE void solve_ldl(V (&H)[Capacity][Capacity], V (&y)[Capacity], int size) {
     TWISTARM_UNROLL
     for (int i = 0; i < size; ++i) {
-        // Row i holds L_ij D_j until its own pivot D_i is known, whose inverse takes its place on the diagonal.
+        // Row i holds L_ij D_j until its pivot D_i is known. The diagonal then holds the inverse of the pivot.
         TWISTARM_UNROLL
         for (int j = 0; j < i; ++j) {
             TWISTARM_UNROLL
@@ -34,8 +34,8 @@ template <int Capacity, class V> TWISTARM_INLINE void solve_ldl(V (&H)[Capacity]
     }
 }
 
-/// The trace of H⁻¹ = L⁻ᵀ D⁻¹ L⁻¹, H as solve_ldl leaves it: at least the inverse of H's least eigenvalue, and at most `size`
-/// times that.
+/// The trace of H⁻¹ = L⁻ᵀ D⁻¹ L⁻¹, with H as solve_ldl leaves it. It is between the inverse of H's least eigenvalue and
+/// `size` times that.
 template <int Capacity, class V> TWISTARM_INLINE V trace_of_inverse(const V (&H)[Capacity][Capacity], int size) {
     V trace = V(scalar_of<V>(0)), z[Capacity];
     TWISTARM_UNROLL

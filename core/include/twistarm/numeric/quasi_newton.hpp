@@ -16,8 +16,7 @@ constexpr int remembered_steps = 8;
 template <class T> constexpr T longest_step = T(0.7);
 template <class T> constexpr T first_step = T(0.3);
 
-/// What part of the fall that the slope foretells is enough, and to what part a step that falls less is shortened at most,
-/// how often.
+/// The part of the predicted decrease that is enough, the smallest part that a step is shortened to, and how often.
 template <class T> constexpr T enough_fall = T(1e-4);
 template <class T> constexpr T shortened_to = T(0.1);
 constexpr int most_shortenings = 16;
@@ -67,7 +66,7 @@ template <class T> struct step_memory {
 /// How many numbers `least_value` needs for n unknowns.
 inline int least_value_room(int n) { return (2 * detail::remembered_steps + 4) * n; }
 
-/// Moves x (n) to where value_of(x, gradient) is least nearby: at most `most` steps, until one gains less than `gain`.
+/// Moves x (n) to a nearby minimum of value_of(x, gradient): at most `most` steps, until one gains less than `gain`.
 template <class T, class F> void least_value(int n, F&& value_of, T* x, int most, T gain, T* room) {
     T *gradient = room, *next = gradient + n, *there = next + n, *direction = there + n;
     detail::step_memory<T> memory{n, 0, direction + n, direction + n * (1 + detail::remembered_steps), {}};

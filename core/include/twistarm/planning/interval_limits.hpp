@@ -1,8 +1,8 @@
-// Limits on the intervals of a grid along a path: rows a x0 + b x1 ≤ 1 of x = ṡ² at both ends, which keep every limit
-// of velocity and acceleration on the whole of an interval where x is linear in s.
+// Limits on the intervals of a grid along a path: rows a x0 + b x1 ≤ 1 of x = ṡ² at both ends. They keep every velocity
+// and acceleration limit on the whole interval, with x linear in s.
 //
-// The acceleration p' s̈ + p'' x is a polynomial in s of degree d − 1, the square of the velocity, p'² x, one of degree
-// 2 d − 1: a row for each of their Bernstein coefficients, which are linear in x0 and x1.
+// The acceleration p' s̈ + p'' x is a polynomial in s of degree d − 1, the squared velocity p'² x one of degree 2 d −
+// 1. Each of their Bernstein coefficients gives a row, because it is linear in x0 and x1.
 #pragma once
 
 #include "../kinematics/chain.hpp"
@@ -10,7 +10,7 @@
 
 TWISTARM_BEGIN
 
-/// A path as its limits see it: `rows` polynomials p of s on each of `pieces`, and the limits of their rates.
+/// A path for its limits: `rows` polynomials p of s on each of `pieces`, and the limits of their rates.
 template <class T> struct limited_path {
     int degree, pieces, rows;
     const T* breakpoints;   ///< (pieces + 1)
@@ -30,7 +30,7 @@ template <class T> constexpr T choose(int n, int k) {
 }
 }  // namespace detail
 
-/// The rows of one interval after the other; the arrays that it hands out hold until the next is asked for.
+/// The rows of the intervals in order. The returned arrays are valid until the next call.
 template <class T> class interval_limits {
 public:
     static bool fits(const limited_path<T>& path) {

@@ -11,7 +11,7 @@
 
 TWISTARM_BEGIN
 
-/// Ways of r rows (joints, motors) on each segment, and their limits of each order, null where there are none.
+/// The ways of r rows (joints, motors) on each segment, and their limits of each order; null for none.
 template <class T> struct spline_ways {
     int segments, rows;
     const T *way, *limits[3];  // (segments, rows), (rows) each
@@ -21,10 +21,10 @@ namespace detail {
 /// Places in each segment at which rates are looked at.
 constexpr int spline_looks = 17;
 
-/// Shares of the largest rate that count, as a power of them does: below, they are less than 1e-7 of the sum.
+/// Rates below this part of the largest are ignored: as a power they are less than 1e-7 of the sum.
 template <class T> constexpr T least_weight = T(1e-7);
 
-/// What the segments of all splines of one degree have in common: in unit time, from their ends (2 R + 1), which are the
+/// Common data of the segments of all splines of one degree, in unit time. A segment's ends (2 R + 1) are the
 /// derivatives of order 1 … R at the start, the way, and the derivatives at the end.
 template <class T, int R> struct spline_segment {
     static constexpr int ends = 2 * R + 1, degree = 2 * R + 1;
@@ -130,7 +130,7 @@ public:
         return exact + __builtin_log(total) / T(1 << squarings);
     }
 
-    /// The durations (segments) of the shortest motion seen, but for one factor of all.
+    /// The durations (segments) of the shortest motion found, up to a common factor.
     const T* best() const { return best_; }
 
 private:
@@ -143,7 +143,7 @@ private:
         return exponent < 0 ? T(1) / product : product;
     }
 
-    /// Durations about 1, whatever the unit of time.
+    /// Durations of about 1, in any unit of time.
     void spread(const T* x) {
         T mean = T(0);
         for (int i = 0; i < ways_.segments; ++i) mean += x[i] / T(ways_.segments);
@@ -244,8 +244,8 @@ private:
         return order == 1 ? share : order == 2 ? __builtin_sqrt(share) : __builtin_cbrt(share);
     }
 
-    /// The sum of the powers of all rates over the largest. Its gradient by the ends goes to slope_, that by the lengths of
-    /// the segments to `gradient`; both are still to be divided by the sum.
+    /// The sum of the powers of all rates over the largest. Its gradient by the ends goes to slope_, that by the
+    /// segment lengths to `gradient`; both still have to be divided by the sum.
     T weigh(T largest, int squarings, T* gradient) {
         const T counts = __builtin_exp(__builtin_log(detail::least_weight<T>) / T(1 << squarings));
         T total = T(0);
@@ -273,7 +273,7 @@ private:
         return total;
     }
 
-    /// Adds to the gradient how the ends change with the lengths of the segments: in unit time, and by the system.
+    /// Adds to the gradient the change of the ends with the segment lengths: in unit time, and by the system.
     void follow(T total, T* gradient) {
         for (int k = 0; k < unknowns_ * rows_; ++k) adjoint_[k] = T(0);
         for_unknowns([&](int i, int k, int unknown) {
@@ -305,8 +305,8 @@ private:
 };
 
 namespace detail {
-/// Powers of the norm, as numbers of squarings: the first sees the whole motion, the last comes within a per cent of the
-/// largest of very many. With fewer between them, a search ends where one rate after the other is in its way.
+/// Powers of the norm, as numbers of squarings. The first sees the whole motion; the last is within a per cent of the
+/// largest of many rates. With fewer powers between them, a search stops at one rate after the other.
 constexpr int spline_norms[] = {5, 7, 9, 10};
 constexpr int most_spline_steps = 60;
 template <class T> constexpr T least_spline_gain = T(3e-6);
