@@ -82,7 +82,8 @@ def best_fit(wiring: Wiring, progress: Callable[[float], object]) -> tuple[Array
         for turn in range(MOST_FAULTY):
             if total <= enough:
                 break
-            changed = [refine(few, start, _moved(start)) for p in beam for start in _one_more(few, p)]
+            starts = [start for p in beam for i in range(few.k) for start in one_more(few, p, i)]
+            changed = [refine(few, start, _moved(start)) for start in starts]
             beam = [p for p, _ in sorted(changed, key=lambda fit: fit[1])[:KEPT]]
             best, total = min([(best, total), *(refine(few, p) for p in beam)], key=lambda fit: fit[1])
             progress((half + (turn + 1) / MOST_FAULTY) / 2)
@@ -104,14 +105,11 @@ def sign_patterns(k: int) -> Array:
     return starts
 
 
-def _one_more(wiring: Wiring, p: Array) -> list[Array]:
-    """For each motor, p with the two best of its scales and offsets."""
-    starts = []
-    for i in range(wiring.k):
-        changed = np.tile(p, (len(_ANYWHERE), 1))
-        changed[:, [i, wiring.k + i]] = _ANYWHERE
-        starts += list(_most_promising(wiring, changed, 2))
-    return starts
+def one_more(wiring: Wiring, p: Array, i: int) -> Array:
+    """p with the two best scales and offsets of motor i, (2, 2k)."""
+    changed = np.tile(p, (len(_ANYWHERE), 1))
+    changed[:, [i, wiring.k + i]] = _ANYWHERE
+    return _most_promising(wiring, changed, 2)
 
 
 def _moved(p: Array) -> Array:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..support.checks import Array
-from .fit import refine
+from .fit import one_more, refine
 from .model import Wiring
 
 CLEAR = 25.0
@@ -67,7 +67,8 @@ def fewest_faults(wiring: Wiring, p: Array, total: float) -> Explanation:
     """The cheapest explanation, found from the best fit p (2k,) by changing one account at a time.
 
     Several fits may be equally good, and the best may lie far from the one with the fewest faults. If it claims more
-    than one fault, the search also starts from the sound arm. A fit that does not explain the log is returned as found.
+    than one fault, the search also starts from the sound arm and from the best single faulty motor. A fit that does not
+    explain the log is returned as found.
     """
     k = wiring.k
     scale = max(1.0, total / freedom(wiring, 2 * k))
@@ -79,8 +80,19 @@ def fewest_faults(wiring: Wiring, p: Array, total: float) -> Explanation:
         return sound
     found = [sound, _improved(wiring, best)]
     if found[1].claims > 1:
-        found.append(_improved(wiring, sound))
+        found += [_improved(wiring, start) for start in (sound, _one_faulty(wiring, scale))]
     return min(found, key=lambda explanation: explanation.cost)
+
+
+def _one_faulty(wiring: Wiring, scale: float) -> Explanation:
+    """The explanation that leaves least with one motor of any scale and zero, and all others sound."""
+    sound = ("sound",) * wiring.k
+    tried = [
+        explained_by(wiring, start, with_account(sound, i, "ratio, zero"), scale)
+        for i in range(wiring.k)
+        for start in one_more(wiring, wiring.sound, i)
+    ]
+    return min(tried, key=lambda explanation: explanation.total)
 
 
 def _improved(wiring: Wiring, best: Explanation) -> Explanation:
