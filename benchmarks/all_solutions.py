@@ -1,6 +1,6 @@
-"""Every configuration that meets a pose: times, counts and exactness beside EAIK, ik-geo and ssik, in one run.
+"""All configurations that meet a pose: times, counts and exactness beside EAIK, ik-geo and ssik, in one run.
 
-Allowed: no answer off by more than 1e-9 m or rad, never fewer distinct ones inside the limits than EAIK or ssik.
+Allowed: errors of at most 1e-9 m or rad, and never fewer distinct answers inside the limits than EAIK or ssik.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .robots import Robot, make_robot
 
 PEERS = ("twistarm", "eaik", "ik_geo", "ssik")
 HOLDING = {"panda": 6}
-"""The joint that stands at the value of the configuration that made the target, where the arm has one too many."""
+"""The surplus joint, held at its value in the configuration that made the target."""
 
 EXACT, SAME = 1e-9, 1e-5
 """What an answer may miss [m, rad], and below which two are one [rad]."""

@@ -4,9 +4,9 @@ It reads one JSON object per line and answers with one line each:
 
   {"do": "all", "robot", "held", "value", "g", "start"}                    {"theta": [...], "ns"} or {"error"}
 
-`held` is the joint that is to stand at `value`, or null. What is timed is all that it takes to get, from one pose,
-every solution verified to 1e-9, inside the limits and sorted by its distance from `start`; where a library leaves some
-of it out, that is done in NumPy with its own forward kinematics. `ns` is the least of some calls.
+`held` is the joint that stays at `value`, or null. The timed work is one pose to all solutions: verified to 1e-9,
+inside the limits, sorted by distance from `start`. What a library leaves out, NumPy does with the library's forward
+kinematics. `ns` is the least of several calls.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def ssik(robot: dict[str, Any], held: int | None) -> Solve:
 
 
 IK_GEO = {"ur5": ("three_parallel_two_intersecting", 4), "jaco": ("spherical_two_parallel", 3)}
-"""The constructor for the arm, and the joint from which on the axes meet in one point, which has to be told."""
+"""The constructor for the arm, and the first of the joints whose axes meet in one point, which it needs."""
 
 
 def ik_geo(robot: dict[str, Any], held: int | None) -> Solve:

@@ -1,7 +1,7 @@
-"""Worker processes, and one run of all of them over the same problems, a few targets each in turn.
+"""Worker processes that solve the same problems in one run, a few targets each in turn.
 
-Noise of the machine so hits all alike. Each worker is held to one thread of the usual numeric libraries. One that
-dies, says nothing for too long or answers nonsense is reported with its reason, and the others go on.
+So the noise of the machine affects all alike. The usual numeric libraries get one thread per worker. A worker that
+dies, stays silent for too long or answers nonsense is reported with the reason; the others go on.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class WorkerError(Exception):
 
 @dataclass(frozen=True)
 class Answers:
-    """Of one solver to N targets: theta (N, n) with rows of NaN for none, its claims, reasons, and ns of each call."""
+    """One solver's answers to N targets: theta (N, n) with NaN rows for none, its claims, its reasons, ns per call."""
 
     theta: np.ndarray
     converged: np.ndarray
@@ -64,7 +64,7 @@ class Worker:
             )
 
     def ask(self, do: str, **message: Any) -> dict[str, Any]:
-        """The answer to one message. WorkerError if there is none; one that died stays dead."""
+        """The answer to one message. Raises WorkerError without one; a dead worker stays dead."""
         if self.failure:
             raise WorkerError(self.failure)
         try:

@@ -1,4 +1,4 @@
-"""An environment for each peer, made from its requirements-<peer>.txt; who has none runs in this one."""
+"""An environment for each peer with a requirements-<peer>.txt; the others run in this one."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class NotInstalled(Exception):  # noqa: N818
 
 
 def python_of(peer: str, folder: Path, say: Callable[[str], None], requirements: Path = REQUIREMENTS) -> Path:
-    """The interpreter to run a peer with; its environment is made in `folder`, unless it stands there as wanted."""
+    """The interpreter that runs a peer. Makes its environment in `folder` if it is missing or out of date."""
     file = requirements / f"requirements-{peer}.txt"
     if not file.exists():
         return Path(sys.executable)

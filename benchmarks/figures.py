@@ -53,8 +53,9 @@ class Batch:
 
 @dataclass
 class Kinematics:
-    """µs per configuration for {"one fk", "one fk_jacobian", "unchecked …", "batch …"}, and the largest difference
-    of any number from Pinocchio's."""
+    """µs per configuration for {"one fk", "one fk_jacobian", "unchecked …", "batch …"}, and the largest difference from
+    Pinocchio's numbers.
+    """
 
     arm: str
     peer: str

@@ -18,7 +18,7 @@ LIMIT_SLACK = 1e-7
 
 @dataclass(frozen=True)
 class Errors:
-    """Of N answers: position [m], rotation [rad], and how far the worst joint lies beyond its limits [rad], each (N,).
+    """Errors of N answers: position [m], rotation [rad] and the largest excess over a limit [rad], each (N,).
 
     NaN where a solver gave no answer.
     """
@@ -52,7 +52,7 @@ class Judge:
         return np.array(each)
 
     def errors(self, theta: np.ndarray, targets: np.ndarray) -> Errors:
-        """Of the answers (N, n), a row of NaN where there is none, to the targets (N, 4, 4)."""
+        """The errors of the answers (N, n), NaN rows for none, at the targets (N, 4, 4)."""
         if theta.shape != (len(targets), self.model.nq):
             raise ValueError(f"answers must have the shape {(len(targets), self.model.nq)}; got {theta.shape}")
         given = np.isfinite(theta).all(axis=1)

@@ -1,4 +1,4 @@
-"""The shortest quintic spline through waypoints: a long search by linear programs in a trust region, by SciPy."""
+"""The shortest quintic spline through waypoints, by SciPy: linear programs in a trust region, from many starts."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def spline(points: np.ndarray, durations: np.ndarray) -> BSpline:
 
 
 def slowing(points: np.ndarray, x: np.ndarray, asked: dict[str, Any], looks: int = LOOKS) -> np.ndarray:
-    """The logarithms of how much slower each rate wants the motion of the durations exp(x), at `looks` places each."""
+    """Logarithms of the factors by which each rate slows the motion with durations exp(x), at `looks` places each."""
     durations = np.exp(x)
     curve = spline(points, durations)
     ends = np.cumsum(durations)

@@ -19,7 +19,7 @@ ROUNDS = 5
 """Of batches and kinematics, in turn; their median is reported."""
 
 CHECKED = 100
-"""Rows of a batch of configurations whose poses and Jacobians Pinocchio checks."""
+"""Configurations of a batch whose poses and Jacobians Pinocchio checks."""
 
 
 @dataclass(frozen=True)

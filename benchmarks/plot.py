@@ -1,4 +1,4 @@
-"""Success against the median time of cold targets, a whisker up to the 99th percentile, one panel per arm."""
+"""Success against the median time of cold targets, with a whisker to the 99th percentile, one panel per arm."""
 
 from __future__ import annotations
 

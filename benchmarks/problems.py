@@ -46,7 +46,9 @@ def generator(robot: Robot, seed: int) -> np.random.Generator:
 
 
 def configurations(robot: Robot, seed: int, count: int) -> np.ndarray:
-    """(count, 3, n): goal and start, uniform in the limits, and a unit vector. The first ones do not hang on count."""
+    """(count, 3, n): goal and start, uniform in the limits, and a unit vector. The first ones are equal for any
+    count.
+    """
     rng = generator(robot, seed)
     return np.array([_draw(rng, np.array(robot.lower), np.array(robot.upper)) for _ in range(count)])
 

@@ -1,7 +1,7 @@
-"""The arms of the comparison: robots of the example-robot-data wheel, cut to the serial chain from base to tool.
+"""The arms of the comparison: robots of the example-robot-data wheel, cut to the chain from base to tool.
 
-Every solver gets the same cut URDF, in which a continuous joint is a revolute one of ±2π; twistarm reads the whole
-description and is told base, tip and limits.
+Every solver gets the same cut URDF, with continuous joints as revolute ones of ±2π. twistarm reads the whole
+description, with base, tip and limits.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ ARMS = {
 
 @dataclass(frozen=True)
 class Robot:
-    """An arm as plain data: what a worker is told. Lists, because it travels as JSON."""
+    """An arm as plain data for a worker. It has lists because it is sent as JSON."""
 
     name: str
     whole_urdf: str
@@ -40,7 +40,7 @@ class Robot:
     axis_frames: list[Any]
     """(n + 1, 4, 4) at theta = 0, from the base: every joint with z along its axis, then the tool."""
     reach: float
-    """The sum of the distances from each joint to the next: the tool is never further from the first joint [m]."""
+    """The sum of the distances between successive joints: the tool's largest distance from the first joint [m]."""
 
     def as_message(self) -> dict[str, Any]:
         return asdict(self)
@@ -69,7 +69,7 @@ def make_robot(name: str, folder: Path) -> Robot:
 
 
 def cut(urdf: str, base: str, tip: str) -> str:
-    """The URDF of the chain base -> tip alone: no meshes, no masses, continuous joints as revolute ones of ±2π."""
+    """The URDF of the chain base -> tip: no meshes or masses, continuous joints as revolute ones of ±2π."""
     joints = {
         joint.find("child").get("link"): joint
         for joint in ElementTree.fromstring(urdf).iter("joint")

@@ -1,5 +1,5 @@
-"""The servo on many arms: what shakes under held twists, limits broken by a joystick, paths, ways out of singularities
-and off limits, and what a step costs beside forward kinematics.
+"""The servo on many arms: shaking under held twists, limits under a joystick, paths, ways out of singularities and off
+limits, and the time of a step beside forward kinematics.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The arms that the servo is driven on, all with the same limits of velocity and acceleration, and their postures."""
+"""The servo's arms, with the same velocity and acceleration limits, and their configurations."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def names() -> list[str]:
 
 
 def servo_arm(name: str, accelerating: bool = True) -> Arm:
-    """The arm of that name with the limits of this module; without limits of acceleration if not `accelerating`."""
+    """The arm of that name with the limits of this module, without acceleration limits if not `accelerating`."""
     if name in MADE:
         arm = MADE[name]()
     elif name in MODELS:
@@ -82,7 +82,7 @@ def servo_arm(name: str, accelerating: bool = True) -> Arm:
 
 
 def random(name: str, what: str, seed: int) -> np.random.Generator:
-    """The same numbers for an arm and a purpose, whichever other arms are asked for."""
+    """Random numbers for an arm and a purpose. They do not depend on the other arms of the run."""
     return np.random.default_rng([seed, zlib.crc32(f"{name} {what}".encode())])
 
 

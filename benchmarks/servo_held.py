@@ -1,4 +1,4 @@
-"""Twists held for long: whether the arm ends in shaking, and whether what the servo says of it is steady at rest."""
+"""Twists held for long: does the arm shake at the end, and is the servo's answer steady at rest?"""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TURNING, REVERSALS = 1e-3, 2.0
 """Rates [rad/s, m/s] that count, and how often a second a joint may turn round."""
 
 CHANGING, CHANGES = 2e-4, 5.0
-"""Changes of rate from cycle to cycle that count, and how often a second the acceleration may change its sign."""
+"""Changes of rate per cycle that count, and how often a second the acceleration may change its sign."""
 
 STEADY = 1e-3
 """How much scale and the lost twist may vary while the arm rests."""
@@ -42,7 +42,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Verdict:
-    """The worst joint's reversals and changes of acceleration a second, and how unsteady the answer is at rest."""
+    """The worst joint's reversals and acceleration changes per second, and the answer's changes at rest."""
 
     reversals: float
     changes: float

@@ -15,7 +15,7 @@ ROUNDING = 1e-9
 
 
 def next_command(arm: Arm, rng: np.random.Generator, last: AnyCommand) -> AnyCommand:
-    """The stick let go, thrown over, moved on; another frame, held components; joints one by one; a pose."""
+    """Joystick events: release, reversal, new direction; another frame, held components, single joints, a pose."""
     choice = rng.integers(7)
     if choice == 0:
         return TwistCommand(np.zeros(6))

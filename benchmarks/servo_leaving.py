@@ -1,4 +1,4 @@
-"""Twists that lead out of a singular posture or off a limit: how long until the arm moves as commanded."""
+"""Twists that lead out of a singular configuration or off a limit: the time until the arm moves as commanded."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from twistarm.control.servo import ServoState, TwistCommand, servo_step
 from .servo_arms import Array, at_limits, least, least_singular_value, random, ranges, scaled_jacobian, servo_arm
 
 DT, SECONDS, FULL = 0.01, 3.0, 0.95
-"""Seconds of a step, how long is waited, and the share of the command that counts as all of it."""
+"""The step [s], the longest wait [s], and the share of the command that counts as all of it."""
 
 SIZE = 0.1
 """Of the commanded twist [reach/s, rad/s]."""
@@ -20,7 +20,7 @@ EXACT, RISING, ROOM = 1e-3, 0.05, 0.05
 
 
 def from_singular(arm: Arm, rng: np.random.Generator) -> tuple[Array, Array] | None:
-    """A singular posture with room about it, and the missing twist on the side to which the arm can leave it."""
+    """A singular configuration with room around it, and the missing twist on the side where the arm can leave it."""
     lower, upper = ranges(arm)
     start = rng.uniform(lower + 0.1 * (upper - lower), upper - 0.1 * (upper - lower))
     theta = least(arm, lambda x: least_singular_value(arm, x), start, rng, 600)
@@ -47,7 +47,7 @@ def from_limits(arm: Arm, rng: np.random.Generator) -> tuple[Array, Array] | Non
 
 
 def time_to_leave(arm: Arm, theta: Array, twist: Array) -> float:
-    """Seconds until the tool has FULL of the commanded twist (metres in reaches); inf if it never has."""
+    """Seconds until the tool has FULL of the commanded twist (metres in reaches), inf for never."""
     state, scale = ServoState.at(arm, theta), np.repeat([arm.reach, 1.0], 3)
     command = TwistCommand(scale * twist, "base")
     for k in range(round(SECONDS / DT)):

@@ -1,4 +1,4 @@
-"""Straight lines in free space through drives that are late and lossy: what the tool strays, and how soon it stops."""
+"""Straight lines in free space with late and lossy drives: how far the tool strays, and how soon it stops."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ SPEED, STANDING = 0.08, 2e-3
 """Of the tool [m/s], and below which it stands."""
 
 SUBSTEPS, GAIN = 10, 40.0
-"""Of the drives' position loops in a step, which so run at 1 kHz; an error falls to a third in 25 ms."""
+"""Cycles of the drives' position loops in a step: they run at 1 kHz. An error falls to a third in 25 ms."""
 
 DELAY, LOSS, RATE_GAIN, COUNT = 0.08, 0.15, 1.03, 2 * np.pi / 4096
-"""Dead time [s], share of setpoints that are lost, the drives' rate over what was asked, an encoder's count [rad]."""
+"""Dead time [s], share of lost setpoints, the drives' rate over the commanded one, an encoder's count [rad]."""
 
 FREE = 0.1
-"""Least singular value, and distance to a limit as a share of the range, of a line in free space."""
+"""Least singular value, and distance to a limit as a share of its range, on a line in free space."""
 
 
 class Drives:
-    """Position drives at `theta`, whose loop closes on their encoders and rests within one count."""
+    """Position drives at `theta` that close their loop on the encoders and rest within one count."""
 
     def __init__(self, theta: Array, rng: np.random.Generator) -> None:
         self.theta, self.rng = theta.copy(), rng
@@ -47,7 +47,7 @@ class Drives:
 
 
 def line(arm: Arm, rng: np.random.Generator) -> tuple[float, float, float] | None:
-    """The setpoints' and the tool's farthest way off the line [m], and the seconds to a stand; None if not free."""
+    """The largest distance of setpoints and tool from the line [m], and the seconds to a stop; None if not free."""
     lower, upper = ranges(arm)
     reserve = FREE * (upper - lower)
     start, along = rng.uniform(lower + 2 * reserve, upper - 2 * reserve), rng.normal(size=3)
@@ -80,7 +80,7 @@ def off(points: Array, along: Array) -> float:
 
 
 def figures(name: str, count: int, seed: int) -> dict[str, object]:
-    """In mm and s, over so many lines in free space; arms that cannot move every way have fewer, or none."""
+    """Figures in mm and s over lines in free space. Arms that cannot move in every direction have fewer or none."""
     arm, rng, found = servo_arm(name), random(name, "path", seed), []
     if np.linalg.matrix_rank(arm.hybrid_jacobian(arm.ready)[:3], tol=1e-6) < 3:
         return {"arm": name, "lines": 0}

@@ -15,7 +15,7 @@ DAMPING = 0.05
 def plain_rates(arm: Arm, theta: Array, twist: Array, frame: str, dt: float, seconds: float) -> Array:
     """Rates cycle by cycle under a held twist, clipped joint by joint: velocity, acceleration, position.
 
-    Where a joint meets its position limit it stops at once, whatever its limit of acceleration.
+    A joint that meets its position limit stops at once and ignores its acceleration limit.
     """
     limits, scale = arm.limits, np.repeat([1 / arm.reach, 1.0], 3)
     jacobian = arm.hybrid_jacobian if frame == "base" else arm.body_jacobian

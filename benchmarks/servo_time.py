@@ -1,7 +1,7 @@
-"""One step of the servo from Python, beside forward kinematics of the same arm, and what a million steps leave behind.
+"""One step of the servo from Python beside forward kinematics of the same arm, and the memory of a million steps.
 
-Each arm swings about its ready pose under each kind of command. In every round each of them is stepped as often as
-`arm.fk` is called, one after the other, so that the noise of the machine hits all alike.
+Each arm swings about its ready configuration under each kind of command. Each round steps every arm as often as it
+calls `arm.fk`, in turn, so that the noise of the machine affects all alike.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from twistarm.support.errors import TwistarmError
 
 ARMS = ("rover_arm", "rover_arm_6dof", "ur5", "panda", "so101")
 DT, SWING, CALLS = 0.01, 50, 200
-"""Seconds of a step, steps before a swing turns back, calls of one arm and command in a round."""
+"""The step [s], steps before a swing turns back, and calls of one arm and command in a round."""
 
 
 def commands(arm: Arm) -> dict[str, tuple[AnyCommand, AnyCommand]]:
@@ -84,7 +84,7 @@ def loaded() -> tuple[list[Arm], dict[str, str]]:
 
 
 def growth(swings: list[Swing], steps: int) -> dict[str, int]:
-    """Bytes that so many steps, shared among the swings, leave: of Python's allocator, and of the process at its most.
+    """Bytes left by the steps, shared among the swings: of Python's allocator, and of the process's peak.
 
     The second one also sees what the core would allocate.
     """

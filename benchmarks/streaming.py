@@ -1,8 +1,8 @@
-"""The loop at 300 Hz for a minute, assembled: commands and joint states by UDP, the servo, simulated joints.
+"""The whole loop at 300 Hz for a minute: commands and joint states by UDP, the servo, simulated joints.
 
-One process runs the loop; a second one is the operator and the robot: it sends a twist at 50 Hz, takes the setpoints
-into simulated joints with 10 ms latency, and reports where they are at 200 Hz. Before and after, the bare timer runs
-with nothing to do for a tenth of the time: what it misses is the machine's.
+One process runs the loop. A second one is both operator and robot. It sends a twist at 50 Hz, moves simulated joints
+with 10 ms latency, and reports them at 200 Hz. Before and after, the bare timer runs for a tenth of the time; what it
+misses is due to the machine.
 """
 
 from __future__ import annotations

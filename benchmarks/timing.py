@@ -1,8 +1,8 @@
-"""Timing of motions beside toppra, ruckig and long searches: durations and times of a call, in one interleaved run.
+"""Times of motions beside toppra, ruckig and long searches: durations and computing times, in one interleaved run.
 
-Allowed: time-optimal along a path within 1 % of toppra on its automatic grid, and computed faster than by toppra on
-100 intervals, no limit passed by more than 1e-6 of it; from rest to rest no longer than ruckig, in 200 µs; a quintic
-spline through waypoints within 3 % of a long search, in 2 ms; a straight line of 0.5 m in 20 ms.
+Allowed along a path: within 1 % of toppra on its automatic grid, computed faster than by toppra on 100 intervals, no
+limit exceeded by more than 1e-6 of it. From rest to rest: no longer than ruckig, in 200 µs. A quintic spline through
+waypoints: within 3 % of a long search, in 2 ms. A straight line of 0.5 m: 20 ms.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ THROUGH: tuple[Row, ...] = (("twistarm", "twistarm", {"starts": 0}), ("long sear
 LINE: tuple[Row, ...] = (("twistarm", "twistarm", {}),)
 
 RISE = 0.1
-"""In this time [s] twistarm brings what has no jerk limit to its acceleration limit; a peer is given that jerk."""
+"""twistarm reaches an acceleration limit in this time [s] if there is no jerk limit. Peers get that jerk."""
 
 
 def limits() -> dict[str, list[float]]:
@@ -76,7 +76,7 @@ def line(random: np.random.Generator) -> dict[str, Any]:
 def table(
     title: str, do: str, rows: tuple[Row, ...], cases: list[dict[str, Any]], worker: Callable[[str], Worker]
 ) -> None:
-    """Medians over the cases, each of which all libraries get in turn, and ratios to twistarm's."""
+    """Medians over the cases, which all libraries solve in turn, and ratios to twistarm's."""
     answers: dict[str, list[dict[str, Any]]] = {name: [] for name, _, _ in rows}
     failed: dict[str, str] = {}
     for case in cases:

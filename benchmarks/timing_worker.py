@@ -7,9 +7,9 @@ It reads one JSON object per line and answers with one line each, as `worker.py`
   {"do": "through", "waypoints", "velocity", "acceleration", "starts"}                {"duration", "excess", "ns"}
   {"do": "line", "seed", "arm", "length"}                                             {"duration", "ns"}
 
-`grid` is the number of intervals, or null for an automatic grid; `starts` how many a long search has, 0 for the
-library. `excess` is by which part a limit is passed at 20 times as many instants as the result has pieces, by the
-library's own evaluation; `ns` the least of some calls.
+`grid` is the number of intervals, or null for an automatic grid. `starts` is the number of a long search's starts, 0
+for the library. `excess` is the largest excess over a limit, as a part of it. The library's own evaluation gives it, at
+20 times as many instants as the result has pieces. `ns` is the least of several calls.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 CALLS = 5
-"""Of which the fastest counts: the machine's noise only adds."""
+"""Repetitions. The fastest counts, because noise of the machine only adds time."""
 
 Answer = dict[str, Any]
 Asked = dict[str, Any]

@@ -1,8 +1,8 @@
-"""The live view under load: a frame's cost, the round trip of a page, 60 frames a second to three pages, start, meshes.
+"""The live view under load: a frame's cost, a page's round trip, 60 frames a second to three pages, start, meshes.
 
-The process that serves is measured. The pages are programs: for the round trips in another thread of that process, for
-the 60 frames in a process of their own. Each figure stands beside what is allowed. With Chromium and playwright
-installed, also how long a real page takes.
+The measured process is the server. The pages are programs: in another thread of it for the round trips, in another
+process for the 60 frames. Each figure is printed beside its limit. With Chromium and playwright installed, the times of
+a real page are measured too.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def swing(arm: Arm, k: int) -> Any:
 
 
 def frame(arm: Arm, count: int) -> str:
-    """Forward kinematics, the messages of every part and their text, for a posture that is new each time."""
+    """Forward kinematics, the messages of every part and their text, for a new configuration each time."""
     stage, news = Stage(arm), ChangePublisher()
 
     def one(k: int) -> None:
@@ -108,14 +108,14 @@ def sliders(arm: Arm, count: int) -> list[dict[str, Any]]:
 
 
 def targets(arm: Arm, count: int) -> list[dict[str, Any]]:
-    """A way of the tool's origin, as a hand would drag it: half a millimetre at a time."""
+    """A path of the tool's origin as a hand drags it: half a millimetre at a time."""
     g = arm.fk(arm.ready)
     way = [(g[:3, 3] + 0.02 * np.sin(0.025 * k) * np.array([0.3, 0.5, -0.8])).tolist() for k in range(1, count + 1)]
     return [{"type": "target", "kind": "position", "position": p, "xyzw": [0, 0, 0, 1]} for p in way]
 
 
 def pages(url: str, count: int, report: Connection) -> None:
-    """So many pages in one process: they say when they stand, and at the end how many frames each got."""
+    """Several pages in one process. They report when they are ready, and at the end how many frames each received."""
 
     async def watch() -> list[int]:
         opened = [await open_page(url) for _ in range(count)]
@@ -132,7 +132,7 @@ def pages(url: str, count: int, report: Connection) -> None:
 
 
 def sixty_a_second(arm: Arm, seconds: float) -> str:
-    """Post RATE frames a second to PAGES pages for so long, then close; what is left, and what arrived."""
+    """Post RATE frames a second to PAGES pages for this time, then close; return what is left and what arrived."""
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     viewer = Viewer(arm, open_browser=False)
@@ -175,7 +175,7 @@ def resident_bytes() -> int:
 
 
 def start(name: str) -> dict[str, float]:
-    """s from the command until its address is printed, the page's first byte is there, and the whole scene."""
+    """s from the command to the printed address, to the page's first byte, and to the whole scene."""
     began = time.perf_counter()
     command = [sys.executable, "-c", "from twistarm.cli import main; main()", "view", name, "--no-browser"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:

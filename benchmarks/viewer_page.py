@@ -1,4 +1,4 @@
-"""Pages for the benchmark of the view: as a program, and in a headless Chromium where there is one."""
+"""Pages for the benchmark of the view: as a program, and in a headless Chromium if there is one."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def received(message: str | bytes | None) -> dict[str, Any]:
 
 
 async def open_page(url: str, whole: bool = True) -> tuple[Any, int]:
-    """A socket that has been told a frame, and the whole scene where that is wanted; how many objects that were."""
+    """A socket that has received a frame, and the whole scene on request; and the number of its objects."""
     connection = await websocket_connect(url.replace("http", "ws", 1) + "socket")
     objects, left, framed = 0, None, False
     while not framed or (whole and left != 0):
@@ -67,7 +67,7 @@ async def open_page(url: str, whole: bool = True) -> tuple[Any, int]:
 
 
 def in_chromium(url: str, began: float) -> dict[str, float]:
-    """s from `began` until the arm is drawn, with a browser that was open; ms from a slider and a drag to the picture.
+    """s from `began` until the arm is drawn, with an open browser; ms from a slider and a drag to the picture.
 
     {} where there is no browser or no playwright.
     """

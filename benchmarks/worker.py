@@ -31,7 +31,7 @@ from .peers import Unfit
 Function = Callable[[np.ndarray], Any]
 
 WARM_UP = 1_000_000
-"""ns of untimed calls at the head of a chunk: the other workers have just had the caches."""
+"""ns of untimed calls before a chunk, because the other workers have just used the caches."""
 
 REPEATS = 5
 """Of what takes too little time to be measured once."""
@@ -47,7 +47,7 @@ def main() -> None:
 
 
 class Worker:
-    """The solver of a peer's module, and what it is asked to do."""
+    """The solver of a peer's module, with its abilities."""
 
     def __init__(self, name: str) -> None:
         self.name = name

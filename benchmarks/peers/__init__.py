@@ -7,8 +7,8 @@ A module has a class `Solver(robot)`, made from the robot's message (`robots.Rob
   batch(targets, starts, threads)   optional: theta (N, n) and converged (N,)
   kinematics()                   optional: {"one" | "unchecked" | "batch": {"fk" | "fk_jacobian": function of theta}}
 
-It raises `Unfit` for an arm that it does not take. Its imports stand inside the module: it runs in an environment of
-its own, made from requirements-<name>.txt, and never sees twistarm.
+It raises `Unfit` for an arm that it does not take. Its imports are inside the module. It runs in an environment made
+from requirements-<name>.txt, without twistarm.
 """
 
 PEERS = ("twistarm", "pinocchio", "roboticstoolbox", "pytracik", "ssik", "eaik", "placo", "pink")

@@ -1,4 +1,4 @@
-"""EAIK: all closed-form solutions; those that it marks as least-squares go, the rest is brought inside the limits."""
+"""EAIK: all closed-form solutions without the least-squares ones, shifted into the limits."""
 
 from __future__ import annotations
 

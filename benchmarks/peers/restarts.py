@@ -1,4 +1,4 @@
-"""Restarts for the libraries that give one step of inverse kinematics and leave the loop to the caller."""
+"""Restarts for libraries that offer one step of inverse kinematics and leave the loop to the caller."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ class Solver:
         return solution.theta, solution.converged, solution
 
     def reason(self, solution: twistarm.IKResult) -> str:
-        """Found by the call; written out by whoever reads it."""
+        """The reason is found by the call, and put into words only when it is read."""
         return solution.stop.name
 
     def batch(self, targets: np.ndarray, starts: np.ndarray, threads: int) -> tuple[np.ndarray, np.ndarray]:
