@@ -14,6 +14,7 @@ from ..support.checks import Array
 from ..support.errors import InputError, shown
 from .joint_space import completed
 from .motion import as_segments
+from .piecewise import spread
 from .segments import Move, Segment
 from .time_laws.bounds import PathBounds
 from .trajectory import Trajectory
@@ -99,8 +100,7 @@ def _instants(motion: Trajectory) -> tuple[Array, Array]:
         return np.empty(0), np.empty(0)
     steps = np.diff(motion.breakpoints)
     looks = np.maximum(3, np.ceil(LOOKS * steps / motion.duration)).astype(np.intp)
-    piece = np.repeat(np.arange(len(steps)), looks)
-    nth = np.arange(len(piece)) - np.repeat(np.cumsum(looks) - looks, looks)
+    piece, nth = spread(looks)
     t: Array = motion.breakpoints[piece] + steps[piece] * (nth + 0.5) / looks[piece]
     return t, np.where(np.diff(piece) > 0, motion.breakpoints[piece[1:]], 0.5 * (t[1:] + t[:-1]))
 

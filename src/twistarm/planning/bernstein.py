@@ -12,6 +12,7 @@ from math import comb
 import numpy as np
 
 from ..support.checks import Array, frozen
+from .piecewise import rescaled
 
 ENOUGH = 1e-10
 """How near, relatively, a bound comes to the largest magnitude that it bounds."""
@@ -19,10 +20,7 @@ ENOUGH = 1e-10
 
 def bernstein(coefficients: Array, durations: Array) -> Array:
     """Return Bernstein coefficients (d + 1, k, ...) of polynomials (d + 1, k, ...) on k pieces of durations (k,)."""
-    degree = len(coefficients) - 1
-    powers = np.arange(degree, -1, -1.0)
-    scale = (durations ** powers[:, None]).reshape(degree + 1, -1, *[1] * (coefficients.ndim - 2))
-    return np.tensordot(_from_powers(degree), coefficients * scale, 1)
+    return np.tensordot(_from_powers(len(coefficients) - 1), rescaled(coefficients, durations), 1)
 
 
 def largest(coefficients: Array, durations: Array) -> float:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..support.checks import Array, frozen
 from ..support.display import told
-from .piecewise import derivative, evaluate, shifted
+from .piecewise import derivative, evaluate, rescaled, shifted, spread
 
 Indices = NDArray[np.intp]
 
@@ -62,16 +62,14 @@ class JointPath:
     @property
     def moves(self) -> bool:
         """Whether any joint moves along it, by more than rounding."""
-        powers = np.arange(len(self.coefficients) - 1, 0, -1.0)[:, None, None]
-        ways = np.abs(self.coefficients[:-1]) * np.diff(self.breakpoints)[:, None] ** powers
-        return bool(ways.max(initial=0.0) > STILL)
+        ways = rescaled(self.coefficients, np.diff(self.breakpoints))[:-1]
+        return bool(np.abs(ways).max(initial=0.0) > STILL)
 
     def in_pieces(self, most: float) -> tuple[JointPath, Indices]:
         """Cut the path evenly into pieces no longer than `most`. Also return the old piece of each new one."""
         steps = np.diff(self.breakpoints)
         count = np.maximum(np.ceil(steps / most - ROUNDING), 1.0).astype(np.intp)
-        piece = np.repeat(np.arange(len(steps)), count)
-        nth = np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)
+        piece, nth = spread(count)
         by = steps[piece] * nth / count[piece]
         breakpoints = np.append(self.breakpoints[piece] + by, self.length)
         return JointPath(breakpoints, shifted(self.coefficients[:, piece], by)), piece

@@ -17,6 +17,7 @@ from .files.joint_trajectory import read_json, read_yaml
 from .files.points import Points
 from .piecewise import through
 from .trajectory import Trajectory
+from .within import farthest_outside
 
 READERS: Mapping[str, Callable[[Arm, Path], Points]] = {
     ".csv": read_csv,
@@ -96,10 +97,9 @@ def _require_usual(points: Points) -> None:
 
 
 def _require_within(arm: Arm, points: Points) -> None:
-    beyond = np.maximum(arm.limits.lower - points.theta, points.theta - arm.limits.upper)
-    k, j = (int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
-    if beyond[k, j] > BEYOND_LIMIT:
+    (k, j), beyond, _ = farthest_outside(points.theta, arm.limits)
+    if beyond > BEYOND_LIMIT:
         raise LimitError(
             f"{points.place(k)}: joint {arm.joint_names[j]!r} at {points.theta[k, j]:g} {arm.units[j]} is "
-            f"{beyond[k, j]:.3g} {arm.units[j]} beyond its limit; record a motion within the limits"
+            f"{beyond:.3g} {arm.units[j]} beyond its limit; record a motion within the limits"
         )

@@ -6,7 +6,7 @@ Coefficients are (degree + 1, segments, n), highest power first, in the time sin
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from math import comb
 
@@ -38,11 +38,27 @@ def evaluate(coefficients: Array, tau: Array) -> Array:
     return value
 
 
-def stretched(coefficients: Array, factor: float) -> Array:
-    """Return the same path, `factor` times as slow: p(t / factor)."""
+def rescaled(coefficients: Array, unit: float | Array) -> Array:
+    """Return p(unit · u): polynomials (d + 1, ...) of time in another unit, one for all pieces or one for each (s,)."""
     powers = np.arange(len(coefficients) - 1, -1, -1.0)
-    slower: Array = coefficients * (1.0 / factor) ** powers[:, None, None]
-    return slower
+    factors = np.asarray(unit) ** powers.reshape(-1, *[1] * np.ndim(unit))
+    scaled: Array = coefficients * factors.reshape(*factors.shape, *[1] * (coefficients.ndim - factors.ndim))
+    return scaled
+
+
+def spread(count: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Number `count` (s,) places in each piece, one after the other: the piece of each place, and its number there."""
+    piece = np.repeat(np.arange(len(count)), count)
+    return piece, np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)
+
+
+def bisected(before: Callable[[Array], NDArray[np.bool_]], low: Array, high: Array, steps: int) -> tuple[Array, Array]:
+    """Halve intervals that often. `before` tells for each middle whether the place that you look for comes later."""
+    for _ in range(steps):
+        middle = 0.5 * (low + high)
+        later = before(middle)
+        low, high = np.where(later, middle, low), np.where(later, high, middle)
+    return low, high
 
 
 def side_by_side(pieces: Sequence[Array]) -> Array:
@@ -88,10 +104,7 @@ def extremes(coefficients: Array, durations: Array) -> tuple[Array, Array]:
     and so on up to the linear one. Between those the polynomial is monotone and bisection cannot fail. Where there is
     no zero, the candidate falls harmlessly on an interval's end.
     """
-    powers = np.arange(len(coefficients) - 1, -1, -1.0)
-    unit = coefficients * durations[:, None] ** powers[:, None, None]
-    edges = _edges(derivative(unit))
-    tau = edges * durations[:, None]
+    tau = _edges(derivative(rescaled(coefficients, durations))) * durations[:, None]
     return tau, evaluate(coefficients, tau)
 
 
@@ -101,12 +114,8 @@ def _edges(slope: Array) -> Array:
     if len(slope) == 1:
         return np.concatenate(ends)
     inner = _edges(derivative(slope))
-    low, high = inner[:-1].copy(), inner[1:].copy()
-    rising: NDArray[np.bool_] = evaluate(slope, low) < evaluate(slope, high)
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        right = (evaluate(slope, middle) < 0) == rising
-        low, high = np.where(right, middle, low), np.where(right, high, middle)
+    rising: NDArray[np.bool_] = evaluate(slope, inner[:-1]) < evaluate(slope, inner[1:])
+    low, high = bisected(lambda at: (evaluate(slope, at) < 0) == rising, inner[:-1], inner[1:], BISECTIONS)
     return np.concatenate([ends[0], 0.5 * (low + high), ends[1]])
 
 

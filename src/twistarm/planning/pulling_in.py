@@ -12,7 +12,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, frozen
 from .bernstein import bernstein
 from .optional import scipy
-from .piecewise import derivative, evaluate
+from .piecewise import derivative, evaluate, rescaled
 
 ROUNDING = 1e-10
 """Beyond a limit by less [rad, m] is rounding."""
@@ -92,9 +92,7 @@ def _pieces(states: Array, share: Array, waypoints: Array, durations: Array) -> 
     degree = len(states) + 1
     unit = np.einsum("cpe,esn->cspn", _smooth_step(degree), ends)
     unit[-1] += waypoints[:-1, None]
-    powers = np.arange(degree, -1, -1.0)
-    pieces: Array = unit / (durations ** powers[:, None])[:, :, None, None]
-    return pieces
+    return rescaled(unit, 1.0 / durations)
 
 
 @cache

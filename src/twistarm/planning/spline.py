@@ -9,7 +9,7 @@ import numpy as np
 
 from ..support.checks import Array
 from .optional import scipy
-from .piecewise import through
+from .piecewise import rescaled, through
 
 
 def cubic(waypoints: Array, times: Array) -> Array:
@@ -20,12 +20,15 @@ def cubic(waypoints: Array, times: Array) -> Array:
     return np.asarray(scipy("interpolate").CubicSpline(times, waypoints, bc_type="clamped").c)
 
 
-def natural(waypoints: Array, times: Array) -> Array:
-    """The C² cubic spline without second derivatives at both ends, (4, k − 1, n)."""
+def unforced(waypoints: Array, times: Array, ends: str = "natural") -> Array:
+    """The C² cubic spline with free velocities at both ends, (4, k − 1, n).
+
+    At the `ends` the second derivative is 0 ("natural"), or the third is continuous next to them ("not-a-knot").
+    """
     # From the first waypoint on: a joint that does not move then stays free of rounding.
-    coefficients = scipy("interpolate").CubicSpline(times, waypoints - waypoints[0], bc_type="natural").c.copy()
+    coefficients = np.array(scipy("interpolate").CubicSpline(times, waypoints - waypoints[0], bc_type=ends).c)
     coefficients[-1] += waypoints[0]
-    return np.asarray(coefficients)
+    return coefficients
 
 
 def quintic(waypoints: Array, times: Array) -> Array:
@@ -105,9 +108,7 @@ def trapezoid(waypoints: Array, times: Array, ramps: Array) -> tuple[Array, Arra
 
 
 def _straight(waypoints: Array, times: Array, unit: tuple[float, ...]) -> Array:
-    durations = np.diff(times)[:, None]
-    powers = np.arange(len(unit) - 1, -1, -1.0)[:, None, None]
-    coefficients: Array = np.array(unit)[:, None, None] / durations**powers * np.diff(waypoints, axis=0)
+    coefficients = rescaled(np.array(unit)[:, None, None] * np.diff(waypoints, axis=0), 1.0 / np.diff(times))
     coefficients[-1] += waypoints[:-1]
     return coefficients
 

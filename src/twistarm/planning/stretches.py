@@ -13,10 +13,10 @@ from ..support.errors import InputError
 from .cartesian.nodes import efforts
 from .cartesian.tool_derivatives import greatest_tool_speeds
 from .joint_path import JointPath
-from .piecewise import derivative, extremes, shifted, side_by_side, through
+from .piecewise import bisected, derivative, extremes, rescaled, shifted, side_by_side, through
 from .route import Leg
 from .segments import Move, place
-from .within import POSITION_TOL, overshoot
+from .within import POSITION_TOL, farthest_outside
 
 BEND_PIECES = 8
 """Pieces of a rounded corner. Each has a speed limit."""
@@ -97,8 +97,7 @@ def _of_unit_speed(leg: Leg, limits: JointLimits) -> JointPath:
     assert path is not None
     points = path(path.breakpoints)
     length = float(efforts(points[:-1], points[1:], limits.velocity).sum()) / path.length
-    powers = np.arange(len(path.coefficients) - 1, -1, -1.0)
-    scaled = JointPath(path.breakpoints * length, path.coefficients / length ** powers[:, None, None])
+    scaled = JointPath(path.breakpoints * length, rescaled(path.coefficients, 1.0 / length))
     if len(path.breakpoints) > 2 or (leg.move.linear_speed is None and leg.move.angular_speed is None):
         return scaled
     return scaled.in_pieces(scaled.length / STRAIGHT_PIECES)[0]
@@ -135,7 +134,8 @@ def _rounded(
         t = np.array([0.0, before.length - begins + ends])
         states = (np.stack([before(begins, order), after(ends, order)]) for order in range(3))
         bend = JointPath(t, through(t, *states))
-        inside = overshoot(bend.coefficients, np.diff(bend.breakpoints), limits) <= POSITION_TOL
+        _, beyond, _ = farthest_outside(extremes(bend.coefficients, t[1:])[1], limits)
+        inside = beyond <= POSITION_TOL
         if inside and _distance(arm, bend, np.linspace(0.0, bend.length, SAMPLES), centre).max() <= radius:
             return begins, bend, ends
     return None
@@ -151,14 +151,7 @@ def _leaves_ball(arm: Arm, path: JointPath, radius: float, *, at_end: bool) -> f
     if not outside.any():
         return None
     first = int(outside.argmax())
-    inner, outer = float(s[first - 1]), float(s[first])
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (inner + outer)
-        if _distance(arm, path, np.array([middle]), centre)[0] > radius:
-            outer = middle
-        else:
-            inner = middle
-    return inner
+    return float(bisected(lambda at: _distance(arm, path, at, centre) <= radius, s[first - 1], s[first], BISECTIONS)[0])
 
 
 def _distance(arm: Arm, path: JointPath, s: Array, centre: Array) -> Array:

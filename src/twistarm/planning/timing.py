@@ -9,7 +9,7 @@ import numpy as np
 from ..support.checks import Array
 from . import spline
 from .joint_path import JointPath
-from .piecewise import derivative, evaluate, stretched
+from .piecewise import derivative, evaluate, rescaled
 from .pulling_in import pulled_in
 from .spans import MARGIN, Progress, require_span
 from .spline_times import shortest_spline
@@ -70,7 +70,7 @@ def fastest_spline(
         best = min(_searches(waypoints, fit, bounds, others, progress), key=lambda motion: float(motion[0][-1]))
     times, breakpoints, coefficients = best
     factor = slowed_by(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates) * (1.0 + MARGIN)
-    return times * factor, breakpoints * factor, stretched(coefficients, factor)
+    return times * factor, breakpoints * factor, rescaled(coefficients, 1.0 / factor)
 
 
 def _along_path(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
@@ -88,7 +88,7 @@ def _inside_jerk(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
     """Times (k,) of the waypoints on the fastest motion inside all limits along a spline through most of them."""
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(waypoints, axis=0), axis=1))])
     kept = np.unique(np.linspace(0, len(way) - 1, min(len(way), MOST_KNOTS)).round().astype(np.intp))
-    path = JointPath(way[kept], spline.natural(waypoints[kept], way[kept]))
+    path = JointPath(way[kept], spline.unforced(waypoints[kept], way[kept]))
     fit = spline.cubic if degree == 3 else spline.quintic
     tried: list[Array] = []
 
@@ -201,7 +201,7 @@ def _search(waypoints: Array, fit: Fit, bounds: PathBounds, durations: Array) ->
         if not factor * times[-1] < DIVERGED * shortest:
             return
         shortest = min(shortest, factor * float(times[-1]))
-        yield times * factor, breakpoints * factor, stretched(coefficients, factor)
+        yield times * factor, breakpoints * factor, rescaled(coefficients, 1.0 / factor)
         durations = durations * factor * (needed / factor) ** CORRECTION
 
 

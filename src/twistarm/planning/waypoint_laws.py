@@ -67,7 +67,7 @@ def _splines(points: Array, bounds: PathBounds) -> Iterator[tuple[JointPath, Arr
     """Splines inside the position limits, and the parameters (k,) at which they pass the waypoints."""
     for exponent in EXPONENTS:
         s = _parameter(points, bounds, exponent)
-        yield JointPath(*pulled_in(spline.natural(points, s), s, points, bounds.limits)), s
+        yield JointPath(*pulled_in(spline.unforced(points, s), s, points, bounds.limits)), s
 
 
 def _parameter(points: Array, bounds: PathBounds, exponent: float) -> Array:

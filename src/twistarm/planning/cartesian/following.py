@@ -12,8 +12,8 @@ from ...arm.arm import Arm
 from ...support.checks import Array
 from ..bernstein import bernstein
 from ..joint_path import JointPath
-from ..optional import scipy
-from ..piecewise import extremes
+from ..piecewise import extremes, spread
+from ..spline import unforced
 from ..tolerances import leeway
 from ..within import POSITION_TOL as ROUNDING
 from .meeting import met_near
@@ -62,7 +62,7 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed
     if even:
         theta = _evened(arm, moving, s, theta)
     for _ in range(ROUNDS):
-        path = spline(s, theta)
+        path = JointPath(s, unforced(theta, s, "not-a-knot"))
         off, position, angle = _deviation(arm, moving, path)
         outside = _outside(arm, path)
         off |= outside
@@ -105,14 +105,6 @@ def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
     return theta
 
 
-def spline(s: Array, theta: Array) -> JointPath:
-    """The C² cubic spline through theta (k, n) at s (k,), with the third derivative continuous next to the ends."""
-    # From the first sample on: a joint that does not move then stays free of rounding.
-    coefficients = np.array(scipy("interpolate").CubicSpline(s, theta - theta[0], bc_type="not-a-knot").c)
-    coefficients[-1] += theta[0]
-    return JointPath(s, coefficients)
-
-
 def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) -> Blocked:
     last = int(np.searchsorted(s, ahead, side="left")) - 1
     return Blocked(Node(root.moving, float(s[last]), theta[last], root.cost, root), ahead, leap)
@@ -128,8 +120,7 @@ def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, 
     tolerance = np.maximum([POSITION_TOL, ANGLE_TOL], [moving.tolerances.position, moving.tolerances.orientation])
     part = min(float((4.0 * tolerance / np.maximum(bend.max(axis=0), 1e-12)).min()) ** 0.5, 1.0)
     each = np.clip(np.ceil(h / part), 2, max(2, MOST_CHECKS // len(h))).astype(np.int64)
-    piece = np.repeat(np.arange(len(h)), each)
-    within = np.arange(each.sum()) - np.repeat(np.cumsum(each) - each, each)
+    piece, within = spread(each)
     s = np.append(path.breakpoints[piece] + h[piece] * within / each[piece], path.length)
     position, angle = moving.errors(s, arm.fk(path(s)))
     slack = (h / each) ** 2 / 8.0

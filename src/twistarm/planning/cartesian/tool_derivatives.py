@@ -12,7 +12,7 @@ from ...limits.joint_limits import JointLimits
 from ...support.checks import Array
 from ..bernstein import bernstein
 from ..joint_path import Indices, JointPath
-from ..piecewise import derivative
+from ..piecewise import derivative, spread
 from .moving_target import MovingTarget
 
 LOOKS = 8
@@ -126,12 +126,12 @@ def _seen(arm: Arm, path: JointPath, limits: JointLimits, count: Indices) -> tup
 
     The second array (m,) is the greatest ṡ there by the joints' velocity limits.
     """
-    piece = np.repeat(np.arange(len(count)), count + 1)
-    first = np.cumsum(count + 1) - (count + 1)
-    sigma = (np.diff(path.breakpoints) / count)[piece] * (np.arange(len(piece)) - first[piece])
+    piece, nth = spread(count + 1)
+    sigma = (np.diff(path.breakpoints) / count)[piece] * nth
     theta, rate = (path.within(piece, sigma, order) for order in (0, 1))
     twist = (arm.body_jacobian(theta) @ rate[..., None])[..., 0]
     speeds = np.linalg.norm(twist.reshape(-1, 2, 3), axis=2)
     with np.errstate(divide="ignore"):
         pace = 1.0 / (np.abs(rate) / limits.velocity).max(axis=1)
+    first = np.flatnonzero(nth == 0)
     return np.maximum.reduceat(speeds, first), np.maximum.reduceat(pace, first)

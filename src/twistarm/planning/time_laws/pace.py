@@ -9,7 +9,7 @@ import numpy as np
 from ...support.checks import Array
 from ..bernstein import largest
 from ..joint_path import JointPath
-from ..piecewise import derivative
+from ..piecewise import derivative, rescaled
 from ..spans import MARGIN, require_span
 from ..within import slowed_by
 from .bounds import PathBounds
@@ -27,5 +27,4 @@ def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array)
     rates = slowed_by(coefficients @ bounds.C.T, steps, replace(bounds.rates, jerk=jerk))
     factor = max(rates, largest(speed, steps)) * (1.0 + MARGIN)
     require_span(law.duration * factor)
-    slower = (1.0 / factor) ** np.arange(len(law.coefficients) - 1, -1, -1.0)[:, None]
-    return TimeLaw(law.breakpoints * factor, law.coefficients * slower)
+    return TimeLaw(law.breakpoints * factor, rescaled(law.coefficients, 1.0 / factor))

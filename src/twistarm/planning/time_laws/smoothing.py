@@ -6,7 +6,7 @@ import numpy as np
 
 from ...support.checks import Array
 from ..joint_path import Indices, JointPath
-from ..piecewise import derivative, evaluate
+from ..piecewise import bisected, derivative, evaluate
 from .law import TimeLaw, apart
 
 BISECTIONS = 20
@@ -81,12 +81,11 @@ def _reached(average: _Average, places: Array) -> Array:
     times = average.knots
     pieces = average.pieces(times)
     index = np.clip(np.searchsorted(pieces[-1], places, side="right") - 1, 0, len(times) - 2)
-    own, low, high = pieces[:, index], np.zeros_like(places), np.diff(times)[index]
+    own = pieces[:, index]
     slope = derivative(own[:, :, None])[..., 0]
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        short = evaluate(own, middle) < places
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    low, high = bisected(
+        lambda tau: evaluate(own, tau) < places, np.zeros_like(places), np.diff(times)[index], BISECTIONS
+    )
     at = high
     for _ in range(CORRECTIONS):
         with np.errstate(divide="ignore", invalid="ignore"):
