@@ -26,8 +26,8 @@ def bernstein(coefficients: Array, durations: Array) -> Array:
 def largest(coefficients: Array, durations: Array) -> float:
     """Return an upper bound of max |p(σ)| of polynomials (d + 1, k, r) on k pieces.
 
-    Branch and bound halves pieces (de Casteljau) whose coefficients exceed the largest value seen. It ends when the
-    bound is within 1e-10 of a value.
+    Branch and bound halves pieces (de Casteljau) with coefficients above the largest value seen. It ends when the bound
+    is within 1e-10 of a value.
     """
     b = np.moveaxis(bernstein(coefficients, durations), 0, -1).reshape(-1, len(coefficients))
     taken = 0.0
@@ -41,7 +41,7 @@ def largest(coefficients: Array, durations: Array) -> float:
 
 @cache
 def _halving(degree: int) -> Array:
-    """Return (d + 1, 2 d + 2): the coefficients on one half of the piece, then on the other, by de Casteljau."""
+    """Return (d + 1, 2 d + 2): the coefficients on the first half, then on the second (de Casteljau)."""
     left = [[comb(i, j) / 2**i if j <= i else 0.0 for i in range(degree + 1)] for j in range(degree + 1)]
     return frozen(np.hstack([left, np.array(left)[::-1, ::-1]]))
 

@@ -22,11 +22,11 @@ STILL = 1e-12
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointPath:
-    """q(s) of n joints, a polynomial on each of m pieces of a path parameter s, which has no unit.
+    """q(s) of n joints, a polynomial on each of m pieces of a path parameter s without a unit.
 
     `breakpoints` (m + 1,) starts at 0 and increases. `coefficients` (degree + 1, m, n) [rad, m] hold the highest power
-    of s − breakpoints[i] first, as in a `Trajectory`. Position, tangent q' and curvature q'' are continuous. A path
-    without motion may have one piece of no length.
+    of s − breakpoints[i] first. Position, tangent q' and curvature q'' are continuous. A path without motion may have
+    one piece of no length.
     """
 
     breakpoints: Array
@@ -80,11 +80,11 @@ class JointPath:
         return np.searchsorted(inner, s, side="right")
 
     def __call__(self, s: ArrayLike, order: int = 0) -> Array:
-        """Return the derivative of that order by s at s (...), (..., n); at a breakpoint the limit from above."""
+        """Return that derivative by s at s (...), (..., n); at a breakpoint the limit from above."""
         at = np.asarray(s, dtype=np.float64)
         piece = self.piece_at(at.ravel())
         return self.within(piece, at.ravel() - self.breakpoints[piece], order).reshape(*at.shape, self.n)
 
     def within(self, piece: Indices, sigma: Array, order: int = 0) -> Array:
-        """Return the derivative of that order in pieces (k,), each at sigma (k,) from its start, (k, n)."""
+        """Return that derivative in pieces (k,), at sigma (k,) from their starts, (k, n)."""
         return evaluate(derivative(self.coefficients[:, piece], order), sigma[:, None])

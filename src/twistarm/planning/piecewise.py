@@ -39,7 +39,7 @@ def evaluate(coefficients: Array, tau: Array) -> Array:
 
 
 def rescaled(coefficients: Array, unit: float | Array) -> Array:
-    """Return p(unit · u): polynomials (d + 1, ...) of time in another unit, one for all pieces or one for each (s,)."""
+    """Return p(unit · u) of polynomials (d + 1, ...), with one unit for all pieces or one for each (s,)."""
     powers = np.arange(len(coefficients) - 1, -1, -1.0)
     factors = np.asarray(unit) ** powers.reshape(-1, *[1] * np.ndim(unit))
     scaled: Array = coefficients * factors.reshape(*factors.shape, *[1] * (coefficients.ndim - factors.ndim))
@@ -47,7 +47,7 @@ def rescaled(coefficients: Array, unit: float | Array) -> Array:
 
 
 def spread(count: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Number `count` (s,) places in each piece, one after the other: the piece of each place, and its number there."""
+    """Number `count` (s,) places in each piece: return the piece of each place, and its number there."""
     piece = np.repeat(np.arange(len(count)), count)
     return piece, np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)
 
@@ -68,9 +68,7 @@ def side_by_side(pieces: Sequence[Array]) -> Array:
 
 
 def composed(outer: Array, inner: Array) -> Array:
-    """Return the coefficients of outer(inner(t)): (d + 1, k, n) of (e + 1, k) on the same k pieces give (d e + 1, k,
-    n).
-    """
+    """Return the coefficients (d e + 1, k, n) of outer(inner(t)) for (d + 1, k, n) and (e + 1, k)."""
     result = outer[:1]
     for row in outer[1:]:
         product = np.zeros((len(result) + len(inner) - 1, *outer.shape[1:]))
@@ -82,7 +80,7 @@ def composed(outer: Array, inner: Array) -> Array:
 
 
 def shifted(coefficients: Array, by: Array) -> Array:
-    """Return the same polynomials in the time since `by` (s,) [s] after each segment's start: p(tau + by)."""
+    """Return the same polynomials from `by` (s,) [s] after each segment's start: p(tau + by)."""
     binomials, powers = _binomials(len(coefficients) - 1)
     moved = binomials[:, :, None] * by ** powers[:, :, None]
     same: Array = np.einsum("kps,ps...->ks...", moved, coefficients)
@@ -91,7 +89,7 @@ def shifted(coefficients: Array, by: Array) -> Array:
 
 @cache
 def _binomials(degree: int) -> tuple[Array, Array]:
-    """Return the factor and the power of `by` with which each coefficient (columns) enters each shifted one (rows)."""
+    """Return the factor and the power of `by` for each coefficient (columns) of each shifted one (rows)."""
     down = np.arange(degree, -1, -1)
     binomials = [[float(comb(p, k)) for p in down] for k in down]
     return frozen(binomials), frozen(np.maximum(down[None, :] - down[:, None], 0))
@@ -123,7 +121,7 @@ def through(t: Array, theta: Array, theta_dot: Array | None = None, theta_ddot: 
     """Return coefficients (degree + 1, k − 1, n) through states (k, n) at t (k,) [s].
 
     Positions alone give straight lines, rates too give cubics, accelerations too give quintics. Each piece meets the
-    given states at both ends; at its start they are exact to the last bit.
+    given states at both ends, exactly at its start.
     """
     h = np.diff(t)[:, None]
     a, way = theta[:-1], np.diff(theta, axis=0)

@@ -1,4 +1,4 @@
-"""Stretches: the joint path from one stop of a motion to the next, with rounded corners."""
+"""Stretches: the joint path from stop to stop of a motion, with rounded corners."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def runs(legs: list[Leg]) -> Iterator[list[Leg]]:
 
 
 def path_along(arm: Arm, run: list[Leg], limits: JointLimits) -> tuple[JointPath, Array, Array | None]:
-    """Return one path along legs that move, the end of each leg on it, and the greatest ṡ on each piece (m,).
+    """Return one path along moving legs, the end of each leg, and the greatest ṡ on each piece (m,).
 
     A leg that is rounded ends in the middle of its rounding. The greatest ṡ is None where nothing limits it. Raises
     InputError where a blend does not fit.
@@ -89,7 +89,7 @@ def _too_large(arm: Arm, leg: Leg, path: JointPath, following: JointPath, begins
 
 
 def _of_unit_speed(leg: Leg, limits: JointLimits) -> JointPath:
-    """Return the leg's path by a parameter that counts the least time at full velocity, so that corners round evenly.
+    """Return the leg's path by a parameter that counts the least time at full velocity. So corners round evenly.
 
     A straight path is cut into pieces where the tool's speed is limited.
     """
@@ -104,7 +104,7 @@ def _of_unit_speed(leg: Leg, limits: JointLimits) -> JointPath:
 
 
 def _caps(arm: Arm, path: JointPath, move: Move, limits: JointLimits) -> Array:
-    """Return the greatest ṡ on each piece (m,) by the move's share of joint velocities and its speeds of the tool."""
+    """Return the greatest ṡ on each piece (m,) by the move's speeds of joints and tool."""
     cap = np.full(len(path.breakpoints) - 1, np.inf)
     with np.errstate(divide="ignore"):
         if move.speed < 1.0:
@@ -122,8 +122,8 @@ def _rounded(
 ) -> tuple[float, JointPath, float] | None:
     """Return where to leave `before`, the rounding, and where to join `after`. None: the tool does not leave the ball.
 
-    The rounding is the quintic with position, first and second derivative of both paths at its ends (Lynch & Park
-    §9.2.2.1), so the whole is C². It shrinks until it stays inside the ball and the position limits.
+    The rounding is the quintic with position, first and second derivative of both paths (Lynch & Park §9.2.2.1). So the
+    whole is C². It shrinks until it stays inside the ball and the position limits.
     """
     centre = arm.fk(before.end)[:3, 3]
     for shrink in range(SHRINKS):
@@ -142,7 +142,7 @@ def _rounded(
 
 
 def _leaves_ball(arm: Arm, path: JointPath, radius: float, *, at_end: bool) -> float | None:
-    """Return where the tool first leaves the ball about one end of `path`, seen from that end. None: nowhere."""
+    """Return where the tool first leaves the ball about one end of `path`, seen from there. None: nowhere."""
     centre = arm.fk(path.end if at_end else path.start)[:3, 3]
     s = np.linspace(0.0, path.length, SAMPLES)
     if at_end:

@@ -1,4 +1,4 @@
-"""Joint limits along a motion, checked at its exact extremes, and the error that tells where one is broken."""
+"""Joint limits along a motion, checked at its exact extremes, and their errors."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ RATES = ("velocity", "acceleration", "jerk")
 
 
 def stretch_needed(coefficients: Array, durations: Array, limits: JointLimits) -> Array:
-    """Return the factor by which each segment must be slowed, (s,); 1 where one rate just meets its limit.
+    """Return the factor (s,) by which each segment must be slowed; 1 just meets a limit.
 
     A motion `f` times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """
@@ -73,7 +73,7 @@ def _samplers(degree: int, order: int) -> Array:
 
 
 def farthest_outside(theta: Array, limits: JointLimits) -> tuple[tuple[int, ...], float, str]:
-    """Return where theta (..., n) is farthest beyond a position limit, how far [rad, m], and beyond which side."""
+    """Return where theta (..., n) is farthest beyond a position limit, how far [rad, m], and on which side."""
     beyond = np.maximum(limits.lower - theta, theta - limits.upper)
     at = tuple(int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
     return at, float(beyond[at]), "lower" if theta[at] < limits.lower[at[-1]] else "upper"
@@ -98,7 +98,7 @@ def require_within(trajectory: Trajectory, limits: JointLimits, advice: str = "p
 
 
 def require_rates(trajectory: Trajectory, limits: JointLimits, moved: str = "joint") -> None:
-    """Raise LimitError naming joint, limit, value and time where a rate of `trajectory` is above its limit.
+    """Raise LimitError with joint, limit, value and time where a rate of `trajectory` is too high.
 
     `moved` is the word for what moves: "motor" for a `Trajectory.to_motors`.
     """
@@ -121,7 +121,7 @@ def require_rates(trajectory: Trajectory, limits: JointLimits, moved: str = "joi
 def require_waypoints(
     waypoints: Array, limits: JointLimits, names: Sequence[str], units: Sequence[str], what: str = ""
 ) -> None:
-    """Raise LimitError naming the waypoint, or `what` it is, with joint and limit, where one is outside."""
+    """Raise LimitError with waypoint (or `what`), joint and limit, where one is outside."""
     (i, j), beyond, side = farthest_outside(waypoints, limits)
     if beyond <= POSITION_TOL:
         return

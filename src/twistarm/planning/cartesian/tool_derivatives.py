@@ -1,4 +1,4 @@
-"""Bounds of the tool's motion along a joint path: its speed, how fast that changes, and how a deviation bends."""
+"""Bounds of the tool's motion along a joint path: speed, its changes, and the bend of a deviation."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_LOOKS = 512
 
 
 class ToolDerivatives(NamedTuple):
-    """Bounds on each piece of a path, (m,), of derivatives by s of the tool's origin p and its rotation.
+    """Bounds (m,) on each piece of a path of derivatives by s of the tool's origin p and rotation.
 
     velocity, acceleration, jerk: of ‖p'‖, ‖p''‖, ‖p'''‖ [m]. turn_velocity, turn_acceleration, turn_jerk: of ‖ω‖, ‖ω'‖,
     ‖ω''‖ [rad].
@@ -101,8 +101,8 @@ def greatest_tool_speeds(
     """Bound ‖p'‖ [m] and ‖ω‖ [rad] by s on each piece, (m,) each.
 
     Between samples a distance d apart, a vector v(s) is within d² max ‖v''‖ / 8 of the chord. So ‖v‖ exceeds the
-    greater of both ends by at most that. `ToolDerivatives` bounds v''. Samples are refined until the bound is tight,
-    except where the joints' velocity limits (n,) keep the tool below both speeds anyway.
+    greater of both ends by at most that. `ToolDerivatives` bounds v''. Samples are refined until the bound is tight.
+    They stay coarse where the joints' velocity limits (n,) keep the tool below both speeds anyway.
     """
     bounds = ToolDerivatives.along(arm, path)
     bend = np.stack([bounds.jerk, bounds.turn_jerk], axis=1)

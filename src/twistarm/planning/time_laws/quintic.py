@@ -18,7 +18,7 @@ BISECTIONS = 60
 
 
 def quintic(path: JointPath, bounds: PathBounds) -> TimeLaw:
-    """s = L (10 u³ − 15 u⁴ + 6 u⁵), u = t/T, with the least T that keeps every limit: smooth, and slower than needed.
+    """s = L (10 u³ − 15 u⁴ + 6 u⁵), u = t/T, with the least T that keeps every limit.
 
     Velocity and acceleration are zero at both ends. The jerk is limited where a jerk limit was given. A path that
     stays where it is takes no time. Source: Lynch & Park, Modern Robotics, §9.2.2.1.
