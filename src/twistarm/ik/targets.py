@@ -1,4 +1,4 @@
-"""Targets of inverse kinematics: a pose, a position, a position with an approach axis, a pose with tolerances.
+"""Targets of inverse kinematics: a pose, a position, an approach, a pose with tolerances.
 
 A solver sees the components that a target constrains. `_position_rows` and `_rotation_rows` take the tool's pose g
 (4, 4) and its body Jacobian J_b (6, n), unchecked. They give an error (k,) and rows (k, n). For the position
@@ -62,7 +62,7 @@ class Pose(Brief):
     _rotation_tolerance: ClassVar[Array] = THREE
 
     def __init__(self, g: Matrix) -> None:
-        numbers = _checked("pose", g)
+        numbers = engine.asked("pose", g)
         object.__setattr__(self, "g", _one_pose(g, "pose g") if numbers is None else numbers)
 
     @classmethod
@@ -136,7 +136,7 @@ class Position(Brief):
     _rotation_tolerance: ClassVar[Array] = NONE
 
     def __init__(self, p: Row) -> None:
-        numbers = _checked("position", p)
+        numbers = engine.asked("position", p)
         object.__setattr__(self, "p", _one_vector(p, "p") if numbers is None else numbers)
 
     @property
@@ -190,7 +190,7 @@ class Approach(Brief):
     _rotation_tolerance: ClassVar[Array] = TWO
 
     def __init__(self, p: Row, direction: Row, tool_axis: Row | None = None) -> None:
-        numbers = _checked("approach", p, direction, tool_axis)
+        numbers = engine.asked("approach", p, direction, tool_axis)
         if numbers is None:
             axis = () if tool_axis is None else _one_direction(tool_axis, "tool_axis")
             numbers = frozen([*_one_vector(p, "p"), *_one_direction(direction, "direction"), *axis])
@@ -274,7 +274,7 @@ class Task(Brief):
 
     def __init__(self, g: Matrix, tolerance: Row, frame: str = "target") -> None:
         base_axes = require_choice(frame, ("target", "base"), "frame") == "base"
-        numbers = _checked("task", g, tolerance, base_axes)
+        numbers = engine.asked("task", g, tolerance, base_axes)
         if numbers is None:
             numbers = frozen([*_one_pose(g, "pose g").flat, *_as_tolerance(tolerance), base_axes])
         object.__setattr__(self, "g", numbers[:16].reshape(4, 4))
@@ -368,7 +368,7 @@ def target_for(arm: Arm, value: Any) -> AnyTarget:
 
 
 def checked_target(arm: Arm, value: Any) -> AnyTarget:
-    """The same with its numbers checked again, because a caller may have written into the arrays of a target."""
+    """The same with its numbers checked again, because you may have written into its arrays."""
     target = target_for(arm, value)
     return target_of(target.kind, target.numbers)
 
@@ -412,15 +412,6 @@ def _cross(a: Array, b: Array) -> Array:
     # np.cross takes some thirty times as long for one pair of vectors.
     (a1, a2, a3), (b1, b2, b3) = a.tolist(), b.tolist()
     return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
-
-
-def _checked(make: str, *given: Any) -> Array | None:
-    """A target's numbers, read-only, if the compiled core finds the arguments plainly right.
-
-    None leaves them to Python, which converts them or says what is wrong.
-    """
-    numbers: Array | None = engine.asked(make, *given)
-    return numbers
 
 
 def _one_pose(value: Matrix, name: str) -> Array:
