@@ -17,7 +17,7 @@ from .targets import AnyTarget
 from .task_space import Tolerances
 
 USUAL = Tolerances(1e-6, 1e-6)
-"""Of these searches; what they meet but for the rounding of the axes is not `exact`."""
+"""Of these searches and of motions that name none [m, rad]. What only the rounding of axes allows is not `exact`."""
 
 
 class Searched(NamedTuple):

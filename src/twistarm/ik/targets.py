@@ -73,7 +73,7 @@ class Pose(Brief):
             p: Position (3,) [m].
             rpy: Angles (3,) [rad]. InputError beyond a whole turn, which looks like degrees.
         """
-        angles = _one_vector(rpy, "rpy", 3, "")
+        angles = one_vector(rpy, "rpy", 3, "")
         if angle_hint(angles):
             raise InputError(f"rpy: {angle_hint(angles)}: numpy.radians converts them")
         return cls(_posed(p, from_rpy(angles)))
@@ -89,7 +89,7 @@ class Pose(Brief):
         """
         if (wxyz is None) == (xyzw is None):
             raise InputError("give one quaternion: wxyz= with the scalar first, or xyzw= with the scalar last")
-        Q = _one_vector(xyzw, "xyzw", 4, "") if wxyz is None else np.roll(_one_vector(wxyz, "wxyz", 4, ""), -1)
+        Q = one_vector(xyzw, "xyzw", 4, "") if wxyz is None else np.roll(one_vector(wxyz, "wxyz", 4, ""), -1)
         length = float(np.linalg.norm(Q))
         if abs(length - 1.0) > UNIT_LENGTH_TOL:
             raise InputError(f"a quaternion has length 1; this one has {length:.3g}")
@@ -137,7 +137,7 @@ class Position(Brief):
 
     def __init__(self, p: Row) -> None:
         numbers = engine.asked("position", p)
-        object.__setattr__(self, "p", _one_vector(p, "p") if numbers is None else numbers)
+        object.__setattr__(self, "p", one_vector(p, "p") if numbers is None else numbers)
 
     @property
     def numbers(self) -> Array:
@@ -192,8 +192,8 @@ class Approach(Brief):
     def __init__(self, p: Row, direction: Row, tool_axis: Row | None = None) -> None:
         numbers = engine.asked("approach", p, direction, tool_axis)
         if numbers is None:
-            axis = () if tool_axis is None else _one_direction(tool_axis, "tool_axis")
-            numbers = frozen([*_one_vector(p, "p"), *_one_direction(direction, "direction"), *axis])
+            axis = () if tool_axis is None else one_direction(tool_axis, "tool_axis")
+            numbers = frozen([*one_vector(p, "p"), *one_direction(direction, "direction"), *axis])
         object.__setattr__(self, "p", numbers[:3])
         object.__setattr__(self, "direction", numbers[3:6])
         object.__setattr__(self, "tool_axis", None if tool_axis is None else numbers[6:])
@@ -422,7 +422,8 @@ def _one_pose(value: Matrix, name: str) -> Array:
     return frozen(g)
 
 
-def _one_vector(value: Any, name: str, size: int = 3, unit: str = "m") -> Array:
+def one_vector(value: Any, name: str, size: int = 3, unit: str = "m") -> Array:
+    """One vector (size,), read-only. InputError for another, and for lengths [m] that are mistakes in the units."""
     vector = as_vector(value, name, size)
     if vector.shape != (size,):
         raise InputError(f"{name} must have shape ({size},); got {vector.shape}")
@@ -433,11 +434,12 @@ def _one_vector(value: Any, name: str, size: int = 3, unit: str = "m") -> Array:
 
 def _posed(p: Row, R: Array) -> Array:
     g = np.eye(4)
-    g[:3, :3], g[:3, 3] = R, _one_vector(p, "p")
+    g[:3, :3], g[:3, 3] = R, one_vector(p, "p")
     return g
 
 
-def _one_direction(value: ArrayLike, name: str) -> Array:
+def one_direction(value: ArrayLike, name: str) -> Array:
+    """One unit vector (3,) along `value`, read-only. InputError for another shape or zero."""
     unit = as_direction(value, name)
     if unit.shape != (3,):
         raise InputError(f"{name} must have shape (3,); got {unit.shape}")

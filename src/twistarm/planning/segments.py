@@ -7,20 +7,17 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..ik.request import as_tolerance
-from ..ik.targets import KINDS, AnyTarget, Pose
+from ..ik.targets import KINDS, AnyTarget, Pose, one_direction, one_vector
 from ..support.checks import (
     Array,
     Row,
-    as_direction,
     as_flag,
     as_floats,
     as_not_negative,
     as_number,
     as_positive,
-    as_vector,
     frozen,
     require_choice,
 )
@@ -114,7 +111,7 @@ class _CurveMove(Move):
         if given is None:
             object.__setattr__(self, "to", as_goal(goal))
         else:
-            object.__setattr__(self, name, _one(given, name, size))
+            object.__setattr__(self, name, one_vector(given, name, size, ""))
         if self.constrain is not None:
             require_choice(self.constrain, CONSTRAINED, "constrain")
 
@@ -151,7 +148,7 @@ class LineMove(_CurveMove):
                 "position". None: the pose, or the first of the three that an arm of fewer than six joints can keep.
             **options: Those of every `Move`: blend, speed and so on.
         """
-        return cls(None, offset=_one(offset, "offset"), frame=frame, constrain=constrain, **options)
+        return cls(None, offset=one_vector(offset, "offset", unit=""), frame=frame, constrain=constrain, **options)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -193,7 +190,7 @@ class ScrewMove(_CurveMove):
             constrain: As for `LineMove.by`.
             **options: Those of every `Move`: blend, speed and so on.
         """
-        w, q = _axis(axis), _one(point, "point")
+        w, q = one_direction(axis, "axis"), one_vector(point, "point", unit="")
         v = np.cross(q, w) + as_number(pitch, "pitch") * w
         return cls(None, twist=as_number(angle, "angle") * np.concatenate([v, w]), constrain=constrain, **options)
 
@@ -244,7 +241,7 @@ class ArcMove(_CurveMove):
             constrain: As for `LineMove.by`.
             **options: Those of every `Move`: blend, speed and so on.
         """
-        w, q = _axis(axis), _one(centre, "centre")
+        w, q = one_direction(axis, "axis"), one_vector(centre, "centre", unit="")
         twist = as_number(angle, "angle") * np.concatenate([np.cross(q, w), w])
         return cls(None, None, twist=twist, turn=turn, constrain=constrain, **options)
 
@@ -289,23 +286,9 @@ def as_label(value: Any) -> str:
     return value
 
 
-def _axis(value: ArrayLike) -> Array:
-    return _shape(as_direction(value, "axis"), "axis", 3)
-
-
-def _one(value: ArrayLike, name: str, size: int = 3) -> Array:
-    return frozen(_shape(as_vector(value, name, size), name, size))
-
-
-def _shape(value: Array, name: str, size: int) -> Array:
-    if value.shape != (size,):
-        raise InputError(f"{name} must have shape ({size},); got {value.shape}")
-    return value
-
-
 def _point(value: Any) -> Array:
     """Return the position of a target, or the point itself."""
     if isinstance(value, KINDS):
         return np.array(value.g[:3, 3] if hasattr(value, "g") else value.p)
     numbers = as_floats(value, "via")
-    return np.array(Pose(numbers).g[:3, 3]) if numbers.shape == (4, 4) else _one(numbers, "via")
+    return np.array(Pose(numbers).g[:3, 3]) if numbers.shape == (4, 4) else one_vector(numbers, "via", unit="")

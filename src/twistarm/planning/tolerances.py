@@ -8,15 +8,12 @@ from typing import Any
 from ..arm.almost_exact import ORIENTATION_ROUNDING, POSITION_ROUNDING, angle_in_words, length_in_words
 from ..arm.arm import Arm
 from ..ik.request import as_tolerance
+from ..ik.searches import USUAL
 from ..ik.solution import missed_by_rounding
 from ..ik.targets import KINDS, target_for
 from ..ik.task_space import Tolerances
 from ..support.checks import Array
 from .segments import Move, Segment
-
-USUAL = Tolerances(1e-6, 1e-6)
-"""Of a motion that names none [m, rad]."""
-
 
 ROUNDED = (
     f"the path is met to within the rounding of the arm's axes, by at most {length_in_words(POSITION_ROUNDING)} and "

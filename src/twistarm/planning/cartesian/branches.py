@@ -7,11 +7,11 @@ import numpy as np
 from ...arm.arm import Arm
 from ...ik.closed_form.methods import family_method
 from ...ik.ranges import joint_ranges
-from ...ik.searches import searched
+from ...ik.searches import USUAL, searched
 from ...ik.targets import AnyTarget
 from ...ik.task_space import Tolerances
 from ...support.checks import Array
-from ..tolerances import USUAL, leeway
+from ..tolerances import leeway
 from .nodes import ALL_BUT_EXACT, EXACT
 
 MOST = 96

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...ik.searches import USUAL
 from ...ik.targets import AnyTarget, Approach, Pose, Position, Task
 from ...ik.task_space import Tolerances
 from ...support.checks import Array
-from ..tolerances import USUAL
 from .curves import Curve
 
 NO_WAY = 1e-9
