@@ -85,3 +85,11 @@ def holds(arm, g, theta, found, deeper=3):
         if holds(arm, g, theta, solve_ik_all(arm, Pose(g), theta, given={name: value}), deeper - 1):
             return True
     return False
+
+
+def assert_exact_and_different(arm, g, theta, found, exact=1e-9):
+    """Every answer meets the pose g that theta (n,) made, none is there twice, and theta is among them."""
+    everything = [*found.theta, *found.outside]
+    assert all(missed(arm, g, each) <= exact for each in everything)
+    assert not any(one(arm, g, a, b, 0.5 * exact) for i, a in enumerate(everything) for b in everything[:i])
+    assert holds(arm, g, theta, found), theta

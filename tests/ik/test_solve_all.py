@@ -9,7 +9,7 @@ import pytest
 
 import twistarm
 from catalogue import load
-from family_arms import CASES, apart, family_arm, holds, missed, one, pose_of, screws_of
+from family_arms import CASES, apart, assert_exact_and_different, family_arm, missed, pose_of, screws_of
 from ik_targets import pinocchio_fk
 from twistarm import Approach, Pose, Position, solve_ik_all
 
@@ -21,11 +21,7 @@ def check(arm, theta, near):
     """One target, made by theta."""
     g = pose_of(arm, theta)
     found = solve_ik_all(arm, Pose(g), near)
-    everything = [*found.theta, *found.outside]
-    assert all(missed(arm, g, each) <= EXACT for each in everything)
-    twice = [(i, j) for i, a in enumerate(everything) for j in range(i) if one(arm, g, a, everything[j], 0.5 * EXACT)]
-    assert not twice
-    assert holds(arm, g, theta, found), theta
+    assert_exact_and_different(arm, g, theta, found)
     lower, upper = arm.limits.lower, arm.limits.upper
     assert ((found.theta >= lower) & (found.theta <= upper)).all()
     distances = (np.abs(found.theta - near) / (upper - lower)).max(axis=1) if len(found) else np.zeros(0)

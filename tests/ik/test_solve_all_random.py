@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from family_arms import apart, holds, missed, one, pose_of, screws_of
+from family_arms import apart, assert_exact_and_different, pose_of, screws_of
 from twistarm import Pose, arm_from_screws, solve_ik_all_batch, solve_ik_batch
 from twistarm.ik.closed_form.methods import method_for
 
@@ -101,11 +101,8 @@ def test_all_roots_of_random_arms(name):
         made = arm.random_theta(rng, TARGETS)
         poses = np.array([pose_of(arm, theta) for theta in made])
         for g, theta, found in zip(poses, made, solve_ik_all_batch(arm, poses), strict=True):
-            everything = np.vstack([found.theta, found.outside])
             assert found.complete
-            assert all(missed(arm, g, each) <= 1e-9 for each in everything)
-            assert not any(one(arm, g, a, b, 5e-10) for i, a in enumerate(everything) for b in everything[:i])
-            assert holds(arm, g, theta, found), (k, theta)
+            assert_exact_and_different(arm, g, theta, found)
         assert_nothing_more(arm, poses[-1], found, rng)
     assert whole >= ARMS // 3
 

@@ -7,6 +7,7 @@ import pickle
 import numpy as np
 import pytest
 
+from test_actuators import differential
 from twistarm import Actuators, InputError, JointLimits
 from twistarm.limits.motion_limits import MotionLimits
 
@@ -17,7 +18,7 @@ JOINTS = JointLimits.unbounded(3).with_(
         "lower": [-0.3, -1.2, -np.inf],
         "upper": [0.3, 1.2, np.inf],
         "velocity": [0.3, 1.2, 2.0],
-        "acceleration": [1.0, 4.0, 6.0],
+        "acceleration": [1, 4, 6],
     },
     ("slide", "pitch", "roll"),
 )
@@ -25,23 +26,9 @@ JOINTS = JointLimits.unbounded(3).with_(
 
 def wrist() -> Actuators:
     """A slide, and a differential wrist whose motors cannot do what both joints may do at once."""
-    names = ("rail", "left", "right")
-    limits = {
-        "lower": [-100.0, -100.0, -90.0],
-        "upper": [100.0, 100.0, 95.0],
-        "velocity": [100.0, 90.0, 90.0],
-        "acceleration": [300.0, 400.0, 200.0],
-    }
-    G = np.array([[400.0, 0.0, 0.0], [0.0, 60.0, 60.0], [0.0, 60.0, -60.0]])
-    return Actuators(
-        names,
-        ("slide", "pitch", "roll"),
-        G,
-        np.array([0.0, 0.5, -0.5]),
-        ("rad",) * 3,
-        np.full(3, np.nan),
-        JointLimits.unbounded(3).with_(limits, names),
-    )
+    limits = {"lower": [-100.0, -100.0, -90.0], "upper": [100.0, 100.0, 95.0], "velocity": [100.0, 90.0, 90.0]}
+    limits["acceleration"] = [300.0, 400.0, 200.0]
+    return differential(limits=JointLimits.unbounded(3).with_(limits, ("rail", "left", "right")))
 
 
 def test_velocities_are_scaled_to_what_the_motors_can() -> None:

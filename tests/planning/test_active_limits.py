@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from twistarm import Actuators, Arm, ArmBuilder, Dwell, JointMove, LineMove, active_limits, plan, plan_joint
+from test_hard_motions import arm_of
+from twistarm import Actuators, Arm, Dwell, JointMove, LineMove, active_limits, plan, plan_joint
 from twistarm.limits import JointLimits
 from twistarm.support.errors import InputError
 
@@ -17,8 +18,7 @@ LIMITS = {"velocity": 2.0, "acceleration": 5.0}
 @pytest.fixture
 def gantry() -> Arm:
     """Two slides along x and y: the tool goes as they do."""
-    builder = ArmBuilder("gantry").prismatic("x", [1, 0, 0], lower=-5, upper=5)
-    return builder.prismatic("y", [0, 1, 0], lower=-5, upper=5).tool(np.eye(4)).build()
+    return replace(arm_of("two"), limits=JointLimits.unbounded(2))
 
 
 @pytest.mark.parametrize("kind", ["trapezoid", "time_optimal"])

@@ -49,10 +49,10 @@ class AllAnswers:
 class AllSolutions:
     """Configurations inside the limits that meet the target, each verified by forward kinematics. It cannot be changed.
 
-    Nearest to theta0 first, by the largest joint difference in shares of the joint's range (2π or 1 m where it has
-    none). `solutions[i]` is theta[i]. Where a wrist is singular, or an arm redundant, configurations form continuous
-    families. A family counts once: theta is the member that keeps a free joint at theta0's value, or else the nearest
-    found. `given` chooses another.
+    Nearest to theta0 first, by the largest joint difference in shares of the joint's range (else 2π or 1 m).
+    `solutions[i]` is theta[i]. Where a wrist is singular, or an arm redundant, configurations form continuous families.
+    A family counts once: by the member that keeps a free joint at theta0's value, or else the nearest. `given` chooses
+    another.
     """
 
     _arm: Arm
@@ -89,26 +89,26 @@ class AllSolutions:
 
     @property
     def outside(self) -> Array:
-        """(m, n) [rad, m], read-only: configurations outside the limits, as near to them as whole turns allow."""
+        """(m, n) [rad, m], read-only: configurations outside the limits, by whole turns near to them."""
         return frozen(joint_ranges(self._arm).toward_middle(self._found.theta[self._found.inside :]))
 
     @property
     def free(self) -> tuple[tuple[str, ...], ...]:
-        """For each of theta, the joints that may go on moving while the target stays met; () if it stands alone."""
+        """For each of theta, the joints that may go on moving while the target stays met."""
         names = self._arm.joint_names
         moving = self._found.moves[: self._found.inside]
         return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in moving)
 
     @property
     def members(self) -> tuple[Array, ...]:
-        """For each of theta, the configurations (m, n) of its family found inside the limits, itself first."""
+        """For each of theta, the members (m, n) of its family inside the limits, itself first."""
         return self._members or tuple(self.theta[:, None])
 
     @property
     def complete(self) -> bool:
         """Whether there are no other configurations, except others of the same families.
 
-        False for sampled joints, for axes that miss the family that was solved, for a search, and when the time was up.
+        False for sampled joints, axes that miss the family, a search, and when the time was up.
         """
         return self._complete
 
@@ -119,7 +119,7 @@ class AllSolutions:
 
     @property
     def rounded(self) -> bool:
-        """Whether only the rounding of the arm's axes allows these; `explain()` says by how much they miss."""
+        """Whether only the rounding of the arm's axes allows these; `explain()` says how far they miss."""
         return self._rounded and len(self) > 0
 
     @property

@@ -71,7 +71,7 @@ class AllSolutionsBatch:
 
     @cached_property
     def free(self) -> NDArray[np.bool_]:
-        """(N, most, n): which joints may go on moving while the target stays met; False behind the last."""
+        """(N, most, n): which joints may go on moving while the target stays met."""
         return self._padded(self.moves > 0.5, False)
 
     def _padded(self, rows: NDArray[Any], nothing: float) -> NDArray[Any]:
@@ -124,10 +124,10 @@ def solve_ik_all_batch(
     orientation_tol: float = 1e-9,
     threads: int = 1,
 ) -> AllSolutionsBatch:
-    """Every configuration of N targets: `solve_ik_all` of each, at the core's speed where it has the arm's family.
+    """Every configuration of N targets: `solve_ik_all` of each, at the core's speed for families.
 
-    The core needs targets of one kind, for an `Approach` with one tool axis, no sampled joint and no copies. Then
-    `threads` share the work. The answer to a target depends on that target alone. Ctrl-C ends it.
+    The core needs targets of one kind (and one tool axis), no sampled joint and no copies. Then `threads` share the
+    work. The answer to a target depends on that target alone. Ctrl-C ends it.
 
     Args:
         arm: The arm.
@@ -194,7 +194,7 @@ def _by_core(
 ) -> AllSolutionsBatch | None:
     """The core's answer. None where an argument is not plainly right.
 
-    `one` solves a target from its theta0, where the core does not tell families apart or allow for rounded axes.
+    `one` solves a target where the core does not tell families apart or allow for rounded axes.
     """
     assert method.compiled is not None
     numbers = targets

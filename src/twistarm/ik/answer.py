@@ -1,6 +1,6 @@
 """An answer by name: `IKResult` reads one, `IKBatch` has a record for each target.
 
-An answer holds copies of what was asked, so arrays that the caller changes later do not change it.
+An answer holds copies of the arguments, so later changes of your arrays do not change it.
 """
 
 from __future__ import annotations

@@ -43,10 +43,9 @@ def is_exact(tolerances: Tolerances) -> bool:
 def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
     """The answer, corrected by the closed form.
 
-    The closed form may give a configuration after all, or one outside the limits, which then are the reason. The answer
-    is `certain` where the closed form shows that no configuration inside the limits meets the target within the
-    tolerances. An answer that is met, or was not finished in time, comes back unchanged. So does that of one search: a
-    caller who wants one search wants to know what it finds.
+    It may give a configuration after all. If that lies outside the limits, these are the reason. The answer is
+    `certain` where the closed form shows that nothing inside the limits meets the target. An answer that is met, or was
+    not finished in time, comes back unchanged. So does that of one search: a caller of one search wants its result.
     """
     if answer.stop in (0, TIMED_OUT, NOT_FINISHED) or answer.restarts <= 1:
         return answer
@@ -98,7 +97,7 @@ def _met(arm: Arm, target: AnyTarget, answer: Answer, theta: Array) -> Answer:
 
 
 def _with_limits_blamed(arm: Arm, target: AnyTarget, answer: Answer, theta: Array) -> Answer:
-    """The answer with a configuration outside the limits, unless it has one already that meets the whole target."""
+    """The answer with a configuration outside the limits, unless one meets the whole target already."""
     tolerances = Tolerances(float(answer.position_tol), float(answer.orientation_tol))
     known = arm.fk(answer.unlimited)
     if answer.has_unlimited and tolerances.met(target.position_error(known), target.orientation_error(known)):

@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Deadline:
-    """A moment on the monotonic clock [s] after which no new work begins; infinity for no deadline."""
+    """A moment on the monotonic clock [s] after which no new work begins."""
 
     moment: float = math.inf
 

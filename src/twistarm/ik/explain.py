@@ -93,14 +93,14 @@ def reached(solution: IKResult) -> str:
 
 
 def _hardly(error: float, tolerance: float, argument: str, unit: str) -> str:
-    """The tolerance and the argument that widens it, for an error that is little more than the tolerance."""
+    """The tolerance and the argument that widens it, for an error of few tolerances."""
     if error >= HARDLY * tolerance:
         return ""
     return f" (the tolerance is {quantity(tolerance, unit)}; {argument}= widens it)"
 
 
 def _traded(solution: IKResult) -> str:
-    """The wider position tolerance that lets the arm meet the rotation, where only the rotation is missed."""
+    """The wider position tolerance with which the arm meets the rotation."""
     chain, target, met = solution.arm._compiled, solution.target, solution.tolerances
     if chain is None or solution.position_error > met.position or not len(target._position_tolerance):
         return ""
@@ -178,7 +178,7 @@ def _missing(solution: IKResult) -> list[str]:
 
 
 def _impossible(solution: IKResult, theta: Array) -> list[str]:
-    """The rotation that no joint can undo at theta (n,), and the plane that holds the approach."""
+    """The rotation that no joint can undo at theta (n,), and the plane of the approach."""
     arm, target = solution.arm, solution.target
     split = split_rotation(arm, target, theta)
     lacks = solution.stop is StopReason.IMPOSSIBLE_DIRECTION
@@ -194,7 +194,7 @@ def _impossible(solution: IKResult, theta: Array) -> list[str]:
 
 
 def _missing_rotation(solution: IKResult) -> list[str]:
-    """The missing rotation and why, the larger part first, and how far the position is out of reach for it."""
+    """The missing rotation and why, the larger part first, and how far out of reach the position is for it."""
     arm, target, theta = solution.arm, solution.target, solution.theta
     split = split_rotation(arm, target, theta)
     prevented, impossible = [], _impossible(solution, theta)

@@ -1,4 +1,4 @@
-"""Gathering: the roots of one target by every way there is, put into families and listed as answers."""
+"""Gathering: the roots of one target by every way, put into families and listed as answers."""
 
 from __future__ import annotations
 
@@ -91,12 +91,12 @@ class Gathering(Asked):
         return ROUNDED_DIRECTION if self.rounded else DEPENDENT
 
     def as_near(self, theta: Array) -> Array:
-        """theta (n,) with theta0's value for joints that move the tool only by the rounding of the axes."""
+        """theta (n,) with theta0's value for joints that move the tool by rounding only."""
         size = np.linalg.norm(self.rows(theta)[1], axis=0)
         return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
 
     def solved(self, values: Array) -> tuple[list[Root], int, int]:
-        """Roots with the held joints at each of the values (k, h), the number of values, and how many had roots."""
+        """Roots with the held joints at each of the values (k, h), and how many values have roots."""
         method, found = self.method, list[Root]()
         tries = hits = 0
         for each in self.deadline.until(values if method.there else ()):
@@ -132,7 +132,7 @@ class Gathering(Asked):
             self.progress(done, count)
 
     def held_values(self, count: int) -> Array:
-        """Values (k, h) of the held joints: given ones, theta0's of idle ones, and a grid of the others."""
+        """Values (k, h) of the held joints: given ones, theta0's of idle ones, else a grid."""
         while count ** len(self.method.swept) > MOST_COMBINATIONS:
             count -= 1
         grid = {i: self._with_near(i, self._spread(i, count)) for i in self.method.swept}
@@ -199,7 +199,7 @@ class Gathering(Asked):
         return [[root] for root in found if self.alone(root)] + [[moving[i] for i in each] for each in places]
 
     def brought_inside(self, families: list[list[Root]]) -> bool:
-        """Add to each family a member with a joint at theta0's value, and one inside the limits where it has none yet.
+        """Add to each family a member with a joint at theta0's value, and one inside the limits.
 
         The result says whether every family was met inside. If not, searches along it found nothing, but there may be
         one.
@@ -219,7 +219,7 @@ class Gathering(Asked):
         return all_seen
 
     def keeping(self, members: list[Root]) -> list[Root]:
-        """The first member of a family that can keep a free joint at theta0's value; none where the family has one."""
+        """The first member of a family with a free joint at theta0's value, unless the family has one."""
         free = [i for i in members[0].free if i not in self.motions.still]
         there = [theta for root in members if (theta := self.inside(root)) is not None]
         if any(self.at_start(theta, free) for theta in there):
@@ -252,7 +252,7 @@ class Gathering(Asked):
         return self.inside_limits(root.theta, self.near)
 
     def distance(self, theta: Array) -> float:
-        """The largest joint difference from theta0, in shares of the joint's range, 2π or 1 m where it has none."""
+        """The largest joint difference from theta0, in shares of the joint's range (else 2π or 1 m)."""
         span = self.arm.limits.upper - self.arm.limits.lower
         usual = np.where(np.array(self.arm.units) == "m", 1.0, 2.0 * np.pi)
         shares = np.abs(theta - self.near) / np.where(np.isfinite(span) & (span > 0.0), span, usual)
@@ -301,7 +301,7 @@ class Gathering(Asked):
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """An answer theta (n,), which joints may move (n,), and the members of its family inside the limits."""
+    """An answer theta (n,), its moving joints (n,), and the members of its family inside the limits."""
 
     theta: Array
     moving: NDArray[np.bool_]

@@ -44,13 +44,13 @@ class JointRanges:
         return np.where(self.turns, np.clip(self._turned_back(nearest), self.lower, self.upper), theta)
 
     def inside(self, theta: Array) -> Array:
-        """theta brought into the limits: by whole turns where that moves nothing and suffices, else to the bound."""
+        """theta brought into the limits by whole turns, else to the bound."""
         turned = self._turned_back(theta)
         kept = self.periodic & (turned >= self.lower) & (turned <= self.upper)
         return np.clip(np.where(kept, turned, theta), self.lower, self.upper)
 
     def toward_middle(self, theta: Array) -> Array:
-        """theta (..., n) by whole turns as near to the middle of the limits as possible, where it is least outside."""
+        """theta (..., n) by whole turns as near to the middle of the limits as possible."""
         bounded = np.isfinite(self.lower) & np.isfinite(self.upper)
         middle = 0.5 * (np.where(bounded, self.lower, 0.0) + np.where(bounded, self.upper, 0.0))
         return np.where(self.periodic, theta + TURN * np.round((middle - theta) / TURN), theta)
@@ -86,10 +86,10 @@ def holding(arm: Arm, joints: tuple[int, ...], theta: Array) -> Arm:
 
 
 def periodic(screws: Array, A: Array) -> Mask:
-    """Which columns of theta (n,) move nothing in 2π: e^{ξ̂ 2π a} = I for each of its joints' screws ξ, multiplier a.
+    """Which columns of theta (n,) move nothing in 2π: e^{ξ̂ 2π a} = I for their screws ξ and multipliers a.
 
-    That holds for pure rotations (w ≠ 0, wᵀv = 0) that make a whole number ‖w‖ a of turns, and for nothing else. A
-    slide goes on, a helical joint advances, a follower at half speed makes half a turn.
+    That holds only for pure rotations (w ≠ 0, wᵀv = 0) of a whole number ‖w‖ a of turns. A slide goes on, a helical
+    joint advances, a follower at half speed makes half a turn.
     """
     v, w = screws[:3], screws[3:]
     rate = np.linalg.norm(w, axis=0)

@@ -27,7 +27,7 @@ POSTURES = ("theta0", "middle")
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """How to solve, besides the target: start theta0 and preferred `posture`, (n,) or, for a batch, also (N, n)."""
+    """How to solve: start theta0 and preferred `posture`, (n,) or, for a batch, also (N, n)."""
 
     theta0: Array
     posture: Array | None
@@ -45,7 +45,7 @@ class Request:
 
 
 def named(arm: Arm, given: Any, start: Any = None) -> Any:
-    """The configuration with a name: one of the arm's poses, or, given the start, one of POSTURES.
+    """The configuration with a name: one of the arm's poses or, given the start, of POSTURES.
 
     Anything else comes back unchanged, unknown names too.
     """

@@ -21,10 +21,10 @@ SMALL_ANGLE = 1e-4
 def chord(R: Array) -> Array:
     """2 sin(φ/2) u (3,) of the rotation R by φ about u: the chordal error, without an arc tangent.
 
-    ‖R − I‖_F = √2 ‖chord‖. With (R − Rᵀ)^∨ = 2 sin φ u and 1 + tr R = 4 cos²(φ/2), the chord is their quotient
-    (R − Rᵀ)^∨ / √(1 + tr R). As R turns with the body velocity ω, dφ/dt = u · ω. With J the rows of the body velocity,
-    Jᵀ chord(R) is therefore the exact gradient of 4 (1 − cos φ/2), which grows with φ up to the half turn.
-    At φ = π the sign of u is arbitrary.
+    ‖R − I‖_F = √2 ‖chord‖. With (R − Rᵀ)^∨ = 2 sin φ u and 1 + tr R = 4 cos²(φ/2), the chord is their quotient (R −
+    Rᵀ)^∨ / √(1 + tr R). As R turns with the body velocity ω, dφ/dt = u · ω. With J the rows of the body velocity, Jᵀ
+    chord(R) is the exact gradient of 4 (1 − cos φ/2). That grows with φ up to the half turn. At φ = π the sign of u is
+    arbitrary.
     """
     w = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
     trace = float(R[0, 0] + R[1, 1] + R[2, 2])

@@ -1,4 +1,4 @@
-"""Searches for many targets: in the compiled core, or one after the other where the arm is not in it."""
+"""Searches for many targets: in the compiled core, or else one after the other."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from .targets import AnyTarget
 from .task_space import Tolerances
 
 USUAL = Tolerances(1e-6, 1e-6)
-"""Of these searches; what they meet but for the rounding of the axes is not `exact`."""
+"""Of these searches and of motions that name none [m, rad]. What only the rounding of axes allows is not `exact`."""
 
 
 class Searched(NamedTuple):
-    """The ends of searches (k, n), whether each meets its target, whether exactly (k,), and the number of searches."""
+    """The ends of searches (k, n), which meet their targets, which exactly (k,), and their number."""
 
     theta: Array
     converged: NDArray[np.bool_]

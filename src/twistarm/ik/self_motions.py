@@ -45,7 +45,7 @@ ENOUGH = 1e-10
 class SelfMotions(Asked):
     """The motions of the arm that keep the target met, with the joints `still` at rest.
 
-    Singular values below the part `dependent` of the largest belong to directions that move nothing at first.
+    Singular values below the part `dependent` of the largest belong to directions without a first-order motion.
     """
 
     still: tuple[int, ...]
@@ -93,7 +93,7 @@ class SelfMotions(Asked):
                 family[family == other] = first
 
     def together(self, a: Array, b: Array, steps: int = LONG) -> bool:
-        """Whether a way along the self-motion, of at most so many steps, leads from a to b, (n,)."""
+        """Whether the self-motion leads from a to b (n,) in at most so many steps."""
         left = apart(self.arm, b, a)
         if np.abs(left).max(initial=0.0) < NEARBY:
             halfway = a + 0.5 * left
@@ -119,9 +119,9 @@ class SelfMotions(Asked):
         return False
 
     def passed(self, start: Array, goals: Sequence[Array]) -> set[int]:
-        """The places of the goals, (n,) each, on the curve through the start (n,), both ways until it closes.
+        """The places of the goals, (n,) each, on the closed curve through the start (n,).
 
-        Where the start may move in several ways: the places of the goals that a way leads to.
+        If the start may move in several ways: the places of the goals that a way leads to.
         """
         if len(self._tangents(start)) != 1:
             return {i for i in self.deadline.until(range(len(goals))) if self.together(start, goals[i], LONG // 4)}

@@ -77,8 +77,8 @@ class IKResult:
     def theta(self) -> Array:
         """(n,) [rad, m], read-only: an answer if `converged`, else the nearest configuration.
 
-        The nearest has the least position error inside the limits, then, with the position held, the least rotation
-        error. For TIMED_OUT and EXHAUSTED it is the best so far.
+        The nearest has the least position error inside the limits, then the least rotation error with the position
+        held. For TIMED_OUT and EXHAUSTED it is the best so far.
         """
         return self._answer.theta
 
@@ -131,12 +131,12 @@ class IKResult:
 
     @property
     def converged(self) -> bool:
-        """Whether the target is met to the tolerances, or to the rounding of the arm's axes (`rounded`)."""
+        """Whether the target is met to the tolerances, or to the arm's rounding (`rounded`)."""
         return bool(self._answer.stop == 0)
 
     @property
     def rounded(self) -> bool:
-        """Whether only the rounding of the arm's axes allows the answer: `notes` says by how much it misses."""
+        """Whether only the rounding of the arm's axes allows the answer: `notes` has its miss."""
         return self.converged and not self.tolerances.met(self.position_error, self.orientation_error)
 
     @property

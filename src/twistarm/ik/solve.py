@@ -29,19 +29,19 @@ def solve_ik(
 ) -> IKResult:
     """Inverse kinematics: joint coordinates inside the limits that bring the tool to `target`.
 
-    The first search begins at `theta0`, brought inside the limits. The starts of the others depend on the seed `rng`
-    and their number alone: the same call gives the same bits, unless `max_time` cuts it short. Joints that may turn for
-    ever come back as near to theta0 as the limits allow. A configuration within 0.2 rad (0.2 m) of theta0 that meets
-    the target is the answer, where a search finds one. Otherwise, for a target within 2 cm and 3° of the pose of
-    theta0, the answer is the nearest that the searches find, and `notes` says so.
+    The first search begins at `theta0`, brought inside the limits. The starts of the others depend only on the seed
+    `rng` and their number. So the same call gives the same bits, unless `max_time` cuts it short. Joints that may turn
+    for ever come back as near to theta0 as the limits allow. A configuration within 0.2 rad (0.2 m) of theta0 is the
+    answer, if a search finds one that meets the target. Otherwise, for a target within 2 cm and 3° of theta0's pose,
+    the answer is the nearest found, and `notes` says so.
 
     The searches look for a configuration within both tolerances, not for an exact one. An arm whose axes a CAD export
     has rounded may also miss by up to `arm.rounding`. `rounded` and `notes` say so.
 
     A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 
-    A target that cannot be met is no error. The solution is then the nearest configuration: the least position error
-    inside the limits, then the least rotation error with the position held. `stop` and `explain()` say why.
+    A target that cannot be met is no error. The solution is then the nearest configuration: with the least position
+    error inside the limits, then the least rotation error with the position held. `stop` and `explain()` say why.
 
     Args:
         arm: The arm.

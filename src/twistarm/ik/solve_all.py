@@ -44,22 +44,20 @@ def solve_ik_all(
 ) -> AllSolutions:
     """Every configuration inside the limits that meets `target`, verified, nearest to `theta0` first.
 
-    Distance is the largest joint difference, in shares of the joint's range (2π or 1 m where it has none).
+    Distance is the largest joint difference, in shares of the joint's range (else 2π or 1 m).
 
-    The closed form solves an arm's family: a group of joints whose axes meet in a point or are parallel, and at most
-    three joints beside it. Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their
-    axes. Newton's method corrects each answer until forward kinematics meets the target to rounding. Answers
-    that do not meet it are dropped. Where neither applies, searches from many starts are tried, and `complete` is
-    False.
+    The closed form solves an arm's family: joints with axes that meet or are parallel, and at most three joints beside
+    them. Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their axes. Newton's method
+    corrects each answer until forward kinematics meets the target to rounding. Answers that do not meet it are dropped.
+    Where neither applies, searches from many starts are tried, and `complete` is False.
 
     A `Pose` takes arms of up to six joints, an `Approach` of up to five, a `Position` of up to three. Arms with fewer
-    joints meet the targets that fit them; `explain()` says how far off another is. An arm with more joints than the
-    target determines holds some: at the values in `given`, else at `samples` values over their range. A joint that only
-    rolls the tool about an `Approach`'s axis keeps theta0's value.
+    joints meet the targets that fit them. `explain()` says how far off another is. An arm with too many joints for the
+    target holds some: at the values in `given`, else at `samples` values. A joint that only rolls the tool about an
+    `Approach`'s axis keeps theta0's value.
 
-    Two answers less than 0.01 rad or m apart are one if the target is also met halfway between them, as for a stretched
-    arm. The answers on one connected self-motion are one answer, which keeps a free joint at theta0's value where it
-    can.
+    Two answers less than 0.01 rad or m apart are one if the target is also met halfway between them. The answers on one
+    connected self-motion are one answer, with a free joint at theta0's value if possible.
 
     Sources: MLS §3.3; Pieper 1968; Elias & Wen, IK-Geo, 2022; Raghavan & Roth 1993.
 

@@ -1,12 +1,12 @@
 """Subproblems of inverse kinematics: one or two joints that move a point where it is wanted. MLS §3.3.2.
 
-Joints are given by their unit twists xi (6,) = (v, w), linear part first, as the columns of `arm.screws`. w is a unit
-vector, or 0 and v one for a joint that slides. Points are (3,) [m], values in rad or m. InputError names a screw, a
-twist that is not a unit twist, or an argument of another shape.
+Joints have unit twists xi (6,) = (v, w), linear part first, as the columns of `arm.screws`. w is a unit vector, or 0
+and v one for a joint that slides. Points are (3,) [m], values in rad or m. InputError names a screw, a twist that is
+not a unit twist, or an argument of another shape.
 
 Each function returns `Roots`: every value there is, and how far the best of them misses. A problem without a solution
-returns the values that come nearest, so only `residual` tells whether there is one. Where two solutions have come
-together, as for a stretched arm, one is returned.
+returns the nearest values, so only `residual` tells. Where two solutions have come together, as for a stretched arm,
+one is returned.
 """
 
 from __future__ import annotations
@@ -43,9 +43,8 @@ BEST = 1e-6
 class Roots:
     """The values of one subproblem.
 
-    values (k,), or (k, 2) for two joints [rad, m]: angles in (−π, π].
-    residual [m]: how far the best of them misses; with a solution 0, up to rounding.
-    free: whether other values solve it too, because the point lies on an axis; then one of them is given.
+    values (k,), or (k, 2) for two joints [rad, m]: angles in (−π, π]. residual [m]: how far the best of them misses;
+    with a solution 0, up to rounding. free: whether other values solve it too, because the point lies on an axis.
     """
 
     values: Array
@@ -59,8 +58,8 @@ class Roots:
 def subproblem_1(xi: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
     """The turn about one axis that takes p to q: e^{ξ̂θ} p = q, one value. Paden–Kahan subproblem 1, MLS §3.3.2.
 
-    θ = atan2(w · (p' × q'), p' · q'), p' and q' the parts of p − r and q − r across the axis (w, r). The residual is by
-    how much p and q differ along the axis and in their distance from it. A joint that slides goes w · (q − p). For a
+    θ = atan2(w · (p' × q'), p' · q'), p' and q' the parts of p − r and q − r across the axis (w, r). The residual is
+    the difference of p and q along the axis and in their distance from it. A joint that slides goes w · (q − p). For a
     point on the axis every θ is a solution: `free`, and 0 is given.
 
     Args:
@@ -76,10 +75,10 @@ def subproblem_1(xi: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
 def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
     """The turns about two axes that take p to q: e^{ξ̂₁θ₁} e^{ξ̂₂θ₂} p = q. Paden–Kahan subproblem 2, MLS §3.3.2.
 
-    Turning about the first axis changes neither w₁ · (x − r₁) nor ‖x − r₁‖, so θ₂ has to give both the values that q
-    has: two conditions, linear in cos θ₂ and sin θ₂. θ₁ is then subproblem 1. There are values (k, 2), k ≤ 2. Two axes
-    that meet have up to two solutions, and so have parallel axes (the two-link arm). Skew ones, which MLS leaves out,
-    in general have one or none. Either joint may slide.
+    Turning about the first axis changes neither w₁ · (x − r₁) nor ‖x − r₁‖. So θ₂ has to give the values of q: two
+    conditions, linear in cos θ₂ and sin θ₂. θ₁ is then subproblem 1. There are values (k, 2), k ≤ 2. Two axes that meet
+    have up to two solutions, and so have parallel axes (the two-link arm). Skew ones, which MLS leaves out, in general
+    have one or none. Either joint may slide.
 
     Args:
         xi_1: Twist (6,) of the joint nearer to the base.

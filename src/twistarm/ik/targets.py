@@ -1,4 +1,4 @@
-"""Targets of inverse kinematics: a pose, a position, a position with an approach axis, a pose with tolerances.
+"""Targets of inverse kinematics: a pose, a position, an approach, a pose with tolerances.
 
 A solver sees the components that a target constrains. `_position_rows` and `_rotation_rows` take the tool's pose g
 (4, 4) and its body Jacobian J_b (6, n), unchecked. They give an error (k,) and rows (k, n). For the position
@@ -62,7 +62,7 @@ class Pose(Brief):
     _rotation_tolerance: ClassVar[Array] = THREE
 
     def __init__(self, g: Matrix) -> None:
-        numbers = _checked("pose", g)
+        numbers = engine.asked("pose", g)
         object.__setattr__(self, "g", _one_pose(g, "pose g") if numbers is None else numbers)
 
     @classmethod
@@ -73,7 +73,7 @@ class Pose(Brief):
             p: Position (3,) [m].
             rpy: Angles (3,) [rad]. InputError beyond a whole turn, which looks like degrees.
         """
-        angles = _one_vector(rpy, "rpy", 3, "")
+        angles = one_vector(rpy, "rpy", 3, "")
         if angle_hint(angles):
             raise InputError(f"rpy: {angle_hint(angles)}: numpy.radians converts them")
         return cls(_posed(p, from_rpy(angles)))
@@ -89,7 +89,7 @@ class Pose(Brief):
         """
         if (wxyz is None) == (xyzw is None):
             raise InputError("give one quaternion: wxyz= with the scalar first, or xyzw= with the scalar last")
-        Q = _one_vector(xyzw, "xyzw", 4, "") if wxyz is None else np.roll(_one_vector(wxyz, "wxyz", 4, ""), -1)
+        Q = one_vector(xyzw, "xyzw", 4, "") if wxyz is None else np.roll(one_vector(wxyz, "wxyz", 4, ""), -1)
         length = float(np.linalg.norm(Q))
         if abs(length - 1.0) > UNIT_LENGTH_TOL:
             raise InputError(f"a quaternion has length 1; this one has {length:.3g}")
@@ -136,8 +136,8 @@ class Position(Brief):
     _rotation_tolerance: ClassVar[Array] = NONE
 
     def __init__(self, p: Row) -> None:
-        numbers = _checked("position", p)
-        object.__setattr__(self, "p", _one_vector(p, "p") if numbers is None else numbers)
+        numbers = engine.asked("position", p)
+        object.__setattr__(self, "p", one_vector(p, "p") if numbers is None else numbers)
 
     @property
     def numbers(self) -> Array:
@@ -190,10 +190,10 @@ class Approach(Brief):
     _rotation_tolerance: ClassVar[Array] = TWO
 
     def __init__(self, p: Row, direction: Row, tool_axis: Row | None = None) -> None:
-        numbers = _checked("approach", p, direction, tool_axis)
+        numbers = engine.asked("approach", p, direction, tool_axis)
         if numbers is None:
-            axis = () if tool_axis is None else _one_direction(tool_axis, "tool_axis")
-            numbers = frozen([*_one_vector(p, "p"), *_one_direction(direction, "direction"), *axis])
+            axis = () if tool_axis is None else one_direction(tool_axis, "tool_axis")
+            numbers = frozen([*one_vector(p, "p"), *one_direction(direction, "direction"), *axis])
         object.__setattr__(self, "p", numbers[:3])
         object.__setattr__(self, "direction", numbers[3:6])
         object.__setattr__(self, "tool_axis", None if tool_axis is None else numbers[6:])
@@ -274,7 +274,7 @@ class Task(Brief):
 
     def __init__(self, g: Matrix, tolerance: Row, frame: str = "target") -> None:
         base_axes = require_choice(frame, ("target", "base"), "frame") == "base"
-        numbers = _checked("task", g, tolerance, base_axes)
+        numbers = engine.asked("task", g, tolerance, base_axes)
         if numbers is None:
             numbers = frozen([*_one_pose(g, "pose g").flat, *_as_tolerance(tolerance), base_axes])
         object.__setattr__(self, "g", numbers[:16].reshape(4, 4))
@@ -368,7 +368,7 @@ def target_for(arm: Arm, value: Any) -> AnyTarget:
 
 
 def checked_target(arm: Arm, value: Any) -> AnyTarget:
-    """The same with its numbers checked again, because a caller may have written into the arrays of a target."""
+    """The same with its numbers checked again, because you may have written into its arrays."""
     target = target_for(arm, value)
     return target_of(target.kind, target.numbers)
 
@@ -414,15 +414,6 @@ def _cross(a: Array, b: Array) -> Array:
     return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
 
 
-def _checked(make: str, *given: Any) -> Array | None:
-    """A target's numbers, read-only, if the compiled core finds the arguments plainly right.
-
-    None leaves them to Python, which converts them or says what is wrong.
-    """
-    numbers: Array | None = engine.asked(make, *given)
-    return numbers
-
-
 def _one_pose(value: Matrix, name: str) -> Array:
     g = as_pose(value, name)
     if g.shape != (4, 4):
@@ -431,7 +422,8 @@ def _one_pose(value: Matrix, name: str) -> Array:
     return frozen(g)
 
 
-def _one_vector(value: Any, name: str, size: int = 3, unit: str = "m") -> Array:
+def one_vector(value: Any, name: str, size: int = 3, unit: str = "m") -> Array:
+    """One vector (size,), read-only. InputError for another, and for lengths [m] that are mistakes in the units."""
     vector = as_vector(value, name, size)
     if vector.shape != (size,):
         raise InputError(f"{name} must have shape ({size},); got {vector.shape}")
@@ -442,11 +434,12 @@ def _one_vector(value: Any, name: str, size: int = 3, unit: str = "m") -> Array:
 
 def _posed(p: Row, R: Array) -> Array:
     g = np.eye(4)
-    g[:3, :3], g[:3, 3] = R, _one_vector(p, "p")
+    g[:3, :3], g[:3, 3] = R, one_vector(p, "p")
     return g
 
 
-def _one_direction(value: ArrayLike, name: str) -> Array:
+def one_direction(value: ArrayLike, name: str) -> Array:
+    """One unit vector (3,) along `value`, read-only. InputError for another shape or zero."""
     unit = as_direction(value, name)
     if unit.shape != (3,):
         raise InputError(f"{name} must have shape (3,); got {unit.shape}")

@@ -1,4 +1,4 @@
-"""Task space: rows of errors with their Jacobian, and the tolerances within which errors count as met."""
+"""Task space: rows of errors with their Jacobian, and tolerances of errors."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Tolerances:
         return position_error <= self.position and orientation_error <= self.orientation
 
     def or_rounding(self, rounding: tuple[float, float]) -> Tolerances:
-        """The larger of these and of an arm's `rounding`, which rounded axes may make it miss a target by."""
+        """The larger of these and of an arm's `rounding`."""
         return Tolerances(max(self.position, rounding[0]), max(self.orientation, rounding[1]))
 
 
@@ -50,7 +50,7 @@ def excess_rows(rows: Rows, tolerance: Array) -> Rows:
 
 
 def offset_rows(p: Array, g: Array, J_b: Array) -> Rows:
-    """Offset of the tool's origin from p [m] and its derivative, both in tool axes, where J_b needs no turning.
+    """Offset of the tool's origin from p [m] and its derivative, both in tool axes.
 
     Turning both sides changes no least-squares step and no gradient.
     """

@@ -1,7 +1,7 @@
-"""Inverse kinematics by the textbook: damped least squares inside the limits, from one start after the other.
+"""Inverse kinematics by the textbook: damped least squares inside the limits, start after start.
 
-It answers where there is no compiled core, with a configuration that meets the target or with the best that it found.
-Only the core finds the nearest configuration and the reason, and only the core is fast: docs/inverse_kinematics.md.
+It answers without a compiled core, with a configuration that meets the target or the best found. Only the core finds
+the nearest configuration and the reason, and is fast: docs/inverse_kinematics.md.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ RANK_TOL = 1e-6
 
 
 class Search(NamedTuple):
-    """The end of a search (n,), its errors [m, rad], the steps it took, and whether it is an answer."""
+    """The end of a search (n,), its errors [m, rad], its steps, and whether it is an answer."""
 
     theta: Array
     errors: tuple[float, float]
@@ -70,8 +70,8 @@ class Problem(NamedTuple):
 def solve(arm: Arm, target: AnyTarget, request: Request) -> Answer:
     """At most `request.restarts` searches, the first from theta0, the others from random configurations.
 
-    The first search that meets the tolerances answers, or one that meets them to the rounding of the axes. Otherwise
-    the best of them answers: the position counts first, then the rotation.
+    The first search within the tolerances answers, or one within the rounding of the axes. Otherwise the best of them
+    answers: the position counts first, then the rotation.
     """
     problem = Problem(arm, joint_ranges(arm), target, request.tolerances)
     deadline, rng = Deadline.after(request.max_time), np.random.default_rng(request.seed)
@@ -132,7 +132,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
 
 
 def toward_posture(problem: Problem, found: Search, posture: Array, deadline: Deadline) -> Search:
-    """The answer moved downhill in ‖θ − posture‖² in the null space of the target's rows, inside the limits.
+    """The answer moved toward the posture in the null space of the target's rows, inside the limits.
 
     Each step is (I − J⁺J)(posture − θ), brought back onto the target by a search. A step that leads no nearer is
     halved. Source: B. Siciliano et al., Robotics: Modelling, Planning and Control, 2009, §3.5.1.
@@ -151,7 +151,7 @@ def toward_posture(problem: Problem, found: Search, posture: Array, deadline: De
 
 
 def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
-    """(I − J⁺J)(posture − θ) on the joints that stay inside their bounds, up to the first bound."""
+    """(I − J⁺J)(posture − θ) on joints inside their bounds, up to the first bound."""
     J = _error_and_rows(problem, *problem.arm._fk_and_body_jacobian(theta))[1]
     free = np.ones(len(theta), dtype=np.bool_)
     while True:
@@ -187,7 +187,7 @@ def _beyond(rows: Rows, tolerance: float) -> Rows:
 
 
 def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
-    """A key that sorts ends: tolerances met, then met to rounding, then the position missed, then the rotation."""
+    """A key that sorts ends: tolerances met, met to rounding, the position missed, the rotation."""
     position, orientation = end.errors
     missed = 0.0 if position <= problem.tolerances.position else position
     return not problem.tolerances.met(*end.errors), not end.converged, missed, orientation

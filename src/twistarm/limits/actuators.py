@@ -30,24 +30,24 @@ NOT_GIVEN = JointLimits.unbounded(0)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Actuators:
-    """k motors that drive n joint coordinates: motor = G theta + o, both sides in rad, or m for slides.
+    """k motors that drive n joint coordinates: motor = G theta + o, in rad, or m for slides.
 
     `G` (k, n) holds motor rad per joint rad (rad per m for a slide), `offset` (k,) the motors at theta = 0. A motor on
-    one joint has one entry in its row; each motor of a differential wrist has two. `units` are the units of each
-    drive's counts (`UNITS`), `ticks_per_turn` (k,) their resolution or NaN: see `to_counts`. `limits` are those of the
-    k motors, on the motors' side of the gears.
+    one joint has one entry in its row. Each motor of a differential wrist has two. `units` are those of each drive's
+    counts (`UNITS`), `ticks_per_turn` (k,) their resolution or NaN. `limits` are those of the k motors, on the motors'
+    side of the gears.
 
     - Positions [rad, m]: `to_motor` is G theta + o, `to_theta` is P (motor − o).
     - Velocities and accelerations [per s, s²]: `velocity_to_motor` is G theta_dot, `velocity_to_theta` is P motor_dot.
     - Torques [N m, N]: `torque_to_motor` is Pᵀ tau, `torque_to_theta` is Gᵀ tau_motor.
 
     Torques follow from the power, tau_motor · motor_dot = tau · theta_dot, in gears without friction. P = G⁻¹ for as
-    many motors as joints. With more motors P is the pseudo-inverse: positions and velocities are least squares over all
-    motors [rad, m], torques the least ‖tau_motor‖. Where a joint is `undriven`, methods that need P raise InputError.
-    All take leading axes: (..., n), (..., k).
+    many motors as joints. With more motors P is the pseudo-inverse. Positions and velocities are then least squares
+    over all motors [rad, m], torques the least ‖tau_motor‖. Where a joint is `undriven`, methods that need P raise
+    InputError. All take leading axes: (..., n), (..., k).
 
-    Raises InputError for shapes that do not fit, numbers that are not finite, an unknown unit, bad or missing ticks, or
-    position limits that leave a joint no place.
+    Raises InputError for shapes that do not fit, numbers that are not finite, an unknown unit or bad ticks. It does so
+    too for position limits that leave a joint no place.
     """
 
     names: tuple[str, ...]
@@ -92,7 +92,7 @@ class Actuators:
 
     @cached_property
     def undriven(self) -> tuple[str, ...]:
-        """Joints that the motors do not determine: those with a share in the null space of G."""
+        """Joints with a share in the null space of G, which the motors do not determine."""
         scaled = self.G * _factors(self.G, axis=1)
         scaled = scaled * _factors(scaled, axis=0)
         _, values, Vt = np.linalg.svd(scaled)
@@ -115,21 +115,19 @@ class Actuators:
     def to_theta(self, motor: ArrayLike) -> Array:
         """Return theta (..., n) with G theta + o = motor, from motors (..., k) [rad or m].
 
-        With more motors than joints it minimizes ‖G theta + o − motor‖ [rad, m]. Raises InputError naming the joints
-        that the motors do not determine (G has not full column rank).
+        With more motors than joints it minimizes ‖G theta + o − motor‖ [rad, m]. Raises InputError with the joints that
+        the motors do not determine.
         """
         theta: Array = (self._motors(motor, "motor") - self.offset) @ self.P.T
         return theta
 
     def velocity_to_motor(self, theta_dot: ArrayLike) -> Array:
-        """Return motor_dot = G theta_dot: (..., n) to (..., k) [rad/s or m/s]; accelerations alike."""
+        """Return motor_dot = G theta_dot, (..., n) to (..., k) [rad/s or m/s]; accelerations alike."""
         motor_dot: Array = self._joints(theta_dot, "theta_dot") @ self.G.T
         return motor_dot
 
     def velocity_to_theta(self, motor_dot: ArrayLike) -> Array:
-        """Return theta_dot (..., n) with G theta_dot = motor_dot (..., k) [rad/s or m/s], by the rules of
-        `to_theta`.
-        """
+        """Return theta_dot (..., n) with G theta_dot = motor_dot (..., k) [rad/s or m/s], as `to_theta` does."""
         theta_dot: Array = self._motors(motor_dot, "motor_dot") @ self.P.T
         return theta_dot
 
@@ -174,11 +172,11 @@ class Actuators:
 
     @cached_property
     def joint_limits(self) -> JointLimits:
-        """The limits of each joint alone, while the others stand still; ∓inf where the motors set none.
+        """The limits of each joint while the others stand still; ∓inf where the motors set none.
 
         velocity_j = min_i velocity_i / |G_ij|, acceleration alike. effort_j = min_i effort_i / |P_ij| holds a torque at
-        joint j and none elsewhere. Positions come only from motors that drive joint j alone: a bound from a motor of
-        several joints would depend on the others.
+        joint j and none elsewhere. Positions come only from motors that drive joint j alone. Other bounds would depend
+        on the other joints.
         """
         n = len(self.joint_names)
         alone = np.where((self.G != 0).sum(axis=1, keepdims=True) == 1, self.G, 0.0)
@@ -209,7 +207,7 @@ class Actuators:
 
     @cached_property
     def counts_per_unit(self) -> Array:
-        """Counts of each drive, in its `units`, for one rad (or one m) of its motor, (k,)."""
+        """Counts of each drive for one rad (or m) of its motor, (k,)."""
         ticks = self.ticks_per_turn / (2 * np.pi)
         return frozen([t if unit == "tick" else UNITS[unit] for unit, t in zip(self.units, ticks, strict=True)])
 
@@ -232,14 +230,14 @@ def _require_countable(name: str, unit: str, ticks: float) -> None:
 
 
 def _factors(G: Array, axis: int) -> Array:
-    """Return factors that make rows (axis 1) or columns (axis 0) of G unit vectors, because it mixes rad and m."""
+    """Return factors that make rows (axis 1) or columns (axis 0) of G unit vectors."""
     size = np.linalg.norm(G, axis=axis, keepdims=True)
     factors: Array = 1.0 / np.where(size == 0, 1.0, size)
     return factors
 
 
 def _least(limit: Array, ratio: Array) -> Array:
-    """Return min_i limit_i / |ratio_ij|, (n,), for motors (k,) and ratios (k, n); inf where there is none."""
+    """Return min_i limit_i / |ratio_ij|, (n,), for motors (k,) and ratios (k, n)."""
     each = np.where(ratio, limit[:, None] / _divisor(np.abs(ratio)), np.inf)
     least: Array = each.min(axis=0, initial=np.inf)
     return least

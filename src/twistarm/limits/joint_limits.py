@@ -23,7 +23,7 @@ AS_GOOD_AS_UNBOUNDED = 1e4
 
 @dataclass(frozen=True, repr=False)
 class JointLimits:
-    """Limits of n degrees of freedom, each an (n,) array: rad or m, and their rates; N m or N for effort.
+    """Limits of n degrees of freedom, (n,) arrays in rad or m, their rates, and N m or N for effort.
 
     `lower`, `upper` are ∓inf where not given. `velocity`, `acceleration`, `jerk`, `effort` are inf where not given. A
     zero in them reads as inf, because descriptions write it for "not given".
@@ -68,7 +68,7 @@ class JointLimits:
         return cls(-inf, inf, inf, inf, inf, inf)
 
     def contains(self, theta: ArrayLike, tol: float = 0.0) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Tell whether theta (..., n) lies inside the position limits, or at most `tol` [rad, m] beyond them.
+        """Tell whether theta (..., n) lies inside the position limits, or within `tol` [rad, m] of them.
 
         Args:
             theta: Configurations (..., n) [rad, m].
@@ -88,7 +88,7 @@ class JointLimits:
         return usual_range(self.lower, self.upper, as_theta(half, self.lower.size, "half"))
 
     def middle(self) -> Array:
-        """Return the middle between the bounds (n,); where there are not two, the allowed value nearest to 0."""
+        """Return the middle between the bounds (n,); without two bounds the allowed value nearest to 0."""
         bounded = (self.lower > -AS_GOOD_AS_UNBOUNDED) & (self.upper < AS_GOOD_AS_UNBOUNDED)
         lower, upper = np.where(bounded, self.lower, 0.0), np.where(bounded, self.upper, 0.0)
         middle: Array = np.clip((lower + upper) / 2, self.lower, self.upper)

@@ -21,7 +21,7 @@ ROUNDED = 1.0 + 1e-9
 
 
 class Allowed(NamedTuple):
-    """The velocities theta_dot (n,) to command, with the row named `by` that holds them back at its `limit`.
+    """The velocities theta_dot (n,) to command, and the row `by` and its `limit` that hold them back.
 
     `limit` is "position", "velocity" or "acceleration". Both are None where nothing holds the command back.
     """
@@ -33,7 +33,7 @@ class Allowed(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionLimits(Brief):
-    """Limits of x = C theta + c, one row for each motor or joint: C (r, n), c (r,), `limits` of r rows [rad or m].
+    """Limits of x = C theta + c, a row for each motor or joint: C (r, n), c (r,) [rad or m].
 
     A motion is safe while the arm could stop straight on, all joints slowing in proportion. That takes the time T = max
     |ẋ| / acceleration. No row may meet its position limit, at its present speed, within dt + T/2. Slowing by dt/T in
@@ -71,9 +71,9 @@ class MotionLimits(Brief):
     def within(self, theta: Array, theta_dot: Array, previous_theta_dot: Array, dt: float) -> Allowed:
         """Return what to command for the next dt [s] instead of theta_dot (n,), after previous_theta_dot (n,).
 
-        First theta_dot is slowed as a whole to the velocity and position limits. If the accelerations allow less,
-        another speed of that motion is taken if in reach, else as much of the change as possible. If the arm would then
-        not be safe, as much of the straight stop as needed is mixed in.
+        First theta_dot is slowed as a whole to the velocity and position limits. If the accelerations allow less, it
+        takes another speed of that motion, else as much of the change as possible. If the arm would then not be safe,
+        it mixes in as much of the straight stop as needed.
         """
         x = self.C @ theta + self.c
         scale, by, limit = self._slowed(x, self.C @ theta_dot, dt)
@@ -105,7 +105,7 @@ class MotionLimits(Brief):
         return scale, row, limit
 
     def _speed_in_reach(self, ahead: Array, now: Array, dt: float) -> float | None:
-        """Return the s nearest to 1 at which the accelerations allow s · ahead (r,) after `now` (r,), or None."""
+        """Return the s nearest to 1 for which s · ahead (r,) may follow `now` (r,), or None."""
         room = self.limits.acceleration * dt
         moving = np.abs(ahead) > STILL
         if (np.abs(now) > room)[~moving].any():
@@ -121,8 +121,7 @@ class MotionLimits(Brief):
         return speed if (np.abs(speed * ahead - now) <= room * ROUNDED).all() else None
 
     def _partly_stopped(self, x: Array, previous: Array, target: Array, dt: float) -> tuple[Array, int, str]:
-        """Return as much of `target` (n,) as is safe, mixed with the straight stop from `previous`, and the limiting
-        row.
+        """Return as much of `target` (n,) as is safe, mixed with the straight stop, and the limiting row.
 
         Between two courses no stop takes longer than the longer of theirs. Where the straight stop would be unsafe at
         that length, nothing is mixed in.
@@ -138,13 +137,13 @@ class MotionLimits(Brief):
         return stop + min(1.0, share) * (target - stop), row, "position"
 
     def _safe(self, x: Array, x_dot: Array, dt: float, stopping: float) -> bool:
-        """Tell whether after dt + T/2 at x_dot no row is beyond a position limit, or farther beyond than now."""
+        """Tell whether after dt + T/2 at x_dot no row is beyond a position limit, or farther than now."""
         then = x + (dt + 0.5 * stopping) * np.where(np.abs(x_dot) > STILL, x_dot, 0.0)
         upper, lower = np.maximum(self.limits.upper, x), np.minimum(self.limits.lower, x)
         return bool((then <= upper).all() and (then >= lower).all())
 
     def _until_met(self, x: Array, x_dot: Array) -> tuple[float, int]:
-        """Return the time [s] until the first row meets a position limit at x_dot (inf for none), and that row."""
+        """Return the time [s] until the first row meets a position limit at x_dot, and that row."""
         room = np.maximum(np.where(x_dot > 0.0, self.limits.upper - x, x - self.limits.lower), 0.0)
         speed = np.abs(x_dot)
         time = np.where(speed > STILL, room / np.maximum(speed, STILL), np.inf)

@@ -1,4 +1,4 @@
-"""Motions in time: planned inside the joint limits, evaluated at any instant, written to files and read back."""
+"""Motions in time: planned inside the limits, evaluated at any instant, written to files and read back."""
 
 from .active_limits import ActiveLimit, active_limits
 from .cartesian.refusal import PathError

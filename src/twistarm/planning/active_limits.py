@@ -14,6 +14,7 @@ from ..support.checks import Array
 from ..support.errors import InputError, shown
 from .joint_space import completed
 from .motion import as_segments
+from .piecewise import spread
 from .segments import Move, Segment
 from .time_laws.bounds import PathBounds
 from .trajectory import Trajectory
@@ -59,7 +60,7 @@ def active_limits(
 ) -> tuple[ActiveLimit, ...]:
     """Return the limit that each stretch of a motion uses most. Raise that limit to make the motion faster there.
 
-    At some 2,000 instants the shares |rate_j(t)| / limit_j are compared, for every rate of every joint and motor j. A
+    It compares the shares |rate_j(t)| / limit_j of every rate of every joint and motor j at some 2,000 instants. A
     stretch lasts as long as the same one is the greatest. Rates without a limit do not count, and nothing binds a
     standing arm. Stretches shorter than 0.5 % of the motion join the one before.
 
@@ -99,14 +100,13 @@ def _instants(motion: Trajectory) -> tuple[Array, Array]:
         return np.empty(0), np.empty(0)
     steps = np.diff(motion.breakpoints)
     looks = np.maximum(3, np.ceil(LOOKS * steps / motion.duration)).astype(np.intp)
-    piece = np.repeat(np.arange(len(steps)), looks)
-    nth = np.arange(len(piece)) - np.repeat(np.cumsum(looks) - looks, looks)
+    piece, nth = spread(looks)
     t: Array = motion.breakpoints[piece] + steps[piece] * (nth + 0.5) / looks[piece]
     return t, np.where(np.diff(piece) > 0, motion.breakpoints[piece[1:]], 0.5 * (t[1:] + t[:-1]))
 
 
 def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
-    """Return (m, 3 r + 2): velocity, acceleration and jerk of every joint and motor, then the tool's two speeds.
+    """Return (m, 3 r + 2): velocity, acceleration and jerk of joints and motors, then the tool's two speeds.
 
     Each is a share of its limit, 0 where there is none.
     """

@@ -12,6 +12,7 @@ from math import comb
 import numpy as np
 
 from ..support.checks import Array, frozen
+from .piecewise import rescaled
 
 ENOUGH = 1e-10
 """How near, relatively, a bound comes to the largest magnitude that it bounds."""
@@ -19,17 +20,14 @@ ENOUGH = 1e-10
 
 def bernstein(coefficients: Array, durations: Array) -> Array:
     """Return Bernstein coefficients (d + 1, k, ...) of polynomials (d + 1, k, ...) on k pieces of durations (k,)."""
-    degree = len(coefficients) - 1
-    powers = np.arange(degree, -1, -1.0)
-    scale = (durations ** powers[:, None]).reshape(degree + 1, -1, *[1] * (coefficients.ndim - 2))
-    return np.tensordot(_from_powers(degree), coefficients * scale, 1)
+    return np.tensordot(_from_powers(len(coefficients) - 1), rescaled(coefficients, durations), 1)
 
 
 def largest(coefficients: Array, durations: Array) -> float:
     """Return an upper bound of max |p(σ)| of polynomials (d + 1, k, r) on k pieces.
 
-    Branch and bound halves pieces (de Casteljau) whose coefficients exceed the largest value seen. It ends when the
-    bound is within 1e-10 of a value.
+    Branch and bound halves pieces (de Casteljau) with coefficients above the largest value seen. It ends when the bound
+    is within 1e-10 of a value.
     """
     b = np.moveaxis(bernstein(coefficients, durations), 0, -1).reshape(-1, len(coefficients))
     taken = 0.0
@@ -43,7 +41,7 @@ def largest(coefficients: Array, durations: Array) -> float:
 
 @cache
 def _halving(degree: int) -> Array:
-    """Return (d + 1, 2 d + 2): the coefficients on one half of the piece, then on the other, by de Casteljau."""
+    """Return (d + 1, 2 d + 2): the coefficients on the first half, then on the second (de Casteljau)."""
     left = [[comb(i, j) / 2**i if j <= i else 0.0 for i in range(degree + 1)] for j in range(degree + 1)]
     return frozen(np.hstack([left, np.array(left)[::-1, ::-1]]))
 

@@ -39,7 +39,7 @@ class Goals:
         return decided(self.arm, move.position_tol, move.orientation_tol)
 
     def configuration(self, move: JointMove | Curved, theta: Array, where: str) -> Array:
-        """Return the end of a move that begins at theta (n,); joints that a mapping leaves out stay."""
+        """Return the end of a move from theta (n,). Joints that a mapping leaves out stay."""
         goal: Any = move.to
         met = self.tolerances(move)
         if isinstance(goal, KINDS):
@@ -59,7 +59,7 @@ class Goals:
         return end
 
     def moving(self, move: Curved, start: Array, where: str) -> list[MovingTarget]:
-        """Return what to follow from start (n,): the first of these that can be; nothing if the move ends there."""
+        """Return what to follow from start (n,), best first; nothing if the move ends there."""
         g0, met = self.arm.fk(start), self.tolerances(move)
         if move.to is None:
             found = [MovingTarget(_free_curve(move, g0), like, met) for like in self._likes(move.constrain, g0)]
@@ -72,7 +72,7 @@ class Goals:
         return [each for each in found if not each.is_still]
 
     def _goal_pose(self, move: Curved, g0: Array, start: Array, where: str) -> tuple[list[AnyTarget], Array]:
-        """Return what the goal constrains, and the pose at the end, with the least turn of what it leaves free."""
+        """Return what the goal constrains, and an end pose with the least turn of what stays free."""
         if not isinstance(move.to, KINDS):
             g1 = self.arm.fk(self.configuration(move, start, where))
             return self._likes(None, g1), g1
@@ -126,7 +126,7 @@ def _with_position(g: Array, p: Any) -> Array:
 
 
 def _shortest_turn(a: Array, b: Array) -> Array:
-    """Return the rotation (3, 3) by the least angle from the unit vector a to b; of many half turns, one."""
+    """Return the rotation (3, 3) by the least angle from the unit vector a to b."""
     axis = np.cross(a, b)
     sine, cosine = float(np.linalg.norm(axis)), float(a @ b)
     if sine < 1e-12:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..support.checks import Array, frozen
 from ..support.display import told
-from .piecewise import derivative, evaluate, shifted
+from .piecewise import derivative, evaluate, rescaled, shifted, spread
 
 Indices = NDArray[np.intp]
 
@@ -22,11 +22,11 @@ STILL = 1e-12
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointPath:
-    """q(s) of n joints, a polynomial on each of m pieces of a path parameter s, which has no unit.
+    """q(s) of n joints, a polynomial on each of m pieces of a path parameter s without a unit.
 
     `breakpoints` (m + 1,) starts at 0 and increases. `coefficients` (degree + 1, m, n) [rad, m] hold the highest power
-    of s − breakpoints[i] first, as in a `Trajectory`. Position, tangent q' and curvature q'' are continuous. A path
-    without motion may have one piece of no length.
+    of s − breakpoints[i] first. Position, tangent q' and curvature q'' are continuous. A path without motion may have
+    one piece of no length.
     """
 
     breakpoints: Array
@@ -62,16 +62,14 @@ class JointPath:
     @property
     def moves(self) -> bool:
         """Whether any joint moves along it, by more than rounding."""
-        powers = np.arange(len(self.coefficients) - 1, 0, -1.0)[:, None, None]
-        ways = np.abs(self.coefficients[:-1]) * np.diff(self.breakpoints)[:, None] ** powers
-        return bool(ways.max(initial=0.0) > STILL)
+        ways = rescaled(self.coefficients, np.diff(self.breakpoints))[:-1]
+        return bool(np.abs(ways).max(initial=0.0) > STILL)
 
     def in_pieces(self, most: float) -> tuple[JointPath, Indices]:
         """Cut the path evenly into pieces no longer than `most`. Also return the old piece of each new one."""
         steps = np.diff(self.breakpoints)
         count = np.maximum(np.ceil(steps / most - ROUNDING), 1.0).astype(np.intp)
-        piece = np.repeat(np.arange(len(steps)), count)
-        nth = np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)
+        piece, nth = spread(count)
         by = steps[piece] * nth / count[piece]
         breakpoints = np.append(self.breakpoints[piece] + by, self.length)
         return JointPath(breakpoints, shifted(self.coefficients[:, piece], by)), piece
@@ -82,11 +80,11 @@ class JointPath:
         return np.searchsorted(inner, s, side="right")
 
     def __call__(self, s: ArrayLike, order: int = 0) -> Array:
-        """Return the derivative of that order by s at s (...), (..., n); at a breakpoint the limit from above."""
+        """Return that derivative by s at s (...), (..., n); at a breakpoint the limit from above."""
         at = np.asarray(s, dtype=np.float64)
         piece = self.piece_at(at.ravel())
         return self.within(piece, at.ravel() - self.breakpoints[piece], order).reshape(*at.shape, self.n)
 
     def within(self, piece: Indices, sigma: Array, order: int = 0) -> Array:
-        """Return the derivative of that order in pieces (k,), each at sigma (k,) from its start, (k, n)."""
+        """Return that derivative in pieces (k,), at sigma (k,) from their starts, (k, n)."""
         return evaluate(derivative(self.coefficients[:, piece], order), sigma[:, None])

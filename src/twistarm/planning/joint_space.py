@@ -86,7 +86,7 @@ def plan_joint(
     smooth: float | None = None,
     progress: Progress | None = None,
 ) -> Trajectory:
-    """Plan a motion through `waypoints`, at rest at the first and the last, inside the joint limits.
+    """Plan a motion through `waypoints`, from rest to rest, inside the joint limits.
 
     A waypoint is a configuration or a target of the tool (`Pose`, `Position`, `Approach`, `Task` or a pose (4, 4)).
     `solve_ik` finds the configuration of a target from the waypoint before it, or from `arm.ready`. Joints
@@ -96,25 +96,25 @@ def plan_joint(
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
     - `quintic`: the C⁴ spline, acceleration zero at both ends. It is smoother and swings wider between waypoints.
-    - Where either would leave the position limits it is pulled in: the joint passes nearby waypoints at a lower
-      velocity, if need be at rest, on added pieces. The cubic stays C² and the quintic C⁴.
+    - Where either would leave the position limits it is pulled in: the joint passes nearby waypoints more slowly, or
+      rests, on added pieces. The cubic stays C² and the quintic C⁴.
     - `trapezoid`: straight from waypoint to waypoint, stopping at each. All joints accelerate, coast and brake
       together. Jerk is not limited.
     - `time_optimal`: the shortest motion along a cubic spline through the waypoints. Some velocity or acceleration
       is always at its limit. Jerk is not limited. It takes no `times`.
-    - `s_curve`: straight from waypoint to waypoint in the shortest time within velocity, acceleration and jerk,
-      stopping at each. A joint without a jerk limit takes 0.1 s to its acceleration limit. Each joint has a separate
-      profile and all arrive together; joints that share a motor move in proportion.
+    - `s_curve`: straight from stop to stop in the shortest time within velocity, acceleration and jerk. A joint without
+      a jerk limit takes 0.1 s to its acceleration limit. Each joint has a separate profile and all arrive together.
+      Joints that share a motor move in proportion.
 
     Limits of the arm's motors (`arm.actuators`) hold as well. The exact extremes of the polynomials are checked, to
     1e-9.
 
-    Without `times` the motion just meets one velocity, acceleration or (if given, for cubic and quintic) jerk limit.
-    Joints without a velocity or acceleration limit get the usual one (1 rad/s, 0.25 m/s, 3 rad/s², 1 m/s²). Motions
-    that stop at each waypoint are then the shortest. Splines are within 1 % of the shortest; pulled-in ones typically
-    within 2 % for cubic and 15 % for quintic. Where a path turns back, stopping may be faster. Consecutive waypoints
-    nearer than 1e-6 are merged; if one remains, the motion has duration 0. With `times`, missing limits are not
-    checked. `notes` tell what was assumed, merged, unwrapped or smoothed away.
+    Without `times` the motion just meets one velocity, acceleration or given jerk limit. Joints without a velocity or
+    acceleration limit get the usual one (1 rad/s, 0.25 m/s, 3 rad/s², 1 m/s²). Motions that stop at each waypoint are
+    then the shortest. Splines are within 1 % of the shortest. Pulled-in ones are typically within 2 % (cubic) and 15 %
+    (quintic). Where a path turns back, stopping may be faster. Consecutive waypoints nearer than 1e-6 are merged; if
+    one remains, the motion has duration 0. With `times`, missing limits are not checked. `notes` tell what was assumed,
+    merged, unwrapped or smoothed away.
 
     Source: Lynch & Park, Modern Robotics, §9.2 and §9.3.
 
@@ -206,7 +206,7 @@ def completed(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> tuple
 
 
 def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array, met: Tolerances) -> Array:
-    """Return the configuration (n,) of a waypoint; for a target the one found nearest to `near` (n,)."""
+    """Return the configuration (n,) of a waypoint, for a target the one nearest to `near` (n,)."""
     if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
         solution = solve_ik(arm, waypoint, near, **met.keywords, posture="theta0")
         if not solution.converged:
@@ -243,7 +243,7 @@ def _as_times(times: ArrayLike, count: int) -> Array:
 
 
 def _distinct(points: Array) -> tuple[Array, Array]:
-    """Return the waypoints that differ from the one before, (j, n), and the index of each given one among them."""
+    """Return the waypoints (j, n) that differ from the one before, and the index of each given one."""
     kept, owner = [0], [0]
     for i in range(1, len(points)):
         if np.abs(points[i] - points[kept[-1]]).max(initial=0.0) > MERGE_TOL:
@@ -254,7 +254,7 @@ def _distinct(points: Array) -> tuple[Array, Array]:
 
 
 def _prepared(points: Array, smooth: float | None, limits: JointLimits, merge: bool) -> tuple[Array, list[str]]:
-    """Return the waypoints (k, n) to pass, smoothed if asked, and notes on those that were merged."""
+    """Return the waypoints (k, n) to pass, smoothed or not, and notes on merged ones."""
     spare, stays = np.full(points.shape, smooth or 0.0), list[tuple[int, int]]()
     if smooth is not None:
         stays, given = _stays(points, STAY_WIDTH * smooth), points
@@ -283,7 +283,7 @@ def _named(each: Sequence[str]) -> str:
 
 
 def _stays(points: Array, width: float) -> list[tuple[int, int]]:
-    """Return first and last of waypoints that stay within `width` in each joint far longer than others."""
+    """Return first and last of waypoints that stay within `width` far longer than others."""
     runs, start = [], 0
     low = high = points[0]
     for i, point in enumerate(points):

@@ -1,4 +1,4 @@
-"""load_trajectory: a motion read from a file and checked, as a trajectory of an arm."""
+"""load_trajectory: a motion read from a file and checked."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from .files.joint_trajectory import read_json, read_yaml
 from .files.points import Points
 from .piecewise import through
 from .trajectory import Trajectory
+from .within import farthest_outside
 
 READERS: Mapping[str, Callable[[Arm, Path], Points]] = {
     ".csv": read_csv,
@@ -37,12 +38,12 @@ BEYOND_LIMIT = 1e-6
 
 
 def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
-    """Read a motion of `arm` from a file that `to_csv`, `to_json`, `to_yaml` or another program wrote.
+    """Read a motion of `arm` from a file of `to_csv`, `to_json`, `to_yaml` or another program.
 
-    Between two instants of the file the motion is a polynomial that meets the positions, rates and accelerations of
-    both: quintic, cubic, or a straight line for positions alone, as in ROS's joint_trajectory_controller. The first
-    instant is t = 0. The arm is at rest before the first and after the last. Every instant is a waypoint. Labels are
-    read too; motors are those of the arm.
+    Between two instants the motion is a polynomial that meets the positions, rates and accelerations of both. It is
+    quintic, cubic, or straight for positions alone, as in ROS's joint_trajectory_controller. The first instant is t =
+    0. The arm is at rest before the first and after the last. Every instant is a waypoint. Labels are read too; motors
+    are those of the arm.
 
     - CSV: columns `time [s]`, and for each joint `<joint>.position [rad]` and `<joint>.velocity [rad/s]`, with or
       without `<joint>.acceleration [rad/s^2]` (m for slides), in any order. Counts of the motors' drives may replace
@@ -96,10 +97,9 @@ def _require_usual(points: Points) -> None:
 
 
 def _require_within(arm: Arm, points: Points) -> None:
-    beyond = np.maximum(arm.limits.lower - points.theta, points.theta - arm.limits.upper)
-    k, j = (int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
-    if beyond[k, j] > BEYOND_LIMIT:
+    (k, j), beyond, _ = farthest_outside(points.theta, arm.limits)
+    if beyond > BEYOND_LIMIT:
         raise LimitError(
             f"{points.place(k)}: joint {arm.joint_names[j]!r} at {points.theta[k, j]:g} {arm.units[j]} is "
-            f"{beyond[k, j]:.3g} {arm.units[j]} beyond its limit; record a motion within the limits"
+            f"{beyond:.3g} {arm.units[j]} beyond its limit; record a motion within the limits"
         )

@@ -56,9 +56,9 @@ def plan(
     """Plan a motion through `segments`, from rest to rest, inside the limits of joints and motors.
 
     Joint moves go straight in joint space. Lines, screws and arcs keep the tool within 0.1 mm and 0.05° of the ideal,
-    or within wider tolerances, in what their goals constrain. Curves may follow a joint move to a target: `plan` then
-    chooses the branch of inverse kinematics that follows all of them with the least joint motion. The arm stops between
-    two moves, or rounds the corner inside the ball of radius `blend`. It stops there too if that takes less time.
+    or within wider tolerances. Where curves follow a joint move to a target, `plan` chooses the branch that follows all
+    of them with the least joint motion. The arm stops between two moves, or rounds the corner inside a ball of radius
+    `blend`. It stops there too if that takes less time.
 
     - `s_curve`: acceleration is continuous and jerk within its limits. A joint without a jerk limit takes 0.1 s to its
       acceleration limit. A joint move that stops at both ends is the shortest possible.
@@ -168,7 +168,7 @@ def as_segments(
 
 @dataclass(frozen=True, eq=False)
 class Timed:
-    """Legs from stop to stop in time: breakpoints (m + 1,) [s] from 0, coefficients, and the end of each leg [s]."""
+    """Legs from stop to stop in time: breakpoints (m + 1,) [s], coefficients, and each leg's end [s]."""
 
     legs: list[Leg]
     breakpoints: Array

@@ -46,7 +46,7 @@ ANGLES = ("rpy", "angle", "angular_speed", "orientation_tol")
 
 @dataclass(frozen=True)
 class MotionFile:
-    """The content of a motion.toml: the arguments of `plan` after the arm, None for a default."""
+    """The content of a motion.toml: arguments of `plan`, None for a default."""
 
     segments: tuple[Segment, ...]
     start: Goal | None = None
@@ -62,8 +62,8 @@ class MotionFile:
 def load_motion(path: str | os.PathLike[str], arm: Arm) -> MotionFile:
     """Read a motion.toml for an arm.
 
-    Lengths are metres and angles radians, or degrees after `degrees = true`. Each `[[segment]]` has one of joint, line,
-    screw, arc and dwell, and the options that `Move` has.
+    Lengths are metres and angles radians, or degrees after `degrees = true`. Each `[[segment]]` has a joint, line,
+    screw, arc or dwell, and options of `Move`.
 
     Args:
         path: The file.
@@ -222,7 +222,7 @@ class _Reader:
 
 
 def _described(value: Any, needed: Sequence[str], others: Sequence[str]) -> Mapping[str, Any] | None:
-    """Return the table of a move without a goal: all of `needed`, and nothing but `others` besides."""
+    """Return the table of a move without a goal: all of `needed`, and any of `others`."""
     if not isinstance(value, dict) or not set(value) & {*needed, *others}:
         return None
     _only(value, (*needed, *others))

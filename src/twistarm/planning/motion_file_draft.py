@@ -1,4 +1,4 @@
-"""A first motion.toml for an arm: a motion that can be planned, and comments to fill in."""
+"""A first motion.toml for an arm: a motion that can be planned, with comments to fill in."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ STEP = {"rad": 0.2, "m": 0.05}
 
 
 def draft_motion_file(arm: Arm) -> str:
-    """Return the text of a motion.toml that `load_motion` reads for this arm, with every kind of segment shown."""
+    """Return the text of a motion.toml for this arm, with every kind of segment."""
     x, y, z = np.round(arm.fk(arm.ready)[:3, 3], 3).tolist()
     joint, value = _first_move(arm)
     return f"""\
@@ -55,7 +55,7 @@ joint = "ready"
 
 
 def _first_move(arm: Arm) -> tuple[str, float]:
-    """Return the first joint with room to move away from the ready pose, and a value for it."""
+    """Return the first joint with room around the ready pose, and a value for it."""
     for j, (name, unit) in enumerate(zip(arm.joint_names, arm.units, strict=True)):
         for step in (STEP[unit], -STEP[unit]):
             value = float(np.round(arm.ready[j] + step, 3))

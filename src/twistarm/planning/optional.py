@@ -9,7 +9,7 @@ from ..support.errors import missing_extra
 
 
 def scipy(part: str) -> Any:
-    """The module of SciPy of that name, such as "linalg". Raises MissingExtraError where there is none."""
+    """The module of SciPy of that name, such as "linalg". Raises MissingExtraError without SciPy."""
     try:
         return import_module(f"scipy.{part}")
     except ImportError as error:

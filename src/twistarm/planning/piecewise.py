@@ -6,7 +6,7 @@ Coefficients are (degree + 1, segments, n), highest power first, in the time sin
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from math import comb
 
@@ -38,11 +38,27 @@ def evaluate(coefficients: Array, tau: Array) -> Array:
     return value
 
 
-def stretched(coefficients: Array, factor: float) -> Array:
-    """Return the same path, `factor` times as slow: p(t / factor)."""
+def rescaled(coefficients: Array, unit: float | Array) -> Array:
+    """Return p(unit · u) of polynomials (d + 1, ...), with one unit for all pieces or one for each (s,)."""
     powers = np.arange(len(coefficients) - 1, -1, -1.0)
-    slower: Array = coefficients * (1.0 / factor) ** powers[:, None, None]
-    return slower
+    factors = np.asarray(unit) ** powers.reshape(-1, *[1] * np.ndim(unit))
+    scaled: Array = coefficients * factors.reshape(*factors.shape, *[1] * (coefficients.ndim - factors.ndim))
+    return scaled
+
+
+def spread(count: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Number `count` (s,) places in each piece: return the piece of each place, and its number there."""
+    piece = np.repeat(np.arange(len(count)), count)
+    return piece, np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)
+
+
+def bisected(before: Callable[[Array], NDArray[np.bool_]], low: Array, high: Array, steps: int) -> tuple[Array, Array]:
+    """Halve intervals that often. `before` tells for each middle whether the place that you look for comes later."""
+    for _ in range(steps):
+        middle = 0.5 * (low + high)
+        later = before(middle)
+        low, high = np.where(later, middle, low), np.where(later, high, middle)
+    return low, high
 
 
 def side_by_side(pieces: Sequence[Array]) -> Array:
@@ -52,9 +68,7 @@ def side_by_side(pieces: Sequence[Array]) -> Array:
 
 
 def composed(outer: Array, inner: Array) -> Array:
-    """Return the coefficients of outer(inner(t)): (d + 1, k, n) of (e + 1, k) on the same k pieces give (d e + 1, k,
-    n).
-    """
+    """Return the coefficients (d e + 1, k, n) of outer(inner(t)) for (d + 1, k, n) and (e + 1, k)."""
     result = outer[:1]
     for row in outer[1:]:
         product = np.zeros((len(result) + len(inner) - 1, *outer.shape[1:]))
@@ -66,7 +80,7 @@ def composed(outer: Array, inner: Array) -> Array:
 
 
 def shifted(coefficients: Array, by: Array) -> Array:
-    """Return the same polynomials in the time since `by` (s,) [s] after each segment's start: p(tau + by)."""
+    """Return the same polynomials from `by` (s,) [s] after each segment's start: p(tau + by)."""
     binomials, powers = _binomials(len(coefficients) - 1)
     moved = binomials[:, :, None] * by ** powers[:, :, None]
     same: Array = np.einsum("kps,ps...->ks...", moved, coefficients)
@@ -75,7 +89,7 @@ def shifted(coefficients: Array, by: Array) -> Array:
 
 @cache
 def _binomials(degree: int) -> tuple[Array, Array]:
-    """Return the factor and the power of `by` with which each coefficient (columns) enters each shifted one (rows)."""
+    """Return the factor and the power of `by` for each coefficient (columns) of each shifted one (rows)."""
     down = np.arange(degree, -1, -1)
     binomials = [[float(comb(p, k)) for p in down] for k in down]
     return frozen(binomials), frozen(np.maximum(down[None, :] - down[:, None], 0))
@@ -88,10 +102,7 @@ def extremes(coefficients: Array, durations: Array) -> tuple[Array, Array]:
     and so on up to the linear one. Between those the polynomial is monotone and bisection cannot fail. Where there is
     no zero, the candidate falls harmlessly on an interval's end.
     """
-    powers = np.arange(len(coefficients) - 1, -1, -1.0)
-    unit = coefficients * durations[:, None] ** powers[:, None, None]
-    edges = _edges(derivative(unit))
-    tau = edges * durations[:, None]
+    tau = _edges(derivative(rescaled(coefficients, durations))) * durations[:, None]
     return tau, evaluate(coefficients, tau)
 
 
@@ -101,12 +112,8 @@ def _edges(slope: Array) -> Array:
     if len(slope) == 1:
         return np.concatenate(ends)
     inner = _edges(derivative(slope))
-    low, high = inner[:-1].copy(), inner[1:].copy()
-    rising: NDArray[np.bool_] = evaluate(slope, low) < evaluate(slope, high)
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        right = (evaluate(slope, middle) < 0) == rising
-        low, high = np.where(right, middle, low), np.where(right, high, middle)
+    rising: NDArray[np.bool_] = evaluate(slope, inner[:-1]) < evaluate(slope, inner[1:])
+    low, high = bisected(lambda at: (evaluate(slope, at) < 0) == rising, inner[:-1], inner[1:], BISECTIONS)
     return np.concatenate([ends[0], 0.5 * (low + high), ends[1]])
 
 
@@ -114,7 +121,7 @@ def through(t: Array, theta: Array, theta_dot: Array | None = None, theta_ddot: 
     """Return coefficients (degree + 1, k − 1, n) through states (k, n) at t (k,) [s].
 
     Positions alone give straight lines, rates too give cubics, accelerations too give quintics. Each piece meets the
-    given states at both ends; at its start they are exact to the last bit.
+    given states at both ends, exactly at its start.
     """
     h = np.diff(t)[:, None]
     a, way = theta[:-1], np.diff(theta, axis=0)

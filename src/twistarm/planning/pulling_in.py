@@ -1,4 +1,4 @@
-"""Splines pulled in: the same waypoints at the same times, inside the position limits in between."""
+"""Splines pulled in: the same waypoints and times, inside the position limits in between."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, frozen
 from .bernstein import bernstein
 from .optional import scipy
-from .piecewise import derivative, evaluate
+from .piecewise import derivative, evaluate, rescaled
 
 ROUNDING = 1e-10
 """Beyond a limit by less [rad, m] is rounding."""
@@ -27,14 +27,13 @@ Mask = NDArray[np.bool_]
 
 
 def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: JointLimits) -> tuple[Array, Array]:
-    """Return breakpoints and coefficients of a spline (d + 1, k − 1, n) through waypoints (k, n), kept inside the
-    limits.
+    """Return breakpoints and coefficients of a spline (d + 1, k − 1, n) through waypoints (k, n), inside the limits.
 
-    A spline inside them comes back unchanged. Where a joint leaves, its velocity at the nearer waypoint (in the middle:
-    both) drops to a share μ, and its derivative of order r to μ^r. A segment becomes d pieces of equal length with d −
-    1 continuous derivatives, determined by the values at its ends. So the motion stays as smooth as the spline. μ = 1
-    at both ends gives the spline again. μ = 0 gives monotone pieces, the integral of a B-spline of degree d − 1, so
-    some μ always keeps inside. The Bernstein coefficients of the pieces are kept inside.
+    A spline inside them comes back unchanged. Where a joint leaves, its velocity at the nearer waypoint drops to a
+    share μ, and its derivative of order r to μ^r. In the middle both waypoints count. A segment becomes d equal pieces
+    with d − 1 continuous derivatives, by the values at its ends. So the motion stays as smooth as the spline. μ = 1 at
+    both ends gives the spline again. μ = 0 gives monotone pieces, the integral of a B-spline of degree d − 1. So some μ
+    always keeps inside. The Bernstein coefficients of the pieces are kept inside.
 
     Source: de Boor, A Practical Guide to Splines, chapters IX and XI.
     """
@@ -82,9 +81,7 @@ def _states(coefficients: Array, durations: Array) -> Array:
 
 
 def _pieces(states: Array, share: Array, waypoints: Array, durations: Array) -> Array:
-    """Return coefficients (d + 1, k − 1, d, n) of segments in d pieces, with shares (k, n) of the states at
-    waypoints.
-    """
+    """Return coefficients (d + 1, k − 1, d, n) of segments in d pieces, with shares (k, n) of the states."""
     orders = np.arange(1, len(states) + 1)[:, None, None]
     eased, T = states * share**orders, durations[:, None] ** orders
     way = np.diff(waypoints, axis=0)[None]
@@ -92,14 +89,12 @@ def _pieces(states: Array, share: Array, waypoints: Array, durations: Array) -> 
     degree = len(states) + 1
     unit = np.einsum("cpe,esn->cspn", _smooth_step(degree), ends)
     unit[-1] += waypoints[:-1, None]
-    powers = np.arange(degree, -1, -1.0)
-    pieces: Array = unit / (durations ** powers[:, None])[:, :, None, None]
-    return pieces
+    return rescaled(unit, 1.0 / durations)
 
 
 @cache
 def _smooth_step(degree: int) -> Array:
-    """Return (d + 1, d, 2 d): the spline of d pieces of length 1/d with given derivatives at both ends.
+    """Return (d + 1, d, 2 d): the spline of d equal pieces with given derivatives at both ends.
 
     Columns are the derivatives of order 0 … d − 1 at 0, then those at 1.
     """

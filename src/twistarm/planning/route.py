@@ -43,7 +43,7 @@ class Leg:
 
     @property
     def move(self) -> Move:
-        """The segment, which is a move wherever there is a path."""
+        """The segment, a move if there is a path."""
         assert isinstance(self.segment, Move)
         return self.segment
 
@@ -81,9 +81,7 @@ class Router:
         self.goals = Goals(arm, limits)
 
     def legs(self, origin: Array) -> list[Leg]:
-        """Return the legs from `origin` (n,) on. Raises PathError, LimitError or NotConvergedError where there are
-        none.
-        """
+        """Return the legs from `origin` (n,) on. Raises PathError, LimitError or NotConvergedError if none exist."""
         legs: list[Leg] = []
         theta = origin
         while len(legs) < len(self.segments):
@@ -124,7 +122,7 @@ class Router:
         return Leg(i, self.segments[i], end, path)
 
     def _run(self, run: range, starts: Array, theta: Array) -> tuple[Array, list[Leg]]:
-        """Return which of `starts` (b, n), nearest to theta first, begins a run of curves and dwells, and its legs.
+        """Return which of `starts` (b, n), nearest first, begins a run of curves and dwells, and its legs.
 
         A curve may follow several parts of a pose. Each is tried when the one before fails.
         """
@@ -144,7 +142,7 @@ class Router:
             raise refusal(self.arm, self.limits, farthest.blocked, *where, others=not tried)
 
     def _nearest(self, run: range, starts: Array, theta: Array, options: dict[int, int]) -> tuple[Array, list[Leg]]:
-        """Do the same for chosen options: from the nearest starts, then from all others, then by a wide ladder."""
+        """Do the same for chosen options: from the nearest starts, from all others, then by a wide ladder."""
         farthest: _BlockedError | None = None
         for group, wide in ((starts[:NEAREST], False), (starts[NEAREST:], False), (starts, True)):
             if not len(group) or (wide and farthest and not farthest.blocked.moving.freedom(self.arm.n)):
@@ -160,7 +158,7 @@ class Router:
     def _climbed(
         self, run: range, starts: Array, theta: Array, options: dict[int, int], wide: bool
     ) -> tuple[Array, list[Leg]]:
-        """Do the same by ladders, one on top of the other: the way of least joint motion that can be followed."""
+        """Do the same by ladders, one on top of the other, with the least joint motion."""
         moved = efforts(theta, starts, self.limits.velocity)
         ends: list[_End] = [(start, float(effort), None) for start, effort in zip(starts, moved, strict=True)]
         more: dict[int, bool] = {}
@@ -184,7 +182,7 @@ class Router:
         raise max(errors, key=lambda error: error.reached)
 
     def _roots(self, k: int, ends: list[_End], option: int) -> tuple[list[Node], bool]:
-        """Return the first nodes of curve k at the `ends` of what comes before, and whether more options follow."""
+        """Return the first nodes of curve k at the `ends` before it, and whether more options follow."""
         segment = self.segments[k]
         assert isinstance(segment, CURVED)
         known: list[MovingTarget] = []
@@ -202,7 +200,7 @@ class Router:
     def _followed(
         self, run: range, end: Array, last: Node | None, even: bool, more: dict[int, bool]
     ) -> tuple[Array, list[Leg]] | _BlockedError:
-        """Return start and legs of a run that ends at theta (n,) and node `last`, or the error where it is blocked.
+        """Return start and legs of a run that ends at theta (n,) and node `last`, or its error.
 
         A curve that is not in `more` does not move.
         """

@@ -7,20 +7,17 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..ik.request import as_tolerance
-from ..ik.targets import KINDS, AnyTarget, Pose
+from ..ik.targets import KINDS, AnyTarget, Pose, one_direction, one_vector
 from ..support.checks import (
     Array,
     Row,
-    as_direction,
     as_flag,
     as_floats,
     as_not_negative,
     as_number,
     as_positive,
-    as_vector,
     frozen,
     require_choice,
 )
@@ -46,16 +43,15 @@ class Segment(Brief):
 class Move(Segment):
     """The options of every move.
 
-    blend: radius [m] of the ball about the move's end in which the tool may round the corner to the next; 0 stops
-    there.
+    blend: radius [m] of the ball about the move's end in which the tool may round the corner; 0 stops there.
 
     speed: the greatest share, in (0, 1], of the joints' velocity limits.
 
-    linear_speed, angular_speed: the greatest speed of the tool's origin [m/s] and of its rotation [rad/s].
+    linear_speed, angular_speed: the greatest speeds of the tool's origin [m/s] and rotation [rad/s].
 
-    position_tol, orientation_tol: tolerances of the target [m, rad], at the goal and along a curve.
+    position_tol, orientation_tol: tolerances of the target [m, rad], along a curve too.
 
-    label: an action that is due at the move's end, such as "close gripper"; files carry it.
+    label: an action due at the move's end, such as "close gripper". Files carry it.
     """
 
     blend: float = 0.0
@@ -115,19 +111,19 @@ class _CurveMove(Move):
         if given is None:
             object.__setattr__(self, "to", as_goal(goal))
         else:
-            object.__setattr__(self, name, _one(given, name, size))
+            object.__setattr__(self, name, one_vector(given, name, size, ""))
         if self.constrain is not None:
             require_choice(self.constrain, CONSTRAINED, "constrain")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineMove(_CurveMove):
-    """The tool's origin along a straight line, its rotation about one fixed axis (slerp), both in proportion.
+    """The tool's origin along a straight line, its rotation about one fixed axis (slerp), in proportion.
 
-    What the target leaves free stays free on the way: to a `Position` the rotation, to an `Approach` the turn about the
-    tool axis, whose direction swings in one plane. A `Task` keeps its tolerances. To a configuration the tool goes to
-    its pose there. An arm of fewer than six joints keeps what it can follow: all but the turn about the tool axis, or
-    the position.
+    What the target leaves free stays free on the way: the rotation for a `Position`, the turn about the tool axis for
+    an `Approach`. The direction of the tool axis then swings in one plane. A `Task` keeps its tolerances. To a
+    configuration the tool goes to its pose there. An arm of fewer than six joints keeps what it can: all but the turn
+    about the tool axis, or the position.
 
     Raises InputError for a goal, a blend, a speed or a label that cannot be used.
     """
@@ -143,7 +139,7 @@ class LineMove(_CurveMove):
 
     @classmethod
     def by(cls, offset: Row, *, frame: str = "tool", constrain: Constrained | None = None, **options: Any) -> LineMove:
-        """Make a line of that length and direction (3,) [m], along the axes of the tool at its start, or of the base.
+        """Make a line by an offset (3,) [m], along the axes of the tool at its start or of the base.
 
         Args:
             offset: From the start to the end (3,) [m].
@@ -152,14 +148,14 @@ class LineMove(_CurveMove):
                 "position". None: the pose, or the first of the three that an arm of fewer than six joints can keep.
             **options: Those of every `Move`: blend, speed and so on.
         """
-        return cls(None, offset=_one(offset, "offset"), frame=frame, constrain=constrain, **options)
+        return cls(None, offset=one_vector(offset, "offset", unit=""), frame=frame, constrain=constrain, **options)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ScrewMove(_CurveMove):
     """The tool along one screw, g(s) = exp(s ξ̂) g0, s from 0 to 1 (MLS §2.3.3, Chasles' theorem).
 
-    To a goal, ξ = log(g1 g0⁻¹): the screw of at most half a turn that leads there.
+    To a goal, ξ = log(g1 g0⁻¹) is the screw of at most half a turn.
 
     Raises InputError for a goal, a blend, a speed or a label that cannot be used.
     """
@@ -182,8 +178,7 @@ class ScrewMove(_CurveMove):
         constrain: Constrained | None = None,
         **options: Any,
     ) -> ScrewMove:
-        """Make a turn about an axis in the base frame that advances by `pitch` per radian: ξ = (−ω × q + h ω, ω) ·
-        angle.
+        """Make a turn about a base axis that advances by `pitch` per radian: ξ = (−ω × q + h ω, ω) · angle.
 
         MLS §2.3.3: ω is the unit axis, q a point on it, h the pitch [m/rad]. The angle may be several turns.
 
@@ -195,17 +190,17 @@ class ScrewMove(_CurveMove):
             constrain: As for `LineMove.by`.
             **options: Those of every `Move`: blend, speed and so on.
         """
-        w, q = _axis(axis), _one(point, "point")
+        w, q = one_direction(axis, "axis"), one_vector(point, "point", unit="")
         v = np.cross(q, w) + as_number(pitch, "pitch") * w
         return cls(None, twist=as_number(angle, "angle") * np.concatenate([v, w]), constrain=constrain, **options)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ArcMove(_CurveMove):
-    """The tool's origin along the circular arc from its start through `via` to the goal, rotation by slerp.
+    """The tool's origin along a circular arc through `via` to the goal, its rotation by slerp.
 
     `via` is (3,) [m] in base axes, or a target with a position. The three points must differ and not lie on a line,
-    within 20 µm and 1e-5 rad; otherwise rounding would choose the plane. What the goal leaves free stays free, as in
+    within 20 µm and 1e-5 rad. Otherwise rounding would choose the plane. What the goal leaves free stays free, as in
     `LineMove`.
 
     Raises InputError for a goal, a blend, a speed or a label that cannot be used.
@@ -246,7 +241,7 @@ class ArcMove(_CurveMove):
             constrain: As for `LineMove.by`.
             **options: Those of every `Move`: blend, speed and so on.
         """
-        w, q = _axis(axis), _one(centre, "centre")
+        w, q = one_direction(axis, "axis"), one_vector(centre, "centre", unit="")
         twist = as_number(angle, "angle") * np.concatenate([np.cross(q, w), w])
         return cls(None, None, twist=twist, turn=turn, constrain=constrain, **options)
 
@@ -291,23 +286,9 @@ def as_label(value: Any) -> str:
     return value
 
 
-def _axis(value: ArrayLike) -> Array:
-    return _shape(as_direction(value, "axis"), "axis", 3)
-
-
-def _one(value: ArrayLike, name: str, size: int = 3) -> Array:
-    return frozen(_shape(as_vector(value, name, size), name, size))
-
-
-def _shape(value: Array, name: str, size: int) -> Array:
-    if value.shape != (size,):
-        raise InputError(f"{name} must have shape ({size},); got {value.shape}")
-    return value
-
-
 def _point(value: Any) -> Array:
     """Return the position of a target, or the point itself."""
     if isinstance(value, KINDS):
         return np.array(value.g[:3, 3] if hasattr(value, "g") else value.p)
     numbers = as_floats(value, "via")
-    return np.array(Pose(numbers).g[:3, 3]) if numbers.shape == (4, 4) else _one(numbers, "via")
+    return np.array(Pose(numbers).g[:3, 3]) if numbers.shape == (4, 4) else one_vector(numbers, "via", unit="")

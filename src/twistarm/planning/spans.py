@@ -1,4 +1,4 @@
-"""Spans of time: the shortest and the longest motion, and the callback of planning for its progress."""
+"""Spans of time: the shortest and the longest motion, and the callback for progress."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SHORTEST, LONGEST = 1e-9, 1e9
 
 
 def require_span(duration: float) -> None:
-    """Raise InputError where a motion of this duration [s] is too short or too long to be planned."""
+    """Raise InputError where a motion of this duration [s] is too short or too long."""
     if not SHORTEST <= duration <= LONGEST:
         raise InputError(
             f"this path and these limits make a motion of {duration:.3g} s; {SHORTEST:g} s to {LONGEST:g} s can be "

@@ -1,4 +1,4 @@
-"""Piecewise polynomials through waypoints (k, n) at times (k,): splines, and profiles that rest at each waypoint.
+"""Piecewise polynomials through waypoints (k, n) at times (k,): splines, and profiles from rest to rest.
 
 Coefficients are laid out as in `piecewise`.
 """
@@ -9,7 +9,7 @@ import numpy as np
 
 from ..support.checks import Array
 from .optional import scipy
-from .piecewise import through
+from .piecewise import rescaled, through
 
 
 def cubic(waypoints: Array, times: Array) -> Array:
@@ -20,19 +20,22 @@ def cubic(waypoints: Array, times: Array) -> Array:
     return np.asarray(scipy("interpolate").CubicSpline(times, waypoints, bc_type="clamped").c)
 
 
-def natural(waypoints: Array, times: Array) -> Array:
-    """The C² cubic spline without second derivatives at both ends, (4, k − 1, n)."""
+def unforced(waypoints: Array, times: Array, ends: str = "natural") -> Array:
+    """The C² cubic spline with free velocities at both ends, (4, k − 1, n).
+
+    At the `ends` the second derivative is 0 ("natural"), or the third is continuous nearby ("not-a-knot").
+    """
     # From the first waypoint on: a joint that does not move then stays free of rounding.
-    coefficients = scipy("interpolate").CubicSpline(times, waypoints - waypoints[0], bc_type="natural").c.copy()
+    coefficients = np.array(scipy("interpolate").CubicSpline(times, waypoints - waypoints[0], bc_type=ends).c)
     coefficients[-1] += waypoints[0]
-    return np.asarray(coefficients)
+    return coefficients
 
 
 def quintic(waypoints: Array, times: Array) -> Array:
     """The C⁴ quintic spline with zero velocity and acceleration at both ends, (6, k − 1, n).
 
     Of all paths through the waypoints at these times it has the least ∫ jerk² dt. The unknowns are velocity and
-    acceleration at each inner waypoint; that jerk and snap are continuous there is a banded system of equations.
+    acceleration at each inner waypoint. Continuous jerk and snap give a banded system of equations.
     """
     rates = np.zeros((2, *waypoints.shape))
     inner = len(waypoints) - 2
@@ -47,7 +50,7 @@ def quintic(waypoints: Array, times: Array) -> Array:
 def _jerk_and_snap(way: Array, h: Array) -> tuple[Array, Array]:
     """Bands (7, 2 k − 4) and right side (2 k − 4, n) of the equations for v_1, a_1, v_2, a_2, …
 
-    At each inner waypoint the jerk and the snap of the segment that begins are those of the one that ends.
+    At each inner waypoint the jerk and the snap of both segments agree.
     """
     before, after = h[:-1], h[1:]
     # Each equation is divided by the size of its terms: lengths of segments may be orders apart.
@@ -90,9 +93,9 @@ def quintic_rests(waypoints: Array, times: Array) -> Array:
 def trapezoid(waypoints: Array, times: Array, ramps: Array) -> tuple[Array, Array]:
     """Straight from waypoint to waypoint with trapezoidal velocity; all joints ramp, coast and brake together.
 
-    `ramps` (k − 1,) [s] is how long each segment accelerates, at most half of it; the fraction travelled then
-    has speed 1 / (T − ramp) and acceleration speed / ramp (Lynch & Park §9.2.2.2). A segment is three pieces, or
-    two where it does not coast. Returns breakpoints (p + 1,) and coefficients (3, p, n).
+    `ramps` (k − 1,) [s] is how long each segment accelerates, at most half of it. The fraction travelled then has speed
+    1 / (T − ramp) and acceleration speed / ramp (Lynch & Park §9.2.2.2). A segment is three pieces, or two where it
+    does not coast. Returns breakpoints (p + 1,) and coefficients (3, p, n).
     """
     breakpoints, pieces = [times[:1]], []
     for i, (start, step) in enumerate(zip(waypoints[:-1], np.diff(waypoints, axis=0), strict=True)):
@@ -105,9 +108,7 @@ def trapezoid(waypoints: Array, times: Array, ramps: Array) -> tuple[Array, Arra
 
 
 def _straight(waypoints: Array, times: Array, unit: tuple[float, ...]) -> Array:
-    durations = np.diff(times)[:, None]
-    powers = np.arange(len(unit) - 1, -1, -1.0)[:, None, None]
-    coefficients: Array = np.array(unit)[:, None, None] / durations**powers * np.diff(waypoints, axis=0)
+    coefficients = rescaled(np.array(unit)[:, None, None] * np.diff(waypoints, axis=0), 1.0 / np.diff(times))
     coefficients[-1] += waypoints[:-1]
     return coefficients
 

@@ -1,8 +1,8 @@
-"""The times between a spline's waypoints: as short a motion as limits of velocity, acceleration and jerk allow.
+"""Times between a spline's waypoints, as short as limits of velocity, acceleration and jerk allow.
 
-A motion f times as slow meets its limits, where f is the largest of its rates, each as a share of its limit, to the
-power of 1 over its order. Σ d · f does not change when all durations d are multiplied by one number; it is made least
-in x = log d, by L-BFGS (Nocedal & Wright, Numerical Optimization, §7.2), with a p-norm in the place of the largest.
+A motion f times as slow meets its limits. There f is the largest share of a limit in use, to the power of 1 over the
+rate's order. One factor of all durations d does not change Σ d · f. L-BFGS minimizes it in x = log d, with a p-norm for
+the largest (Nocedal & Wright, Numerical Optimization, §7.2).
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ STEPS, GAIN = 60, 3e-6
 
 
 def shortest_spline(way: Array, degree: int, rates: JointLimits, durations: Array) -> Array:
-    """Durations (s,), but for one factor of all, of as short a motion as is found near those to begin with.
+    """Durations (s,), up to one factor, of as short a motion as the search finds near the given ones.
 
-    The cubic or quintic spline goes `way` (s, r) on each segment, each of the r rows within its `rates`.
+    The cubic or quintic spline goes `way` (s, r) on each segment, each row within its `rates`.
     """
     limits = (rates.velocity, rates.acceleration, rates.jerk)
     found: Array | None = engine.asked("shortest_spline", way, *limits, durations, degree)
@@ -57,11 +57,11 @@ def in_numpy(way: Array, degree: int, limits: tuple[Array, ...], durations: Arra
 
 
 def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power: float) -> tuple[float, Array, float]:
-    """The logarithm of the time with durations exp(x) (s,), by the p-norm; its gradient (s,); and by the largest rate.
+    """The logarithm of the time with durations exp(x) (s,) by the p-norm, its gradient (s,), and by the largest rate.
 
-    The unknown derivatives u at inner waypoints make E = ½ ∫ |q^(R+1)|² dt least, degree = 2 R + 1: with the ends e of
-    a segment in unit time, e_k ~ d^k u_k, E is the sum of ½ d^(−degree) eᵀ K e. So ∂E/∂u = 0 is a linear system, which
-    is symmetric, and the gradient of whatever depends on d and u comes by its adjoint.
+    The unknown derivatives u at inner waypoints minimize E = ½ ∫ |q^(R+1)|² dt, degree = 2 R + 1. In unit time a
+    segment has the ends e, e_k ~ d^k u_k, and E is the sum of ½ d^(−degree) eᵀ K e. So ∂E/∂u = 0 is a symmetric linear
+    system. Its adjoint gives the gradient of any function of d and u.
     """
     R, d = degree // 2, np.exp(x - x.mean())
     order = np.array([*range(1, R + 1), 0, *range(1, R + 1)])
@@ -107,23 +107,23 @@ def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power
 
 
 def solved(bands: Array, right: Array) -> Array:
-    """The unknowns (N, r) of a positive definite system, in SciPy's upper form (2 R, N), and right sides (N, r)."""
+    """The unknowns (N, r) of a positive definite system, in SciPy's upper form (2 R, N)."""
     linalg = scipy("linalg")
     return np.asarray(linalg.cho_solve_banded((linalg.cholesky_banded(bands), False), right)) if right.size else right
 
 
 @cache
 def looks(degree: int, order: int) -> Array:
-    """(17, degree): the derivative of that order at σ from 0 to 1, from a segment's ends in unit time.
+    """(17, degree): that derivative at σ from 0 to 1, from a segment's ends in unit time.
 
-    Its ends are the derivatives of order 1 … R at the start, the way, and those at the end.
+    The ends are derivatives of order 1 … R at the start, the way, and those at the end.
     """
     return frozen(evaluate(derivative(_from_ends(degree), order), np.linspace(0.0, 1.0, LOOKS)[:, None]))
 
 
 @cache
 def energy(degree: int) -> Array:
-    """(degree, degree): ∫ of the products of the derivatives of order R + 1 of a segment's ends, in unit time."""
+    """(degree, degree): ∫ of the products of the ends' derivatives of order R + 1, in unit time."""
     b = derivative(_from_ends(degree), degree // 2 + 1)[:, 0]
     powers = np.arange(len(b) - 1, -1, -1.0)
     return frozen(np.einsum("ik,jl,ij->kl", b, b, 1.0 / (powers[:, None] + powers + 1.0)))

@@ -1,4 +1,4 @@
-"""Stretches: the joint path from one stop of a motion to the next, with rounded corners."""
+"""Stretches: the joint path from stop to stop of a motion, with rounded corners."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ..support.errors import InputError
 from .cartesian.nodes import efforts
 from .cartesian.tool_derivatives import greatest_tool_speeds
 from .joint_path import JointPath
-from .piecewise import derivative, extremes, shifted, side_by_side, through
+from .piecewise import bisected, derivative, extremes, rescaled, shifted, side_by_side, through
 from .route import Leg
 from .segments import Move, place
-from .within import POSITION_TOL, overshoot
+from .within import POSITION_TOL, farthest_outside
 
 BEND_PIECES = 8
 """Pieces of a rounded corner. Each has a speed limit."""
@@ -48,7 +48,7 @@ def runs(legs: list[Leg]) -> Iterator[list[Leg]]:
 
 
 def path_along(arm: Arm, run: list[Leg], limits: JointLimits) -> tuple[JointPath, Array, Array | None]:
-    """Return one path along legs that move, the end of each leg on it, and the greatest ṡ on each piece (m,).
+    """Return one path along moving legs, the end of each leg, and the greatest ṡ on each piece (m,).
 
     A leg that is rounded ends in the middle of its rounding. The greatest ṡ is None where nothing limits it. Raises
     InputError where a blend does not fit.
@@ -89,7 +89,7 @@ def _too_large(arm: Arm, leg: Leg, path: JointPath, following: JointPath, begins
 
 
 def _of_unit_speed(leg: Leg, limits: JointLimits) -> JointPath:
-    """Return the leg's path by a parameter that counts the least time at full velocity, so that corners round evenly.
+    """Return the leg's path by a parameter that counts the least time at full velocity. So corners round evenly.
 
     A straight path is cut into pieces where the tool's speed is limited.
     """
@@ -97,15 +97,14 @@ def _of_unit_speed(leg: Leg, limits: JointLimits) -> JointPath:
     assert path is not None
     points = path(path.breakpoints)
     length = float(efforts(points[:-1], points[1:], limits.velocity).sum()) / path.length
-    powers = np.arange(len(path.coefficients) - 1, -1, -1.0)
-    scaled = JointPath(path.breakpoints * length, path.coefficients / length ** powers[:, None, None])
+    scaled = JointPath(path.breakpoints * length, rescaled(path.coefficients, 1.0 / length))
     if len(path.breakpoints) > 2 or (leg.move.linear_speed is None and leg.move.angular_speed is None):
         return scaled
     return scaled.in_pieces(scaled.length / STRAIGHT_PIECES)[0]
 
 
 def _caps(arm: Arm, path: JointPath, move: Move, limits: JointLimits) -> Array:
-    """Return the greatest ṡ on each piece (m,) by the move's share of joint velocities and its speeds of the tool."""
+    """Return the greatest ṡ on each piece (m,) by the move's speeds of joints and tool."""
     cap = np.full(len(path.breakpoints) - 1, np.inf)
     with np.errstate(divide="ignore"):
         if move.speed < 1.0:
@@ -123,8 +122,8 @@ def _rounded(
 ) -> tuple[float, JointPath, float] | None:
     """Return where to leave `before`, the rounding, and where to join `after`. None: the tool does not leave the ball.
 
-    The rounding is the quintic with position, first and second derivative of both paths at its ends (Lynch & Park
-    §9.2.2.1), so the whole is C². It shrinks until it stays inside the ball and the position limits.
+    The rounding is the quintic with position, first and second derivative of both paths (Lynch & Park §9.2.2.1). So the
+    whole is C². It shrinks until it stays inside the ball and the position limits.
     """
     centre = arm.fk(before.end)[:3, 3]
     for shrink in range(SHRINKS):
@@ -135,14 +134,15 @@ def _rounded(
         t = np.array([0.0, before.length - begins + ends])
         states = (np.stack([before(begins, order), after(ends, order)]) for order in range(3))
         bend = JointPath(t, through(t, *states))
-        inside = overshoot(bend.coefficients, np.diff(bend.breakpoints), limits) <= POSITION_TOL
+        _, beyond, _ = farthest_outside(extremes(bend.coefficients, t[1:])[1], limits)
+        inside = beyond <= POSITION_TOL
         if inside and _distance(arm, bend, np.linspace(0.0, bend.length, SAMPLES), centre).max() <= radius:
             return begins, bend, ends
     return None
 
 
 def _leaves_ball(arm: Arm, path: JointPath, radius: float, *, at_end: bool) -> float | None:
-    """Return where the tool first leaves the ball about one end of `path`, seen from that end. None: nowhere."""
+    """Return where the tool first leaves the ball about one end of `path`, seen from there. None: nowhere."""
     centre = arm.fk(path.end if at_end else path.start)[:3, 3]
     s = np.linspace(0.0, path.length, SAMPLES)
     if at_end:
@@ -151,14 +151,7 @@ def _leaves_ball(arm: Arm, path: JointPath, radius: float, *, at_end: bool) -> f
     if not outside.any():
         return None
     first = int(outside.argmax())
-    inner, outer = float(s[first - 1]), float(s[first])
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (inner + outer)
-        if _distance(arm, path, np.array([middle]), centre)[0] > radius:
-            outer = middle
-        else:
-            inner = middle
-    return inner
+    return float(bisected(lambda at: _distance(arm, path, at, centre) <= radius, s[first - 1], s[first], BISECTIONS)[0])
 
 
 def _distance(arm: Arm, path: JointPath, s: Array, centre: Array) -> Array:

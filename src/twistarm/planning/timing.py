@@ -9,7 +9,7 @@ import numpy as np
 from ..support.checks import Array
 from . import spline
 from .joint_path import JointPath
-from .piecewise import derivative, evaluate, stretched
+from .piecewise import derivative, evaluate, rescaled
 from .pulling_in import pulled_in
 from .spans import MARGIN, Progress, require_span
 from .spline_times import shortest_spline
@@ -51,13 +51,13 @@ DIVERGED = 1.2
 def fastest_spline(
     waypoints: Array, degree: int, fit: Fit, bounds: PathBounds, progress: Progress | None = None
 ) -> tuple[Array, Array, Array]:
-    """Times (k,), breakpoints and coefficients of `fit` through the waypoints, its worst rate just meeting its limit.
+    """Times (k,), breakpoints and coefficients of `fit`, its worst rate just meeting its limit.
 
-    Stretching the whole motion by one factor makes it meet its limits exactly, whatever the proportions of its
-    segments. The proportions are searched (`spline_times`), through few waypoints from what each segment takes alone,
-    through more from those of the fastest motion along a path through them (with jerk limits `jerk_limited`).
-    Where that spline leaves the position limits it is pulled in, and shortened further: of what is pulled in, segments
-    that stay below their limits are shortened, those that set the factor lengthened, and the shortest motion is taken.
+    Stretching the whole motion by one factor makes it meet its limits exactly. `spline_times` searches the proportions
+    of its segments. Through few waypoints it begins with what each segment takes alone. Through more it begins with the
+    fastest motion along a path (`jerk_limited` with jerk limits). Where that spline leaves the position limits it is
+    pulled in. Then slack segments are shortened, those that set the factor lengthened, and the shortest motion is
+    taken.
     """
     least = np.diff(_accumulated(_least_durations(waypoints, bounds)))
     way = np.ascontiguousarray(np.diff(waypoints, axis=0) @ bounds.C.T)
@@ -70,7 +70,7 @@ def fastest_spline(
         best = min(_searches(waypoints, fit, bounds, others, progress), key=lambda motion: float(motion[0][-1]))
     times, breakpoints, coefficients = best
     factor = slowed_by(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates) * (1.0 + MARGIN)
-    return times * factor, breakpoints * factor, stretched(coefficients, factor)
+    return times * factor, breakpoints * factor, rescaled(coefficients, 1.0 / factor)
 
 
 def _along_path(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
@@ -85,10 +85,10 @@ def _along_path(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
 
 
 def _inside_jerk(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
-    """Times (k,) of the waypoints on the fastest motion inside all limits along a spline through most of them."""
+    """Times (k,) of the waypoints on the fastest motion inside all limits along a spline."""
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(waypoints, axis=0), axis=1))])
     kept = np.unique(np.linspace(0, len(way) - 1, min(len(way), MOST_KNOTS)).round().astype(np.intp))
-    path = JointPath(way[kept], spline.natural(waypoints[kept], way[kept]))
+    path = JointPath(way[kept], spline.unforced(waypoints[kept], way[kept]))
     fit = spline.cubic if degree == 3 else spline.quintic
     tried: list[Array] = []
 
@@ -106,7 +106,7 @@ def _inside_jerk(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
 
 
 def _largest_rates(rows: Array, durations: Array, bounds: PathBounds) -> list[Array]:
-    """Acceleration and jerk at both ends of each segment (k − 1,), the larger one, as a share of its limit."""
+    """Acceleration and jerk at the ends of each segment (k − 1,), as a share of the limit."""
     tau = durations[:, None] * np.array([0.0, 1.0])[:, None, None]
     return [
         np.max(np.abs(evaluate(derivative(rows, order), tau)) / limit, axis=(0, 2))
@@ -115,9 +115,9 @@ def _largest_rates(rows: Array, durations: Array, bounds: PathBounds) -> list[Ar
 
 
 def _eased(times: Array) -> Array:
-    """Times (k,) of the same way with its speed averaged over `EASING` mean segments: no jump of the acceleration.
+    """Times (k,) of the same way with its speed averaged over `EASING` mean segments.
 
-    The way is counted in waypoints, i(t); its average is the difference of ∫ i dt over that span.
+    The way is counted in waypoints, i(t). Its average is the difference of ∫ i dt over that span.
     """
     count, index = len(times), np.arange(float(len(times)))
     span = EASING * float(times[-1]) / count
@@ -142,7 +142,7 @@ def _needed(fit: Fit, waypoints: Array, times: Array, bounds: PathBounds) -> flo
 
 
 def fastest_rests(waypoints: Array, fit: Fit, bounds: PathBounds) -> Array:
-    """Times (k,) of a `fit` that rests at every waypoint: each segment as short as the limits allow."""
+    """Times (k,) of a `fit` that rests at every waypoint, each segment as short as possible."""
     unhurried = np.arange(len(waypoints), dtype=np.float64)
     needed = stretch_needed(fit(waypoints, unhurried) @ bounds.C.T, np.diff(unhurried), bounds.rates)
     return _accumulated(needed * (1.0 + MARGIN))
@@ -151,9 +151,8 @@ def fastest_rests(waypoints: Array, fit: Fit, bounds: PathBounds) -> Array:
 def fastest_trapezoid(waypoints: Array, bounds: PathBounds) -> tuple[Array, Array]:
     """Times (k,) and ramps (k − 1,) of trapezoidal segments: full acceleration, full speed, full braking.
 
-    Along a segment's straight line the fraction travelled may have speed V = min v_j / |Δ_j| and acceleration
-    A = min a_j / |Δ_j|, j each joint and motor. It takes 1/V + V/A, or 2/√A where V² ≥ A leaves no time to coast
-    (Lynch & Park §9.2.2.2).
+    The fraction travelled may have speed V = min v_j / |Δ_j| and acceleration A = min a_j / |Δ_j|, j each joint and
+    motor. It takes 1/V + V/A, or 2/√A if V² ≥ A (Lynch & Park §9.2.2.2).
     """
     V, A = _line_limits(waypoints, bounds)
     ramps = np.minimum(V / A, np.sqrt(1.0 / A))
@@ -163,7 +162,7 @@ def fastest_trapezoid(waypoints: Array, bounds: PathBounds) -> tuple[Array, Arra
 
 
 def trapezoid_ramps(waypoints: Array, times: Array, bounds: PathBounds) -> Array:
-    """Ramps (k − 1,) [s] of trapezoidal segments at given times, as near to a third of each as the limits allow.
+    """Ramps (k − 1,) [s] of trapezoidal segments at given times, as near to a third as the limits allow.
 
     A ramp r of a segment of length T needs speed 1/(T − r) ≤ V and acceleration 1/(r (T − r)) ≤ A. Where no ramp
     meets both, one that is too fast is returned.
@@ -190,7 +189,7 @@ def _searches(
 
 
 def _search(waypoints: Array, fit: Fit, bounds: PathBounds, durations: Array) -> Iterator[tuple[Array, Array, Array]]:
-    """Motions that nearly meet the limits, by samples, each with its segments in better proportion than the last."""
+    """Motions that nearly meet the limits, each in better proportion than the last."""
     shortest = np.inf
     for _ in range(ROUNDS):
         times = _accumulated(durations)
@@ -201,12 +200,12 @@ def _search(waypoints: Array, fit: Fit, bounds: PathBounds, durations: Array) ->
         if not factor * times[-1] < DIVERGED * shortest:
             return
         shortest = min(shortest, factor * float(times[-1]))
-        yield times * factor, breakpoints * factor, stretched(coefficients, factor)
+        yield times * factor, breakpoints * factor, rescaled(coefficients, 1.0 / factor)
         durations = durations * factor * (needed / factor) ** CORRECTION
 
 
 def _least_durations(waypoints: Array, bounds: PathBounds) -> Array:
-    """The scale of each segment's time (k − 1,): distance over velocity, or the root of that over acceleration."""
+    """The scale of each segment's time (k − 1,): distance over velocity, or its root over acceleration."""
     distances = np.abs(np.diff(waypoints, axis=0) @ bounds.C.T)
     least: Array = np.maximum(distances / bounds.velocity, np.sqrt(distances / bounds.acceleration)).max(-1)
     return least
@@ -224,7 +223,7 @@ def _line_limits(waypoints: Array, bounds: PathBounds) -> tuple[Array, Array]:
 
 
 def _accumulated(durations: Array) -> Array:
-    """Times (k,) from the durations between them, none of which is left a rounding of the whole."""
+    """Times (k,) from the durations between them, none too short beside the whole."""
     total = float(durations.sum())
     require_span(total)
     return np.concatenate([[0.0], np.cumsum(np.maximum(durations, LEAST_PART * total))])

@@ -8,15 +8,12 @@ from typing import Any
 from ..arm.almost_exact import ORIENTATION_ROUNDING, POSITION_ROUNDING, angle_in_words, length_in_words
 from ..arm.arm import Arm
 from ..ik.request import as_tolerance
+from ..ik.searches import USUAL
 from ..ik.solution import missed_by_rounding
 from ..ik.targets import KINDS, target_for
 from ..ik.task_space import Tolerances
 from ..support.checks import Array
 from .segments import Move, Segment
-
-USUAL = Tolerances(1e-6, 1e-6)
-"""Of a motion that names none [m, rad]."""
-
 
 ROUNDED = (
     f"the path is met to within the rounding of the arm's axes, by at most {length_in_words(POSITION_ROUNDING)} and "
@@ -26,7 +23,7 @@ ROUNDED = (
 
 
 def decided(arm: Arm, position_tol: float | None, orientation_tol: float | None) -> Tolerances:
-    """Return the tolerances of a motion of this arm: those given, the usual ones for None."""
+    """Return the tolerances of a motion of this arm, the usual ones for None."""
     return Tolerances(
         USUAL.position if position_tol is None else as_tolerance(position_tol, "position_tol [m]"),
         USUAL.orientation if orientation_tol is None else as_tolerance(orientation_tol, "orientation_tol [rad]"),
@@ -48,7 +45,7 @@ def but_for_rounding(arm: Arm, segments: list[Segment]) -> list[Segment]:
 
 
 def rounding_note(arm: Arm, target: Any, theta: Array, where: str, met: Tolerances) -> list[str]:
-    """Return the note on a target that theta (n,) meets only within the rounding of the arm's axes."""
+    """Return the note on a target that theta (n,) meets only within the arm's rounding."""
     if not isinstance(target, KINDS) or not any(arm.rounding):
         return []
     asked, g = target_for(arm, target), arm.fk(theta)

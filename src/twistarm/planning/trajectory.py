@@ -34,7 +34,7 @@ LAST_STEP = 1e-3
 
 
 class Samples(NamedTuple):
-    """A trajectory at m instants: `t` (m,) [s], strictly increasing; the others (m, n), rad or m and their rates."""
+    """A trajectory at m instants: `t` (m,) [s], strictly increasing, and (m, n) positions and rates [rad, m]."""
 
     t: Array
     theta: Array
@@ -51,12 +51,11 @@ class Trajectory:
     """theta(t) of n joints, a polynomial on each of s pieces. The motion begins and ends at rest.
 
     `breakpoints` (s + 1,) [s] starts at 0 and increases. `coefficients` (degree + 1, s, n) hold the highest power of t
-    − breakpoints[i] first, as in SciPy's `PPoly(coefficients, breakpoints)`. `waypoints` (k, n) are the planned
-    waypoints, `times` (k,) [s] when the motion passes them; merged waypoints have equal times. A motion from a point to
-    itself has duration 0 and one piece of no length. `actuators` are the motors of the arm, or None; files hold their
-    values too. `labels` are actions on the way, such as (1.5, "close gripper"): pairs of time [s] and a line of text,
-    in the order of time. Every file carries them. `notes` tell you what was assumed, such as limits. No file carries
-    them.
+    − breakpoints[i] first, as SciPy's `PPoly` does. The motion passes the planned `waypoints` (k, n) at `times` (k,)
+    [s]. Merged waypoints have equal times. A motion from a point to itself has duration 0 and one piece of no length.
+    `actuators` are the motors of the arm, or None; files hold their values too. `labels` are actions on the way in the
+    order of time, pairs such as (1.5, "close gripper"). Every file carries them. `notes` tell you what was assumed,
+    such as limits. No file carries them.
     """
 
     joint_names: tuple[str, ...]
@@ -100,11 +99,11 @@ class Trajectory:
         return float(self.breakpoints[-1])
 
     def __call__(self, t: ArrayLike, order: int = 0) -> Array:
-        """Return the derivative of that order (0 … 3) at t (...) [s], (..., n): rad or m, and per s, s², s³.
+        """Return that derivative (0 … 3) at t (...) [s], (..., n): rad or m, and per s, s², s³.
 
         Outside [0, duration] the position of the nearer end holds and derivatives are zero. At both ends the velocity
-        is exactly zero and other derivatives are the limits from inside. At a breakpoint, where a derivative may jump,
-        it is the limit from above.
+        is zero and other derivatives are the limits from inside. At a breakpoint, where a derivative may jump, it is
+        the limit from above.
         """
         _check_order(order)
         times = as_floats(t, "t")
@@ -137,7 +136,7 @@ class Trajectory:
         return Samples(t, self(t), self(t, 1), self(t, 2))
 
     def to_motors(self, actuators: Actuators | None = None) -> Trajectory:
-        """Return the same motion of its k motors, motor = G theta + o [rad, or m where a drive pushes].
+        """Return the same motion of its k motors, motor = G theta + o [rad or m].
 
         `actuators` default to those of the arm. Raises InputError where there are none, or they drive other joints.
         """
@@ -165,10 +164,10 @@ class Trajectory:
         """Write CSV: a row every `dt` [s] and one at the end.
 
         A row has the time, then position, velocity and acceleration of each joint. The header names column and unit,
-        `slide.position [m]`. Each motor (of `actuators`, else of the arm) adds `left.motor_position [rad]` and
-        `left.motor_velocity [rad/s]` on its side of the gears, `left.counts [tick]` and `left.counts_rate [tick/s]`,
-        not rounded. Labels stand in a last column `label`, each in a row at its time. Numbers read back as the same
-        floats. The file is written whole or not at all. `load_trajectory` reads it.
+        `slide.position [m]`. Each motor (of `actuators`, else of the arm) adds `left.motor_position [rad]`,
+        `left.motor_velocity [rad/s]`, `left.counts [tick]` and `left.counts_rate [tick/s]`, not rounded. A last column
+        `label` has each label in a row at its time. Numbers read back as the same floats. The file is written whole or
+        not at all. `load_trajectory` reads it.
 
         Args:
             path: The file to write.
@@ -187,11 +186,10 @@ class Trajectory:
     def to_json(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
         """Write a `trajectory_msgs/JointTrajectory` as JSON: a point every `dt` [s] and one at the end.
 
-        Each point has positions, velocities, accelerations (rad or m, and per s, s²) and time_from_start as `sec` and
-        `nanosec`, strictly increasing from 0. The last velocity is zero. Two fields may follow: `motors` (if there are
-        any, as in `to_csv`), with names, units, count_units and points of positions, velocities, counts and
-        counts_rates, and `labels` (if there are any), each with `time` [s] and `text`. The file is written whole or not
-        at all.
+        Each point has positions, velocities, accelerations [rad, m, s] and time_from_start as `sec` and `nanosec`,
+        increasing from 0. The last velocity is zero. Two fields may follow. `motors` has names, units, count_units and
+        points of positions, velocities, counts and counts_rates. `labels` have `time` [s] and `text`. The file is
+        written whole or not at all.
 
         Args:
             path: The file to write.
@@ -227,10 +225,10 @@ class Trajectory:
     def to_header(
         self, path: str | os.PathLike[str], *, actuators: Actuators | None = None, counts: bool = False
     ) -> Path:
-        """Write a C99 and C++17 header: the polynomials as a table, and functions that evaluate them.
+        """Write a C99 and C++17 header: a table of polynomials and functions that evaluate them.
 
-        From motion.h, `motion_theta(t, theta)`, `motion_velocity` and `motion_acceleration` give the values of this
-        trajectory at any t, in float or double. Names begin with the file's. Labels are a table too.
+        In motion.h, `motion_theta(t, theta)`, `motion_velocity` and `motion_acceleration` give this trajectory at any
+        t, in float or double. Names begin with the file's. Labels are a table too.
 
         Args:
             path: The file to write, named .h, .hpp, .hh or .hxx at its end.

@@ -14,7 +14,7 @@ FAR = np.pi * (1.0 + 1e-9)
 
 
 def unwrapped(arm: Arm, theta: Array, near: Array, where: str, asked: bool) -> tuple[Array, list[str]]:
-    """Return theta (n,) moved by whole turns to the nearest to `near` (n,) within the limits, if `asked`, and notes.
+    """Return theta (n,) by whole turns nearest to `near` (n,) within the limits, if `asked`, and notes.
 
     It moves only joints that come back to the same place after a whole turn.
     """

@@ -1,4 +1,4 @@
-"""Motions through waypoints that a time law times: the shortest along a spline, and double-S from stop to stop."""
+"""Motions through waypoints by a time law: the shortest along a spline, and double-S between stops."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ Motion = tuple[Array, Array, Array]
 
 
 def fastest_along_spline(points: Array, bounds: PathBounds, progress: Progress | None = None) -> Motion:
-    """The shortest motion along a spline through the waypoints (k, n), each unlike the one before, that stays inside.
+    """The shortest motion along a spline through distinct waypoints (k, n), inside the limits.
 
-    Of the natural cubic splines with centripetal and chordal parameter, pulled inside the position limits, the faster
-    one is taken.
+    It takes the faster of two natural cubic splines, with centripetal and chordal parameter, pulled inside the position
+    limits.
     """
     laws = [(time_optimal(path, bounds, progress), path, s) for path, s in _splines(points, bounds)]
     law, path, s = min(laws, key=lambda timed: timed[0].duration)
@@ -34,7 +34,7 @@ def fastest_along_spline(points: Array, bounds: PathBounds, progress: Progress |
 
 
 def fastest_rests(points: Array, bounds: PathBounds) -> Motion:
-    """The shortest motion straight from each waypoint (k, n) to the next, each unlike the one before."""
+    """The shortest motion straight from each waypoint (k, n) to the next distinct one."""
 
     def segment(i: int) -> tuple[Array, Array]:
         line = JointPath(np.array([0.0, 1.0]), np.stack([points[i + 1] - points[i], points[i]])[:, None])
@@ -44,7 +44,7 @@ def fastest_rests(points: Array, bounds: PathBounds) -> Motion:
 
 
 def double_s_rests(points: Array, bounds: PathBounds, times: Array | None = None) -> Motion:
-    """Double-S from each waypoint (k, n) to the next, as short as can be, or taking the times (k,) [s] given."""
+    """Double-S from each waypoint (k, n) to the next, as short as possible or at times (k,) [s]."""
     given = np.zeros(len(points) - 1) if times is None else np.diff(times)
     segments = [double_s(points[i], points[i + 1], bounds, float(duration)) for i, duration in enumerate(given)]
     needed = np.array([instants[-1] for instants, _ in segments])
@@ -67,7 +67,7 @@ def _splines(points: Array, bounds: PathBounds) -> Iterator[tuple[JointPath, Arr
     """Splines inside the position limits, and the parameters (k,) at which they pass the waypoints."""
     for exponent in EXPONENTS:
         s = _parameter(points, bounds, exponent)
-        yield JointPath(*pulled_in(spline.natural(points, s), s, points, bounds.limits)), s
+        yield JointPath(*pulled_in(spline.unforced(points, s), s, points, bounds.limits)), s
 
 
 def _parameter(points: Array, bounds: PathBounds, exponent: float) -> Array:

@@ -1,4 +1,4 @@
-"""Smoothing: recorded waypoints moved within a tolerance, so that noise does not slow a motion down."""
+"""Smoothing: recorded waypoints moved within a tolerance, so that noise costs no time."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ PINNED = 1e12
 def smoothed(points: Array, tolerance: Array) -> Array:
     """Return the smoothest waypoints (k, n) within `tolerance` (k, n) of the given ones. The first and the last stay.
 
-    Each joint's z minimizes Σ (Δ³z_i)² under |z_i − y_i| ≤ tolerance. This quadratic program is solved by a logarithmic
-    barrier and Newton's method (Boyd & Vandenberghe 2004, §11.3) on banded systems. Fewer than five waypoints stay.
+    Each joint's z minimizes Σ (Δ³z_i)² under |z_i − y_i| ≤ tolerance. A logarithmic barrier and Newton's method solve
+    this quadratic program on banded systems (Boyd & Vandenberghe 2004, §11.3). Fewer than five waypoints stay.
     """
     if len(points) <= ORDER + 1:
         return points

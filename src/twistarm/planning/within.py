@@ -1,4 +1,4 @@
-"""Joint limits along a motion, checked at its exact extremes, and the error that tells where one is broken."""
+"""Joint limits along a motion, checked at its exact extremes, and their errors."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..support.checks import Array, frozen
 from ..support.errors import LimitError
 from ..support.unit_hints import theta_hint
 from .bernstein import largest
-from .piecewise import derivative, evaluate, extremes
+from .piecewise import derivative, evaluate, extremes, rescaled
 from .trajectory import RATE_UNITS, Trajectory
 
 POSITION_TOL = 1e-9
@@ -26,7 +26,7 @@ RATES = ("velocity", "acceleration", "jerk")
 
 
 def stretch_needed(coefficients: Array, durations: Array, limits: JointLimits) -> Array:
-    """Return the factor by which each segment must be slowed, (s,); 1 where one rate just meets its limit.
+    """Return the factor (s,) by which each segment must be slowed; 1 just meets a limit.
 
     A motion `f` times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """
@@ -48,8 +48,7 @@ def slowed_by(coefficients: Array, durations: Array, limits: JointLimits) -> flo
 
 def stretch_sampled(coefficients: Array, durations: Array, limits: JointLimits) -> Array:
     """Return `stretch_needed` of samples, (s,): at most a hundredth less and much cheaper, for searches."""
-    degree = len(coefficients) - 1
-    unit = coefficients * (durations ** np.arange(degree, -1, -1.0)[:, None])[:, :, None]
+    degree, unit = len(coefficients) - 1, rescaled(coefficients, durations)
     worst = np.zeros(len(durations))
     for order, limit in _limited(limits):
         values = np.abs(np.tensordot(_samplers(degree, order), unit, 1)).max(0)
@@ -73,10 +72,11 @@ def _samplers(degree: int, order: int) -> Array:
     return frozen(evaluate(powers, sigma))
 
 
-def overshoot(coefficients: Array, durations: Array, limits: JointLimits) -> float:
-    """Return how far [rad, m] the motion leaves the position limits anywhere; 0 inside."""
-    _, values = extremes(coefficients, durations)
-    return float(np.maximum(limits.lower - values, values - limits.upper).max(initial=0.0))
+def farthest_outside(theta: Array, limits: JointLimits) -> tuple[tuple[int, ...], float, str]:
+    """Return where theta (..., n) is farthest beyond a position limit, how far [rad, m], and on which side."""
+    beyond = np.maximum(limits.lower - theta, theta - limits.upper)
+    at = tuple(int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
+    return at, float(beyond[at]), "lower" if theta[at] < limits.lower[at[-1]] else "upper"
 
 
 def require_within(trajectory: Trajectory, limits: JointLimits, advice: str = "plan it again") -> None:
@@ -86,21 +86,19 @@ def require_within(trajectory: Trajectory, limits: JointLimits, advice: str = "p
     one.
     """
     tau, values = extremes(trajectory.coefficients, np.diff(trajectory.breakpoints))
-    beyond = np.maximum(limits.lower - values, values - limits.upper)
-    c, s, j = np.unravel_index(np.argmax(beyond), beyond.shape)
-    if beyond[c, s, j] > POSITION_TOL:
-        side, unit = "lower" if values[c, s, j] < limits.lower[j] else "upper", trajectory.units[j]
-        time = trajectory.breakpoints[s] + tau[c, s, j]
+    (c, s, j), beyond, side = farthest_outside(values, limits)
+    if beyond > POSITION_TOL:
+        unit, time = trajectory.units[j], trajectory.breakpoints[s] + tau[c, s, j]
         raise LimitError(
             f"between its waypoints joint {trajectory.joint_names[j]!r} would swing to "
-            f"{quantity(values[c, s, j], unit)} at t = {time:.4g} s, {quantity(beyond[c, s, j], unit)} beyond its "
+            f"{quantity(values[c, s, j], unit)} at t = {time:.4g} s, {quantity(beyond, unit)} beyond its "
             f"{side} limit {quantity(getattr(limits, side)[j], unit)}: {advice}"
         )
     require_rates(trajectory, limits)
 
 
 def require_rates(trajectory: Trajectory, limits: JointLimits, moved: str = "joint") -> None:
-    """Raise LimitError naming joint, limit, value and time where a rate of `trajectory` is above its limit.
+    """Raise LimitError with joint, limit, value and time where a rate of `trajectory` is too high.
 
     `moved` is the word for what moves: "motor" for a `Trajectory.to_motors`.
     """
@@ -123,15 +121,14 @@ def require_rates(trajectory: Trajectory, limits: JointLimits, moved: str = "joi
 def require_waypoints(
     waypoints: Array, limits: JointLimits, names: Sequence[str], units: Sequence[str], what: str = ""
 ) -> None:
-    """Raise LimitError naming the waypoint, or `what` it is, with joint and limit, where one is outside."""
-    beyond = np.maximum(limits.lower - waypoints, waypoints - limits.upper)
-    i, j = (int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
-    if beyond[i, j] <= POSITION_TOL:
+    """Raise LimitError with waypoint (or `what`), joint and limit, where one is outside."""
+    (i, j), beyond, side = farthest_outside(waypoints, limits)
+    if beyond <= POSITION_TOL:
         return
-    side, unit = "lower" if waypoints[i, j] < limits.lower[j] else "upper", units[j]
+    unit = units[j]
     hint = theta_hint(waypoints, units, limits.lower, limits.upper)
     raise LimitError(
         f"{what or f'waypoint {i} (counted from 0)'} puts joint {names[j]!r} at {quantity(waypoints[i, j], unit)}, "
-        f"{quantity(beyond[i, j], unit)} beyond its {side} limit {quantity(getattr(limits, side)[j], unit)}: "
+        f"{quantity(beyond, unit)} beyond its {side} limit {quantity(getattr(limits, side)[j], unit)}: "
         f"move the waypoint, or change the limit by {argument('limits')}" + (f" ({hint})" if hint else "")
     )

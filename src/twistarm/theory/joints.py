@@ -1,7 +1,7 @@
 """The six lower-pair joints as twists of one degree of freedom each, columns from base to tip.
 
-A joint of k degrees of freedom moves by g(x) = e^{ξ̂₁x₁} ⋯ e^{ξ̂ₖxₖ}, with one column per coordinate. All columns are
-given in one frame, for `poe` the space frame, with the joint at rest. MLS §3.2.
+A joint of k degrees of freedom moves by g(x) = e^{ξ̂₁x₁} ⋯ e^{ξ̂ₖxₖ}, a column for each. All columns are given in one
+frame, for `poe` the space frame, with the joint at rest. MLS §3.2.
 
 Directions may have any length but zero. InputError names a zero direction, another shape, or a number that is not
 finite.

@@ -1,4 +1,4 @@
-"""The lower pairs in a chain: which of its one-degree-of-freedom joints make up a joint of MLS's six types.
+"""The lower pairs in a chain: which of its joints make up one of MLS's six types.
 
 The inverse of `joints`: from twists back to revolute, prismatic, helical, cylindrical, spherical and planar joints.
 """

@@ -1,4 +1,4 @@
-"""Manipulability: how well a posture moves the tool in each direction, by singular values of the body Jacobian."""
+"""Manipulability: how well a posture moves the tool in each direction."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Rotations in space: SO(3) as matrices, and its parametrisations by angles, quaternions, axis and angle.
 
 Matrices act on columns, `p_a = R_ab @ p_b`. Every function takes any leading (batch) axes. InputError names a matrix
-that is no rotation, another shape, a number that is not finite, or leading axes that do not broadcast.
+that is no rotation, a wrong shape, a number that is not finite, or axes that do not broadcast.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def nearest(A: ArrayLike) -> Array:
 
     With the singular values σ₁ ≥ σ₂ ≥ σ₃ of A = U Σ Vᵀ and s = det U Vᵀ = ±1 it is R = U diag(1, 1, s) Vᵀ. Where s = 1,
     that is the orthogonal factor of the polar decomposition. A positive factor of A changes nothing, and a rotation is
-    its own nearest. InputError unless σ₂ + s σ₃ > 0: a matrix of rank 1 or 0, or a reflection with σ₂ = σ₃, is equally
+    its own nearest. InputError unless σ₂ + s σ₃ > 0. A matrix of rank 1 or 0, or a reflection with σ₂ = σ₃, is equally
     near to many rotations.
 
     Source: Kabsch 1976, "A solution for the best rotation to relate two sets of vectors"; Golub & Van Loan, Matrix
@@ -113,7 +113,7 @@ def split(w: Array) -> tuple[Array, Array]:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """The cross product a × b (..., 3), as `numpy.cross`, at a third of its price for single vectors; unchecked.
+    """The cross product a × b (..., 3), as `numpy.cross`, unchecked and three times as fast for single vectors.
 
     Args:
         a: Vectors (..., 3).
@@ -290,11 +290,11 @@ def to_euler(order: str, R: ArrayLike) -> Array:
     """The angles (..., 3) [rad] with `from_euler(order, angles) == R`, for any of the 24 orders.
 
     The middle angle lies in [0, π] if the outer two turn about the same axis, else in [−π/2, π/2]. The outer two lie in
-    (−π, π]. At the ends of the middle one's range (gimbal lock) only the sum or difference of the outer two is
-    determined: the last of the list is then 0.
+    (−π, π]. At gimbal lock, the ends of the middle one's range, only the sum or difference of the outer two is
+    determined. The last of the list is then 0.
 
     R = R_i(a) R_j(b) R_k(c). Its column R e_k = R_i(a) R_j(b) e_k gives a and b. The row (R_i(a) e_j)ᵀ R = e_jᵀ R_k(c)
-    then gives c, so the angles meet R even where a is badly determined.
+    then gives c. So the angles meet R even for a badly determined a.
 
     Args:
         order: One of the 24 `EULER_ORDERS`.

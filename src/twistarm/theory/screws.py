@@ -1,8 +1,7 @@
 """Twists, screws and rigid motions: se(3), its exponential and logarithm, and the Adjoint.
 
 A twist is xi = (v, w), linear part first; a pose is a homogeneous g. Every function takes any leading (batch) axes.
-InputError names another shape, a number that is not finite, a pose that is not in SE(3), or leading axes that do not
-broadcast.
+InputError names a wrong shape, a number that is not finite, a pose that is not in SE(3), or axes that do not broadcast.
 """
 
 from __future__ import annotations
@@ -78,7 +77,7 @@ def bracket(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def from_angular_first(V: ArrayLike, *, twists: Twists | None = None) -> Array:
-    """The twist (v, w) of Lynch & Park's (w, v), an array of the same shape; wrenches too: (f, τ) from (τ, f).
+    """The twist (v, w) of Lynch & Park's (w, v), an array of the same shape. Wrenches too: (f, τ) from (τ, f).
 
     Args:
         V: Twists (w, v) or wrenches (τ, f): rows (..., 6), or columns (..., 6, n) as in a Jacobian.
@@ -88,7 +87,7 @@ def from_angular_first(V: ArrayLike, *, twists: Twists | None = None) -> Array:
 
 
 def to_angular_first(xi: ArrayLike, *, twists: Twists | None = None) -> Array:
-    """Lynch & Park's (w, v) of the twist (v, w), an array of the same shape; wrenches too: (τ, f) from (f, τ).
+    """Lynch & Park's (w, v) of the twist (v, w), an array of the same shape. Wrenches too: (τ, f) from (f, τ).
 
     Args:
         xi: Twists (v, w) or wrenches (f, τ): rows (..., 6), or columns (..., 6, n) as in a Jacobian.

@@ -1,1 +1,1 @@
-"""All configurations that meet a target: families of arms with a closed form, elimination, and the verification."""
+"""All configurations that meet a target: families with a closed form, elimination, verification."""

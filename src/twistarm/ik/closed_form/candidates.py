@@ -1,6 +1,6 @@
 """A family's closed form: all candidates for x with E₁(x₁) ⋯ Eₖ(xₖ) = G.
 
-E_L, E_K, E_R are the products of the joints before the group, of it and behind it. E_K = E_L⁻¹ G E_R⁻¹ keeps the point
+E_L, E_K, E_R are the products of the joints before the group, in it and behind it. E_K = E_L⁻¹ G E_R⁻¹ keeps the point
 or plane X in place: E_L X = G E_R⁻¹ X. Seen from the other side of G, the joints behind come before the others. So one
 chain of at most three joints has to place X where G takes it.
 """
@@ -31,14 +31,14 @@ about a turn or a length of 2π m, the nearest to it first."""
 
 
 class Candidate(NamedTuple):
-    """Values (k,) in the order of the chain, and the joints that may have any other value."""
+    """Values (k,) in the order of the chain, and the joints with arbitrary values."""
 
     x: Array
     free: frozenset[int]
 
 
 def candidates(fitted: FittedFamily, G: Array, near: Array, slack: float) -> Iterator[list[Candidate]]:
-    """Every x (k,) with E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), and some that only nearly solve it: forward kinematics decides.
+    """Every x (k,) with E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), and near misses: forward kinematics decides.
 
     A joint that may have any value takes that of `near` (k,). Such a candidate may be an answer only with another
     value, or together with others elsewhere. So further lists follow, of candidates with free joints, where those
@@ -112,11 +112,10 @@ def rotating(w: tuple[Array, ...], R: Array, near: tuple[float, ...], slack: flo
 
 
 def _middle_turns(middle: JointAxis, first: Array, last: Array, goal: Array, slack: float) -> list[float]:
-    """The turns of `last` (3,) about the middle axis that give it the angle of `goal` from `first`.
+    """The turns of `last` (3,) about the middle axis to the angle of `goal` from `first`.
 
     The three directions make a triangle on the sphere with the sides α, γ and β. Its half-angle formulas give the angle
-    at the middle axis to rounding, however small it is. Its cosine would lose half the digits for a nearly singular
-    wrist.
+    at the middle axis to rounding. Its cosine would lose half the digits for a nearly singular wrist.
     """
     alpha, gamma, beta = _angle(middle.w, first), _angle(middle.w, last), _angle(first, goal)
     s = 0.5 * (alpha + beta + gamma)
@@ -157,7 +156,7 @@ def sliding(
     """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4), k ≤ 3, of joints that turn about the normal and slide across it.
 
     The angles add up. One turn takes the whole angle, and the slides are two lengths in the plane. With more turns, the
-    joints before the last take a point of its axis where E takes it.
+    joints before the last place a point of its axis.
     """
     turning = [i for i, axis in enumerate(group) if not axis.slides]
     u, v = across(normal)

@@ -23,7 +23,7 @@ SAMPLE = 0.3
 
 
 class FamilyNumbers(NamedTuple):
-    """A family and its axes where the held joints stand at 0, as the core takes them (twistarm::solved_arm)."""
+    """A family and its axes with held joints at 0, as the core takes them (twistarm::solved_arm)."""
 
     first: int
     last: int
@@ -41,7 +41,7 @@ class FamilyNumbers(NamedTuple):
 def family_numbers(arm: Arm, chain: Chain, family: Family, held: tuple[int, ...], idle: Set[int]) -> FamilyNumbers:
     """The numbers of a family with joints `held`. `idle` joints may have any value in an answer.
 
-    The core holds joints at other values in every call, so it gets the axes with these joints at 0.
+    The core holds joints at other values in every call, so its axes have these joints at 0.
     """
     axes, _ = chain.held(held, np.full(len(held), SAMPLE))
     fitted = family.fitted(axes)

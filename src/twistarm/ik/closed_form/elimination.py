@@ -1,19 +1,19 @@
-"""Elimination: all configurations of six joints that turn, or five, for any axes, from an eigenvalue problem.
+"""Elimination: all configurations of five or six turning joints with any axes, from an eigenvalue problem.
 
 E₃E₄E₅ = E₂⁻¹E₁⁻¹ G E₆⁻¹. Applied to the last axis, its point p and direction d, both sides are free of x₆:
 
     p, d, p·p, p·d, p × d, (p·p) d − 2 (p·d) p
 
-are fourteen equations. With p measured from a point of axis 2 the right side is linear in the eight products of sines
-and cosines of x₁ and x₂. The left is linear in those of x₄ and x₅, with coefficients linear in cos x₃, sin x₃. The six
-combinations without x₁ and x₂ are a 6 × 9 matrix in x₃. With t = tan(x/2) and each multiplied by t₄, they are a 12 × 12
-matrix M₀ + M₁t₃ + M₂t₃² that is singular at the answers, and at t₃ = ±i. An arm has at most sixteen.
+are fourteen equations. With p measured from a point of axis 2, the right side is linear in eight products of sines and
+cosines of x₁ and x₂. The left is linear in those of x₄ and x₅, with coefficients linear in cos x₃, sin x₃. The six
+combinations without x₁ and x₂ are a 6 × 9 matrix in x₃. With t = tan(x/2), each multiplied by t₄, they are a 12 × 12
+matrix M₀ + M₁t₃ + M₂t₃². It is singular at the answers, and at t₃ = ±i. An arm has at most sixteen.
 
 Sources: Raghavan & Roth, Inverse kinematics of the general 6R manipulator, ASME J. Mech. Des. 115, 1993; Manocha &
 Canny, Efficient inverse kinematics for general 6R manipulators, IEEE T-RA 10, 1994 (the eigenvalue problem).
 
-Five joints get a sixth that stands still, about a line that has nothing to do with the others. The answers of the five
-are those where its angle is 0.
+Five joints get a sixth that stands still, about an unrelated line. The answers of the five are those where its angle is
+0.
 
 For special axes the matrix may be singular everywhere. The chain of joints is closed by G, so it may begin at any
 joint, in either direction. `rooted` takes the one of these twelve ways that finds random configurations best.
@@ -83,7 +83,7 @@ class Rooted:
     still: tuple[JointAxis, ...] = ()
 
     def chain(self, axes: tuple[JointAxis, ...], G: Array) -> tuple[tuple[JointAxis, ...], Array, list[int]]:
-        """The axes and G of the chain from this start, and which joint each of its joints is."""
+        """The axes and G of the chain from this start, and the joint of each place."""
         behind = inverse(G)
         walked = [*axes[self.start :], *(axis.seen(behind) for axis in axes[: self.start])]
         joints = [*range(self.start, SIX), *range(self.start)]
@@ -106,7 +106,7 @@ def rooted(axes: tuple[JointAxis, ...], reach: float) -> Rooted | None:
 
 
 def _missed(axes: tuple[JointAxis, ...], way: Rooted, x: Array, reach: float) -> float:
-    """How far the nearest answer found for the pose at x is from it, in shares of the reach or rad."""
+    """How far the nearest answer found is from the pose at x, in shares of the reach or rad."""
     G = product(axes, x)
     errors = [np.inf]
     for found in _at(axes, way, G):
@@ -120,8 +120,8 @@ def _missed(axes: tuple[JointAxis, ...], way: Rooted, x: Array, reach: float) ->
 def eliminated(axes: tuple[JointAxis, ...], way: Rooted, G: Array) -> list[Array]:
     """Candidates x (k,) for E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), k = 6 or 5: every answer, most to six digits or more.
 
-    With joints at special angles the matrix may be singular for this G alone, and the result is noise. So poses beside
-    it are solved too, in directions that have nothing to do with the arm: their answers are near.
+    At special joint angles the matrix may be singular for this G alone, and the result is noise. So poses beside it are
+    solved too, in unrelated directions. Their answers are near.
     """
     return [x for beside in BESIDE for x in _at(axes, way, G @ beside)]
 

@@ -2,12 +2,12 @@
 
 Consecutive joints are a *group* if together they keep something in place. Axes that meet in a point keep the point (a
 spherical group). Parallel axes, and slides across them, keep every plane across the axes (a planar group). At most
-three joints beside the group place the point, or the plane, where the target wants it (`placing`). The group does the
-rest. That covers a spherical wrist or shoulder with any three other joints, three parallel axes anywhere, and every arm
-of four joints. A slide along parallel axes commutes with them, so the joints may also be taken in another order.
+three joints beside the group place the point, or the plane, for the target (`placing`). The group does the rest. That
+covers a spherical wrist or shoulder with three other joints, three parallel axes, and every arm of four joints. A slide
+along parallel axes commutes with them, so another order is possible too.
 
-At most three turns in different directions and three slides, in any order, are one *decoupled* group that keeps
-nothing: the rotation alone gives the turns.
+Up to three turns in different directions and three slides are one *decoupled* group that keeps nothing. The rotation
+alone gives the turns.
 
 Sources: Pieper 1968 (three axes that meet, three that are parallel); Elias & Wen, IK-Geo, 2022; MLS §3.3.
 """
@@ -94,7 +94,7 @@ class FittedFamily:
 
 
 def families(axes: tuple[JointAxis, ...], reach: float, tolerance: float = NEARLY) -> list[FittedFamily]:
-    """All families that at most six axes (k,) belong to, exact ones first, then those that are simplest to solve.
+    """All families of at most six axes (k,), exact ones first, then the simplest to solve.
 
     `tolerance`: share of the reach [m], or angle [rad], by which the axes may miss.
     """
@@ -136,7 +136,7 @@ def _kinds(group: list[JointAxis]) -> list[str]:
 
 
 def _meeting(group: list[JointAxis]) -> tuple[Point, list[JointAxis], float]:
-    """The point nearest to all axes, the axes moved through it, and their greatest distance from it [m]."""
+    """The point nearest to all axes, the axes through it, and their greatest distance [m]."""
     across = [np.eye(3) - np.outer(axis.w, axis.w) for axis in group]
     target = np.sum([P @ axis.o for P, axis in zip(across, group, strict=True)], axis=0)
     centre = np.linalg.lstsq(np.sum(across, axis=0), target, rcond=1e-9)[0]
@@ -145,7 +145,7 @@ def _meeting(group: list[JointAxis]) -> tuple[Point, list[JointAxis], float]:
 
 
 def _parallel(group: list[JointAxis]) -> tuple[Plane, list[JointAxis], float]:
-    """A plane across all axes that turn, the axes made parallel, and their greatest angle from that [rad]."""
+    """A plane across all turning axes, the axes made parallel, and their greatest angle [rad]."""
     turning = [axis.w for axis in group if not axis.slides]
     normal = np.sum([w * np.sign(w @ turning[0]) for w in turning], axis=0)
     normal = normal / max(float(np.linalg.norm(normal)), 1e-12)
@@ -160,7 +160,7 @@ def _parallel(group: list[JointAxis]) -> tuple[Plane, list[JointAxis], float]:
 
 
 def _orders(axes: tuple[JointAxis, ...]) -> list[tuple[int, ...]]:
-    """The orders in which the joints may be taken, the arm's first: neighbours that commute may change places."""
+    """The orders of the joints, the arm's first: neighbours that commute may change places."""
     known = {tuple(range(len(axes))): None}
     for order in (todo := list(known)):
         for i in range(len(axes) - 1):
@@ -175,7 +175,7 @@ def _orders(axes: tuple[JointAxis, ...]) -> list[tuple[int, ...]]:
 
 
 def _decoupled(fitted: FittedFamily) -> bool:
-    """Whether each joint that turns changes the rotation in another way, and each that slides the position."""
+    """Whether the turns change the rotation, and the slides the position, in independent ways."""
     rng = np.random.default_rng(0)
     for _ in range(TRIALS):
         J = _columns(fitted.axes, rng.uniform(-2.0, 2.0, len(fitted.axes)))
@@ -192,10 +192,9 @@ def _columns(axes: tuple[JointAxis, ...], x: Array) -> list[Array]:
 
 
 def _determined(fitted: FittedFamily) -> bool:
-    """Whether the joints beside the group move independently what it keeps, and those of the group the rest.
+    """Whether joints beside the group and joints in it move independently.
 
-    Tried at random configurations, each with the pose that it makes. For a pose out of reach the joints beside may well
-    move what they cannot move within reach.
+    Tried at random configurations, each with the pose that it makes. For a pose out of reach these tests would mislead.
     """
     rng = np.random.default_rng(0)
     first, last = fitted.family.first, fitted.family.last

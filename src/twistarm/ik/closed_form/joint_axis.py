@@ -1,4 +1,4 @@
-"""The axis of one joint, which turns about a line or slides along it, and what it moves: points and planes."""
+"""The axis of one joint, which turns or slides, and what it moves: points and planes."""
 
 from __future__ import annotations
 

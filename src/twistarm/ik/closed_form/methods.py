@@ -1,4 +1,4 @@
-"""The way to find all configurations of an arm for a kind of target: a family, elimination, or a search.
+"""The way to find all configurations for a kind of target: a family, elimination, or a search.
 
 It follows from the axes alone. It is looked for once for each arm and kind, and kept with the arm.
 """
@@ -48,9 +48,9 @@ CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from ma
 class Method:
     """A way by a `family`, or by elimination if it is `rooted`. With neither, `reason` says why.
 
-    `held`: joints of the arm that are `given` or sampled, because the target does not determine them.
-    `idle`: held joints that only do what the target leaves free, so one value is enough.
-    `numbers` and `compiled`: the family for the core and in it, where it is exact.
+    `held`: joints of the arm that are `given` or sampled, because the target leaves them open. `idle`: held joints that
+    only do what the target leaves free, so one value is enough. `numbers` and `compiled`: the family for the core and
+    in it, where it is exact.
     """
 
     chain: Chain
@@ -103,7 +103,7 @@ class Method:
     def candidates(self, arm: Arm, target: AnyTarget, near: Array, values: Array, exact: bool) -> Iterator[list[Array]]:
         """Lists of candidates theta (n,), held joints at `values`. In the first list free joints are at `near`.
 
-        `exact`: whether only the rounding of numbers makes a candidate miss a subproblem, and not that of the axes.
+        `exact`: whether a candidate misses a subproblem by the rounding of numbers only, not of axes.
         """
         chain = self.chain
         rates = chain.rates[list(self.held)]
@@ -141,7 +141,7 @@ def known_method(arm: Arm, like: type[AnyTarget], axis: bytes | None) -> Method 
 
 
 def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Method:
-    """The method for targets like this one, with the joints `given` held, and others where there are still too many.
+    """The method for targets like this one, with the joints `given` held, and others if too many are left.
 
     A joint with limits of one value is given.
     """
@@ -155,9 +155,9 @@ def family_method(arm: Arm, target: AnyTarget) -> Method:
 
 
 def family_for(arm: Arm, target: AnyTarget) -> Method | None:
-    """The family in the core for targets like this one, where at most one joint has to be sampled; else None.
+    """The family in the core for targets like this one, with at most one sampled joint; else None.
 
-    Where the axes miss their family by a little it is the nearest exact arm's: `Method.exact` says so.
+    If the axes miss their family by a little, it is the nearest exact arm's (`Method.exact`).
     """
     free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
     if arm.n - len(standing(arm)) + free > MOST_JOINTS + 1:
@@ -179,7 +179,7 @@ def _nearest_family(arm: Arm, target: AnyTarget) -> Method:
 
 
 def _with_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
-    """The method, with its family in the core if the axes are exact: the core has no slack for others."""
+    """The method with its family in the core, if the axes are exact."""
     return _in_core(arm, target, method) if method.exact else method
 
 
@@ -214,7 +214,7 @@ def _looked_for(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, families
 def _by_family(
     arm: Arm, chain: Chain, ways: list[tuple[int, ...]], given: tuple[int, ...], idle: tuple[int, ...]
 ) -> Method | None:
-    """The way to hold joints that leaves the axes nearest to a family, the first of exact ones."""
+    """The way to hold joints that leaves the axes nearest to a family."""
     best: Method | None = None
     for held in ways:
         axes, _ = chain.held(held, np.full(len(held), SAMPLE))
@@ -248,7 +248,7 @@ def _why_not(arm: Arm, chain: Chain, ways: list[tuple[int, ...]]) -> str:
 
 
 def closest_miss_of(arm: Arm, method: Method) -> tuple[float, str]:
-    """How far the axes miss their family, or the nearest one, in shares of the reach or rad, and in words.
+    """How far the axes miss their family, or the nearest, in shares of the reach or rad, and in words.
 
     (0, "") where they miss nothing.
     """

@@ -7,9 +7,9 @@ A motion along the middle joint keeps two numbers, so E₃(x₃) X and E₁(x₁
 | turns about (w, o) | w · (p − o), ‖p − o‖² | w · n, d − n · o |
 | slides along w | the two coordinates of p across w | — |
 
-These are two conditions on x₁ and x₃, linear in their sines and cosines, or in a length and its square. Then x₂ is the
-turn or slide that is left (subproblem 1). For points Pieper (1968) solves the first three joints of an arm with a
-spherical wrist like this. For planes it solves three parallel axes.
+These are two conditions on x₁ and x₃, linear in sines and cosines, or in a length and its square. Then x₂ is the turn
+or slide that is left (subproblem 1). For points Pieper (1968) solves three joints before a spherical wrist like this.
+For planes it solves three parallel axes.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ where a double root, which has half the digits, brought it there, by which is no
 
 
 class Placed(NamedTuple):
-    """Values of the joints, and the indices of those that may have any other value (with others for the rest)."""
+    """Values of the joints, and the indices of those with arbitrary values."""
 
     x: tuple[float, ...]
     free: frozenset[int] = frozenset()
@@ -52,7 +52,7 @@ def place(
 
 
 def settle(axis: JointAxis, X: Point | Plane, Y: Point | Plane, near: float) -> tuple[float, bool]:
-    """The x that brings E(x) X nearest to Y, and whether any other does: subproblem 1, for planes and slides too."""
+    """The x that brings E(x) X nearest to Y, and whether every x does (subproblem 1)."""
     if axis.slides:
         return _slid(axis, X, Y, near)
     a, b = (Z.n if isinstance(Z, Plane) else Z.p - axis.o for Z in (X, Y))

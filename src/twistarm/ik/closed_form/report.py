@@ -1,4 +1,4 @@
-"""An arm's family, or the axes that miss one: how all configurations are found, before a target is known."""
+"""How all configurations of an arm are found, before a target is known."""
 
 from __future__ import annotations
 
@@ -17,12 +17,10 @@ FITS_APPROACH = 5
 class ClosedFormReport:
     """How `solve_ik_all` finds every configuration of an arm, for one kind of `target`.
 
-    method: "closed form", "elimination" or "search from many starts".
-    family: the family in words; for a search, why the axes have none.
-    exact: whether every configuration is found, with the joints `held` at their values.
-    held: joints that the target does not determine, base to tip.
-    miss: which axes miss a family by least, and by how much, in words; "" if none do.
-    nearly: whether that is so little that it looks like rounding.
+    method: "closed form", "elimination" or "search from many starts". family: the family in words; for a search, why
+    the axes have none. exact: whether every configuration is found, with the joints `held` at their values. held:
+    joints that the target does not determine, base to tip. miss: which axes miss a family by least, and by how much; ""
+    if none do. nearly: whether that is so little that it looks like rounding.
     """
 
     target: str
@@ -40,7 +38,7 @@ class ClosedFormReport:
 
 
 def closed_form_of(arm: Arm, like: TargetLike | None = None) -> ClosedFormReport:
-    """The report for targets like this one; by default an approach where five joints fit it, else a pose."""
+    """The report for targets like this one; by default an approach for five joints, else a pose."""
     target = _usual(arm) if like is None else checked_target(arm, like)
     method = method_for(arm, target)
     off, miss = closest_miss_of(arm, method)

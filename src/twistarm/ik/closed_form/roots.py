@@ -58,7 +58,7 @@ MOST_COPIES = 4096
 
 @dataclass(frozen=True, eq=False)
 class Root:
-    """An answer theta (n,), with angles in any turn, and the joints that may move while the target stays met."""
+    """An answer theta (n,), with angles in any turn, and the joints that may move then."""
 
     theta: Array
     free: tuple[int, ...]
@@ -92,8 +92,8 @@ class Asked:
     ) -> Array:
         """theta (n,) after some of Newton's steps of least length, −J⁺ e, toward the target. `held` joints stay.
 
-        No step is long in any of the directions that J tells apart. Near a wrist in line one of them hardly moves the
-        tool; the others still go all their way.
+        No step is long in any of the directions that J tells apart. Near a straight wrist one direction hardly moves
+        the tool. The others still go all their way.
         """
         for _ in range(STEPS):
             error, J = self.rows(theta)
@@ -127,7 +127,7 @@ class Asked:
         return found
 
     def self_motion(self, theta: Array, held: tuple[int, ...] = (), dependent: float = DEPENDENT) -> tuple[int, ...]:
-        """The joints, beside those `held`, that move while the target stays met: () for an answer that stands alone.
+        """The joints, beside those `held`, that move while the target stays met.
 
         Where more joints are left than there are rows, and the rows are independent, the null space is a family's
         tangent: all that it moves is free. Otherwise a direction in it only moves nothing at first. A step along it,
@@ -193,7 +193,7 @@ class Asked:
 
 
 def _nearest_copy(arm: Arm, theta: Array, near: Array, slack: float) -> Array:
-    """theta (n,) by whole turns as near to `near` as the limits allow, which it may pass by `slack` [rad, m]."""
+    """theta (n,) by whole turns as near to `near` as the limits and `slack` [rad, m] allow."""
     lowest = np.ceil((arm.limits.lower - slack - theta) / TURN)
     highest = np.floor((arm.limits.upper + slack - theta) / TURN)
     counts = np.maximum(np.minimum(np.round((near - theta) / TURN), highest), lowest)

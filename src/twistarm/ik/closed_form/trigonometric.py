@@ -1,8 +1,8 @@
-"""Roots of the subproblems' equations: in the sine and cosine of an angle, or in a length.
+"""Roots of the subproblems' equations in the sine and cosine of an angle, or in a length.
 
 Each function returns the real roots, or None where every value is a root. An equation that misses by less than `slack`
-of its size has the root that comes nearest. A stretched arm has one answer, in spite of rounding. Forward kinematics
-decides later which roots are answers.
+of its size has its nearest root. A stretched arm has one answer, in spite of rounding. Forward kinematics decides later
+which roots are answers.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def _in_half_tangent(k: Array, offset: float) -> Array:
 
 
 def _corrected(k: Array, x: float, scale: float) -> float:
-    """x after some of Newton's steps, none of them far: they do not improve a double root."""
+    """x after some short steps of Newton's, which do not improve a double root."""
     for _ in range(CORRECTIONS):
         slope = _slope(k, x)
         if abs(slope) < NOTHING * scale:

@@ -1,12 +1,12 @@
-"""Two conditions on two joints, A u(x) + B u(y) = e: where two ellipses, or their kin, meet.
+"""Two conditions on two joints, A u(x) + B u(y) = e: where two ellipses meet.
 
 u(x) is (cos x, sin x) for a joint that turns and (x, x²) for one that slides; A and B are (2, 2), e (2,). For two
 joints that turn this is subproblem 6 of Elias & Wen, IK-Geo, 2022: a quartic. Only the second condition has squares of
 lengths.
 
-What just misses counts (see `trigonometric`). Where one joint may have any value, but the other has none with the
-current one, the nearest counts too: Newton's method moves both from there. Where one condition is nearly a multiple of
-the other, both ways of solving are taken. So the answers hold every root, and some values that are not roots.
+What just misses counts (see `trigonometric`). If one joint may have any value, but the other has none with it, the
+nearest counts too. Newton's method moves both from there. Where one condition is nearly a multiple of the other, both
+ways of solving are taken. So the answers hold every root, and some values that are not roots.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ def _two_linear(a: Side, b: Side, e: Array) -> list[Pair]:
 
 
 def _angle_and_length(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
-    """x turns, y slides: y follows from a condition that is linear in it, or x from one without it."""
+    """x turns, y slides: y follows from a condition linear in it, or x from one without y."""
     A, linear, square = a.matrix, b.matrix[:, 0], b.matrix[:, 1]
     scale = float(np.abs(A).max() + np.abs(b.matrix).max())
     if np.abs(square).max() <= NOTHING:
@@ -141,7 +141,7 @@ def _angle_and_length(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
 
 
 def _two_angles(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
-    """Both turn: x is eliminated where A is the better conditioned, by its inverse, or by the row that A lacks."""
+    """Both turn: x is eliminated by the inverse of the better A, or by the row that A lacks."""
     (U, size_a, _), size_b = np.linalg.svd(a.matrix), np.linalg.svd(b.matrix)[1]
     scale = float(max(size_a[0], size_b[0]))
     if size_a[0] <= NOTHING * scale:

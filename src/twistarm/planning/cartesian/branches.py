@@ -1,4 +1,4 @@
-"""Branches: the configurations that meet a target, by the arm's closed form or from many starts."""
+"""Branches: all configurations that meet a target."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import numpy as np
 from ...arm.arm import Arm
 from ...ik.closed_form.methods import family_method
 from ...ik.ranges import joint_ranges
-from ...ik.searches import searched
+from ...ik.searches import USUAL, searched
 from ...ik.targets import AnyTarget
 from ...ik.task_space import Tolerances
 from ...support.checks import Array
-from ..tolerances import USUAL, leeway
+from ..tolerances import leeway
 from .nodes import ALL_BUT_EXACT, EXACT
 
 MOST = 96
@@ -29,10 +29,10 @@ SEED = 0
 def branches(arm: Arm, target: AnyTarget, near: Array, tolerances: Tolerances = USUAL) -> Array:
     """Return configurations (b, n) that meet the target, b ≥ 0, nearest to `near` (n,) first.
 
-    The closed form of the arm's family gives them, at random values of the joints that the target leaves free. Searches
-    from random starts replace it where there is none, or where answers form a continuous family. Of close answers the
-    nearest stays. Joints with room for whole turns give all their windings. Tolerances count where nothing meets the
-    target exactly, or where they are wide.
+    The closed form of the arm's family gives them, at random values of joints that stay free. Without a closed form, or
+    for a continuous family, searches from random starts find them. Of close answers the nearest stays. Joints with room
+    for whole turns give all their windings. Tolerances count where nothing meets the target exactly, or where they are
+    wide.
     """
     starts = np.vstack([near, arm.random_theta(SEED, MOST)])
     met, all_found = _by_closed_form(arm, target, starts)
@@ -91,7 +91,7 @@ def _apart(thetas: Array) -> Array:
 
 
 def _windings(arm: Arm, thetas: Array) -> Array:
-    """Add each configuration with one joint a whole turn on or back, where its limits allow."""
+    """Add each configuration with one joint a whole turn on or back, inside its limits."""
     more = [thetas]
     for joint, unit in enumerate(arm.units):
         if unit != "rad" or not np.isfinite(arm.limits.upper[joint] - arm.limits.lower[joint]):

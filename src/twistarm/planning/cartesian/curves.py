@@ -58,7 +58,7 @@ def screw(g0: Array, twist: Array) -> Curve:
 
 
 def arc(g0: Array, via: Array, g1: Array) -> Curve:
-    """Return the circular arc from p0 through the point via (3,) to p1, with a slerp from R0 to R1.
+    """Return the circular arc from p0 through `via` (3,) to p1, with a slerp from R0 to R1.
 
     The centre lies on both perpendicular bisectors in the plane of the three points. Raises InputError where they lie
     on a line or coincide, within 20 µm and 1e-5 rad.

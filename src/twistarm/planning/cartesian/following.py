@@ -12,8 +12,8 @@ from ...arm.arm import Arm
 from ...support.checks import Array
 from ..bernstein import bernstein
 from ..joint_path import JointPath
-from ..optional import scipy
-from ..piecewise import extremes
+from ..piecewise import extremes, spread
+from ..spline import unforced
 from ..tolerances import leeway
 from ..within import POSITION_TOL as ROUNDING
 from .meeting import met_near
@@ -43,7 +43,7 @@ EVENINGS = 20
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """A joint path, s from 0 to 1 as the curve's, and bounds of the tool's distance from the curve [m, rad]."""
+    """A joint path, s from 0 to 1, and bounds of the tool's distance from the curve [m, rad]."""
 
     path: JointPath
     position_error: float
@@ -51,18 +51,18 @@ class Followed:
 
 
 def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed | Blocked:
-    """Return the joint path through samples of one curve to its end, or where it leaps.
+    """Return the joint path through samples of one curve, or the place where it leaps.
 
-    A C² cubic spline goes through the samples. Intervals are halved where the tool may be farther from the curve than
-    `POSITION_TOL` and `ANGLE_TOL`, or than wider tolerances. The deviation is measured at check points and bounded
-    between them by the curvature of the tool's path. `even`: samples of an arm that is left free are evened out first.
+    A C² cubic spline goes through the samples. Intervals are halved where the tool may be too far from the curve: by
+    `POSITION_TOL`, `ANGLE_TOL` or wider tolerances. The deviation is measured at check points. The curvature of the
+    tool's path bounds it between them. `even`: samples of an arm that is left free are evened out first.
     """
     moving = samples[0].moving
     s, theta = np.array([node.s for node in samples]), np.array([node.theta for node in samples])
     if even:
         theta = _evened(arm, moving, s, theta)
     for _ in range(ROUNDS):
-        path = spline(s, theta)
+        path = JointPath(s, unforced(theta, s, "not-a-knot"))
         off, position, angle = _deviation(arm, moving, path)
         outside = _outside(arm, path)
         off |= outside
@@ -85,7 +85,7 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed
 
 
 def _well_within(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flags:
-    """Tell which configurations (k, n) at s (k,) are well within wide tolerances, so that a sample only proves it."""
+    """Tell which configurations (k, n) at s (k,) are well within wide tolerances."""
     if leeway(moving.tolerances) is None:
         return np.zeros(len(s), dtype=bool)
     position, angle = moving.errors(s, arm.fk(theta))
@@ -93,7 +93,7 @@ def _well_within(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flag
 
 
 def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
-    """Draw the samples (k, n) to the line between their neighbours, as far as the targets leave them free."""
+    """Draw the samples (k, n) to the line between their neighbours, as far as the targets allow."""
     ideal = moving.curve(s[1:-1])
     share = ((s[1:-1] - s[:-2]) / (s[2:] - s[:-2]))[:, None]
     theta = theta.copy()
@@ -105,21 +105,13 @@ def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
     return theta
 
 
-def spline(s: Array, theta: Array) -> JointPath:
-    """The C² cubic spline through theta (k, n) at s (k,), with the third derivative continuous next to the ends."""
-    # From the first sample on: a joint that does not move then stays free of rounding.
-    coefficients = np.array(scipy("interpolate").CubicSpline(s, theta - theta[0], bc_type="not-a-knot").c)
-    coefficients[-1] += theta[0]
-    return JointPath(s, coefficients)
-
-
 def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) -> Blocked:
     last = int(np.searchsorted(s, ahead, side="left")) - 1
     return Blocked(Node(root.moving, float(s[last]), theta[last], root.cost, root), ahead, leap)
 
 
 def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, float, float]:
-    """Return in which pieces (m,) the tool may be too far from the curve, and its greatest distance [m, rad].
+    """Return in which pieces (m,) the tool may be too far away, and its greatest distance [m, rad].
 
     Between check points a distance d apart the deviation e is at most the greater of both plus d² ‖e''‖ / 8.
     """
@@ -128,8 +120,7 @@ def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, 
     tolerance = np.maximum([POSITION_TOL, ANGLE_TOL], [moving.tolerances.position, moving.tolerances.orientation])
     part = min(float((4.0 * tolerance / np.maximum(bend.max(axis=0), 1e-12)).min()) ** 0.5, 1.0)
     each = np.clip(np.ceil(h / part), 2, max(2, MOST_CHECKS // len(h))).astype(np.int64)
-    piece = np.repeat(np.arange(len(h)), each)
-    within = np.arange(each.sum()) - np.repeat(np.cumsum(each) - each, each)
+    piece, within = spread(each)
     s = np.append(path.breakpoints[piece] + h[piece] * within / each[piece], path.length)
     position, angle = moving.errors(s, arm.fk(path(s)))
     slack = (h / each) ** 2 / 8.0

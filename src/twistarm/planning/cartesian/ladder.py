@@ -1,4 +1,4 @@
-"""Ladder: curves climbed rung by rung from all configurations together, without a leap of the joints."""
+"""Ladder: curves climbed rung by rung from all configurations together, without leaps."""
 
 from __future__ import annotations
 
@@ -28,8 +28,7 @@ MOST_HALVINGS = 4096
 
 
 def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
-    """Return the configurations that `roots` reach at the ends of their curves, least joint motion first, or where all
-    stop.
+    """Return the configurations at the ends of the curves, least joint motion first, or where all stop.
 
     Each rung is solved from every configuration at the one before, in one batch. The closed form does it if no joint is
     held. Where a joint would leap or there is no answer, a rung halfway comes first.
@@ -45,7 +44,7 @@ def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | 
 
 
 class _Climber:
-    """One climb: the rungs in between that are left, and the farthest node that was blocked."""
+    """One climb: how many rungs may still be added, and the farthest node that was blocked."""
 
     def __init__(self, arm: Arm, limits: JointLimits, rungs: Rungs) -> None:
         self.arm, self.limits, self.rungs = arm, limits, rungs
@@ -53,7 +52,7 @@ class _Climber:
         self.farthest: Blocked | None = None
 
     def advance(self, nodes: list[Node], s: float, k: int | None = None) -> list[Node]:
-        """Return what follows the nodes, all at one s, at another: at rung k, or between two."""
+        """Return what follows the nodes at another s: at rung k, or between two rungs."""
         if not nodes:
             return []
         found, halved = self._step(nodes, s, k)
@@ -78,13 +77,13 @@ class _Climber:
         return found, halved
 
     def _solved(self, nodes: list[Node], s: float, k: int | None) -> Met:
-        """Return answers (b, n) at s near where each node is heading, and which there are."""
+        """Return answers (b, n) at s, near where each node is heading, and which exist."""
         g = np.array([node.moving.curve(np.array(s)) for node in nodes]) if k is None else self.rungs.poses(nodes, k)
         near = np.clip([_ahead(node, s) for node in nodes], self.arm.limits.lower, self.arm.limits.upper)
         return met_near(self.arm, nodes[0].moving, g, near, self._by_closed_form)
 
     def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Met | None:
-        """Return the nearest answer to each target, where the arm's family gives all of them without a held joint."""
+        """Return the nearest answer to each target, if the arm's family gives all of them and no joint is held."""
         method = family_method(self.arm, moving.like)
         if method.compiled is None or method.swept:
             return None

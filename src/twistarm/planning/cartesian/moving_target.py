@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...ik.searches import USUAL
 from ...ik.targets import AnyTarget, Approach, Pose, Position, Task
 from ...ik.task_space import Tolerances
 from ...support.checks import Array
-from ..tolerances import USUAL
 from .curves import Curve
 
 NO_WAY = 1e-9
@@ -24,7 +24,7 @@ SAME = 1e-8
 
 @dataclass(frozen=True)
 class MovingTarget:
-    """A `curve` that the tool follows as far as `like`, a target of any kind, constrains a pose: `like.at(g(s))`.
+    """A `curve` that the tool follows as far as `like`, a target of any kind, constrains a pose.
 
     `tolerances` are the distances at which the tool still meets it.
     """
@@ -38,12 +38,12 @@ class MovingTarget:
         return self.like.at(self.curve(np.array(s)))
 
     def freedom(self, n: int) -> int:
-        """Return how many of n joints the targets leave free, those within tolerances of a `Task` included."""
+        """Return how many of n joints the targets leave free; tolerances of a `Task` count as free."""
         tolerances = np.concatenate([self.like._position_tolerance, self.like._rotation_tolerance])
         return max(n - int(np.count_nonzero(tolerances == 0.0)), 0)
 
     def same(self, other: MovingTarget) -> bool:
-        """Tell whether both targets agree, up to rounding, at the beginning, halfway and at the end."""
+        """Tell whether both targets agree, up to rounding, at three places."""
         if self.like.kind != other.like.kind:
             return False
         s = np.array([0.0, 0.5, 1.0])
@@ -67,7 +67,7 @@ class MovingTarget:
 
 
 def errors_from(like: AnyTarget, ideal: Array, g: Array) -> tuple[Array, Array]:
-    """Return the distances (k,) of poses g (k, 4, 4) from targets like that one at `ideal`: [m] and [rad]."""
+    """Return the distances (k,) of poses g (k, 4, 4) from targets at `ideal`: [m] and [rad]."""
     if isinstance(like, Task):
         both = [
             (t.position_error(one), t.orientation_error(one)) for t, one in zip(map(like.at, ideal), g, strict=True)

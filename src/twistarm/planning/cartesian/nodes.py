@@ -80,7 +80,7 @@ class Blocked:
 
 
 class Rungs:
-    """Places s (k + 1,) on the curves of some nodes, close enough for all of them, and the poses there."""
+    """Places s (k + 1,) close enough for the curves of all nodes, and the poses there."""
 
     def __init__(self, nodes: Sequence[Node], fewest: int) -> None:
         movings = {id(node.moving): node.moving for node in nodes}

@@ -33,10 +33,10 @@ LIMIT = 1e-12
 def projected(
     arm: Arm, like: AnyTarget, ideal: Array, theta: Array, exact: float, within: Tolerances | None = None
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return configurations near theta (k, n) that meet targets like that one at `ideal` (k, 4, 4), and which do.
+    """Return configurations near theta (k, n) for targets at `ideal` (k, 4, 4), and which meet them.
 
-    Damped Gauss-Newton takes the shortest step, so that what a target leaves free stays: θ ← θ − Jᵀ (J Jᵀ + λ 1)⁻¹ e
-    (Nakamura & Hanafusa 1986). A joint at a limit is held if it would leave. Targets are met to `exact` [m, rad], or
+    Damped Gauss-Newton takes the shortest step: θ ← θ − Jᵀ (J Jᵀ + λ 1)⁻¹ e (Nakamura & Hanafusa 1986). So what a
+    target leaves free stays. A joint at a limit is held if it would leave. Targets are met to `exact` [m, rad], or
     `within` tolerances. These weigh the errors, and λ grows where errors do not shrink.
     """
     lower, upper = arm.limits.lower, arm.limits.upper
@@ -74,7 +74,7 @@ def projected(
 
 
 def _weights(within: Tolerances, count: int) -> Array:
-    """Return weights (r,) of an error's rows: 1 for the wider tolerance, more for the narrower one."""
+    """Return weights (r,) of an error's rows, greater for the narrower tolerance."""
     tolerances = np.array([within.position] * 3 + [within.orientation] * (count - 3))
     weights: Array = np.minimum(max(within.position, within.orientation) / tolerances, MOST_WEIGHT)
     return weights
@@ -87,7 +87,7 @@ def _shortest(e: Array, J: Array, damping: Array) -> Array:
 
 
 def errors_and_rows(like: AnyTarget, ideal: Array, g: Array, J_b: Array) -> tuple[Array, Array]:
-    """Return the errors of poses g (k, 4, 4) from targets at `ideal`, (k, r), and their Jacobian rows (k, r, n).
+    """Return the errors (k, r) of poses g (k, 4, 4) from targets at `ideal`, and their rows (k, r, n).
 
     They match the targets' `position_rows` and `rotation_rows`, except for the size of large errors. What a `Task`
     tolerates is no error and has no rows.
@@ -117,7 +117,7 @@ def errors_and_rows(like: AnyTarget, ideal: Array, g: Array, J_b: Array) -> tupl
 
 
 def _log_rate(phi: Array) -> Array:
-    """Return matrices (k, 3, 3) from a body's angular velocity to the rates of the logarithms φ (k, 3) of its rotation.
+    """Return matrices (k, 3, 3) from a body's angular velocity to the rate of its logarithm φ (k, 3).
 
     1 + φ̂/2 + (1/φ² − (1 + cos φ)/(2 φ sin φ)) φ̂², Lynch & Park §3.2.3. The last factor goes to 1/12 at 0.
     """

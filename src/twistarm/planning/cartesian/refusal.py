@@ -46,9 +46,9 @@ class PathError(TwistarmError):
     """A path that the arm cannot follow to its end.
 
     `share`: the part that it can follow, s in [0, 1). `theta` (n,): the configuration there. `reason`: "limit",
-    "singular" or "out of reach". `joint`: the joint at its limit, or None. `start` (n,): another configuration at the
-    beginning from which the whole path can be followed, or None. `segment`: the index of the segment in the motion,
-    with `place` in words. `detail`: the message without the place.
+    "singular" or "out of reach". `joint`: the joint at its limit, or None. `start` (n,): another configuration from
+    which the whole path can be followed, or None. `segment`: the index of the segment in the motion, with `place` in
+    words. `detail`: the message without the place.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, segment: int, place
 
 
 def _part(moving: MovingTarget, share: float) -> str:
-    """Word the part of the path that was followed, in m, or in rad where it only turns."""
+    """Word the part of the path that was followed, in m or rad."""
     turns = moving.curve.length < 1e-9
     whole, unit = (moving.curve.angle, "rad") if turns else (moving.curve.length, "m")
     so_far, all_ = (quantity(float(f"{part:.3g}"), unit) for part in (share * whole, whole))
@@ -186,7 +186,7 @@ def _loose_enough(arm: Arm, limits: JointLimits, blocked: Blocked) -> str:
 
 
 def _followed(arm: Arm, limits: JointLimits, moving: MovingTarget, start: Array) -> list[Node]:
-    """Return the nodes on the way to the end of a path; none where it cannot be followed."""
+    """Return the nodes on the way to the end of a path, or none."""
     nodes = [] if moving.is_still else climb(arm, limits, [Node(moving, 0.0, start, 0.0)])
     found = way(nodes[0]) if isinstance(nodes, list) and nodes else []
     return found if found and isinstance(follow(arm, found), Followed) else []

@@ -1,4 +1,4 @@
-"""Bounds of the tool's motion along a joint path: its speed, how fast that changes, and how a deviation bends."""
+"""Bounds of the tool's motion along a joint path: speed, its changes, and the bend of a deviation."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...limits.joint_limits import JointLimits
 from ...support.checks import Array
 from ..bernstein import bernstein
 from ..joint_path import Indices, JointPath
-from ..piecewise import derivative
+from ..piecewise import derivative, spread
 from .moving_target import MovingTarget
 
 LOOKS = 8
@@ -26,7 +26,7 @@ MOST_LOOKS = 512
 
 
 class ToolDerivatives(NamedTuple):
-    """Bounds on each piece of a path, (m,), of derivatives by s of the tool's origin p and its rotation.
+    """Bounds (m,) on each piece of a path of derivatives by s of the tool's origin p and rotation.
 
     velocity, acceleration, jerk: of ‖p'‖, ‖p''‖, ‖p'''‖ [m]. turn_velocity, turn_acceleration, turn_jerk: of ‖ω‖, ‖ω'‖,
     ‖ω''‖ [rad].
@@ -101,8 +101,8 @@ def greatest_tool_speeds(
     """Bound ‖p'‖ [m] and ‖ω‖ [rad] by s on each piece, (m,) each.
 
     Between samples a distance d apart, a vector v(s) is within d² max ‖v''‖ / 8 of the chord. So ‖v‖ exceeds the
-    greater of both ends by at most that. `ToolDerivatives` bounds v''. Samples are refined until the bound is tight,
-    except where the joints' velocity limits (n,) keep the tool below both speeds anyway.
+    greater of both ends by at most that. `ToolDerivatives` bounds v''. Samples are refined until the bound is tight.
+    They stay coarse where the joints' velocity limits (n,) keep the tool below both speeds anyway.
     """
     bounds = ToolDerivatives.along(arm, path)
     bend = np.stack([bounds.jerk, bounds.turn_jerk], axis=1)
@@ -126,12 +126,12 @@ def _seen(arm: Arm, path: JointPath, limits: JointLimits, count: Indices) -> tup
 
     The second array (m,) is the greatest ṡ there by the joints' velocity limits.
     """
-    piece = np.repeat(np.arange(len(count)), count + 1)
-    first = np.cumsum(count + 1) - (count + 1)
-    sigma = (np.diff(path.breakpoints) / count)[piece] * (np.arange(len(piece)) - first[piece])
+    piece, nth = spread(count + 1)
+    sigma = (np.diff(path.breakpoints) / count)[piece] * nth
     theta, rate = (path.within(piece, sigma, order) for order in (0, 1))
     twist = (arm.body_jacobian(theta) @ rate[..., None])[..., 0]
     speeds = np.linalg.norm(twist.reshape(-1, 2, 3), axis=2)
     with np.errstate(divide="ignore"):
         pace = 1.0 / (np.abs(rate) / limits.velocity).max(axis=1)
+    first = np.flatnonzero(nth == 0)
     return np.maximum.reduceat(speeds, first), np.maximum.reduceat(pace, first)

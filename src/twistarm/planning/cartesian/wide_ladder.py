@@ -1,4 +1,4 @@
-"""Wide ladder: curves climbed by an arm with freedom left, in many postures at each rung."""
+"""Wide ladder: curves climbed in many postures at each rung, by an arm with freedom left."""
 
 from __future__ import annotations
 
@@ -36,11 +36,10 @@ SEED = 0
 
 
 def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
-    """Return the configurations that `roots` reach at the ends of their curves, least joint motion first, or how far
-    they come.
+    """Return the configurations at the ends of the curves, least joint motion first, or how far they come.
 
-    At each rung a posture goes on near itself, nearer to the middle of the joints, and at random. `WIDTH` of them that
-    are apart stay, each with the least joint motion that reaches it.
+    At each rung a posture goes on near itself, nearer to the middle of the joints, or at random. `WIDTH` of them stay
+    that are apart, each with its least joint motion.
     """
     rng = np.random.default_rng(SEED)
     rungs, nodes = Rungs(roots, FEWEST), list(roots)
@@ -64,7 +63,7 @@ def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Nod
 def _spread(
     arm: Arm, rungs: Rungs, k: int, nodes: list[Node], rng: np.random.Generator
 ) -> tuple[Array, NDArray[np.intp]]:
-    """Return what follows the nodes at rung k, (c, n), and which node each follows (c,)."""
+    """Return the configurations (c, n) at rung k, and the node that each follows (c,)."""
     here, moving = np.array([node.theta for node in nodes]), nodes[0].moving
     drawn = PULL * (arm.limits.middle() - here)
     drawn *= np.minimum(1.0, LONGEST_PULL / np.maximum(np.abs(drawn).max(axis=1, keepdims=True), LONGEST_PULL))
@@ -93,7 +92,7 @@ def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float
 
 
 def _apart(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.intp]:
-    """Return which to keep: the cheapest in each cell; of more than `WIDTH` the cheapest and random others."""
+    """Return which to keep: the cheapest of each cell, at most `WIDTH`."""
     order = np.argsort(costs, kind="stable")
     _, first = np.unique(np.round(theta[order] / CELL), axis=0, return_index=True)
     kept: NDArray[np.intp] = order[np.sort(first)]

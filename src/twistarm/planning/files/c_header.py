@@ -1,4 +1,4 @@
-"""A trajectory as a header for C99 and C++17: a table of polynomials and the functions that evaluate it."""
+"""A trajectory as a header for C99 and C++17: a table and the functions that evaluate it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""CSV of a motion, written and read: joints, motors and labels, for people, plots and spreadsheets."""
+"""CSV of a motion, written and read: joints, motors and labels."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def csv_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = No
 def _tables(
     trajectory: Trajectory, t: Array, motors: Actuators | None, counts: bool
 ) -> Iterator[tuple[list[list[str]], list[Array]]]:
-    """Yield column names and values: positions, rates and so on of the joints, then of the motors."""
+    """Yield column names and values: positions and rates of the joints, then of the motors."""
     if counts:
         motors = require_motors(motors)
     else:
@@ -87,7 +87,7 @@ def _instants(trajectory: Trajectory, dt: float) -> Array:
 
 
 def _label_columns(trajectory: Trajectory, t: Array) -> list[dict[int, str]]:
-    """Return the labels by row, in as many columns as there are labels at one instant."""
+    """Return the labels by row, in as many columns as one instant has labels."""
     columns: list[dict[int, str]] = []
     for time, text in trajectory.labels:
         row = int(np.abs(t - time).argmin())
@@ -123,7 +123,7 @@ def read_csv(arm: Arm, path: Path) -> Points:
 
 
 def _groups(arm: Arm, header: list[str], file: str) -> tuple[list[list[str]], bool]:
-    """Return the columns of positions, rates and any accelerations, and whether they are a drive's counts.
+    """Return the columns of positions, rates and any accelerations. Tell whether they are a drive's counts.
 
     Raises InputError unless the joints' or the motors' columns are all present, each once.
     """

@@ -1,4 +1,4 @@
-"""ROS's trajectory_msgs/JointTrajectory, written and read as JSON or YAML; motors and labels are extra fields."""
+"""ROS's trajectory_msgs/JointTrajectory as JSON or YAML, with motors and labels as extra fields."""
 
 from __future__ import annotations
 

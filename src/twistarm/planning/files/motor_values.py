@@ -1,4 +1,4 @@
-"""Positions, velocities and counts of an arm's motors along a motion, which files hold beside the joints."""
+"""Positions, velocities and counts of an arm's motors, which files hold beside the joints."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def require_motors(motors: Actuators | None) -> Actuators:
 
 
 def motor_values(trajectory: Trajectory, motors: Actuators, t: Array) -> list[Array]:
-    """Return position and velocity [rad or m, per s] of the k motors at t (m,), then both in counts: (m, k) each."""
+    """Return position and velocity of the k motors at t (m,), then both in counts: (m, k) each."""
     moved = trajectory.to_motors(motors)
     turned = [moved(t), moved(t, 1)]
     return [*turned, *map(motors.to_counts, turned)]

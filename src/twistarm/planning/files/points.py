@@ -9,7 +9,7 @@ from ...support.checks import Array
 
 
 class Points(NamedTuple):
-    """k instants t (k,) [s] of n joints (k, n), with rates and accelerations where the file has them.
+    """k instants t (k,) [s] of n joints (k, n), with any rates and accelerations of the file.
 
     `place(i)` tells the place of point i in the file.
     """

@@ -1,4 +1,4 @@
-"""Time laws: s(t) along a path in joint space, as fast as limits of joints, motors and tool allow."""
+"""Time laws: s(t) along a path in joint space, as fast as limits allow."""
 
 from .bounds import PathBounds
 from .double_s import double_s

@@ -1,4 +1,4 @@
-"""PathBounds: what limits the speed along a path, as rows C q' of joints and motors."""
+"""PathBounds: limits of the speed along a path, as rows C q' of joints and motors."""
 
 from __future__ import annotations
 
@@ -21,12 +21,11 @@ Owner = tuple[Literal["joint", "motor"], int]
 
 @dataclass(frozen=True, eq=False)
 class PathBounds:
-    """Limits along a path: those of the joints, of the motors where there are any, and a cap of ṡ.
+    """Limits along a path: of the joints, of any motors, and a cap of ṡ.
 
-    Whatever moves has an acceleration limit, its own or a motor's.
-    `limits` are of n joints, and `actuators` have theirs on the motors' side of the gears, motor = G theta + o; their
-    velocity, acceleration and jerk count (positions are the path's own matter). `ceiling` (m,) [1/s] is the largest ṡ
-    on each piece of the path, ∞ where there is none: limits of the tool's speed come by it.
+    Every moving joint has an acceleration limit, or a motor of it has one. `limits` are of n joints. `actuators` have
+    theirs on the motors' side of the gears, motor = G theta + o. Velocity, acceleration and jerk count, positions do
+    not. `ceiling` (m,) [1/s] is the largest ṡ on each piece of the path, for limits of the tool's speed.
     """
 
     limits: JointLimits
@@ -41,7 +40,7 @@ class PathBounds:
 
     @cached_property
     def owners(self) -> tuple[Owner, ...]:
-        """Whose rate each row of C is."""
+        """The joint or motor of each row of C."""
         n = len(self.limits.lower)
         return tuple(("joint", row) if row < n else ("motor", row - n) for row in range(len(self.C)))
 

@@ -1,4 +1,4 @@
-"""Double-S profiles from rest to rest: the shortest with velocity, acceleration and jerk limited, in closed form."""
+"""Double-S profiles from rest to rest: the shortest within velocity, acceleration and jerk, in closed form."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from .law import apart
 
 
 def double_s(start: Array, goal: Array, bounds: PathBounds, duration: float = 0.0) -> tuple[Array, Array]:
-    """Breakpoints (k + 1,) [s] and coefficients (4, k, n) of the motion from rest at `start` to rest at `goal` (n,).
+    """Breakpoints (k + 1,) [s] and coefficients (4, k, n) of the motion from `start` to `goal` (n,), from rest to rest.
 
-    Each joint has its own profile: seven phases of constant jerk, or fewer where its way is too short to come to its
-    acceleration or its velocity limit. All are slowed to the slowest's time, or to `duration` [s] where that is longer.
-    Where one motor drives several joints, its limits bind them together: then all joints share one profile, along the
-    straight line. A joint without a jerk limit comes to its acceleration limit in 0.1 s. A motion to where it begins
-    takes no time. Source: Biagiotti & Melchiorri, Trajectory Planning for Automatic Machines and Robots, §3.4.
+    Each joint has seven phases of constant jerk, or fewer on a way too short for its limits. All are slowed to the
+    slowest's time, or to `duration` [s] where that is longer. Where one motor drives several joints, all joints share
+    one profile along the straight line. A joint without a jerk limit comes to its acceleration limit in 0.1 s. A motion
+    to where it begins takes no time. Source: Biagiotti & Melchiorri, Trajectory Planning for Automatic Machines and
+    Robots, §3.4.
     """
     way = goal - start
     if not way.any():
@@ -36,7 +36,7 @@ def double_s(start: Array, goal: Array, bounds: PathBounds, duration: float = 0.
 
 
 def _phases(d: Array, V: Array, A: Array, J: Array) -> tuple[Array, Array, Array]:
-    """How long each joint's jerk, its constant acceleration and its constant velocity last, (n,) each [s]."""
+    """How long each joint's jerk, constant acceleration and constant velocity last, (n,) each [s]."""
     rise = A / J
     with np.errstate(invalid="ignore"):
         reaches_A = A * rise <= V
@@ -53,7 +53,7 @@ def _phases(d: Array, V: Array, A: Array, J: Array) -> tuple[Array, Array, Array
 
 
 def _profiles(d: Array, jerk: Array, hold: Array, coast: Array, duration: float) -> tuple[Array, Array]:
-    """Breakpoints and coefficients of the ways d (n,) in those phases, all slowed to one time."""
+    """Breakpoints and coefficients of the ways d (n,) in those phases, slowed to one time."""
     own = 4.0 * jerk + 2.0 * hold + coast
     whole = max(float(own.max()), duration)
     moves = own > 0

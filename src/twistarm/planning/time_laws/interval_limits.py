@@ -1,9 +1,9 @@
-"""Limits on the intervals of a grid along a path: linear in x = ṡ² at both ends, and sufficient for all between.
+"""Limits on the intervals of a grid along a path, linear in x = ṡ² at both ends.
 
-On an interval of length h where x is linear in s, from x0 to x1, s̈ = (x1 − x0)/(2 h) is constant. A row of C moves
-with acceleration p' s̈ + p'' x and velocity p' ṡ, where p = C q is a polynomial of degree d in s: the acceleration is
-one of degree d − 1 and the square of the velocity, p'² x, one of degree 2 d − 1. Their Bernstein coefficients are
-linear in x0 and x1, and where all of them keep a limit, so do the polynomials, everywhere on the interval.
+Where x is linear in s from x0 to x1, on an interval of length h, s̈ = (x1 − x0)/(2 h) is constant. A row p = C q, a
+polynomial of degree d in s, moves with acceleration p' s̈ + p'' x and velocity p' ṡ. The acceleration has degree d − 1,
+the square of the velocity, p'² x, degree 2 d − 1. Their Bernstein coefficients are linear in x0 and x1. Where all of
+them keep a limit, so do the polynomials on the whole interval.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ LEAST_DEGREE = 2
 
 @dataclass(frozen=True, eq=False)
 class LimitedPath:
-    """A path as its limits see it: the rows C q of joints and motors, (d + 1, m, r), with d ≥ 2, and their limits.
+    """A path for its limits: the rows C q of joints and motors, (d + 1, m, r), d ≥ 2, and their limits.
 
     `velocity` and `acceleration` are (r,), `ceiling` of ṡ (m,); all less by what rounding may add.
     """
@@ -54,7 +54,7 @@ class LimitedPath:
 
 
 def derivatives(path: LimitedPath, grid: Array) -> tuple[Array, Array, Array]:
-    """Bernstein coefficients of p', (d, N, r), and of p'', (d − 1, N, r), on each interval; the ceiling there (N,)."""
+    """Bernstein coefficients of p' (d, N, r) and p'' (d − 1, N, r) on each interval, and the ceiling (N,)."""
     starts, steps = grid[:-1], np.diff(grid)
     piece = np.searchsorted(path.breakpoints[1:-1], starts + 0.5 * steps, side="right")
     sigma = (starts - path.breakpoints[piece])[:, None]
@@ -65,7 +65,7 @@ def derivatives(path: LimitedPath, grid: Array) -> tuple[Array, Array, Array]:
 
 
 def rows(path: LimitedPath, tangent: Array, bend: Array, ceiling: Array, steps: Array) -> tuple[Array, Array]:
-    """A and B (N, w), such that A x0 + B x1 ≤ 1 keeps every limit on each of the N intervals of the lengths `steps`."""
+    """A and B (N, w): A x0 + B x1 ≤ 1 keeps every limit on each of N intervals of lengths `steps`."""
     d = len(tangent) - 1
     speeding, bending = tangent / (2.0 * steps[:, None] * path.acceleration), bend / path.acceleration
     squared = _squared(tangent / path.velocity)
@@ -81,7 +81,7 @@ def rows(path: LimitedPath, tangent: Array, bend: Array, ceiling: Array, steps: 
 
 
 def used(path: LimitedPath, tangent: Array, bend: Array, ceiling: Array, steps: Array, x: Array) -> Array:
-    """How far each interval uses the limit that it uses most, (N,), 1 for up to it."""
+    """How far each interval uses its tightest limit, (N,), 1 for up to it."""
     s_ddot = (np.diff(x) / (2.0 * steps))[:, None]
     velocity, acceleration, tool = np.zeros_like(bend[0]), np.zeros_like(bend[0]), np.zeros_like(s_ddot)
     for end, here in ((0, x[:-1, None]), (-1, x[1:, None])):

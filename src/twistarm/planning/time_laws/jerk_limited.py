@@ -1,8 +1,8 @@
-"""The fastest way along a path that limits of velocity, acceleration and jerk allow, on a grid: an interior point.
+"""The fastest way along a path within velocity, acceleration and jerk, on a grid: an interior point.
 
-With x = ṡ² a row p = C q(s) moves with p' ṡ, p'' x + ½ p' x' and ṡ (p''' x + 3/2 p'' x' + ½ p' x''), where ' is d/ds.
-The time Σ 2 h / (ṡ_i + ṡ_(i+1)) is convex in x, velocity and acceleration are linear. The jerk's limit is
-|p''' x + …| ≤ limit / ṡ. Source: Boyd & Vandenberghe, Convex Optimization, §11.3 (the logarithmic barrier).
+With x = ṡ² a row p = C q(s) moves with p' ṡ, p'' x + ½ p' x' and ṡ (p''' x + 3/2 p'' x' + ½ p' x''). The time Σ 2 h /
+(ṡ_i + ṡ_(i+1)) is convex in x, velocity and acceleration are linear. The jerk's limit is |p''' x + …| ≤ limit / ṡ.
+Source: Boyd & Vandenberghe, Convex Optimization, §11.3 (the logarithmic barrier).
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ Passes = Iterator[tuple[Array, Array]]
 def fastest_passes(
     path: JointPath, bounds: PathBounds, excess: Callable[[Array, Array], tuple[Array, Array]], *, smooth_ends: bool
 ) -> Passes:
-    """Places s and times t (N + 1,) of nearly the fastest motions along a path, at rest at both ends.
+    """Places s and times t (N + 1,) of nearly the fastest motions along a path, from rest to rest.
 
-    Each motion is tighter where the last one exceeded a limit. `excess(s, t)` tells the acceleration and the jerk at
-    each inner place, (N − 1,) each, as multiples of their limits. With `smooth_ends` the acceleration begins and ends
-    with zero, else it may jump there.
+    Each motion is tighter where the last one exceeded a limit. `excess(s, t)` gives acceleration and jerk at each inner
+    place, (N − 1,) each, as multiples of their limits. With `smooth_ends` the acceleration begins and ends with zero,
+    else it may jump there.
     """
     s = _grid(path, bounds)
     problem = _Problem.of(path, bounds, s, smooth_ends)
@@ -90,7 +90,7 @@ def _grid(path: JointPath, bounds: PathBounds) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """Steps h (N,), and for every row and inner place what multiplies x before, there and behind it (r, N − 1, 3)."""
+    """Steps h (N,), and for every row and inner place the factors of x before, there and behind it (r, N − 1, 3)."""
 
     h: Array
     shape: Array
@@ -124,7 +124,7 @@ class _Problem:
         return 2 * (len(self.acceleration) + len(self.jerk) + 1) * len(self.shape)
 
     def tightened(self, acceleration: Array, jerk: Array) -> _Problem:
-        """The problem with limits that are so many times as tight at each inner place (N − 1,)."""
+        """The problem with tighter limits at each inner place (N − 1,)."""
         tight = [np.maximum(each, 1.0)[:, None] for each in (acceleration, jerk)]
         most = self.most.copy()
         if self.smooth_ends:
@@ -156,7 +156,7 @@ class _Problem:
         return weight * self.time(x) - logs
 
     def centred(self, x: Array, weight: float) -> Array:
-        """The least of `value`, by Newton's method with the convex part of its second derivatives, which are banded."""
+        """The least of `value`, by Newton's method with the convex, banded part of its second derivatives."""
         solve = scipy("linalg").solveh_banded
         value = self.value(x, weight)
         for _ in range(STEPS):

@@ -17,7 +17,7 @@ APART = 1e-12
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TimeLaw:
-    """s(t), a polynomial on each of k pieces, from 0 to the length of a path, at rest at both ends.
+    """s(t) along a path, a polynomial on each of k pieces, from rest to rest.
 
     `breakpoints` (k + 1,) [s] starts at 0; `coefficients` (degree + 1, k), highest power of t − breakpoints[i] first.
     Each of its pieces lies within one of the path's.
@@ -51,12 +51,12 @@ class TimeLaw:
         return path.piece_at(middle)
 
     def passes(self, places: Array) -> Array:
-        """When s (...) is reached, [s], of places at which one of the law's pieces begins or the path ends."""
+        """When s (...) is reached, [s], at ends of the law's pieces."""
         s = np.append(self.coefficients[-1], max(places[-1], self.coefficients[-1, -1]))
         return np.interp(places, s, self.breakpoints)
 
     def along(self, path: JointPath) -> tuple[Array, Array]:
-        """Breakpoints (k + 1,) [s] and coefficients (d, k, n) of the motion q(s(t)), exactly, as of a `Trajectory`."""
+        """Breakpoints (k + 1,) [s] and coefficients (d, k, n) of the exact motion q(s(t))."""
         piece = self.pieces(path)
         inner = self.coefficients.copy()
         inner[-1] -= path.breakpoints[piece]

@@ -9,7 +9,7 @@ import numpy as np
 from ...support.checks import Array
 from ..bernstein import largest
 from ..joint_path import JointPath
-from ..piecewise import derivative
+from ..piecewise import derivative, rescaled
 from ..spans import MARGIN, require_span
 from ..within import slowed_by
 from .bounds import PathBounds
@@ -17,7 +17,7 @@ from .law import TimeLaw
 
 
 def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array) -> TimeLaw:
-    """The law at the pace at which one rate just meets its limit and none exceeds it; `jerk` (r,) is that limited.
+    """The law at the pace at which one rate just meets its limit; `jerk` (r,) is that limited.
 
     A law f times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """
@@ -27,5 +27,4 @@ def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array)
     rates = slowed_by(coefficients @ bounds.C.T, steps, replace(bounds.rates, jerk=jerk))
     factor = max(rates, largest(speed, steps)) * (1.0 + MARGIN)
     require_span(law.duration * factor)
-    slower = (1.0 / factor) ** np.arange(len(law.coefficients) - 1, -1, -1.0)[:, None]
-    return TimeLaw(law.breakpoints * factor, law.coefficients * slower)
+    return TimeLaw(law.breakpoints * factor, rescaled(law.coefficients, 1.0 / factor))

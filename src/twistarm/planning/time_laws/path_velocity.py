@@ -1,7 +1,7 @@
-"""The largest ṡ² along a path that limits allow, on a grid: reachability analysis in two passes.
+"""The largest ṡ² along a path within limits, on a grid: reachability analysis in two passes.
 
 Source: Pham & Pham, A new approach to time-optimal path parameterization based on reachability analysis, IEEE T-RO
-34(3), 2018; the rows of each interval are our own (`interval_limits`). The compiled core makes the same passes.
+34(3), 2018. The rows of each interval are our own (`interval_limits`). The compiled core makes the same passes.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Profile(NamedTuple):
 
 
 def path_velocity(path: LimitedPath, grid: Array) -> Profile:
-    """The profile on the grid (N + 1,) from 0 to the path's length, which holds every breakpoint of the path.
+    """The profile on the grid (N + 1,) from 0 to the path's length, with every breakpoint of the path.
 
     Backwards: from which x the end can be reached at rest. Forwards: the largest x, interval by interval, that stays
     among those. Every interval's region of (x0, x1) is convex and holds (0, 0), so neither pass can fail.
@@ -43,7 +43,7 @@ def path_velocity(path: LimitedPath, grid: Array) -> Profile:
 
 
 def in_numpy(path: LimitedPath, grid: Array) -> Profile:
-    """The same profile, of which the rows of every interval are made at once."""
+    """The same profile in NumPy."""
     tangent, bend, ceiling = derivatives(path, grid)
     steps = np.diff(grid)
     x = passes(*rows(path, tangent, bend, ceiling, steps), _most(path))
@@ -56,7 +56,7 @@ def _most(path: LimitedPath) -> float:
 
 
 def passes(A: Array, B: Array, most: float) -> Array:
-    """x (N + 1,) from 0 to 0, at most `most`, with A x_i + B x_(i+1) ≤ 1 for the rows (N, q) of every interval."""
+    """x (N + 1,) from 0 to 0, at most `most`, with A x_i + B x_(i+1) ≤ 1 on every interval (N, q)."""
     count = len(A)
     controllable, x = np.zeros(count + 1), np.zeros(count + 1)
     for i in range(count - 1, 0, -1):
@@ -71,8 +71,8 @@ def passes(A: Array, B: Array, most: float) -> Array:
 def _largest_start(a: Array, b: Array, end: float, most: float) -> float:
     """The largest x0 ≥ 0 for which an x1 in [0, end] has a x0 + b x1 ≤ 1.
 
-    The room for x1, the least upper bound less the greatest lower one, is concave in x0 and not negative at 0: from a
-    start too large Newton's method comes down to its zero without passing it, along finitely many straight lines.
+    The room for x1 is the least upper bound less the greatest lower one. It is concave in x0 and not negative at 0.
+    From a start too large, Newton's method comes down to its zero along finitely many straight lines.
     """
     level = (b == 0) & (a > 0)
     start = (1.0 / a[level]).min(initial=most)
@@ -88,7 +88,7 @@ def _largest_start(a: Array, b: Array, end: float, most: float) -> float:
 
 
 def _tightest(a: Array, b: Array, start: float, otherwise: float, sign: float) -> tuple[float, float]:
-    """The tightest bound of x1 at x0 = start and its slope: the least (sign −1) or the greatest (1), or `otherwise`."""
+    """The tightest bound of x1 at x0 = start and its slope: the least (sign −1), the greatest (1), or `otherwise`."""
     if not len(b):
         return otherwise, 0.0
     bound = (1.0 - a * start) / b

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...support.checks import Array
 from ..joint_path import JointPath
-from ..piecewise import shifted
+from ..piecewise import bisected, shifted
 from .bounds import PathBounds
 from .law import TimeLaw
 from .pace import at_full_pace
@@ -18,7 +18,7 @@ BISECTIONS = 60
 
 
 def quintic(path: JointPath, bounds: PathBounds) -> TimeLaw:
-    """s = L (10 u³ − 15 u⁴ + 6 u⁵), u = t/T, with the least T that keeps every limit: smooth, and slower than needed.
+    """s = L (10 u³ − 15 u⁴ + 6 u⁵), u = t/T, with the least T that keeps every limit.
 
     Velocity and acceleration are zero at both ends. The jerk is limited where a jerk limit was given. A path that
     stays where it is takes no time. Source: Lynch & Park, Modern Robotics, §9.2.2.1.
@@ -33,10 +33,7 @@ def quintic(path: JointPath, bounds: PathBounds) -> TimeLaw:
 
 def _reached(fraction: Array) -> Array:
     """The u (m + 1,) at which these fractions of the way have been travelled."""
-    low, high = np.zeros_like(fraction), np.ones_like(fraction)
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        short = np.polyval(UNIT, middle) < fraction
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    ends = np.zeros_like(fraction), np.ones_like(fraction)
+    _, high = bisected(lambda u: np.polyval(UNIT, u) < fraction, *ends, BISECTIONS)
     high[0], high[-1] = 0.0, 1.0
     return high

@@ -1,4 +1,4 @@
-"""The s-curve law along a path: the time-optimal one with its jumps of acceleration smoothed."""
+"""The s-curve law along a path: the time-optimal one with smooth acceleration."""
 
 from __future__ import annotations
 
@@ -46,13 +46,13 @@ GAIN = 5e-3
 
 
 def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
-    """A law of limited jerk, at rest and without acceleration at both ends, that keeps every limit everywhere.
+    """A law of limited jerk, without velocity and acceleration at both ends, that keeps every limit.
 
-    The time-optimal law's moving average has a jerk of at most its jumps of acceleration over the window's width.
-    Several widths are tried. Where sharp bends then ask for more than the limits, ceilings of ṡ are lowered about them;
-    the shortest of all these laws is slowed as a whole by what its exact extremes still ask. A joint or a motor without
-    a jerk limit comes to its acceleration limit in 0.1 s. From rest to rest in a straight line `double_s` is shorter. A
-    path that stays where it is takes no time. Raises InputError as `time_optimal`.
+    A moving average of the time-optimal law has a jerk of at most its jumps of acceleration over the window's width.
+    Several widths are tried. Where sharp bends exceed the limits, ceilings of ṡ are lowered about them. The shortest of
+    all laws is then slowed as a whole to its exact extremes. A joint or a motor without a jerk limit comes to its
+    acceleration limit in 0.1 s. From rest to rest in a straight line `double_s` is shorter. A path that stays where it
+    is takes no time. Raises InputError as `time_optimal`.
     """
     if not path.moves:
         return TimeLaw.at_once()
@@ -74,7 +74,7 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
 
 
 def _downhill(tried: Callable[[int], _Tried], first: int, best: _Tried) -> _Tried:
-    """The shortest law, from that of window `first` on in whichever direction the laws become shorter."""
+    """The shortest law, from window `first` on in the direction in which laws become shorter."""
     for step in (-1, 1):
         i = first + step
         while 0 <= i < len(WINDOWS) and (other := tried(i)).duration() < best.duration():
@@ -86,7 +86,7 @@ def _downhill(tried: Callable[[int], _Tried], first: int, best: _Tried) -> _Trie
 
 @dataclass(frozen=True, eq=False)
 class _Tried:
-    """The fastest law under a ceiling (m,), the window [s] of its average, and what each piece of the path needs."""
+    """The fastest law under a ceiling (m,), the window [s] of its average, and what each piece needs."""
 
     fastest: TimeLaw
     ceiling: Array
@@ -136,7 +136,7 @@ class _Search:
 
 
 def _ceiling(path: JointPath, bounds: PathBounds) -> Array:
-    """The greatest ṡ on each piece (m,): where the path bends sharply, |C d³q/ds³| ṡ³ has its share of the jerk."""
+    """The greatest ṡ on each piece (m,): in sharp bends |C d³q/ds³| ṡ³ has its share of the jerk."""
     sharp = np.abs(bernstein(derivative(path.coefficients, 3), np.diff(path.breakpoints)) @ bounds.C.T).max(axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
         slow = np.cbrt(BEND_SHARE * bounds.jerk / sharp)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...support.checks import Array
 from ..joint_path import Indices, JointPath
-from ..piecewise import derivative, evaluate
+from ..piecewise import bisected, derivative, evaluate
 from .law import TimeLaw, apart
 
 BISECTIONS = 20
@@ -15,23 +15,23 @@ CORRECTIONS = 3
 
 
 def smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
-    """s_w(t) = (1/w) ∫ s(τ) dτ over [t − w, t], longer by the window w [s]: a polynomial of one degree more.
+    """s_w(t) = (1/w) ∫ s(τ) dτ over [t − w, t] is longer by the window w [s], and of one degree more.
 
-    Its rate is (s(t) − s(t − w))/w ≥ 0, and each further derivative the difference quotient of the one before: where
-    s̈ jumps, s̈_w rises evenly, and it is zero at both ends. Pieces end where the path's do.
+    Its rate is (s(t) − s(t − w))/w ≥ 0, and further derivatives are difference quotients too. Where s̈ jumps, s̈_w
+    rises evenly. It is zero at both ends. Pieces end where the path's do.
     """
     average = _Average(law, window)
     return average.law(_reached(average, path.breakpoints[1:-1]))
 
 
 def roughly_smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
-    """The same law in pieces that end only about where the path's do: enough to look at what it needs."""
+    """The same law in pieces that end only about where the path's do."""
     average = _Average(law, window)
     return average.law(np.interp(path.breakpoints[1:-1], average.at(average.knots), average.knots))
 
 
 class _Average:
-    """The moving average of a law of parabolas, with s(τ) at rest before its start and after its end."""
+    """The moving average of a law of parabolas, at rest before and after it."""
 
     def __init__(self, law: TimeLaw, window: float) -> None:
         steps, c = np.diff(law.breakpoints), law.coefficients
@@ -47,7 +47,7 @@ class _Average:
         self.knots = apart(np.concatenate([law.breakpoints, law.breakpoints + window]))
 
     def law(self, instants: Array) -> TimeLaw:
-        """It as a law whose pieces end at these instants too."""
+        """The average as a law with ends of pieces at these instants too."""
         times = apart(np.concatenate([self.knots, instants]))
         return TimeLaw(times, self.pieces(times))
 
@@ -81,12 +81,11 @@ def _reached(average: _Average, places: Array) -> Array:
     times = average.knots
     pieces = average.pieces(times)
     index = np.clip(np.searchsorted(pieces[-1], places, side="right") - 1, 0, len(times) - 2)
-    own, low, high = pieces[:, index], np.zeros_like(places), np.diff(times)[index]
+    own = pieces[:, index]
     slope = derivative(own[:, :, None])[..., 0]
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        short = evaluate(own, middle) < places
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    low, high = bisected(
+        lambda tau: evaluate(own, tau) < places, np.zeros_like(places), np.diff(times)[index], BISECTIONS
+    )
     at = high
     for _ in range(CORRECTIONS):
         with np.errstate(divide="ignore", invalid="ignore"):

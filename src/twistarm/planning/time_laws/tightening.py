@@ -1,4 +1,4 @@
-"""Tightening of a time law: what each piece of a path needs, and ceilings of ṡ that slow the law down there alone."""
+"""Tightening of a time law: what each piece of a path needs, and local ceilings of ṡ."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LOOKS = np.array([[0.0], [0.5], [1.0 - 1e-9]])
 
 
 class Needs:
-    """What a time law needs along a path, of which the derivatives of the rows p = C q are known: p', p'', p'''."""
+    """What a time law needs along a path with the derivatives p', p'', p''' of the rows p = C q."""
 
     def __init__(self, path: JointPath, bounds: PathBounds) -> None:
         self.path, self.bounds, self.ceiling = path, bounds, bounds.ceiling_of(path)
@@ -23,10 +23,10 @@ class Needs:
         self.derivatives = [np.moveaxis(derivative(rows, k), 2, 1).copy() for k in (1, 2, 3)]
 
     def of(self, law: TimeLaw) -> tuple[Array, Array]:
-        """By what factor each piece of the path must be slowed to keep all limits, (m,), and ṡ (m,).
+        """By what factor each piece of the path must be slowed (m,), and ṡ (m,).
 
-        Velocity p' ṡ, acceleration p'' ṡ² + p' s̈, jerk p''' ṡ³ + 3 p'' ṡ s̈ + p' s⃛, at three instants of each piece of
-        the law, which may lie across several of the path's; ṡ is the largest there.
+        The rates are p' ṡ, p'' ṡ² + p' s̈ and p''' ṡ³ + 3 p'' ṡ s̈ + p' s⃛. Each piece of the law is sampled at three
+        instants, and may lie across several of the path's.
         """
         tau = LOOKS * np.diff(law.breakpoints)
         s, s1, s2, s3 = (evaluate(derivative(law.coefficients[:, :, None], k)[..., 0], tau).ravel() for k in range(4))
@@ -44,7 +44,7 @@ class Needs:
 
 
 def widened(ceiling: Array, breakpoints: Array, window: float) -> Array:
-    """The ceiling (m,), held for half a window [s] before and after each piece: its average is then as low there."""
+    """The ceiling (m,), held for half a window [s] around each piece, so that its average is as low."""
     slow = np.flatnonzero(np.isfinite(ceiling))
     reach = 0.5 * window * ceiling[slow, None]
     before, after = breakpoints[slow, None] - reach, breakpoints[slow + 1, None] + reach

@@ -35,13 +35,13 @@ MOST = 5000
 
 
 def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None = None) -> TimeLaw:
-    """The shortest law, at rest at both ends, that keeps velocity, acceleration, motors and ceiling everywhere.
+    """The shortest law from rest to rest that keeps velocity, acceleration, motors and ceiling.
 
-    s̈ is constant on each interval of a grid, so that s is a parabola on each; no limit is exceeded between the grid's
-    points either (`interval_limits`). Intervals are halved where that gains time, until what is gained is below 0.1 %,
-    or there are 5,000. Where the path turns, p' = 0, acceleration is limited by curvature alone, and where it does not
-    move at all nothing is: both are ordinary. Jerk is not limited. A path that stays where it is takes no time.
-    Raises InputError where the motion would take less than 1e-9 s or more than 1e9 s.
+    s̈ is constant on each interval of a grid, so s is a parabola on each. No limit is exceeded between the grid's
+    points either (`interval_limits`). Intervals are halved until the gain is below 0.1 %, or there are 5,000. Where p'
+    = 0, curvature alone limits the acceleration. Where the path does not move, nothing does. Jerk is not limited. A
+    path that stays where it is takes no time. Raises InputError where the motion would take less than 1e-9 s or more
+    than 1e9 s.
     """
     if not path.moves:
         return TimeLaw.at_once()
@@ -64,7 +64,7 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
 
 
 def on_grid(limited: LimitedPath, grid: Array) -> TimeLaw:
-    """The shortest law whose s̈ is constant on each interval of a grid (N + 1,)."""
+    """The shortest law with a constant s̈ on each interval of a grid (N + 1,)."""
     profile = path_velocity(limited, grid)
     return _law(grid, profile, _durations(grid, profile.x))
 
@@ -78,7 +78,7 @@ def first_grid(breakpoints: Array) -> Array:
 
 
 def _durations(grid: Array, x: Array) -> Array:
-    """How long each interval takes (N,) [s]: 2 h / (ṡ0 + ṡ1), inf where a coarse grid leaves no speed at both ends."""
+    """How long each interval takes (N,) [s]: 2 h / (ṡ0 + ṡ1), inf without speed at both ends."""
     speed = np.sqrt(x)
     with np.errstate(divide="ignore"):
         durations: Array = 2.0 * np.diff(grid) / (speed[:-1] + speed[1:])
