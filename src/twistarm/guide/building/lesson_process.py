@@ -11,7 +11,6 @@ from __future__ import annotations
 import ast
 import io
 import json
-import linecache
 import re
 import sys
 import traceback
@@ -38,6 +37,7 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
     cells = cells_of(path)
     names: dict[str, Any] = {"__name__": "__main__", "__file__": str(path)}
     body, failed = [], ""
+    programs: list[str] = []  # not on the page yet
     for number, cell in enumerate(cells, start=1):
         if not cell.code:
             body.append(text(cell.source))
@@ -47,9 +47,20 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
             try:
                 output = _run(cell, path, scenes, names)
             except Exception as error:
-                failed = f"{path.stem}: cell {number} (line {_line(error, path, cell)}) failed: {_words(error)}"
+                why = one_line(f"{type(error).__name__}: {error}", 300)
+                failed = f"{path.stem}: cell {number} (line {_line(error, path, cell)}) failed: {why}"
                 output = f'<p class="failed" role="note">{escape(failed)}. The programs after it did not run.</p>'
-        body.append(_code(cell, output))
+        told = without_speech(cell.source)
+        if cell.shown:
+            body.append(program(told))
+        elif told:
+            programs.append(cell.source)
+        body.append(output)
+        if output and programs:
+            body.append(_folded(programs))
+            programs = []
+    if programs:
+        body.append(_folded(programs))
     return {
         "body": "\n".join(body),
         "sections": [(slug(title), title) for title in _sections(cells)],
@@ -70,17 +81,8 @@ def _run(cell: Cell, path: Path, scenes: Path, names: dict[str, Any]) -> str:
     return said + "\n".join(shown)
 
 
-def _code(cell: Cell, output: str) -> str:
-    """A program and its output, either of them folded where the cell is tagged so."""
-    whole, told = program(cell.source), without_speech(cell.source)
-    source = program(told) if told else ""
-    if "solution" in cell.tags:
-        return fold("Show the solution", whole + output, "fold solution")
-    if "hidden" in cell.tags:
-        return output + fold("The program behind this", whole, "fold program")
-    if "reveal" in cell.tags:
-        return source + fold("Show the answer", output)
-    return source + output
+def _folded(programs: list[str]) -> str:
+    return fold("The program behind this", program("\n\n\n".join(programs)), "fold program")
 
 
 def without_speech(source: str) -> str:
@@ -105,14 +107,6 @@ def _sections(cells: tuple[Cell, ...]) -> list[str]:
 def _line(error: Exception, path: Path, cell: Cell) -> int:
     own = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
     return own[-1] or cell.line if own else getattr(error, "lineno", None) or cell.line
-
-
-def _words(error: Exception) -> str:
-    if isinstance(error, AssertionError) and not str(error):
-        frame = traceback.extract_tb(error.__traceback__)[-1]
-        claim = linecache.getline(frame.filename, frame.lineno or 0).strip()
-        return one_line(f"what it claims does not hold here: {claim}", 300)
-    return one_line(f"{type(error).__name__}: {error}", 300)
 
 
 if __name__ == "__main__":
