@@ -11,7 +11,6 @@ import pytest
 
 from twistarm import InputError
 from twistarm.guide.building.cells import cells_of, title_of
-from twistarm.guide.building.lesson_process import without_speech
 
 Ran = Callable[[str], dict[str, Any]]
 
@@ -47,6 +46,7 @@ def test_a_program_is_folded_below_its_output_unless_it_is_tagged(ran: Ran) -> N
     folded, shown = (ran(HEAD + silent + cell.format(tag))["body"] for tag in ("", ' tags=["shown"]'))
     assert folded.index("seven</p>") < folded.index("<details") < folded.index(">y</span>") < folded.index(">x</span>")
     assert folded.count("<details") == 1, "with the program before it that shows nothing"
+    assert "<details" not in ran(HEAD + silent.replace("%%", '%% tags=["shown"]') + "# %%\nguide.say('a')\n")["body"]
     assert shown.index(">x</span>") < shown.index("seven</p>") < shown.index("<details") < shown.index(">y</span>")
 
 
@@ -54,15 +54,3 @@ def test_a_lesson_begins_with_its_title(tmp_path: Path) -> None:
     (tmp_path / "lesson.py").write_text("# %%\nx = 1\n")
     with pytest.raises(InputError, match="begins with a cell of text"):
         title_of(cells_of(tmp_path / "lesson.py"))
-
-
-@pytest.mark.parametrize(
-    ("source", "left"),
-    [
-        ("a = 1\nguide.say(\n    'x'\n)\nb = 2", "a = 1\n\nb = 2"),
-        ("guide.figure(fig, 'words')\nguide.predict('a', 'b')", ""),
-        ("x = guide.arm()\nfor y in x:\n    guide.say(y)", "x = guide.arm()\nfor y in x:\n    guide.say(y)"),
-    ],
-)
-def test_statements_that_only_speak_are_left_out(source: str, left: str) -> None:
-    assert without_speech(source) == left

@@ -11,10 +11,9 @@ from __future__ import annotations
 import ast
 import io
 import json
-import re
 import sys
 import traceback
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -24,9 +23,6 @@ from ..teaching import outlet
 from ..teaching.html import fold, text
 from ..teaching.markup import program, slug
 from .cells import Cell, cells_of
-
-SPEECH = {f"guide.{name}" for name in ("figure", "practice", "predict", "say", "scene", "slider", "table")}
-"""Calls that only say or show something."""
 
 LONGEST_OUTPUT = 20_000
 """Characters of what a cell prints that a page shows."""
@@ -50,10 +46,9 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
                 why = one_line(f"{type(error).__name__}: {error}", 300)
                 failed = f"{path.stem}: cell {number} (line {_line(error, path, cell)}) failed: {why}"
                 output = f'<p class="failed" role="note">{escape(failed)}. The programs after it did not run.</p>'
-        told = without_speech(cell.source)
         if cell.shown:
-            body.append(program(told))
-        elif told:
+            body.append(program(cell.source))
+        elif not _speaks_only(cell.source):
             programs.append(cell.source)
         body.append(output)
         if output and programs:
@@ -85,18 +80,10 @@ def _folded(programs: list[str]) -> str:
     return fold("The program behind this", program("\n\n\n".join(programs)), "fold program")
 
 
-def without_speech(source: str) -> str:
-    """A program without the statements that only show something, because the page shows it below."""
-    lines = source.splitlines()
-    try:
-        statements = ast.parse(source).body
-    except SyntaxError:
-        return source
-    for node in statements:
-        call = node.value if isinstance(node, ast.Expr) else None
-        if isinstance(call, ast.Call) and ast.unparse(call.func) in SPEECH:
-            lines[node.lineno - 1 : node.end_lineno] = [""] * ((node.end_lineno or node.lineno) - node.lineno + 1)
-    return re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip()
+def _speaks_only(source: str) -> bool:
+    with suppress(SyntaxError):
+        return all(ast.unparse(each).startswith("guide.") for each in ast.parse(source).body)
+    return False
 
 
 def _sections(cells: tuple[Cell, ...]) -> list[str]:

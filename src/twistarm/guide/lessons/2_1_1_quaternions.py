@@ -82,6 +82,7 @@ def conjugate(Q):
     return Q * [1, -1, -1, -1]
 
 
+# %%
 p = np.array([0.10, 0.0, 0.05])  # a point of the gripper, in the tool's axes [m]
 moved = product(product(Q, [0, *p]), conjugate(Q))
 

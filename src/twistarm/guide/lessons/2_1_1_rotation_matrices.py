@@ -89,6 +89,8 @@ guide.predict(
 # %% tags=["shown"]
 ahead = np.array([0.0, 0.0, 0.1])  # ten centimetres along the tool's own z axis
 there = R @ ahead
+
+# %%
 guide.say(
     rf"Ten centimetres along the tool's own $z$ axis are ${guide.tex(ahead)}$ on the tool and ${guide.tex(there)}$ "
     "seen from the base [m]. They are still ten centimetres: a rotation keeps lengths and angles."

@@ -155,6 +155,7 @@ def series(omega, theta, terms):
     return sum(np.linalg.matrix_power(X, k) / factorial(k) for k in range(terms))
 
 
+# %%
 counts = np.arange(1, 41)
 angles = (0.5, 3.0, 6.0)
 errors = {a: [np.abs(series(omega, a, n) - rodrigues(omega, a)).max() for n in counts] for a in angles}

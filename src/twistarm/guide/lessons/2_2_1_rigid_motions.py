@@ -109,6 +109,8 @@ guide.figure(
 g_ts = screws.inverse(g_st)
 careless = np.eye(4)
 careless[:3, :3], careless[:3, 3] = g_st[:3, :3].T, -g_st[:3, 3]
+
+# %%
 guide.say(
     f"With $-p$ in place of $-R^T p$, `{arm.name}` believes its base to be "
     f"{100 * np.linalg.norm((careless - g_ts)[:3, 3]):.1f} cm from where its tool would see it."

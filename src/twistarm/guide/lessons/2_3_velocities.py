@@ -46,6 +46,8 @@ eps = 1e-6
 g_dot = (arm.fk(theta + eps * rates) - arm.fk(theta - eps * rates)) / (2 * eps)
 V_s = screws.vee(g_dot @ np.linalg.inv(g))
 V_b = screws.vee(np.linalg.inv(g) @ g_dot)
+
+# %%
 guide.table(
     ["", "$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$"],
     [["$V^s$", *V_s], ["$V^b$", *V_b], ["tool's origin, base axes", *g_dot[:3, 3], "–", "–", "–"]],

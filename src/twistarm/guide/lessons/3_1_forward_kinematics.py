@@ -119,6 +119,7 @@ g = arm.home
 for xi, value in reversed(list(zip(arm.screws.T, values, strict=True))):
     g = screws.exp(xi, value) @ g  # the last joint first: each one moves what is there already
 
+# %%
 guide.say(
     rf"$$g_{{st}}(\theta) = {guide.tex(g)}$$ The tool stands at $x = {g[0, 3]:.3f}$, $y = "
     f"{g[1, 3]:.3f}$, $z = {g[2, 3]:.3f}$ m from the base."

@@ -85,6 +85,7 @@ def turns_to_distance(xi, p, q, distance):
     return turn_to(xi, p, q) + np.array([-1, 1]) * np.arccos(np.clip(cosine, -1, 1))
 
 
+# %%
 k = int(turning(arm)[0])
 xi = arm.screws[:, k]
 beside_the_tool = arm.reach * np.array([0.1, 0.07, 0.05])

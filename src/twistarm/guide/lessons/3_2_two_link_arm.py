@@ -65,6 +65,7 @@ def wrap(angle):
     return np.pi - (np.pi - angle) % (2 * np.pi)
 
 
+# %%
 alpha, beta, phi = triangle(l1, l2, *cross)
 up = wrap(np.array([phi + beta, np.pi + alpha]))
 down = wrap(np.array([phi - beta, np.pi - alpha]))
