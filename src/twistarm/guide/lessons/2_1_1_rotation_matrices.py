@@ -2,8 +2,8 @@
 # # Which way does the gripper point?
 #
 # The encoders have told you every joint angle, and the tool is somewhere in front of the arm. *Where* it is, three
-# numbers say. But which way does it point, and how far is it rolled? You will need an answer that a program can
-# multiply, compare and send to a motor, and that does not break in the one posture in which you pick things up.
+# numbers say. But which way does it point, and how far is it rolled? You need an answer that a program can multiply,
+# compare and send to a motor. And it must not break in the one posture in which you pick things up.
 #
 # This lesson has two answers: nine numbers that never fail, and three that do.
 #
@@ -187,8 +187,8 @@ guide.slider(
 
 # %% [markdown]
 # It does not fail only *at* that point. Nearby, a small turn of the tool asks for large changes of the angles. Let the
-# tool turn, and let $\omega$ be its **angular velocity**: the vector along the axis about which it turns at this
-# instant, as long as the rate in rad/s, seen from the base. With a dot for the rate of an angle,
+# tool turn. Its **angular velocity** $\omega$ is a vector along the axis about which it turns at this instant, seen
+# from the base. Its length is the rate in rad/s. With a dot for the rate of an angle,
 #
 # $$\omega = E(\alpha, \beta, \gamma)\, (\dot\alpha, \dot\beta, \dot\gamma)^T$$
 #

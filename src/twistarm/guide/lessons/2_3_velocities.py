@@ -176,7 +176,7 @@ guide.table(
 
 # %% [markdown]
 # A wrench has a screw, as a twist has: a force along a line, and a torque about this line (Poinsot; MLS, section
-# 2.5.2). The product $F_s^T\xi_i'$ is the power that joint $i$ delivers at a rate of one, so it is the torque that its
+# 2.5.2). The product $F_s^T\xi_i'$ is the power that joint $i$ delivers at a rate of one. So it is the torque that its
 # motor must hold, or the force of a slide. Where it is zero, twist and wrench are called **reciprocal** (MLS, section
 # 2.5.3): the bearing carries the whole load, as a door's hinges carry the door.
 

@@ -17,10 +17,10 @@ theta = arm.ready  # the posture in which the arm waits
 # %% [markdown]
 # ## Link by link
 #
-# The file that describes your arm says, for each joint, where its frame sits on the link before it, $g_0$, and about or
-# along which axis of this frame it moves: a twist $\eta$ in the joint's own frame. At $\theta$ the pose of its link, seen
-# from the link before, is $g_0\, e^{\hat\eta\theta}$. Go from base to tip and multiply, and the indices cancel as they
-# did for rotations:
+# The file that describes your arm says two things of each joint. One is where its frame sits on the link before it,
+# $g_0$. The other is about or along which axis of this frame it moves: a twist $\eta$ in the joint's own frame. At
+# $\theta$ the pose of its link, seen from the link before, is $g_0\, e^{\hat\eta\theta}$. Go from base to tip and
+# multiply, and the indices cancel as they did for rotations:
 #
 # $$g_{st} = g_{s1}\, g_{12} \cdots g_{nt}$$
 #

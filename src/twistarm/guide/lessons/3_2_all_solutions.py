@@ -55,7 +55,7 @@ arm = guide.arm_with("a joint that turns", lambda a: len(turning(a)) > 0)
 # $$\gamma^2 = \frac{\|u\|^2 - \alpha^2 - \beta^2 - 2\alpha\beta\,\omega_1^T\omega_2}{\|\omega_1 \times \omega_2\|^2}$$
 #
 # The sign of $\gamma^2$ decides: two crossings, one, or none. If both axes are one line, there is no answer for
-# $\alpha$ and $\beta$: the two joints are then one joint, and only the sum (or difference) of their angles counts.
+# $\alpha$ and $\beta$. The two joints are then one joint, and only the sum (or difference) of their angles counts.
 #
 # **Subproblem 3.** By which angle does the joint bring $p$ to the distance $\delta$ from $q$, $\|e^{\hat\xi\theta} p -
 # q\| = \delta$? A circle meets a sphere in two points, in one, or not at all. This is the elbow of the lesson before,
@@ -159,9 +159,9 @@ guide.figure(
 # %% [markdown]
 # ## A wrist divides the question
 #
-# Now six joints, the elbow arm of MLS: two axes that meet in the shoulder point $r_b$, an elbow, and a wrist of three
-# axes that meet in one point $r_w$. All six together are to bring the tool to $g_d$. Multiply by the inverse of the
-# home pose from the right, and call the result $g_1$:
+# Now take six joints, the elbow arm of MLS. It has two axes that meet in the shoulder point $r_b$, an elbow, and a
+# wrist of three axes that meet in one point $r_w$. All six together are to bring the tool to $g_d$. Multiply by the
+# inverse of the home pose from the right, and call the result $g_1$:
 #
 # $$e^{\hat\xi_1\theta_1} \cdots e^{\hat\xi_6\theta_6} = g_1, \qquad g_1 = g_d\, g_{st}(0)^{-1}$$
 #
@@ -234,7 +234,7 @@ guide.predict(
 
 
 # %% [markdown]
-# The two wrists of a posture are each other's flip: the middle joint bends to the other side, and its two neighbours
+# The two wrists of a posture are each other's flip. The middle joint bends to the other side, and its two neighbours
 # turn by half a turn to make up for it. For a wrist with axes $z$, $y$, $z$ these are the ZYZ angles of your first
 # lesson, told in two ways:
 #

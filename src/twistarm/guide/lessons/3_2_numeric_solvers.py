@@ -31,7 +31,7 @@ planar = guide.bundled("rr_planar")  # the two-link arm
 # Such a matrix is called a **Jacobian**. It has a column for each joint: what that joint does alone, at a rate of one.
 #
 # For a whole arm the columns are twists. Column $i$ of the **body Jacobian** $J^b(\theta)$ is the twist $(v, \omega)$
-# of joint $i$ seen from the tool in that posture, and all rates together give the body twist of the tool: $V^b =
+# of joint $i$, seen from the tool in that posture. All rates together give the body twist of the tool: $V^b =
 # J^b(\theta)\,\dot\theta$ (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS), section
 # 3.4.1). This is all that you need of it here, and `arm.body_jacobian` computes it. [The lesson on the
 # Jacobian](3_3_2_jacobian.html) shows how the columns come about.
