@@ -13,7 +13,7 @@ from small_course import LESSON, ROVER
 from twistarm import InputError, TwistarmError
 from twistarm.guide.building import running
 from twistarm.guide.building.building import RECORD, Built, as_keywords, build
-from twistarm.guide.building.printing import SOLUTION
+from twistarm.guide.building.printing import SOLUTION, pdf_of
 from twistarm.guide.course import LESSONS, SECTIONS, lesson_named, lessons
 from twistarm.guide.exercises import exercises_of
 
@@ -109,6 +109,13 @@ def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot write into .*notes.txt"):
         build(mine / "below", ROVER)
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+
+
+@pytest.mark.slow
+@pytest.mark.browser
+def test_a_lesson_is_printed(tmp_path: Path) -> None:
+    made = build(tmp_path / "site", {"source": "rr_planar"}, lessons()[:1])
+    assert len(pdf_of(made.folder, lessons()[0])) > 20_000
 
 
 @pytest.mark.parametrize("text", ["{", "[]"])

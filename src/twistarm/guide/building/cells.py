@@ -8,22 +8,22 @@ from pathlib import Path
 
 from ...support.errors import InputError, missing_extra
 
-TAGS = ("reveal", "hidden", "solution")
-"""What a cell may be tagged: its output behind a fold; its program behind one; both."""
-
 
 @dataclass(frozen=True)
 class Cell:
-    """Text in markdown, or a program; `line` is where it begins in the file."""
+    """Text in markdown, or a program.
+
+    A page folds a program unless it is tagged "shown". The cell begins at `line` of the file.
+    """
 
     source: str
     code: bool
-    tags: frozenset[str]
+    shown: bool
     line: int
 
 
 def cells_of(path: Path) -> tuple[Cell, ...]:
-    """The cells of the lesson at `path`; InputError for a tag that there is not."""
+    """The cells of the lesson at `path`."""
     try:
         import jupytext
     except ImportError as error:
@@ -31,15 +31,10 @@ def cells_of(path: Path) -> tuple[Cell, ...]:
     text = path.read_text("utf-8")
     notebook = jupytext.reads(text, fmt="py:percent")
     starts = [number for number, line in enumerate(text.splitlines(), start=1) if re.match(r"# ?%%", line)]
-    cells = []
-    for cell, start in zip(notebook.cells, starts, strict=True):
-        tags = frozenset(cell.metadata.get("tags", ()))
-        if unknown := tags - set(TAGS):
-            raise InputError(
-                f"{path.name}, line {start}: a cell may be tagged {', '.join(TAGS)}; got {sorted(unknown)}"
-            )
-        cells.append(Cell(cell.source, cell.cell_type == "code", tags, start + 1))
-    return tuple(cells)
+    return tuple(
+        Cell(cell.source, cell.cell_type == "code", "shown" in cell.metadata.get("tags", ()), start + 1)
+        for cell, start in zip(notebook.cells, starts, strict=True)
+    )
 
 
 def title_of(cells: tuple[Cell, ...]) -> str:

@@ -11,11 +11,9 @@ from __future__ import annotations
 import ast
 import io
 import json
-import linecache
-import re
 import sys
 import traceback
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -26,9 +24,6 @@ from ..teaching.html import fold, text
 from ..teaching.markup import program, slug
 from .cells import Cell, cells_of
 
-SPEECH = {f"guide.{name}" for name in ("figure", "practice", "predict", "say", "scene", "slider", "table")}
-"""Calls that only say or show something."""
-
 LONGEST_OUTPUT = 20_000
 """Characters of what a cell prints that a page shows."""
 
@@ -38,6 +33,7 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
     cells = cells_of(path)
     names: dict[str, Any] = {"__name__": "__main__", "__file__": str(path)}
     body, failed = [], ""
+    programs: list[str] = []  # not on the page yet
     for number, cell in enumerate(cells, start=1):
         if not cell.code:
             body.append(text(cell.source))
@@ -47,9 +43,19 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
             try:
                 output = _run(cell, path, scenes, names)
             except Exception as error:
-                failed = f"{path.stem}: cell {number} (line {_line(error, path, cell)}) failed: {_words(error)}"
+                why = one_line(f"{type(error).__name__}: {error}", 300)
+                failed = f"{path.stem}: cell {number} (line {_line(error, path, cell)}) failed: {why}"
                 output = f'<p class="failed" role="note">{escape(failed)}. The programs after it did not run.</p>'
-        body.append(_code(cell, output))
+        if cell.shown:
+            body.append(program(cell.source))
+        elif not _speaks_only(cell.source):
+            programs.append(cell.source)
+        body.append(output)
+        if output and programs:
+            body.append(_folded(programs))
+            programs = []
+    if programs:
+        body.append(_folded(programs))
     return {
         "body": "\n".join(body),
         "sections": [(slug(title), title) for title in _sections(cells)],
@@ -70,31 +76,14 @@ def _run(cell: Cell, path: Path, scenes: Path, names: dict[str, Any]) -> str:
     return said + "\n".join(shown)
 
 
-def _code(cell: Cell, output: str) -> str:
-    """A program and its output, either of them folded where the cell is tagged so."""
-    whole, told = program(cell.source), without_speech(cell.source)
-    source = program(told) if told else ""
-    if "solution" in cell.tags:
-        return fold("Show the solution", whole + output, "fold solution")
-    if "hidden" in cell.tags:
-        return output + fold("The program behind this", whole, "fold program")
-    if "reveal" in cell.tags:
-        return source + fold("Show the answer", output)
-    return source + output
+def _folded(programs: list[str]) -> str:
+    return fold("The program behind this", program("\n\n\n".join(programs)), "fold program")
 
 
-def without_speech(source: str) -> str:
-    """A program without the statements that only show something, because the page shows it below."""
-    lines = source.splitlines()
-    try:
-        statements = ast.parse(source).body
-    except SyntaxError:
-        return source
-    for node in statements:
-        call = node.value if isinstance(node, ast.Expr) else None
-        if isinstance(call, ast.Call) and ast.unparse(call.func) in SPEECH:
-            lines[node.lineno - 1 : node.end_lineno] = [""] * ((node.end_lineno or node.lineno) - node.lineno + 1)
-    return re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).strip()
+def _speaks_only(source: str) -> bool:
+    with suppress(SyntaxError):
+        return all(ast.unparse(each).startswith("guide.") for each in ast.parse(source).body)
+    return False
 
 
 def _sections(cells: tuple[Cell, ...]) -> list[str]:
@@ -105,14 +94,6 @@ def _sections(cells: tuple[Cell, ...]) -> list[str]:
 def _line(error: Exception, path: Path, cell: Cell) -> int:
     own = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
     return own[-1] or cell.line if own else getattr(error, "lineno", None) or cell.line
-
-
-def _words(error: Exception) -> str:
-    if isinstance(error, AssertionError) and not str(error):
-        frame = traceback.extract_tb(error.__traceback__)[-1]
-        claim = linecache.getline(frame.filename, frame.lineno or 0).strip()
-        return one_line(f"what it claims does not hold here: {claim}", 300)
-    return one_line(f"{type(error).__name__}: {error}", 300)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""A reader's code, run in a copy of this process with limits for its time, its memory and what it prints.
+"""A reader's code, run in copies of this process with limits for its time, its memory and what it prints.
 
-The copy sends its `Run` after each step. It sends what the code prints as text.
+One copy reads a file. Another answers each exercise, so that one exercise cannot spoil the next.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ import os
 import resource
 import signal
 import sys
-import time
 import types
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryFile
+from typing import Any, TextIO
 
 from ...support.errors import one_line
 from .answers import Answer, Failure, of_function
@@ -39,13 +39,15 @@ IN_SANDBOX = "TWISTARM_GUIDE_GRADING"
 Rows = Sequence[tuple[Any, ...]]
 
 
+Functions = Mapping[str, Callable[..., Any]]
+
+
 @dataclass
 class Run:
     """The result of a file: its functions, each exercise's answers, its output, and its errors.
 
     `own` are the functions that the file defines itself. `answers` has a text for an exercise that ended the process.
-    `problem` says why the file cannot be used; `excerpt` shows a syntax error with a caret below. `at` is the exercise
-    that is being answered, empty while the file is read, None at the end.
+    `problem` says why the file cannot be used; `excerpt` shows a syntax error with a caret below.
     """
 
     functions: tuple[str, ...] = ()
@@ -54,74 +56,56 @@ class Run:
     problem: str = ""
     excerpt: tuple[str, ...] = ()
     printed: str = ""
-    at: str | None = ""
-
-
-Tell = Callable[[Run | str], None]
 
 
 def run(source: str, name: str, folder: Path, instances: Mapping[str, Rows], seconds: float = SECONDS) -> Run:
-    """Run a reader's file and its functions on those instances.
+    """Run a reader's file and its functions on those instances."""
+    read, printed = _in_a_copy(lambda: _load(source, name, folder)[0], seconds)
+    done = read if isinstance(read, Run) else Run(problem=f"while it was read it {read}")
+    done.printed = printed
 
-    Where an exercise ends the process, another copy goes on with the next.
-    """
+    def answered(exercise: str) -> list[Answer] | str:
+        again, own = _load(source, name, folder)
+        return again.problem or _answers(own[exercise], instances[exercise], name)
 
-    def work(done: Run, tell: Tell) -> None:
-        functions = _load(done, source, name, folder)
-        for each, rows in instances.items():
-            if each in functions and each not in done.answers:
-                _answer(done, each, functions[each], rows, name, tell)
-        tell(replace(done, at=None))
-
-    done = Run()
-    while done.at is not None:
-        printed = done.printed
-        done = _in_a_copy(replace(done, at=""), work, seconds)
-        done.printed = printed or done.printed
-        if done.problem:
-            break
+    for each in instances:
+        if each in done.own:
+            done.answers[each], said = _in_a_copy(lambda each=each: answered(each), seconds)  # type: ignore[misc]
+            done.printed += said.removeprefix(printed)
+    done.printed = done.printed[:OUTPUT]
     return done
 
 
 def run_function(function: Callable[..., Any], name: str, rows: Rows, seconds: float = SECONDS) -> Run:
     """Run a function of this process on the instances of its exercise."""
-    file = function.__code__.co_filename
-    return _in_a_copy(Run(at=name), lambda done, tell: _answer(done, name, function, rows, file, tell), seconds)
+    answers, printed = _in_a_copy(lambda: _answers(function, rows, function.__code__.co_filename), seconds)
+    return Run(answers={name: answers}, printed=printed)
 
 
-def _in_a_copy(done: Run, work: Callable[[Run, Tell], None], seconds: float) -> Run:
-    """The run after a copy of this process went on with it, with at most so many seconds for each step."""
+def _in_a_copy(work: Callable[[], Any], seconds: float) -> tuple[Any, str]:
+    """The result of the work in a copy of this process, or how the copy ended; and what it printed."""
     context = multiprocessing.get_context("fork")
     told, telling = context.Pipe(duplex=False)
-    copy = context.Process(target=_be_the_copy, args=(work, done, telling.send, told.close))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # of threads: the copy uses nothing that they hold
-        copy.start()
-    telling.close()
-    until, printed = time.monotonic() + seconds, ""
-    how = f"was not done after {seconds:g} s: does a loop or a recursion never end?"
-    try:
-        while told.poll(max(until - time.monotonic(), 0.0)):
-            said = told.recv()
-            if isinstance(said, str):
-                printed += said
-            else:
-                done, until = said, time.monotonic() + seconds
-    except (EOFError, OSError):
-        copy.join(1.0)
-        how = _how_it_ended(copy.exitcode)
-    finally:
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(copy.pid or 0, signal.SIGKILL)  # with all that it has started
-        copy.kill()
-        copy.join()
-        told.close()
-    if done.at:
-        done.answers.setdefault(done.at, how)
-    elif done.at is not None:
-        done.problem = f"while it was read it {how}"
-    done.printed = printed
-    return done
+    with TemporaryFile("w+", encoding="utf-8", errors="replace") as printed:
+        copy = context.Process(target=_be_the_copy, args=(lambda: telling.send(work()), printed))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # of threads: the copy uses nothing that they hold
+            copy.start()
+        telling.close()
+        try:
+            late = f"was not done after {seconds:g} s: does a loop or a recursion never end?"
+            result = told.recv() if told.poll(seconds) else late
+        except (EOFError, OSError):
+            copy.join(1.0)
+            result = _how_it_ended(copy.exitcode)
+        finally:
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(copy.pid or 0, signal.SIGKILL)  # with all that it has started
+            copy.kill()
+            copy.join()
+            told.close()
+        printed.seek(0)
+        return result, printed.read()
 
 
 def _how_it_ended(code: int | None) -> str:
@@ -132,26 +116,25 @@ def _how_it_ended(code: int | None) -> str:
 
 
 class _Printed(io.TextIOBase):
-    """Standard output that sends its beginning."""
+    """Standard output that keeps its beginning in a file."""
 
-    def __init__(self, tell: Tell) -> None:
-        self._tell, self._left = tell, OUTPUT
+    def __init__(self, file: TextIO) -> None:
+        self._file, self._left = file, OUTPUT
 
     def write(self, text: str) -> int:
-        """Send what there is room for."""
-        kept = text[: self._left]
-        self._left -= len(kept)
-        if kept:
-            self._tell(kept)
+        """Keep what there is room for."""
+        if self._left:
+            self._file.write(text[: self._left])
+            self._file.flush()
+            self._left = max(self._left - len(text), 0)
         return len(text)
 
 
-def _be_the_copy(work: Callable[[Run, Tell], None], done: Run, tell: Tell, close_other_end: Callable[[], None]) -> None:
+def _be_the_copy(work: Callable[[], None], printed: TextIO) -> None:
     """Release the terminal or notebook, limit the memory to `MEMORY` more than now, work, and end at once."""
     try:
-        close_other_end()  # sending then fails once the grader is gone
         os.setsid()
-        sys.stdin, sys.stdout = io.StringIO(), _Printed(tell)
+        sys.stdin, sys.stdout = io.StringIO(), _Printed(printed)
         sys.stderr = sys.stdout
         os.environ[IN_SANDBOX] = "1"
         warnings.simplefilter("ignore")
@@ -159,37 +142,33 @@ def _be_the_copy(work: Callable[[Run, Tell], None], done: Run, tell: Tell, close
             pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
             most = MEMORY + pages * resource.getpagesize()
             resource.setrlimit(resource.RLIMIT_AS, (most, most))
-        work(done, tell)
+        work()
     finally:
         os._exit(0)
 
 
-def _answer(done: Run, name: str, function: Callable[..., Any], rows: Rows, file: str, tell: Tell) -> None:
-    """Have a function answer each of the rows, until it says that it is not written."""
-    done.at = name
-    tell(done)
+def _answers(function: Callable[..., Any], rows: Rows, file: str) -> list[Answer]:
+    """The answers of a function to the rows, until it says that it is not written."""
     answers: list[Answer] = []
     for row in rows:
         answers.append(of_function(function, row, file))
         if (error := answers[-1].error) is not None and error.kind == "NotImplementedError":
             break
-    done.answers[name] = answers
-    tell(done)
+    return answers
 
 
-def _load(done: Run, source: str, name: str, folder: Path) -> Mapping[str, Callable[..., Any]]:
-    """The functions that a reader's file defines; none, and a problem noted, where it cannot be run."""
+def _load(source: str, name: str, folder: Path) -> tuple[Run, Functions]:
+    """A reader's file as it was read, and the functions that it defines; none where it cannot be run."""
     try:
         code = compile(source, name, "exec", dont_inherit=True)
     except SyntaxError as error:
         message, text = str(error.msg), (error.text or "")[:200].rstrip("\n")
         at = max((error.offset or 0) - 1 - (len(text) - len(text.lstrip())), 0)
-        done.problem = f"line {error.lineno}: {message}" if error.lineno else one_line(message, 200)
-        done.excerpt = (f"    {text.strip()}", "    " + " " * at + "^") if text.strip() else ()
-        return {}
+        problem = f"line {error.lineno}: {message}" if error.lineno else one_line(message, 200)
+        excerpt = (f"    {text.strip()}", "    " + " " * at + "^") if text.strip() else ()
+        return Run(problem=problem, excerpt=excerpt), {}
     except (ValueError, RecursionError, MemoryError, OverflowError) as error:
-        done.problem = one_line(f"it cannot be read as Python: {error or type(error).__name__}", 200)
-        return {}
+        return Run(problem=one_line(f"it cannot be read as Python: {error or type(error).__name__}", 200)), {}
     os.chdir(folder)
     sys.path.append(str(folder))
     module = types.ModuleType("exercises_of_the_reader")
@@ -199,10 +178,8 @@ def _load(done: Run, source: str, name: str, folder: Path) -> Mapping[str, Calla
         exec(code, vars(module))
     except BaseException as error:
         failure = Failure.of(error, name)
-        done.problem = f"{f'line {failure.line}: ' if failure.line else ''}it {why_stopped(failure)}"
-        return {}
+        return Run(problem=f"{f'line {failure.line}: ' if failure.line else ''}it {why_stopped(failure)}"), {}
     there = {key: each for key, each in vars(module).items() if callable(each) and not key.startswith("_")}
     # A function that another module defines was imported; a value that can be called has no module.
     own = {key: each for key, each in there.items() if getattr(each, "__module__", None) in (None, module.__name__)}
-    done.functions, done.own = tuple(there), tuple(own)
-    return own
+    return Run(tuple(there), tuple(own)), own

@@ -211,7 +211,7 @@ def _shown(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return f"({', '.join(map(_shown, value))})"
     if np.ndim(value) == 0:
-        return f"{float(value):.6g}"
+        return f"{0.0 if abs(value) < 1e-12 else float(value):.6g}"
     if np.size(value) > LARGEST_SHOWN:
         return f"an array of shape {np.shape(value)}"
     text = np.array2string(np.asarray(value, float) + 0.0, precision=SEEN_DIGITS, suppress_small=True, separator=", ")

@@ -6,7 +6,7 @@
 # This is **forward kinematics**. It always has exactly one answer, and there are two ways to write it down. Both are
 # short.
 
-# %%
+# %% tags=["shown"]
 import numpy as np
 
 from twistarm import guide, poe, screws
@@ -17,10 +17,10 @@ theta = arm.ready  # the posture in which the arm waits
 # %% [markdown]
 # ## Link by link
 #
-# The file that describes your arm says, for each joint, where its frame sits on the link before it, $g_0$, and about or
-# along which axis of this frame it moves: a twist $\eta$ in the joint's own frame. At $\theta$ the pose of its link, seen
-# from the link before, is $g_0\, e^{\hat\eta\theta}$. Go from base to tip and multiply, and the indices cancel as they
-# did for rotations:
+# The file that describes your arm says two things of each joint. One is where its frame sits on the link before it,
+# $g_0$. The other is about or along which axis of this frame it moves: a twist $\eta$ in the joint's own frame. At
+# $\theta$ the pose of its link, seen from the link before, is $g_0\, e^{\hat\eta\theta}$. Go from base to tip and
+# multiply, and the indices cancel as they did for rotations:
 #
 # $$g_{st} = g_{s1}\, g_{12} \cdots g_{nt}$$
 #
@@ -28,7 +28,7 @@ theta = arm.ready  # the posture in which the arm waits
 # Denavit–Hartenberg parameters, for which the frames must be placed by rules. Your file needs no such rules, and the
 # second way needs no frames on the links at all.
 
-# %% tags=["hidden"]
+# %%
 fig, ax = guide.axes3(width=5.0, height=4.2)
 guide.plot_arm(ax, arm, theta)
 if arm.description is not None:
@@ -57,16 +57,17 @@ guide.figure(
 #
 # $$\xi = \begin{bmatrix} -\omega \times q \\ \omega \end{bmatrix}, \qquad \xi = \begin{bmatrix} v \\ 0 \end{bmatrix}$$
 #
-# Now move the joints one after the other, **the last one first**. It moves the tool: $e^{\hat\xi_n\theta_n} g_{st}(0)$. It
-# does not move the axes before it, so the next joint still finds its own axis where the photograph shows it. This one
+# Now move the joints one after the other, **the last one first**. It moves the tool: $e^{\hat\xi_n\theta_n} g_{st}(0)$.
+# It does not move the axes before it, so the next joint still finds its axis where the photograph shows it. That joint
 # moves all that is beyond it, and so on down to the base:
 #
 # $$g_{st}(\theta) = e^{\hat\xi_1\theta_1}\, e^{\hat\xi_2\theta_2} \cdots e^{\hat\xi_n\theta_n}\, g_{st}(0)$$
 #
-# This is the **product of exponentials** (MLS, section 3.2.2; Lynch & Park, section 4.1, who write $M$ for
-# $g_{st}(0)$). Each twist may be taken from the photograph, because in this order no axis has moved before it is used.
+# This is the **product of exponentials** (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation*
+# (MLS), section 3.2.2; Lynch & Park, section 4.1, who write $M$ for $g_{st}(0)$). Each twist may be taken from the
+# photograph, because in this order no axis has moved before it is used.
 
-# %% tags=["hidden"]
+# %%
 rows = []
 for name, xi in zip(arm.moving_names, arm.screws.T, strict=True):
     screw = screws.to_screw(xi)
@@ -83,7 +84,7 @@ guide.table(
 )
 guide.say(rf"The tool on the same photograph: $$g_{{st}}(0) = {guide.tex(arm.home)}$$")
 
-# %% tags=["hidden"]
+# %%
 fig, ax = guide.axes3(width=5.0, height=4.2)
 guide.plot_arm(ax, arm, np.zeros(arm.n))
 at_home = guide.arm_points(arm, np.zeros(arm.n))
@@ -108,16 +109,17 @@ guide.figure(
 # %% [markdown]
 # ## The formula at work
 #
-# It takes a short loop, and a library that knows $e^{\hat\xi\theta}$. A joint that follows another one (a mimic joint) has
-# an axis but no coordinate: the matrix `coupling.A` turns the coordinates $\theta$ into one value $x$ for each
-# axis. Without mimics $x = \theta$.
+# It takes a short loop and a function for $e^{\hat\xi\theta}$. A joint that follows another one (a mimic joint) has an
+# axis but no coordinate: the matrix `coupling.A` turns the coordinates $\theta$ into one value $x$ for each axis.
+# Without mimics $x = \theta$.
 
-# %%
+# %% tags=["shown"]
 values = arm.coupling.A @ theta
 g = arm.home
 for xi, value in reversed(list(zip(arm.screws.T, values, strict=True))):
     g = screws.exp(xi, value) @ g  # the last joint first: each one moves what is there already
 
+# %%
 guide.say(
     rf"$$g_{{st}}(\theta) = {guide.tex(g)}$$ The tool stands at $x = {g[0, 3]:.3f}$, $y = "
     f"{g[1, 3]:.3f}$, $z = {g[2, 3]:.3f}$ m from the base."
@@ -132,7 +134,6 @@ by_pinocchio = (
     arm.by_pinocchio(theta)[0] if arm.description is not None else poe.fk(arm.screws, arm.home, values)
 )
 off = np.abs(g - by_pinocchio).max()
-assert off < 1e-9
 guide.say(
     f"The largest of the sixteen differences between the two is ${guide.rough(off)}$, which is "
     "rounding. twistarm makes this comparison whenever it loads an arm, and refuses the arm if they "
@@ -144,7 +145,7 @@ guide.say(
 #
 # Only one joint moves at a time in the next question; the others stay as on the photograph.
 
-# %% tags=["hidden"]
+# %%
 turning = np.flatnonzero(
     (np.linalg.norm(arm.screws[3:], axis=0) > 0.5) & (np.abs(arm.coupling.A).sum(axis=1) > 0)
 )
@@ -195,8 +196,6 @@ body = screws.adjoint(screws.inverse(arm.home)) @ arm.screws
 from_the_tool = arm.home
 for xi, value in zip(body.T, values, strict=True):
     from_the_tool = from_the_tool @ screws.exp(xi, value)
-assert np.allclose(from_the_tool, g)
-assert np.allclose(body, arm.body_screws)
 guide.say(f"On `{arm.name}` the two forms differ by ${guide.rough(np.abs(from_the_tool - g).max())}$.")
 
 # %% [markdown]
@@ -212,16 +211,14 @@ q1, q2 = (screws.to_screw(xi).point for xi in planar.screws.T)
 l1, l2 = np.linalg.norm(q2 - q1), np.linalg.norm(planar.home[:3, 3] - q2)
 pair = np.array([0.4, 0.9])
 x = l1 * np.cos(pair[0]) + l2 * np.cos(pair.sum())
-y = l1 * np.sin(pair[0]) + l2 * np.sin(pair.sum())
-assert np.allclose(planar.fk(pair)[:2, 3] - q1[:2], [x, y])
+again = 2 * np.degrees(np.arctan2(l2 * np.sin(np.radians(50)), l1 + l2 * np.cos(np.radians(50)))) + 25
 guide.slider(
     "two_link",
-    "Find two postures in which the tool is at the same place. (The angles $\\alpha$ and $\\beta$ and "
-    "the mixed signs belong to a later lesson.)",
-    "Choose a posture; then tick *draw the other solution*. The elbow flips to the other side, and "
-    r"$\theta_2$ changes its sign. Where the arm is stretched out or folded, the two are one. Forward "
-    "kinematics has one answer, but the way back may have several: this is the matter of the lessons "
-    "on inverse kinematics.",
+    r"Note $x$ and $y$. Then set $\theta_2$ to −50° and find the $\theta_1$ with which the tool is at the "
+    "same place again.",
+    rf"At $\theta_1 = {again:.0f}°$. The elbow is now on the other side. Forward kinematics has one "
+    "answer, but the way back may have several. That is the matter of the lessons on inverse kinematics.",
+    inverse=False,
     l1=round(float(l1), 3),
     l2=round(float(l2), 3),
     theta1=25,
@@ -238,7 +235,7 @@ guide.slider(
 #   subtract it first. An error of the angle moves the tool by lever times angle, as in the question above.
 # - **Degrees.** An angle of 30 is almost five full turns.
 
-# %% tags=["hidden"]
+# %%
 wrong_order = arm.home
 for xi, value in zip(arm.screws.T, values, strict=True):
     wrong_order = screws.exp(xi, value) @ wrong_order

@@ -31,10 +31,11 @@ p = g[:3, 3]  # the tool's origin, seen from the base
 #
 # $$V^s = J^s(\theta)\, \dot\theta, \qquad J^s = \begin{bmatrix} \xi_1' & \xi_2' & \cdots & \xi_n' \end{bmatrix}$$
 #
-# This is the **spatial Jacobian** (MLS, section 3.4.1). No derivative of a sine was taken by hand. $V^s = (v, \omega)$
-# is the spatial twist of the tool, the linear part first.
+# This is the **spatial Jacobian** (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS),
+# section 3.4.1). No derivative of a sine was taken by hand. $V^s = (v, \omega)$ is the spatial twist of the tool, the
+# linear part first.
 
-# %%
+# %% tags=["shown"]
 values = arm.coupling.A @ theta  # one value for each axis, mimic joints too
 carried, columns = np.eye(4), []
 for xi, value in zip(arm.screws.T, values, strict=True):
@@ -43,7 +44,7 @@ for xi, value in zip(arm.screws.T, values, strict=True):
 axes_now = np.column_stack(columns)
 J_s = axes_now @ arm.coupling.A  # joints that follow another are added to its column
 
-# %% tags=["hidden"]
+# %%
 rates_of = ["1 m/s" if unit == "m" else "1 rad/s" for unit in arm.units]
 rows = [
     [row, *(f"{x + 0.0:.3f}".replace("-", "−") for x in np.round(numbers, 3))]
@@ -58,8 +59,8 @@ guide.table(
 )
 
 # %% [markdown]
-# Is it right? Pinocchio builds the same matrix from your file, link by link. And there is a judge who knows no theory
-# at all: move one joint a little to either side, and look at what forward kinematics says.
+# Is it right? Pinocchio builds the same matrix from your file, link by link. A second check needs no theory at all:
+# move one joint a little to either side, and see what forward kinematics says.
 
 # %%
 if arm.description is not None:
@@ -77,14 +78,12 @@ for i, step in enumerate(h * np.eye(arm.n)):
     by_difference[:, i] = [*V_hat[:3, 3], V_hat[2, 1], V_hat[0, 2], V_hat[1, 0]]
 
 off, off_difference = np.abs(J_s - by_pinocchio).max(), np.abs(J_s - by_difference).max()
-assert off < 1e-9
-assert off_difference < 1e-7
 guide.say(
     rf"The largest difference from Pinocchio is ${guide.rough(off)}$; from the difference quotient of $\dot g "
     rf"g^{{-1}}$ it is ${guide.rough(off_difference)}$: a quotient is no more exact than that."
 )
 
-# %% tags=["hidden"]
+# %%
 fig, (left, right) = guide.axes3(2, width=6.6, height=3.6, box=False)
 guide.plot_arm(left, arm, theta, tool=False)
 for k, (xi, point) in enumerate(
@@ -127,13 +126,10 @@ def columns_changed(J, other):
 
 by_last = columns_changed(axes_now, poe.spatial_jacobian(arm.screws, last))
 by_first = columns_changed(axes_now, poe.spatial_jacobian(arm.screws, first))
-assert by_last == 0
-assert by_first < count
 guide.predict(
-    rf"Your arm has {count} axes. The last joint moves by half a unit. How many columns of axes change? And if only "
-    rf"the "
+    f"Your arm has {count} axes. The last joint moves by half a unit. How many columns of axes change? And if only the "
     "first one moves?",
-    f"The last joint changes {by_last}: no axis hangs on it. The first one changes {by_first} of {count}: never its "
+    f"The last joint changes {by_last}: it carries no axis. The first one changes {by_first} of {count}: never its "
     f"own, and none that it moves along itself. Column $i$ depends on the joints *before* $i$ alone.",
 )
 
@@ -153,8 +149,6 @@ k = int(np.argmax(lever))  # the turning joint that moves the tool most
 v, omega = J_s[:3, k], J_s[3:, k]
 p_dot = v + np.cross(omega, p)
 step = h * np.eye(arm.n)[k]
-quotient = (arm.fk(theta + step) - arm.fk(theta - step))[:3, 3] / (2 * h)
-assert np.allclose(p_dot, quotient, atol=1e-7)
 apart = np.linalg.norm(p_dot - v)
 guide.say(
     f"Let `{arm.joint_names[k]}` alone run at {rates_of[k]}. The first three rows say "
@@ -175,11 +169,6 @@ guide.say(
 
 # %%
 J_b = screws.adjoint(screws.inverse(g)) @ J_s
-assert np.allclose(J_b, arm.body_jacobian(theta))
-for i, step in enumerate(h * np.eye(arm.n)):
-    V_hat = screws.inverse(g) @ (arm.fk(theta + step) - arm.fk(theta - step)) / (2 * h)
-    V = [*V_hat[:3, 3], V_hat[2, 1], V_hat[0, 2], V_hat[1, 0]]
-    assert np.allclose(J_b[:, i], V, atol=1e-7)
 
 guide.table(
     ["Jacobian", "$v$ is the velocity of", "in axes of", "in Pinocchio", r"$\lvert v \rvert$ [m/s]"],
@@ -207,16 +196,15 @@ guide.table(
 moved = theta + 0.7 * np.eye(arm.n)[0]  # the first joint alone; no limit is looked at
 alone = np.count_nonzero(arm.coupling.A[:, 0]) == 1 and arm.coupling.A[0, 0] != 0
 unchanged = np.abs(arm.body_jacobian(moved) - J_b).max()
-assert unchanged < 1e-9 or not alone
 guide.predict(
     f"The first joint, `{arm.joint_names[0]}`, moves by 0.7. What changes in $J^b$?",
     (
-        f"Nothing: the largest difference is ${guide.rough(unchanged)}$. Whoever sits on the tool and looks back along "
-        "the arm sees the same axes in the same places; the first joint only moves the world beyond. $J^b$ depends on "
+        f"Nothing: the largest difference is ${guide.rough(unchanged)}$. If you sit on the tool and look back along "
+        "the arm, you see the same axes in the same places; the first joint only moves the world beyond. $J^b$ depends on "
         "the joints *after* the column, $J^s$ on those before it."
         if alone
-        else "Another joint follows the first one, so something does change. Were it alone, nothing would: whoever "
-        "sits on the tool and looks back sees the same axes in the same places."
+        else "Another joint follows the first one, so something does change. If it moved alone, nothing would: from "
+        "the tool you would see the same axes in the same places."
     ),
 )
 
@@ -237,9 +225,8 @@ rates = np.round(answers[best], 12) + 0.0
 
 dt = 0.01
 gone = (arm.fk(theta + dt * rates) - g)[:3, 3]
-assert np.allclose(gone, dt * hybrid[:3] @ rates, atol=1e-4 * arm.reach)
 
-# %% tags=["hidden"]
+# %%
 guide.table(
     ["joint", "rate"],
     [
@@ -276,19 +263,12 @@ guide.say(
 #
 # A stone of one kilogram hangs at the tool's origin. The tool carries it, which means that it pushes it **up**.
 
-# %%
+# %% tags=["shown"]
 mass, gravity = 1.0, 9.81
 f = np.array([0.0, 0.0, mass * gravity])  # on the stone, in axes of the base
 F_t = np.append(g[:3, :3].T @ f, np.zeros(3))  # the same in the tool's axes
 torques = J_b.T @ F_t
 
-# Whoever knows no Jacobian: the work that lifts the stone, joint by joint.
-steps = h * np.eye(arm.n)
-lifts = (arm.fk(theta + steps) - arm.fk(theta - steps))[:, 2, 3] / (2 * h)
-assert np.allclose(torques, mass * gravity * lifts, atol=1e-6)
-
-F_s = np.append(f, np.cross(p, f))  # the same wrench, seen from the base
-assert np.allclose(J_s.T @ F_s, torques)
 
 # %%
 heaviest = int(np.argmax(np.abs(torques)))
@@ -310,7 +290,7 @@ guide.predict(
     ),
 )
 
-# %% tags=["hidden"]
+# %%
 rows = []
 for name, torque, limit, unit in zip(
     arm.joint_names, torques, arm.limits.effort, arm.units, strict=True
@@ -377,7 +357,7 @@ guide.predict(
 # - **The sign.** $F$ is what the tool exerts. A force sensor at the wrist often reports what the world exerts on the
 #   tool: then the motors push the wrong way.
 
-# %% tags=["hidden"]
+# %%
 test = np.where(np.array(arm.units) == "m", 0.1, 0.3)
 true = hybrid @ test
 slips = [

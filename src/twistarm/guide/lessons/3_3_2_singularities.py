@@ -18,16 +18,17 @@ theta = arm.ready
 # ## The law
 #
 # The columns of $J(\theta)$ are the twists that the joints offer. Their sums are all that the tool can do. Where the
-# columns stop being independent, one direction is missing among the sums. A configuration is singular where the rank of
-# $J(\theta)$ is smaller than it is elsewhere (MLS, section 3.4.3). It does not matter which Jacobian you ask: $J^s$ and
-# $J^b$ differ by an Adjoint, which has an inverse.
+# columns stop being independent, one direction is missing among the sums. A configuration is singular if the rank of
+# $J(\theta)$ is smaller there than elsewhere (Murray, Li and Sastry, *A Mathematical Introduction to Robotic
+# Manipulation* (MLS), section 3.4.3). It does not matter which Jacobian you ask: $J^s$ and $J^b$ differ by an Adjoint,
+# which has an inverse.
 #
 # Begin with two links in a plane, where it can be done by hand. Only the position of the tool counts, and the Jacobian
 # is $2 \times 2$. Its determinant is
 #
 # $$\det J = l_1 l_2 \sin\theta_2$$
 
-# %%
+# %% tags=["shown"]
 planar = guide.bundled("rr_planar")
 elbow_at = screws.to_screw(planar.screws[:, 1]).point
 l1 = float(np.linalg.norm(elbow_at - screws.to_screw(planar.screws[:, 0]).point))
@@ -36,7 +37,6 @@ l2 = float(np.linalg.norm(planar.home[:3, 3] - elbow_at))
 bends = np.radians(np.linspace(-179, 179, 359))
 postures = np.stack([0.4 + 0 * bends, bends], axis=-1)
 J = planar.hybrid_jacobian(postures)[:, :2]  # x and y of the tool's origin
-assert np.allclose(np.linalg.det(J), l1 * l2 * np.sin(bends))
 
 # %%
 guide.predict(
@@ -65,7 +65,7 @@ guide.slider(
 #
 # $$\dot\theta_2 = -\frac{r\, \dot r}{l_1 l_2 \sin\theta_2}$$
 #
-# The sine of a small angle stands below the line.
+# If $\theta_2$ is small, you divide by a small number.
 
 # %%
 outward = 0.05
@@ -76,7 +76,6 @@ for bend in nearly:
     tool = planar.fk(at)[:2, 3] - screws.to_screw(planar.screws[:, 0]).point[:2]
     r = np.linalg.norm(tool)
     rate = np.linalg.solve(planar.hybrid_jacobian(at)[:2], outward * tool / r)
-    assert np.isclose(rate[1], -r * outward / (l1 * l2 * np.sin(bend)))
     rates.append(abs(float(np.degrees(rate[1]))))
 guide.table(
     ["elbow still bent by", "it must turn at"],
@@ -87,21 +86,32 @@ guide.table(
 # %% [markdown]
 # ## How far from singular: the ellipsoid
 #
-# A rank is a yes or a no. A builder wants to know how near. The ellipse answers this, and for more joints and directions
+# A rank is a yes or a no. A builder wants to know how near. The ellipse answers this. With more joints and directions
 # it becomes the **manipulability ellipsoid**: what $J$ makes of all joint rates with $|\dot\theta| = 1$ (MLS, section
-# 3.4.4, measures it). The *singular value decomposition* $J = U \Sigma W^T$, in which $U$ and $W$ have columns of length
-# one at right angles to each other, describes it whole:
+# 3.4.4, measures it).
 #
-# - its half axes have the lengths $\sigma_1 \ge \sigma_2 \ge \dots$, the singular values, which $\Sigma$ holds;
-# - they point along the columns of $U$, directions of the tool;
-# - the columns of $W$ are the joint rates that lead there. (Most books write $V$, which is a velocity here.)
+# To find its half axes you need the **singular value decomposition**. It takes any matrix apart into three simple ones:
 #
-# A long axis means fast, and weak: by $\tau = J^T F$, a unit of joint torque balances the force $1/\sigma$ there. A
-# short axis means slow, and strong. Their product, $\sqrt{\det JJ^T}$, is
-# Yoshikawa's **manipulability**; the ratio $\sigma_{\max}/\sigma_{\min}$ is the **condition number**. It is one
-# for a sphere, and infinite where a direction is lost.
+# $$J = U\, \Sigma\, W^T$$
+#
+# Read it from the right, as it acts on joint rates $\dot\theta$:
+#
+# - $W^T$ turns. The columns $w_1, w_2, \dots$ of $W$ are sets of joint rates, of length one and at right angles to each
+#   other. (Most books write $V$ for $W$, but $V$ is a velocity here.)
+# - $\Sigma$ stretches. It is diagonal and holds the singular values $\sigma_1 \ge \sigma_2 \ge \dots \ge 0$.
+# - $U$ turns again. Its columns $u_1, u_2, \dots$ are directions of the tool, of length one and at right angles to each
+#   other.
+#
+# For each column this says $J w_i = \sigma_i u_i$: the joint rates $w_i$ move the tool along $u_i$, at the speed
+# $\sigma_i$. So the half axes of the ellipsoid are $\sigma_i u_i$. `np.linalg.svd` returns $U$, the singular values and
+# $W^T$.
+#
+# A long half axis means fast and weak: by $\tau = J^T F$, a unit of joint torque balances the force $1/\sigma$ there. A
+# short half axis means slow and strong. The product of all, $\sqrt{\det JJ^T}$, is Yoshikawa's **manipulability**; the
+# ratio $\sigma_{\max}/\sigma_{\min}$ is the **condition number**. It is one for a sphere, and infinite where a
+# direction is lost.
 
-# %% tags=["hidden"]
+# %%
 fig, axes = guide.axes2(3, width=6.6, height=2.6)
 turn = np.linspace(0, 2 * np.pi, 200)
 circle = np.array([np.cos(turn), np.sin(turn)])
@@ -155,7 +165,7 @@ guide.say(
     + f" The condition of these {rank} is {float(m.condition_in(rank)):.1f}."
 )
 
-# %% tags=["hidden"]
+# %%
 linear = arm.hybrid_jacobian(theta)[:3] * np.where(slides, arm.reach, 1.0)
 U, sigma, _ = np.linalg.svd(linear)
 sigma = np.append(sigma, np.zeros(3 - len(sigma)))
@@ -202,29 +212,33 @@ gone = least(singular) / arm.manipulability(singular).singular_values[0]
 is_singular = gone < 1e-4
 
 # %% [markdown]
-# Two columns tell what has happened. The last column of $W$ holds rates of the joints that cancel each other: the motors
-# run, and the tool stands still. The last column $u$ of $U$ belongs to the tool, and it is best read as a **wrench**
-# $F$, for it has $F^T J = 0$: no motor feels it, and $F$ is the same, up to a factor, in metres and in millimetres. It
-# is called *reciprocal* to every joint (MLS, section 2.5.3). Every motion $V$ with $F^T V \ne 0$ is lost. Both are
-# read just beside the posture: in it, where several columns may be missing, rounding would mix them.
+# The decomposition tells what has happened in a singular posture, where the last singular value is $\sigma = 0$. Look at
+# the columns $w$ and $u$ that belong to it:
+#
+# - $J w = \sigma u = 0$. These joint rates cancel each other: the motors run, and the tool stands still. $w$ is called a
+#   *null vector* of $J$.
+# - $u^T J = \sigma w^T = 0$. So $u$ is at right angles to all that the tool can do. Read $u$ as a **wrench** $F$. By
+#   $\tau = J^T F = 0$ no motor feels it, and every motion $V$ with $F^T V \ne 0$ is lost. Such a wrench is called
+#   *reciprocal* to every joint (MLS, section 2.5.3). Whether you count in metres or in millimetres, it is the same
+#   wrench.
+#
+# In the singular posture itself several singular values may be 0 at once. Any mixture of their columns is then as good,
+# and rounding chooses one. So the program reads both columns a little beside the posture.
 
 # %%
 lengths = np.where(slides, arm.reach, 1.0)  # slides are counted in units of the reach, too
 beside = singular + 0.02 * (theta - singular)
 J = arm.body_jacobian(beside) * np.array([1 / arm.reach] * 3 + [1.0] * 3)[:, None] * lengths
 U, sigma, Wt = np.linalg.svd(J, full_matrices=False)
-assert np.allclose(sigma, arm.manipulability(beside).singular_values)
 lost, idle = U[:, rank - 1], Wt[rank - 1] * lengths
 
-# %% tags=["hidden"]
+# %%
 weights = np.abs(Wt[rank - 1])
 against = [name for name, w in zip(arm.joint_names, weights, strict=True) if w > 0.15 * weights.max()]
 turns = float(np.linalg.norm(lost[3:]))
 way = lost[3:] if turns > np.sqrt(0.5) else lost[:3]
 words = "a torque about" if turns > np.sqrt(0.5) else "a force along"
 share = max(turns**2, 1 - turns**2)
-felt = J.T @ lost
-assert np.isclose(np.linalg.norm(felt), sigma[rank - 1])  # as little as the arm can feel
 axis = way / np.linalg.norm(way)
 axis = axis * (1.0 if axis[np.argmax(np.abs(axis))] > 0 else -1.0)
 
@@ -259,7 +273,7 @@ guide.say(
     f"there: {', '.join(f'`{name}`' for name in against)}."
 )
 
-# %% tags=["hidden"]
+# %%
 fig, ax = guide.axes3(width=5.2, height=4.4)
 guide.plot_arm(ax, arm, theta, colour=guide.GREY, alpha=0.4, tool=False)
 guide.plot_arm(ax, arm, singular)
@@ -312,7 +326,6 @@ patterns = {
     "four through one point": [*(turning(x, q) for x in rng.normal(size=(4, 3))), *lines(2)],
 }
 ranks = {words: int(np.linalg.matrix_rank(each, tol=1e-9)) for words, each in patterns.items()}
-assert list(ranks.values()) == [6, 5, 5, 6, 5]
 guide.table(
     ["six turning axes", "rank"],
     list(ranks.items()),
@@ -330,32 +343,27 @@ guide.table(
 #
 # $$\dot\theta = J^T (J J^T + \lambda^2 I)^{-1} V$$
 #
-# As there, it puts $\sigma/(\sigma^2 + \lambda^2)$ in the place of $1/\sigma$, never more than $1/(2\lambda)$. The price is that the tool does only the share $\sigma^2/(\sigma^2 + \lambda^2)$ of what was asked. Here $\sigma$ and
-# $\lambda$ have no unit, for lengths are counted in units of the reach.
+# As there, it replaces $1/\sigma$ by $\sigma/(\sigma^2 + \lambda^2)$, which is never more than $1/(2\lambda)$. The
+# price: the tool does only the share $\sigma^2/(\sigma^2 + \lambda^2)$ of what you asked. Here $\sigma$ and $\lambda$
+# have no unit, because lengths are counted in units of the reach.
 
-# %%
+# %% tags=["shown"]
 damping = 0.05
 s = np.linspace(0, 1, 400)
 on_the_way = theta + s[:, None] * (singular - theta)
 small = np.maximum(arm.manipulability(on_the_way).singular_values[:, rank - 1], 1e-12)
 plain, damped = 1 / small, small / (small**2 + damping**2)
-assert np.all(damped <= 1 / (2 * damping) + 1e-9)
 
-# The twist that suits the joints least has the numbers of that wrench. Checked on the whole matrix:
-V = lost
-whole = J.T @ np.linalg.solve(J @ J.T + damping**2 * np.eye(6), V)
-assert np.isclose(np.linalg.norm(whole), sigma[rank - 1] / (sigma[rank - 1] ** 2 + damping**2))
 
 # %%
 guide.predict(
     f"With $\\lambda = {damping}$, what is the largest rate that the damped answer can ask for, for a twist of size "
     f"one?",
     rf"$1/(2\lambda) = {1 / (2 * damping):.0f}$, reached where $\sigma = \lambda$. Nearer to the singularity it asks "
-    rf"for "
-    "less and less, and in it for nothing: the arm gives up the direction that it does not have, and keeps the others.",
+    "for less and less, and in it for nothing: the arm gives up the direction that it does not have, and keeps the others.",
 )
 
-# %% tags=["hidden"]
+# %%
 fig, ax = guide.axes2(
     xlabel="from waiting (0) to the worst posture (1)", ylabel="joint rates per unit of twist"
 )
@@ -392,7 +400,6 @@ stretched = planar.hybrid_jacobian(straight)[:2].T @ force
 bent = planar.hybrid_jacobian([0.4, np.radians(90.0)])[:2]
 tool = planar.fk([0.4, np.radians(90.0)])[:2, 3] - screws.to_screw(planar.screws[:, 0]).point[:2]
 at_right_angle = bent.T @ (100 * tool / np.linalg.norm(tool))
-assert np.isclose(stretched[0], 0, atol=1e-9)  # the force passes through the base
 guide.predict(
     "The two-link arm pulls outward with 100 N, along the line from its base. What torque must the elbow hold when "
     "it is bent by 90°, and what when it is bent by 1°?",
@@ -413,7 +420,7 @@ guide.predict(
 # - **Zero is singular.** Many descriptions stretch the arm out at zero: there Newton's method and joysticks begin
 #   badly.
 
-# %% tags=["hidden"]
+# %%
 small_arm, large_arm = (
     float(np.linalg.det(planar.hybrid_jacobian([0.4, 1.2])[:2])) * f**2 for f in (0.1, 1.0)
 )

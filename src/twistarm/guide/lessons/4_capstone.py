@@ -41,7 +41,7 @@ arm = guide.arm()
 # 3.14 on a joint that can do 40°, a base that is not where you thought: this is the moment to see it.
 
 
-# %% tags=["hidden"]
+# %%
 def shown(x, unit, digits=1):
     if not np.isfinite(x):
         return "none"
@@ -89,7 +89,7 @@ guide.table(
 # %%
 findings = diagnose(arm)
 
-# %% tags=["hidden"]
+# %%
 if findings:
     guide.table(
         ["kind", "where", "what is there", "what to do"],
@@ -115,15 +115,14 @@ else:
 #
 # `twistarm check my_arm.urdf.xacro`
 #
-# One program that reads your file may read it wrongly. Three that were written by different people hardly make the same
-# mistake. At random postures twistarm compares its screws with Pinocchio and with yourdfpy, and the Jacobians with
-# difference quotients as well.
+# One program may read your file wrongly. Three programs by different people hardly make the same mistake. At random
+# postures twistarm compares its screws with Pinocchio and with yourdfpy, and the Jacobians with difference quotients as
+# well.
+
+# %% tags=["shown"]
+agreement = crosscheck(arm, samples=100)
 
 # %%
-agreement = crosscheck(arm, samples=100)
-assert agreement.ok
-
-# %% tags=["hidden"]
 compared = [row for row in agreement.comparisons if not row.not_compared]
 worst = {row.quantity: row for row in sorted(compared, key=lambda row: row.worst / row.tolerance)}
 guide.table(
@@ -160,7 +159,7 @@ g = arm.fk(arm.ready)
 steps = np.where(np.array(arm.units) == "m", 0.02, np.radians(10.0))
 moved = arm.fk(arm.ready + np.diag(steps))[:, :3, 3] - g[:3, 3]
 
-# %% tags=["hidden"]
+# %%
 names = ("forward", "left", "up"), ("back", "right", "down")
 
 
@@ -193,10 +192,10 @@ guide.table(
 # ## 5. Can it get there?
 #
 # A camera reports where the tool in the rack is, $g_{so}$. How much of that pose you may ask for depends on your
-# joints: six directions need six joints. With five you give up the turn about the tool's axis (`Approach`), with
-# fewer the whole orientation (`Position`). If the fifth joint does nothing but roll the tool, as on the rover arm, four
-# are left for the five numbers of an approach, and it fits at some places only. Never ask for what the arm does not have; the solver would tell you so,
-# kindly, and fail.
+# joints: six directions need six joints. With five you give up the turn about the tool's axis (`Approach`), with fewer
+# the whole orientation (`Position`). On the rover arm the fifth joint only rolls the tool. Four joints are left for the
+# five numbers of an approach, so it fits at some places only. Ask for no more than the arm has, or the solver must
+# fail.
 
 
 # %%
@@ -218,10 +217,8 @@ solution = solve_ik(arm, asked(arm, g_so))
 theta = solution.require()
 
 reached = arm.fk(theta)
-assert np.allclose(reached[:3, 3], g_so[:3, 3], atol=1e-4)
-assert arm.limits.contains(theta)
 
-# %% tags=["hidden"]
+# %%
 kind = type(asked(arm, g_so)).__name__
 words = {
     "Pose": "the whole pose",
@@ -247,7 +244,6 @@ guide.say(
 far_away = g_so.copy()
 far_away[:3, 3] *= 4 * arm.reach / np.linalg.norm(far_away[:3, 3])
 beyond = solve_ik(arm, asked(arm, far_away))
-assert not beyond.converged
 guide.predict(
     "The camera errs, and reports a place several times as far away as your arm is long. What should a solver answer?",
     "Not the last thing that it tried, and not silence: that it cannot, why, and what comes nearest. twistarm says:"
@@ -306,7 +302,7 @@ arm = guide.arm_with(
 g_so, motion, refusals = first_served(arm)
 
 # %% [markdown]
-# Trust is good. Ask forward kinematics, which knows nothing of the planner, at a thousand instants.
+# Check the plan. Ask forward kinematics, which knows nothing of the planner, at a thousand instants.
 
 # %%
 velocity, acceleration = limits_of(arm)
@@ -315,21 +311,14 @@ tool = arm.fk(motion(t))[:, :3, 3]
 closing = motion.labels[0][0]  # when the gripper closes
 missed = np.linalg.norm(arm.fk(motion(closing))[:3, 3] - g_so[:3, 3])
 
-assert missed < 2e-4
-assert np.all(motion.peak(1) <= velocity * (1 + 1e-6))
-assert np.all(motion.peak(2) <= acceleration * (1 + 1e-6))
-assert np.all(motion(t) >= arm.limits.lower - 1e-9)
-assert np.all(motion(t) <= arm.limits.upper + 1e-9)
-assert np.allclose(motion(motion.duration), arm.ready)
 
-# %% tags=["hidden"]
+# %%
 begins = motion.times[1]
 on_the_line = tool[(t >= begins) & (t <= closing)]
 chord = g_so[:3, 3] - arm.fk(motion(begins))[:3, 3]
 off = np.linalg.norm(
     np.cross(on_the_line - on_the_line[0], chord / np.linalg.norm(chord)), axis=1
 ).max()
-assert off < 2e-4
 guide.say(
     f"{motion.duration:.2f} s in all. When the gripper closes, at {closing:.2f} s, the tool is {1e6 * missed:.2f} µm "
     f"from its place; on the way in it leaves the straight line by at most {1e6 * off:.2f} µm. "
@@ -395,7 +384,7 @@ with TemporaryDirectory() as folder:
     file = motion.to_csv(Path(folder) / "motion.csv", dt=0.01)
     lines = file.read_text(encoding="utf-8").splitlines()
 
-# %% tags=["hidden"]
+# %%
 guide.say(
     f"The file for the robot has {len(lines) - 1} rows, one every hundredth of a second, with position, velocity and "
     f"acceleration of {arm.n} joint{'s' if arm.n > 1 else ''}. It begins with `{lines[0].split(',')[0]}, "
@@ -417,7 +406,7 @@ guide.say(
 # - **Zero has moved.** A belt skips a tooth, and every number is off by the same angle. Repeat step 4 each morning: it
 #   takes five minutes.
 
-# %% tags=["hidden"]
+# %%
 slip = np.where(np.array(arm.units) == "m", 0.005, np.radians(5.0))
 moves = np.linalg.norm(arm.fk(arm.ready + np.diag(slip))[:, :3, 3] - arm.fk(arm.ready)[:3, 3], axis=1)
 there = JointMove(0.6 * arm.ready + 0.4 * arm.random_theta(7))

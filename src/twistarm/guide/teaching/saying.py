@@ -22,7 +22,7 @@ SLIDERS: dict[str, dict[str, Any]] = {
     "axis_angle": {"axis": (1, 1, 1), "angle": 120},
     "twist": {"axis": (0, 0, 1), "point": (0.5, 0, 0), "pitch": 0.1, "angle": 90},
     "joint": {"type": "cylindrical"},
-    "two_link": {"l1": 0.4, "l2": 0.3, "theta1": 30, "theta2": 60},
+    "two_link": {"l1": 0.4, "l2": 0.3, "theta1": 30, "theta2": 60, "inverse": True},
     "spline": {"kind": "cubic", "start": 0, "end": 90, "duration": 2, "velocity_start": 0, "velocity_end": 0},
     "ellipsoid": {"l1": 0.4, "l2": 0.3, "theta1": 30, "theta2": 60},
 }

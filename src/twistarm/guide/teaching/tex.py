@@ -38,8 +38,11 @@ def _number(value: float, digits: int) -> str:
 
 
 def rough(value: float | np.floating[Any]) -> str:
-    r"""A size by its first digit and its power of ten, in TeX: `2 \cdot 10^{-16}`, for rounding errors."""
-    if not value or not np.isfinite(value):
+    r"""A size by its first digit and its power of ten, in TeX: `2 \cdot 10^{-16}`, for rounding errors.
+
+    Below 1e-20 it is 0.
+    """
+    if -1e-20 < value < 1e-20 or not np.isfinite(value):
         return _number(float(value), 0)
     digit, _, power = f"{value:.0e}".partition("e")
     return rf"{digit} \cdot 10^{{{int(power)}}}"

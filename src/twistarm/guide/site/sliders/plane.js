@@ -17,6 +17,9 @@
       const bench = new Bench(stage, function ({ theta1, theta2, flip, mixed }) {
         const [x, y] = this.arm(n, theta1, theta2, "ink", 1, true);
         const r = hypot(x, y);
+        const place = [`x ${text(x)} m   y ${text(y)} m`, `r ${text(r)} m`];
+        const words = `A two-link arm, its tool at x ${x.toFixed(2)}, y ${y.toFixed(2)}`;
+        if (!n.inverse) return { numbers: place.join("\n"), words };
         const clamp = (c) => acos(max(-1, min(1, c)));
         const alpha = clamp((n.l1 ** 2 + n.l2 ** 2 - r * r) / (2 * n.l1 * n.l2));
         const beta = r > 1e-9 ? clamp((r * r + n.l1 ** 2 - n.l2 ** 2) / (2 * n.l1 * r)) : 0;
@@ -27,15 +30,17 @@
         const wrong = other(here, -here);
         const missed = mixed ? this.arm(n, ...wrong, "orange", 0.9) : null;
         const numbers = [
-          `x ${text(x)} m   y ${text(y)} m`, `r ${text(r)} m`, `α ${text(alpha / RAD, 1)}°  β ${text(beta / RAD, 1)}°`, "",
+          ...place, `α ${text(alpha / RAD, 1)}°  β ${text(beta / RAD, 1)}°`, "",
           `other solution`, `θ₁ ${text(wrapped(second[0]), 1)}°`, `θ₂ ${text(second[1], 1)}°`,
           missed ? `\nmixed signs miss by\n   ${text(hypot(missed[0] - x, missed[1] - y))} m` : "",
         ].join("\n");
-        return { numbers, words: `A two-link arm, its tool at x ${x.toFixed(2)}, y ${y.toFixed(2)}` };
+        return { numbers, words };
       });
       links(bench, n);
-      bench.box("flip", "draw the other solution");
-      bench.box("mixed", "draw what mixed signs give");
+      if (n.inverse) {
+        bench.box("flip", "draw the other solution");
+        bench.box("mixed", "draw what mixed signs give");
+      }
       return bench;
     },
 
