@@ -114,7 +114,7 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
 
     The findings are those of the pages, unless the doctor has not run yet.
     """
-    playback = stage.player.playback
+    playback = stage.playback
     unexamined = PENDING in stage.findings["note"] and not stage.driven
     return SceneSnapshot(
         stage.arm,
@@ -125,5 +125,5 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
         stage.path,
         None if playback is None else replace(playback),
         None if unexamined else stage.findings,
-        stage.program.list.named(),
+        stage.poses.named(),
     )

@@ -51,7 +51,7 @@ class Server:
         self.memory = memory
         if memory is not None:  # whoever has the port is the only one to use its file
             memory.recall(stage, stands)
-        self._kept = stage.program.list.poses
+        self._kept = stage.poses.poses
         self.notice: Message = {"type": "notice", "words": "; ".join(memory.notes) if memory else "", "wrong": False}
         self._lock = threading.Lock()
         self._changes: dict[str, Change] = {}
@@ -283,8 +283,8 @@ class Server:
     def _keep_poses(self) -> None:
         """Write the list of poses in a thread, where it is kept and has changed."""
         stage, memory = self.stage, self.memory
-        if memory is not None and stage.program.list.poses is not self._kept:
-            self._kept = stage.program.list.poses
+        if memory is not None and stage.poses.poses is not self._kept:
+            self._kept = stage.poses.poses
             work = partial(memory.keep, stage)
             self._workers.submit(Job("keep", "keeping the poses", lambda progress: work(), lambda result: None))
 
