@@ -151,6 +151,10 @@ class Stage(Show):
         self.jogging = self.jogging and self.driven
         self.report = SILENT if report is None else dict(report)
 
+    def show_findings(self, findings: Message) -> None:
+        """Show what the doctor has found."""
+        self.findings = findings
+
     def set_visible(self, what: str, visible: bool) -> None:
         """Switch a layer on or off."""
         if what not in self.visible:
