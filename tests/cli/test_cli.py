@@ -70,36 +70,31 @@ def test_arms_lists_the_catalogue(capsys: Capture) -> None:
     assert set(content["own"]) | set(content["models"]) == set(twistarm.available_arms())
 
 
-def test_fk_takes_degrees_and_metres(capsys: Capture, rover: twistarm.Arm) -> None:
-    theta = np.array([0.1, *np.radians([-30.0, 45.0, 10.0, 90.0])])
-    for typed in (
-        "0.1 -30 45 10 90",
-        "0.1,-30,45,10,90",
-        "elbow=45 slide=0.1 shoulder=-30 wrist_roll=90 wrist_pitch=10",
-        "([0.1; −30; 45; 10; 90])",
-    ):
-        content = answer(capsys, "fk", "rover_arm", "--theta", typed)
-        assert np.allclose(content["matrix"], rover.fk(theta), atol=1e-12)
-    content = answer(capsys, "fk", "rover_arm", "--rad", "--theta", " ".join(map(str, theta)))
-    assert np.allclose(content["matrix"], rover.fk(theta), atol=1e-12)
-    assert np.allclose(from_rpy(content["rpy"]), rover.fk(theta)[:3, :3], atol=1e-12)
-
-
 NUMBERS = ("-0.1", "-30", "45", "10", "-90")
 
 
 @pytest.mark.parametrize(
     "words",
     [
-        ["fk", "--theta", *NUMBERS, "rover_arm"],
-        ["fk", "rover_arm", f"--theta={NUMBERS[0]}", *NUMBERS[1:]],
-        ["fk", "rover_arm", "--theta", "[-0.1,", "-30,", "45,", "10,", "-90]"],
-        ["fk", "rover_arm", "--theta", "elbow=45", "slide=-0.1", "shoulder=-30", "wrist_pitch=10", "wrist_roll=-90"],
+        ["rover_arm", "--theta", "-0.1 -30 45 10 -90"],
+        ["rover_arm", "--theta", "-0.1,-30,45,10,-90"],
+        ["rover_arm", "--theta", "([-0.1; −30; 45; 10; -90])"],
+        ["rover_arm", "--theta", "elbow=45 slide=-0.1 shoulder=-30 wrist_roll=-90 wrist_pitch=10"],
+        ["rover_arm", "--rad", "--theta", "-0.1 -0.5235987755983 0.7853981633974 0.1745329251994 -1.5707963267949"],
+        ["--theta", *NUMBERS, "rover_arm"],
+        ["rover_arm", f"--theta={NUMBERS[0]}", *NUMBERS[1:]],
+        ["rover_arm", "--theta", "[-0.1,", "-30,", "45,", "10,", "-90]"],
+        ["rover_arm", "--theta", "elbow=45", "slide=-0.1", "shoulder=-30", "wrist_pitch=10", "wrist_roll=-90"],
     ],
 )
-def test_numbers_need_no_quotes(words: list[str], capsys: Capture) -> None:
-    content = answer(capsys, *words)
-    assert np.allclose(content["theta"], [-0.1, *np.radians([-30.0, 45.0, 10.0, -90.0])])
+def test_fk_takes_degrees_and_metres_with_and_without_quotes(
+    words: list[str], capsys: Capture, rover: twistarm.Arm
+) -> None:
+    theta = np.array([-0.1, *np.radians([-30.0, 45.0, 10.0, -90.0])])
+    content = answer(capsys, "fk", *words)
+    assert np.allclose(content["theta"], theta, atol=1e-12)
+    assert np.allclose(content["matrix"], rover.fk(theta), atol=1e-12)
+    assert np.allclose(from_rpy(content["rpy"]), rover.fk(theta)[:3, :3], atol=1e-12)
 
 
 def test_every_option_of_several_numbers_takes_them_without_quotes(capsys: Capture, rover: twistarm.Arm) -> None:
@@ -232,6 +227,9 @@ IK = ["ik", "rover_arm", "--xyz", "1 0 0"]
 ALL = [*IK, "--all"]
 PLAN = ["plan", "rover_arm", "--to", "zero"]
 SERVO = ["servo", "scara", "--no-browser"]
+FOLLOW = ["follow", "rr_planar", "nowhere.json", "--no-browser"]
+"""What is refused is refused before the file is read."""
+
 BAD: dict[str, tuple[list[str], str]] = {
     "an unknown arm": (["info", "rover_amr"], "no arm 'rover_amr' in the catalogue"),
     "theta too short": (["fk", "rover_arm", "--theta", "1 2"], "rover_arm takes 5 values (slide, shoulder"),
@@ -286,6 +284,13 @@ BAD: dict[str, tuple[list[str], str]] = {
     "a port too high": ([*SERVO, "--commands", "127.0.0.1:70000"], "--commands takes HOST:PORT, as in"),
     "no key": ([*SERVO, "--commands", "127.0.0.1:0", "--key", "/no/key"], "cannot read the key '/no/key'"),
     "no such host": ([*SERVO, "--commands", "no.such.host.invalid:5005"], "no host 'no.such.host.invalid'"),
+    "a robot's place": (
+        [*FOLLOW, "--theta", "0 0", "--udp", "127.0.0.1:5005", "--listen", "127.0.0.1:0"],
+        "--theta is where simulated joints stand",
+    ),
+    "no speed": ([*FOLLOW, "--speed", "0"], "--speed must be a positive number; got 0"),
+    "too fast": ([*FOLLOW, "--speed", "2"], "--speed is a share of the motion's own, at most 1; got 2"),
+    "a slow rate": ([*FOLLOW, "--rate", "1"], "rate must be at least 10 Hz"),
     "an unknown command": (["inof", "rover_arm"], "inof"),
     "no arm": (["fk"], "ARM"),
     "options without an arm": (["info", "--tip", "tool0"], "give an ARM"),

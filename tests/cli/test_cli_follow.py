@@ -11,7 +11,6 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -114,30 +113,6 @@ def test_ctrl_c_ends_it_at_rest(capsys: Capture, file: Path, monkeypatch: pytest
     assert err == ""
     assert "it was interrupted" in out
     assert "at rest" in out
-
-
-BAD: dict[str, tuple[tuple[str, ...], str]] = {
-    "half of UDP": (("--udp", "127.0.0.1:5005"), "--udp HOST:PORT and --listen HOST:PORT go together"),
-    "a robot's place": (
-        ("--theta", "0 0", "--udp", "127.0.0.1:5005", "--listen", "127.0.0.1:0"),
-        "--theta is where simulated joints stand",
-    ),
-    "no speed": (("--speed", "0"), "--speed must be a positive number; got 0"),
-    "too fast": (("--speed", "2"), "--speed is a share of the motion's own, at most 1; got 2"),
-    "a slow rate": (("--rate", "1"), "rate must be at least 10 Hz"),
-}
-
-
-@pytest.mark.parametrize("case", BAD)
-def test_bad_input_is_one_line_before_anything_is_opened(
-    capsys: Capture, file: Path, case: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def opened(*arguments: Any, **options: Any) -> None:
-        raise AssertionError("opened")
-
-    monkeypatch.setattr("twistarm.cli.commands.following.Viewer", opened)
-    options, reason = BAD[case]
-    assert reason in error_of(capsys, *follow(file, *options))
 
 
 def test_a_motion_that_no_robot_can_follow_is_refused(capsys: Capture, file: Path, tmp_path: Path) -> None:
