@@ -16,9 +16,8 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ..protocol.jobs import Job
 from ..protocol.messages import Message, Request
-from .glide import Glide
 from .limit_checks import checked_theta
-from .playback import Playback
+from .playback import Glide, Playback
 from .pose_list import PoseList, RecordedPose
 from .summary import extra_joints, rest
 from .tool_path import NO_PATH
