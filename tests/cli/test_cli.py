@@ -248,6 +248,7 @@ BAD: dict[str, tuple[list[str], str]] = {
     "an axis by no name": ([*IK, "--direction", "1 0 0", "--axis", "up"], "--axis takes x, y, z"),
     "a waypoint outside the limits": (["plan", "rover_arm", "--to", "0.7 0 0 0 0"], "slide"),
     "a xacro argument without :=": (["info", "rover_arm", "--xacro", "deck=1"], "did you mean --xacro deck:=1?"),
+    "package dirs that are not there": (["info", "rover_arm", "--package-dir", "nowhere"], "nowhere is not a folder"),
     "a cap of zero": (["plan", "rover_arm", "--to", "zero", "--velocity", "0"], "--velocity must be a positive number"),
     "a target beyond all units": (["ik", "rover_arm", "--xyz", "1e300 0 0"], "lengths are in metres"),
     "no pair given": ([*ALL, "--given", "3"], "--given takes joint=value"),
