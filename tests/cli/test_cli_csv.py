@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from catalogue import load
 from ik_targets import pinocchio_fk, require_core
-from test_cli import Capture, answer, error_of
+from test_cli import Capture, answer, error_of, printed
 from twistarm import load_arm, load_trajectory, plan_joint
 from twistarm.cli.application import run
 from twistarm.support.csv_lines import csv_text, name_in
@@ -65,9 +65,8 @@ def test_positions_without_a_header_take_the_orientation_that_is_typed(tmp_path:
     require_core(arm)
     file.write_text("# picks\n0.4,0.1,0.3\n\n9,9,9\n0.4,-0.1,0.3\n", "utf-8")
     typed = ["--targets", str(file), "--direction", "0", "0", "-1", "--axis", "-x", "-o", str(out)]
-    assert run(["ik", "ur5", *typed]) == 1
-    assert "2 of 3 targets" in (said := capsys.readouterr().out)
-    assert "out of reach: line 4" in said
+    assert "2 of 3 targets" in (told := printed(capsys, "ik", "ur5", *typed, code=1))
+    assert "out of reach: line 4" in told
     rows = rows_of(out.read_text())
     assert [(row["line"], row["answer"]) for row in rows] == [
         ("2", "CONVERGED"), ("4", "OUT_OF_REACH"), ("5", "CONVERGED"),

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from test_cli import Capture, answer, error_of
+from test_cli import Capture, answer, error_of, printed
 from twistarm import load_arm
 from twistarm.cli.application import run
 from urdf_text import joint, robot, two_joints, write
@@ -21,8 +21,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_init_writes_an_arm_toml_that_every_command_takes(folder: Path, capsys: Capture) -> None:
-    assert run(["init", "arm.urdf"]) == 0
-    assert capsys.readouterr().out == "arm.toml: 2 joints from base_link to tool0; next: twistarm info arm.toml\n"
+    assert (
+        printed(capsys, "init", "arm.urdf")
+        == "arm.toml: 2 joints from base_link to tool0; next: twistarm info arm.toml\n"
+    )
     assert answer(capsys, "info", "arm.toml")["ready"] == load_arm("arm.urdf").ready.tolist()
     assert answer(capsys, "fk", "arm.toml")["position"] == answer(capsys, "fk", "arm.urdf")["position"]
 
@@ -36,10 +38,9 @@ def test_a_link_in_a_circle_is_replaced(folder: Path, capsys: Capture) -> None:
 def test_init_without_a_clear_tip_says_what_to_fill_in(folder: Path, capsys: Capture) -> None:
     parts = joint("a", "base_link", "upper"), joint("b", "upper", "left"), joint("c", "upper", "right")
     write(folder, robot(*parts, links=("base_link", "upper", "left", "right")))
-    assert run(["init", "arm.urdf"]) == 1
-    said = capsys.readouterr().out
-    assert said.startswith("arm.toml: written, but take the # away from one tip = in it before it loads: ")
-    assert said.endswith("several links could be the tip: 'left' (2 joints), 'right' (2 joints); pass --tip left\n")
+    told = printed(capsys, "init", "arm.urdf", code=1)
+    assert told.startswith("arm.toml: written, but take the # away from one tip = in it before it loads: ")
+    assert told.endswith("several links could be the tip: 'left' (2 joints), 'right' (2 joints); pass --tip left\n")
     assert '# tip = "left"' in (folder / "arm.toml").read_text()
     assert run(["init", "arm.urdf", "--force", "--tip", "right"]) == 0
     assert load_arm("arm.toml").joint_names == ("a", "c")
@@ -50,10 +51,9 @@ def test_a_motion_is_begun_for_the_arm_that_the_options_say(folder: Path, capsys
     write(folder, robot(*parts, links=("base_link", "upper", "left", "right")))
     assert "no link for --tip 'tool9'" in error_of(capsys, "init", "arm.urdf", "--motion", "--tip", "tool9")
     assert "is named *.toml" in error_of(capsys, "init", "arm.urdf", "--motion", "-o", "motion.txt", "--tip", "right")
-    assert run(["init", "arm.urdf", "--motion", "--tip", "right"]) == 0
-    said = capsys.readouterr().out
-    assert said.endswith("next: twistarm plan arm.urdf motion.toml --tip right\n")
-    assert len(answer(capsys, *said.rpartition("twistarm ")[2].split())["waypoints"]) == 4
+    told = printed(capsys, "init", "arm.urdf", "--motion", "--tip", "right")
+    assert told.endswith("next: twistarm plan arm.urdf motion.toml --tip right\n")
+    assert len(answer(capsys, *told.rpartition("twistarm ")[2].split())["waypoints"]) == 4
 
 
 def test_init_leaves_nothing_behind_when_it_fails(folder: Path, capsys: Capture) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
@@ -29,8 +28,7 @@ def test_the_file_that_init_writes_is_planned(capsys: Capture, tmp_path: Path) -
     assert "close gripper" in (tmp_path / "m.csv").read_text("utf-8")
     longest = max(planned["active_limits"], key=lambda each: each["end"] - each["begin"])
     assert (longest["rate"], longest["name"]) == ("acceleration", "slide")  # 5 cm at 1 m/s²: half of them to brake
-    assert run(["follow", "rover_arm", str(file), "--no-browser", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["duration"] == planned["duration"]
+    assert answer(capsys, "follow", "rover_arm", str(file), "--no-browser")["duration"] == planned["duration"]
     assert run(["view", "rover_arm", "--play", str(file), "-o", str(tmp_path / "view.html")]) == 0
     text = file.read_text("utf-8").replace("# [", "[").replace("# line", "line").replace("# screw", "screw")
     file.write_text(text.replace("# arc", "arc").replace("# acceleration", "acceleration"), "utf-8")
@@ -72,28 +70,6 @@ def test_a_file_that_cannot_be_used_is_refused(capsys: Capture, tmp_path: Path, 
     file = tmp_path / "motion.toml"
     file.write_text(text, "utf-8")
     assert re.search(words, error_of(capsys, "plan", "rover_arm", str(file)))
-
-
-IDLE = {
-    "a blend between joint poses": (["--to", "zero", "--to", "ready", "--blend", "0.1"], "--blend is about the way"),
-    "a blend of one goal": (["--to", "zero", "--line", "--blend", "0.1"], "--blend rounds the corners between goals"),
-    "stops that are rounded": (["--to", "zero", "--line", "--stop", "--blend", "0.1"], "give one of them"),
-    "a line in a file": (["motion.toml", "--line", "--stop"], "leave out --line and --stop"),
-    "a direction in a file": (["motion.toml", "--direction", "0 0 1"], "give --xyz too"),
-    "a spline of lines": (["--to", "zero", "--line", "--kind", "cubic"], "--kind cubic leads through the poses"),
-    "no time": (["--to", "zero", "--dt", "nan"], "--dt must be a positive number"),
-    "two directions for three": (
-        ["--xyz", "1 0 1", "--xyz", "1 0 1", "--xyz", "1 0 1", "--direction", "0 0 1", "--direction", "0 0 1"],
-        "give one --direction for all positions, or one for each: 2 go with 3 --xyz",
-    ),
-    "no goal": ([], "give poses by --to"),
-}
-
-
-@pytest.mark.parametrize("case", IDLE)
-def test_no_option_is_ignored(capsys: Capture, case: str) -> None:
-    arguments, words = IDLE[case]
-    assert words in error_of(capsys, "plan", "rover_arm", *arguments)
 
 
 def test_each_position_may_have_its_own_direction(capsys: Capture) -> None:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from test_cli import PROGRAM, Capture, error_of
+from test_cli import PROGRAM, Capture, printed
 from twistarm.cli.application import run
 from twistarm.control.stream import Cycle
 from twistarm.control.stream import run as stream
@@ -92,16 +92,14 @@ def test_limits_that_nobody_gave_are_said_and_the_report_is_a_table(tmp_path: Pa
     path = tmp_path / "free.urdf"
     path.write_text(FREE)
     arguments = ["servo", str(path), "--tip", "hand", "--duration", "0.2", "--no-browser", "--velocity", "0.1"]
-    assert run(arguments) == 0
-    out = capsys.readouterr().out
+    out = printed(capsys, *arguments)
     assert out.splitlines()[0] == (
         "no limits given, used instead: acceleration 3 rad/s² for turn; acceleration 1 m/s² for reach "
         "(--velocity, --acceleration)"
     )
     for part in ("free: servo", "the time was over", "at 100 Hz", "median", "STALE", "at rest"):
         assert part in out
-    assert run([*arguments, "--acceleration", "2", "--rate", "50"]) == 0
-    assert capsys.readouterr().out.startswith("free at http")
+    assert printed(capsys, *arguments, "--acceleration", "2", "--rate", "50").startswith("free at http")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals for one child")
@@ -210,35 +208,6 @@ def test_a_robot_that_says_nothing_is_never_moved(capsys: Capture) -> None:
         assert "never moved: no joint state has arrived" in out
         with pytest.raises(TimeoutError):
             mute.recv(1)
-
-
-BAD_INPUT: dict[str, tuple[list[str], str]] = {
-    "no arm": (["nobody"], "no arm 'nobody'"),
-    "a pose outside": (["scara", "--theta", "0 200 0 0"], "joint_2 = 200 ° lies outside its limits -148.969 "),
-    "a margin below 0": (["scara", "--margin", "-0.1"], "--margin must be 0 or more; got -0.1"),
-    "no such way on": (["scara", "--beyond", "jump"], "--beyond must be 'slide' or 'stop'; got 'jump'"),
-    "no command holds": (["scara", "--command-timeout", "-1"], "--command-timeout must be a positive number; got -1"),
-    "rates to nobody": (["scara", "--velocity-mode"], "--velocity-mode is for a robot that takes rates alone"),
-    "a pose of nobody": (["scara", "--theta", "nowhere"], "'nowhere' is neither joint values"),
-    "half of UDP": (["scara", "--udp", "127.0.0.1:5005"], "--udp HOST:PORT and --listen HOST:PORT go together"),
-    "two robots": (
-        ["scara", "--serial", "/dev/ttyX", "--udp", "127.0.0.1:5005", "--listen", "127.0.0.1:0"],
-        "a robot is on --udp or on --serial, not on both",
-    ),
-    "no serial port": (["scara", "--serial", "/dev/no_such_port"], "cannot open serial port '/dev/no_such_port'"),
-    "senders of nothing": (["scara", "--from", "127.0.0.1"], "--from and --key are for datagrams"),
-    "units of nobody": (["scara", "--units", "counts"], "--units is for a robot: it needs --udp or --serial"),
-    "no baud rate": (["scara", "--serial", "/dev/ttyX:fast"], "--serial takes PORT or PORT:BAUD"),
-    "a port too high": (["scara", "--commands", "127.0.0.1:70000"], "--commands takes HOST:PORT, as in"),
-    "no key": (["scara", "--commands", "127.0.0.1:0", "--key", "/no/key"], "cannot read the key '/no/key'"),
-    "no such host": (["scara", "--commands", "no.such.host.invalid:5005"], "no host 'no.such.host.invalid'"),
-}
-
-
-@pytest.mark.parametrize("case", BAD_INPUT)
-def test_bad_input_is_one_line(capsys: Capture, case: str) -> None:
-    arguments, reason = BAD_INPUT[case]
-    assert reason in error_of(capsys, "servo", *arguments, "--no-browser")
 
 
 @pytest.mark.parametrize("typed", [["--rate", "5"], ["--duration", "-1"], ["--velocity", "-1"], ["--tolerance", "0"]])

@@ -20,7 +20,7 @@ from twistarm.description.findings import Finding, Place, finding
 from twistarm.description.meshes import MeshReader
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.parts import findings as module
-from twistarm.viewer.parts.findings import MOST, PENDING, Examination, examined, loaded, node_of
+from twistarm.viewer.parts.findings import MOST, PENDING, examined, loaded, node_of
 from twistarm.viewer.server import server as server_module
 from viewer_page import Page, nothing, stored, visit
 
@@ -60,7 +60,7 @@ def viewer(arm: Arm) -> Iterator[Viewer]:
 @pytest.fixture(autouse=True)
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """The doctor comes at once."""
-    monkeypatch.setattr(module, "PATIENCE", 0.02)
+    monkeypatch.setattr(server_module, "CALM_TIME", 0.02)
 
 
 @pytest.fixture
@@ -241,15 +241,6 @@ def test_closing_does_not_wait_for_ever_for_the_doctor(arm: Arm, monkeypatch: py
         start = time.monotonic()
     assert time.monotonic() - start < 3
     done.set()
-
-
-def test_an_examination_happens_once(arm: Arm) -> None:
-    told: list[dict[str, Any]] = []
-    examination = Examination(arm, MeshReader(), told.append)
-    examination.begin()
-    examination.begin()
-    examination.join(10.0)
-    assert told == [examined(arm)]
 
 
 def test_the_stand_alone_page_holds_the_diagnosis_and_no_name_breaks_out(arm: Arm, tmp_path: Path) -> None:

@@ -29,10 +29,10 @@ def test_every_edit_of_the_list_is_undone_and_redone(stage: Stage) -> None:
     ask(stage, "delete", id=second)
     ask(stage, "poses", joints=list(stage.arm.joint_names), poses=[{"name": "other", "theta": list(REACH)}])
     stood = stage.theta
-    seen = [stage.program.list.poses]
+    seen = [stage.poses.poses]
     for _ in range(4):
         undo(stage)
-        seen.append(stage.program.list.poses)
+        seen.append(stage.poses.poses)
     assert [[pose.name for pose in poses] for poses in seen] == [
         ["other"], ["left", "start"], ["left", "start", "reach"], ["start", "reach", "left"], ["home", "reach", "left"]
     ]  # fmt: skip
@@ -40,7 +40,7 @@ def test_every_edit_of_the_list_is_undone_and_redone(stage: Stage) -> None:
     assert stage.theta is stood
     for poses in reversed(seen[:-1]):
         undo(stage, "redo")
-        assert stage.program.list.poses is poses
+        assert stage.poses.poses is poses
     with pytest.raises(InputError, match="nothing to redo"):
         undo(stage, "redo")
 

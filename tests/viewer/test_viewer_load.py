@@ -48,8 +48,8 @@ LONG_WAY = [[0.1, 0.2, 0.3]] * 200_000
 @contextmanager
 def flat_memory(viewer: Viewer) -> Iterator[None]:
     """Python's memory soon after the block is what it was before; the doctor, who imports and reads, has looked."""
-    viewer._server.doctor.begin()
-    viewer._server.doctor.join(WAIT)
+    viewer._server.examine()
+    until(lambda: viewer._server.stage.findings["note"] == "")
     tracemalloc.start()
     before = collected()
     try:
@@ -177,8 +177,8 @@ def test_a_hundred_reconnections_leave_nothing(viewer: Viewer) -> None:
                 pass
 
     asyncio.run(come_and_go(5))
-    threads = set(threading.enumerate())
     with flat_memory(viewer):
+        threads = set(threading.enumerate())
         asyncio.run(come_and_go(100))
         until(lambda: not viewer._server.clients)
     assert set(threading.enumerate()) <= threads

@@ -44,13 +44,13 @@ def test_played_at_the_end_it_starts_anew(stage: Stage) -> None:
     for end in (2.0, 3.0):
         ask(stage, "seek", time=end)
         ask(stage, "play")  # at 0 s of the clock
-        assert (stage.running, stage.player.time) == (True, 0.0)
+        assert (stage.running, stage.playback.time) == (True, 0.0)
         stage.advance(0.75)
         assert (stage.running, stage.theta[0]) == (True, 0.75)
     stage.advance(9.0)
-    assert (stage.running, stage.player.time, stage.theta[0]) == (False, 2.0, 2.0)
+    assert (stage.running, stage.playback.time, stage.theta[0]) == (False, 2.0, 2.0)
     ask(stage, "play")
-    assert stage.player.time == 0.0
+    assert stage.playback.time == 0.0
 
 
 def test_paused_it_goes_on_from_where_it_was() -> None:

@@ -140,8 +140,8 @@ def test_the_plan_is_that_of_plan_joint_and_waits_to_be_played(stage: Stage, kin
     job.finish(result)
     limits = {"acceleration": [3.0, 3.0, 1.0], "velocity": [1.0, 2.0, 0.5]}  # the arm gives velocities but the yaw's
     expected = plan_joint(stage.arm, [HOME, REACH, LEFT], kind=kind, limits=limits, stop_at_waypoints=stop)
-    assert stage.player.playback is not None
-    loaded = stage.player.playback.trajectory
+    assert stage.playback is not None
+    loaded = stage.playback.trajectory
     t = np.linspace(0, expected.duration, 50)
     assert loaded.duration == expected.duration
     assert_array_equal(loaded(t), expected(t))
@@ -202,7 +202,7 @@ def test_a_motion_along_a_limit_stays_inside(stage: Stage) -> None:
     poses = [{"name": "", "theta": list(theta)} for theta in edge]
     ask(stage, "poses", joints=["yaw", "pitch", "slide"], poses=poses)
     done(ask(stage, "plan", kind="quintic", stop=False))
-    assert (stage.player.playback.trajectory(np.linspace(0, 99, 9999))[:, 2] <= 0.2 + 1e-9).all()
+    assert (stage.playback.trajectory(np.linspace(0, 99, 9999))[:, 2] <= 0.2 + 1e-9).all()
 
 
 def test_while_a_servo_drives_poses_are_recorded_and_nothing_is_gone_to(stage: Stage) -> None:

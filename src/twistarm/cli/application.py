@@ -32,7 +32,6 @@ from .commands import (
 )
 from .output import say
 from .typed import Command, Group
-from .versions import version
 from .wording import DEGREES, told
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
@@ -69,7 +68,7 @@ app.add_typer(guide.guide)
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        say(f"twistarm {version()}")
+        say(f"twistarm {inspection.version()}")
         raise typer.Exit
 
 

@@ -47,7 +47,11 @@ def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) 
     lines: dict[Path, Line] = {}
     with progress_bar(title) as progress:
         for done, path in enumerate(files, start=1):
-            lines[path.relative_to(folder)] = _looked(path, look)
+            try:
+                line = look(path)
+            except Exception as error:
+                line = Line("refused", False, detail=told(error), more={"error": without_places(told(error), path)})
+            lines[path.relative_to(folder)] = line
             progress(done / len(files))
     good = all(line.good is not False for line in lines.values())
     if json:
@@ -55,14 +59,6 @@ def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) 
     else:
         _print(folder, title, lines)
     return 0 if good else 1
-
-
-def _looked(path: Path, look: Callable[[Path], Line]) -> Line:
-    """The line of one file. Any error becomes its verdict."""
-    try:
-        return look(path)
-    except Exception as error:
-        return Line("refused", False, detail=told(error), more={"error": without_places(told(error), path)})
 
 
 def _print(folder: Path, title: str, lines: Mapping[Path, Line]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -38,20 +38,10 @@ ARM = typer.Argument(
     metavar="ARM", help="URDF, xacro, arm.toml, arm.json, or catalogue name.", autocompletion=arms_like
 )
 Source = Annotated[str, ARM]
-ARM_OR_NONE = inspect.Parameter(
-    "source", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, ARM]
-)
-ARM_OPTION = inspect.Parameter(
-    "source",
-    inspect.Parameter.KEYWORD_ONLY,
-    default=None,
-    annotation=Annotated[
-        str | None,
-        typer.Option(
-            "--arm", metavar="ARM", help="Your arm; the bundled rover arm without it.", autocompletion=arms_like
-        ),
-    ],
-)
+ArmOption = Annotated[
+    str | None,
+    typer.Option("--arm", metavar="ARM", help="Your arm; the bundled rover arm without it.", autocompletion=arms_like),
+]
 Base = Annotated[str | None, typer.Option(metavar="LINK", help="Base link, instead of the root.")]
 Tip = Annotated[str | None, typer.Option(metavar="LINK", help="Tip link, instead of the one found by its name.")]
 PackageDir = Annotated[
@@ -90,48 +80,62 @@ POSTURE = typer.Option(
 Theta = Annotated[str, POSTURE]
 
 
+def replaced(
+    command: Callable[..., Any],
+    names: Sequence[str],
+    options: Mapping[str, inspect.Parameter],
+    make: Callable[[dict[str, Any], bool], tuple[Any, ...]],
+) -> Callable[..., Any]:
+    """`command` with `options` instead of the parameters `names`, which `make(typed, radians)` returns."""
+
+    @functools.wraps(command)
+    def run(**arguments: Any) -> Any:
+        typed = {name: arguments.pop(name) for name in options}
+        made = make(typed, bool(arguments.get("rad")))
+        return command(**dict(zip(names, made, strict=True)), **arguments)
+
+    parameters: list[inspect.Parameter] = []
+    for own in inspect.signature(command, eval_str=True).parameters.values():
+        parameters += options.values() if own.name == names[0] else [] if own.name in names else [own]
+    parameters = [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in parameters]
+    run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    run.__annotations__ = {each.name: each.annotation for each in parameters}
+    return run
+
+
 def takes_arm(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Replace a command's first parameter, an Arm, by ARM and the options of `load_arm`."""
-    return _with_load_options(command, 1, lambda source, load: (load_arm(source, **load),))
+    """Replace a command's parameter `arm` by ARM and the options of `load_arm`."""
+    return _takes(command, ("arm",))
 
 
 def takes_arm_or_none(command: Callable[..., Any]) -> Callable[..., Any]:
     """The same where ARM may be left out: the command gets None then."""
-    return _with_load_options(command, 1, lambda source, load: (source and load_arm(source, **load),), ARM_OR_NONE)
+    return _takes(command, ("arm",), Annotated[str | None, ARM])
 
 
 def takes_source(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The same for a command that loads the arm: its first two parameters become ARM and keywords of `load_arm`."""
-    return _with_load_options(command, 2, lambda source, load: (source, load))
+    """The same for a command that loads the arm by `source` and `load`, the keywords of `load_arm`."""
+    return _takes(command, ("source", "load"))
 
 
 def takes_arm_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """As `takes_source`, with `--arm ARM` in place of ARM; the first parameter is None without it."""
-    return _with_load_options(command, 2, lambda source, load: (source, load), ARM_OPTION)
+    """As `takes_source`, with `--arm ARM` instead of ARM; `source` is None without it."""
+    return _takes(command, ("source", "load"), ArmOption)
 
 
-def _with_load_options(
-    command: Callable[..., Any],
-    replaced: int,
-    answer: Callable[[str, dict[str, Any]], tuple[Any, ...]],
-    source: inspect.Parameter | None = None,
-) -> Callable[..., Any]:
-    own = list(inspect.signature(command, eval_str=True).parameters.values())[replaced:]
-    load = {n: p for n, p in inspect.signature(load_keywords, eval_str=True).parameters.items() if n != "radians"}
-    load["source"] = source or load["source"]
+def _takes(command: Callable[..., Any], names: Sequence[str], optional: Any = None) -> Callable[..., Any]:
+    """A command with the options of `load_arm`. `optional`: the annotation of an ARM that may be left out."""
+    options = {n: p for n, p in inspect.signature(load_keywords, eval_str=True).parameters.items() if n != "radians"}
+    if optional:
+        options["source"] = options["source"].replace(annotation=optional, default=None)
 
-    @functools.wraps(command)
-    def run(**arguments: Any) -> Any:
-        typed = {name: arguments.pop(name) for name in load}
+    def make(typed: dict[str, Any], radians: bool) -> tuple[Any, ...]:
         if typed["source"] is None and any(typed.values()):
             raise InputError("give an ARM: the other options are about one")
-        source, keywords = load_keywords(**typed, radians=bool(arguments.get("rad")))
-        return command(*answer(source, keywords), **arguments)
+        source, load = load_keywords(**typed, radians=radians)
+        return (source, load) if names[0] == "source" else (source and load_arm(source, **load),)
 
-    parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in (*load.values(), *own)]
-    run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    run.__annotations__ = {p.name: p.annotation for p in parameters}
-    return run
+    return replaced(command, names, options, make)
 
 
 def load_keywords(

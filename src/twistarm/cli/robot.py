@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import inspect
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -18,6 +17,7 @@ from ..control.stream.links.inbox import FEEDBACK_TIMEOUT
 from ..control.stream.links.serial_link import BAUDRATE
 from ..support.checks import Array, as_positive
 from ..support.errors import InputError, LimitError
+from .options import replaced
 from .output import shown, units
 
 Udp = Annotated[str | None, typer.Option(metavar="HOST:PORT", help="Send setpoints to a robot there; needs --listen.")]
@@ -97,21 +97,9 @@ class Robot:
 
 
 def takes_robot(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command with a keyword `robot` the options of `Robot` instead."""
+    """Give a command with a parameter `robot` the options of `Robot` instead."""
     options = inspect.signature(Robot, eval_str=True).parameters
-
-    @functools.wraps(command)
-    def run(*arm: Any, **arguments: Any) -> Any:
-        robot = Robot(**{name: arguments.pop(name) for name in options})
-        return command(*arm, robot=robot, **arguments)
-
-    parameters: list[inspect.Parameter] = []
-    for parameter in inspect.signature(command, eval_str=True).parameters.values():
-        parameters += options.values() if parameter.name == "robot" else [parameter]
-    first, *others = parameters
-    keywords = [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in others]
-    run.__signature__ = inspect.Signature([first, *keywords])  # type: ignore[attr-defined]
-    return run
+    return replaced(command, ("robot",), options, lambda typed, radians: (Robot(**typed),))
 
 
 def require_positive(**typed: float | None) -> None:

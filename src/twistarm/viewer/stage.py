@@ -10,30 +10,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arm.arm import Arm, require_arm
-from ..control.servo.settings import SLIDE
-from ..limits.joint_limits import JointLimits
+from ..arm.arm import Arm
 from ..limits.joint_units import unit_of
-from ..planning.trajectory import Trajectory
 from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
 from .parts.findings import loaded
 from .parts.gauge import Gauge
-from .parts.glide import Glide
 from .parts.history import History
 from .parts.limit_checks import checked_theta, require_all_inside, require_inside
-from .parts.part import Part, Seen
-from .parts.playback import Playback
+from .parts.part import Part, Seen, Show
 from .parts.player import Player
 from .parts.plots import Plots
 from .parts.pose_list import LeftOut
 from .parts.program import Program
 from .parts.servo_words import SILENT
 from .parts.solutions import Answer, Solutions
-from .parts.summary import describe_arm, extra_joints, named_poses, rest
+from .parts.summary import describe_arm, named_poses
 from .parts.target import TargetPart
 from .parts.theory import SHOWN, Theory
-from .parts.tool_path import NO_PATH
 from .parts.workspace import Workspace
 from .protocol.change_publisher import Source
 from .protocol.jobs import Job
@@ -43,34 +37,24 @@ from .scene.placement import Placement
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")
 """Requests that move the arm: not under a servo's hands."""
 
-NO_DRIVE: Message = {"type": "drive", "on": False, "note": "", "beyond": SLIDE, "free": False}
-"""beyond: what a servo does where the arm cannot follow; free: pages may choose it for a servo of the program."""
-
 LAYERS = {"screws": True, "frames": True, "path": True, **dict.fromkeys((*SHOWN, "labels", "workspace"), False)}
 """What can be switched on and off, and how it begins."""
 
 
-class Stage:
-    """The state that all pages show. Each change is a method, each message a dict."""
+class Stage(Show):
+    """The state that all pages show, with their requests and messages."""
 
     def __init__(self, arm: Arm, theta: ArrayLike | None = None) -> None:
-        self.arm = require_arm(arm)
+        super().__init__(arm, theta)
         self._placement = Placement(arm)
-        self.theta = arm.ready if theta is None else checked_theta(arm, theta)
-        self.extra_joints = extra_joints(arm)
-        self.others = {name: rest(joint) for name, joint in self.extra_joints.items()}
         self.visible = dict(LAYERS)
-        self.tolerances: Mapping[str, Any] = {}
-        self.path: Message = {"type": "path", **NO_PATH}
         self.findings = loaded(arm)
-        self.player = Player()
-        self.program = Program(arm)
+        self.program = Program(arm, self.poses)
         self.workspace = Workspace()
         self.solutions = Solutions()
-        self.history = History(self.program.list)
-        self._glide: Glide | None = None
+        self.history = History()
         self.parts: tuple[Part, ...] = (
-            self.player,
+            Player(),
             TargetPart(),
             Gauge(arm),
             Theory(arm),
@@ -81,40 +65,9 @@ class Stage:
             self.solutions,
         )
         self.left: tuple[LeftOut, ...] = ()
-        self.driven = self.jogging = False
+        self.jogging = False
         self.report: dict[str, Any] = SILENT
-        self.drive: Message = NO_DRIVE
         self._before_drive = self.theta
-
-    def show(self, theta: Array) -> None:
-        """Show theta (n,) and stop any motion."""
-        self._stop()
-        self.theta = theta
-
-    def go(self, theta: Array, ease: bool, now: float) -> None:
-        """Go to theta (n,), with `ease` in half a second, and stop any other motion."""
-        self.show(self.theta if ease else theta)
-        if not np.array_equal(self.theta, theta):
-            self._glide = Glide(self.theta, theta, now)
-
-    def seen(self) -> Seen:
-        """The list of poses, and where the arm stands or is about to."""
-        theta = self.theta if self._glide is None else self._glide.goal
-        return Seen(self.program.list.poses, theta, self.others)
-
-    def _stop(self) -> None:
-        self.player.halt()
-        self._glide = None
-
-    def load(self, trajectory: Trajectory, speed: float, loop: bool, now: float) -> None:
-        """Play `trajectory` from its start."""
-        self._stop()
-        self.theta = self.player.load(trajectory, speed, loop, now)
-
-    def stand_by(self, trajectory: Trajectory, limits: JointLimits) -> None:
-        """Stand at the start of `trajectory`, planned by `limits`, for a page to play."""
-        self._stop()
-        self.theta = self.player.stand_by(trajectory, limits)
 
     def show_solutions(self, answer: Answer | None) -> None:
         """Keep these configurations for the pages, with the arm at the nearest. None releases them."""
@@ -123,39 +76,6 @@ class Stage:
             return
         self.show(answer.theta[0] if answer.inside else self.theta)
         self.solutions.take(answer, self.theta)
-
-    def draw_path(self, path: Mapping[str, Any]) -> None:
-        """Draw this way of the tool: points and radius."""
-        self.path = {"type": "path", **path}
-
-    def advance(self, now: float) -> None:
-        """Advance motions to `now` [s]. A trajectory that raises stops there."""
-        if self._glide is not None:
-            self.theta = self._glide.at(now)
-            self._glide = None if self.theta is self._glide.goal else self._glide
-            return
-        try:
-            theta = self.player.advance(now)
-            if theta is not None:
-                self.theta = checked_theta(self.arm, theta)
-        except Exception:
-            self.player.halt()
-            raise
-
-    @property
-    def running(self) -> bool:
-        """Whether a trajectory runs."""
-        return self.player.running
-
-    @property
-    def playback(self) -> Playback | None:
-        """The loaded trajectory or None."""
-        return self.player.playback
-
-    @property
-    def moving(self) -> bool:
-        """Whether the arm moves by itself: a trajectory plays, or it is on its way to a pose."""
-        return self.running or self._glide is not None
 
     def handle(self, request: Request, now: float) -> Job | None:
         """Handle a page's request or return a job for it. Raises TwistarmError without any change."""
@@ -212,7 +132,7 @@ class Stage:
 
     def begin_drive(self, note: str) -> None:
         """A servo of the pages drives the arm. `note` lists the assumed limits."""
-        self._stop()
+        self.stop()
         self._before_drive = self.theta
         self.take_commands()
         self.drive = {**self.drive, "on": True, "note": note}
@@ -231,6 +151,10 @@ class Stage:
         self.jogging = self.jogging and self.driven
         self.report = SILENT if report is None else dict(report)
 
+    def show_findings(self, findings: Message) -> None:
+        """Show what the doctor has found."""
+        self.findings = findings
+
     def set_visible(self, what: str, visible: bool) -> None:
         """Switch a layer on or off."""
         if what not in self.visible:
@@ -245,14 +169,6 @@ class Stage:
         """Whether it moves the arm, and not a joint beside it."""
         gripper = request.kind == "joint" and request.fields["name"] in self.extra_joints
         return request.kind in DRIVING and not gripper
-
-    def require_free(self) -> None:
-        """InputError while a servo drives the arm."""
-        if self.driven:
-            end = "Drive in the Jog panel is switched off" if self.drive["on"] else "it has ended"
-            raise InputError(
-                f"a servo drives {self.arm.name}: sliders, poses and trajectories are free again once {end}"
-            )
 
     def _set_joint(self, name: str, value: float) -> None:
         if name in self.extra_joints:
@@ -297,7 +213,12 @@ class Stage:
     def frame(self) -> Message:
         """Where everything stands."""
         placed = self._placement.at(self.theta, self.others)
-        return {"type": "frame", **placed, "time": self.player.time, "running": self.running}
+        return {
+            "type": "frame",
+            **placed,
+            "time": 0.0 if self.playback is None else self.playback.time,
+            "running": self.running,
+        }
 
     def servo(self) -> Message:
         """Whether a servo drives the arm and takes commands, and its last status, null before the first."""

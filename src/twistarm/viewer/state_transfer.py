@@ -47,13 +47,13 @@ def _posture(old: Stage, new: Stage) -> Iterator[str]:
 
 def _poses(old: Stage, new: Stage) -> Iterator[str]:
     joints = old.arm.joint_names
-    here = [(joints, pose.entry()) for pose in old.program.list.poses]
+    here = [(joints, pose.entry()) for pose in old.poses.poses]
     left: list[LeftOut] = []
     reasons: list[str] = []
     for moved, pose in [*here, *old.left]:
         before = len(reasons)
         with told(reasons):
-            reasons += new.program.list.take(moved, [pose])
+            reasons += new.poses.take(moved, [pose])
         if len(reasons) > before:
             left.append((moved, pose))
     new.left = tuple(left)
@@ -63,13 +63,13 @@ def _poses(old: Stage, new: Stage) -> Iterator[str]:
 
 
 def _motion(old: Stage, new: Stage) -> Iterator[str]:
-    playback = old.player.playback
+    playback = old.playback
     if playback is None:
         return
     if not _fits(playback.trajectory, old, new):
         yield "the motion does not fit the arm any more and is gone"
         return
-    new.player.playback = playback
+    new.playback = playback
     new.program.follow(old.program)
     if old.path["points"]:
         new.draw_path(tool_path(new.arm, playback.trajectory))

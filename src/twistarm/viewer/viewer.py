@@ -181,7 +181,7 @@ class Viewer(Closeable):
     @property
     def recorded(self) -> dict[str, Array]:
         """The poses recorded on the pages: theta (n,) [rad, m] by name, in list order."""
-        return self._server.ask(lambda stage: stage.program.list.named())
+        return self._server.ask(lambda stage: stage.poses.named())
 
     @property
     def commands(self) -> Inbox:

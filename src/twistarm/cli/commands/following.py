@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import select
 import sys
-from collections.abc import Callable
-from contextlib import ExitStack
+import termios
+import tty
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -24,7 +28,6 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ...viewer import Viewer
 from ..asked_motion import motion_of_file
-from ..keys import typed_keys
 from ..options import POSTURE, Json, Radians, takes_arm
 from ..output import console, print_json, progress_bar, say
 from ..robot import Hertz, Robot, Tolerance, require_inside, require_positive, takes_robot
@@ -48,6 +51,9 @@ Speed = Annotated[float, typer.Option(help="Share of the motion's own speed, abo
 StartTolerance = Annotated[float, typer.Option(help="How far from the start a joint may stand (rad, m).")]
 
 KEYS = "space pauses and resumes, q stops"
+
+AT_ONCE = 64
+"""The most bytes to read between two cycles."""
 
 
 @takes_arm
@@ -133,3 +139,38 @@ def obey(typed: Callable[[], str] | None, control: FollowControl, interlock: Int
         elif pressed == " ":
             interlock.enable()
             control.toggle()
+
+
+@contextmanager
+def typed_keys() -> Iterator[Callable[[], str] | None]:
+    """A function that returns the keys typed since its last call, without waiting.
+
+    None if stdin is no terminal, or belongs to another program in the foreground. The terminal is restored at the end.
+    Ctrl-C still works.
+    """
+    try:
+        terminal = sys.stdin.fileno()
+        before = termios.tcgetattr(terminal) if _is_ours(terminal) else None
+    except (AttributeError, OSError, ValueError, termios.error):
+        before = None
+    if before is None:
+        yield None
+        return
+    tty.setcbreak(terminal)
+    try:
+        yield lambda: _waiting(terminal)
+    finally:
+        with suppress(termios.error):  # it is gone
+            termios.tcsetattr(terminal, termios.TCSADRAIN, before)
+
+
+def _is_ours(terminal: int) -> bool:
+    """Whether it is a terminal with this program in the foreground. Otherwise a read would stop the program."""
+    return os.isatty(terminal) and os.tcgetpgrp(terminal) == os.getpgrp()
+
+
+def _waiting(terminal: int) -> str:
+    with suppress(OSError, ValueError):
+        if _is_ours(terminal) and select.select([terminal], [], [], 0.0)[0]:
+            return os.read(terminal, AT_ONCE).decode("utf-8", "replace")
+    return ""

@@ -30,11 +30,6 @@ NUMBERS_PER_SECOND = 15.0
 NUMBER_DECIMALS = 6
 
 
-def standing(theta: Array) -> dict[str, Any]:
-    """times (1,) [s] and theta (1, n): the arm at theta (n,)."""
-    return {"times": [0.0], "theta": [theta.tolist()]}
-
-
 def moving(arm: Arm, trajectory: Trajectory) -> dict[str, Any]:
     """times (k,) [s] and theta (k, n): `trajectory` from its start to its end."""
     times = _times(float(trajectory.duration))

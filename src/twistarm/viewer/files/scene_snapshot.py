@@ -10,19 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arm.arm import Arm, require_arm
+from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ..parts.findings import PENDING, examined
-from ..parts.limit_checks import check_trajectory, checked_theta
+from ..parts.limit_checks import check_trajectory
 from ..parts.playback import Playback
 from ..parts.plots import plots
-from ..parts.summary import describe_arm, extra_joints, named_poses, rest
-from ..parts.tool_path import NO_PATH, tool_path
+from ..parts.summary import describe_arm, named_poses
+from ..parts.tool_path import tool_path
 from ..protocol.messages import Message
 from ..scene.arm_scene import Scene, build_scene
-from ..stage import LAYERS, Stage
-from .motion_samples import moving, recorded, standing
+from ..stage import Stage
+from .motion_samples import moving, recorded
 from .page_kinematics import kinematics
 
 PLAYED = ("time", "running", "speed", "loop")
@@ -68,6 +68,7 @@ class SceneSnapshot:
         needed.
         """
         at, scene = self.playback, self.scene.whole()
+        still = {"times": [0.0], "theta": [self.theta.tolist()]}
         return {
             "arm": describe_arm(self.arm),
             "links": scene.links,
@@ -76,7 +77,7 @@ class SceneSnapshot:
             "kinematics": kinematics(self.arm, list(self.others)),
             "others": dict(self.others),
             "poses": self._poses(),
-            "samples": standing(self.theta) if at is None else moving(self.arm, at.trajectory),
+            "samples": still if at is None else moving(self.arm, at.trajectory),
             "aside": None if at is None or self._on(at) else self.theta.tolist(),
             "plots": plots(self.arm, at),
             "player": None if at is None else {name: getattr(at, name) for name in PLAYED},
@@ -99,11 +100,10 @@ class SceneSnapshot:
 
 def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> SceneSnapshot:
     """`arm` at theta (n,), by default ready, with all layers and `trajectory` playing."""
-    start = require_arm(arm).ready if theta is None else checked_theta(arm, theta)
+    stage = Stage(arm, theta)
     if trajectory is not None:
         check_trajectory(arm, trajectory)  # before the meshes are read
-    others = {name: rest(joint) for name, joint in extra_joints(arm).items()}
-    shown = SceneSnapshot(arm, build_scene(arm), start, others, LAYERS, NO_PATH, None, None)
+    shown = on_show(stage, build_scene(arm))
     return shown if trajectory is None else shown.playing(trajectory)
 
 
@@ -114,7 +114,7 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
 
     The findings are those of the pages, unless the doctor has not run yet.
     """
-    playback = stage.player.playback
+    playback = stage.playback
     unexamined = PENDING in stage.findings["note"] and not stage.driven
     return SceneSnapshot(
         stage.arm,
@@ -125,5 +125,5 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
         stage.path,
         None if playback is None else replace(playback),
         None if unexamined else stage.findings,
-        stage.program.list.named(),
+        stage.poses.named(),
     )

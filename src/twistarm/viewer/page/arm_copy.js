@@ -1,5 +1,6 @@
 // A copy of the arm, drawn faintly where it would stand.
 
+import { styled } from "./element.js";
 import { THREE } from "./view.js";
 
 const BEHIND = 2; // units of depth: where the arm stands as asked, it is seen
@@ -45,10 +46,15 @@ export class ArmCopy {
     this.parts = [];
     this.group.clear();
   }
+
+  remove() {
+    this.clear();
+    this.group.removeFromParent();
+  }
 }
 
 export function coloured(name) {
-  return new THREE.Color(getComputedStyle(document.documentElement).getPropertyValue(name).trim());
+  return new THREE.Color(styled(name));
 }
 
 // `solid`: seen only where nothing stands before it, and one surface deep.

@@ -1,7 +1,7 @@
 // A cube that turns with the view and says from which side the arm is seen; a press on a face goes to that side. Made of
 // the page's own elements: it takes no pixel of the view's to draw.
 
-import { $, element } from "./element.js";
+import { $, button, element } from "./element.js";
 import { SIDES } from "./presets.js";
 import { THREE } from "./view.js";
 
@@ -19,12 +19,7 @@ export class Cube {
     this.letters = ["x", "y", "z"].map((name) => element("span", `axis ${name}`, name));
     this.box.append(this.body, ...this.letters);
     $("top").append(this.box);
-    const { scene } = view.viewer;
-    const before = scene.onAfterRender;
-    scene.onAfterRender = (...drawn) => {
-      before.apply(scene, drawn);
-      this.follow();
-    };
+    view.afterRender(() => this.follow());
   }
 
   // With every picture. CSS has y down, hence the mirror, which each face undoes.
@@ -42,12 +37,11 @@ export class Cube {
 }
 
 function face(name, go) {
-  const made = Object.assign(element("button", "", name), { type: "button", title: `Look from the ${name}`, tabIndex: -1 });
+  const made = Object.assign(button("", name, `Look from the ${name}`, () => go(name)), { tabIndex: -1 });
   const out = new THREE.Vector3(...SIDES[name].map(Math.round));
   const up = new THREE.Vector3(...(UP[name] ?? [0, 0, 1]));
   const right = new THREE.Vector3().crossVectors(up, out);
   const place = new THREE.Matrix4().makeBasis(right, up.negate(), out).setPosition(out.clone().multiplyScalar(HALF));
   made.style.transform = `matrix3d(${place.elements})`;
-  made.addEventListener("click", () => go(name));
   return made;
 }

@@ -12,3 +12,14 @@ export function element(tag, className, text) {
   if (text !== undefined) made.textContent = text;
   return made;
 }
+
+export function button(className, text, title, press) {
+  const made = Object.assign(element("button", className, text), { type: "button", title });
+  made.addEventListener("click", press);
+  return made;
+}
+
+// A variable of the style sheet, such as a colour.
+export function styled(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}

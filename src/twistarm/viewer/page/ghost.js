@@ -3,11 +3,11 @@
 
 import { ABOVE, ArmCopy, coloured, faint } from "./arm_copy.js";
 import { dispose } from "./disposal.js";
+import { COLORS, rod } from "./gizmo_shapes.js";
 import { THREE } from "./view.js";
 
 const SIZE = 0.22; // of the frame, beside the arm's radius
 const THIN = 0.018; // of its rods, beside their length
-const COLORS = [0xe0352b, 0x1f9d3a, 0x2f6fe4]; // x, y, z
 const FRAME = 0.55; // opacities
 const ARM = 0.22;
 const NAMED = { pose: [0, 1, 2], approach: [2], position: [] }; // the axes of which a target speaks
@@ -51,15 +51,9 @@ export class Ghost {
     const length = SIZE * this.view.radius;
     this.frame.position.fromArray(position);
     this.frame.quaternion.fromArray(xyzw);
-    const axes = NAMED[kind].map((axis) => rod(axis, length));
+    const axes = NAMED[kind].map((axis) => new THREE.Mesh(
+      rod(THIN * length, THIN * length, 0, length, axis), faint(new THREE.Color(COLORS[axis]), FRAME, false)));
     const ball = new THREE.Mesh(new THREE.SphereGeometry(2.2 * THIN * length, 20, 12), faint(coloured("--warn"), FRAME, false));
     for (const part of [...axes, ball]) this.frame.add(Object.assign(part, { renderOrder: ABOVE }));
   }
-}
-
-function rod(axis, length) {
-  const made = new THREE.CylinderGeometry(THIN * length, THIN * length, length, 12).translate(0, length / 2, 0);
-  const to = new THREE.Vector3().setComponent(axis, 1);
-  made.applyQuaternion(new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 1, 0), to));
-  return new THREE.Mesh(made, faint(new THREE.Color(COLORS[axis]), FRAME, false));
 }

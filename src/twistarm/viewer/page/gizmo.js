@@ -1,5 +1,6 @@
 // Handles at the tool that a mouse or a finger takes hold of. They keep their size on the screen and shine through.
 
+import { coloured } from "./arm_copy.js";
 import { Motion } from "./gizmo_motion.js";
 import { REACH, RING, makeHandles, makeTether, stretch } from "./gizmo_shapes.js";
 import { THREE } from "./view.js";
@@ -90,7 +91,7 @@ export class Gizmo {
   }
 
   warn(missed) {
-    const color = new THREE.Color(getComputedStyle(document.documentElement).getPropertyValue("--warn").trim());
+    const color = coloured("--warn");
     this.missed = missed;
     this.tether.material.color.set(color);
     this.handles.find(({ kind }) => kind === "free").paint(missed ? color : null);
@@ -198,10 +199,7 @@ export class Gizmo {
     return this.caster.ray.clone().applyMatrix4(this.view.viewer.scene.matrixWorld.clone().invert());
   }
 
-  aim({ clientX, clientY }) {
-    const { camera, renderer } = this.view.viewer;
-    const { left, top, width, height } = renderer.domElement.getBoundingClientRect();
-    const at = new THREE.Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
-    this.caster.setFromCamera(at, camera);
+  aim(event) {
+    this.caster.setFromCamera(this.view.onScreen(event), this.view.viewer.camera);
   }
 }

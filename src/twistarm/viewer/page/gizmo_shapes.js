@@ -4,7 +4,7 @@
 
 import { THREE } from "./view.js";
 
-const COLORS = [0xe0352b, 0x1f9d3a, 0x2f6fe4]; // x, y, z
+export const COLORS = [0xe0352b, 0x1f9d3a, 0x2f6fe4]; // x, y, z
 const FREE = 0xf2f4f7;
 const RIM = 0x39424e;
 const LIT = 0xffb000;
@@ -72,7 +72,7 @@ function arrow(name, axis) {
 }
 
 // From `from` to `to` along an axis, with its radii at `to` and at `from`.
-function rod(top, bottom, from, to, axis) {
+export function rod(top, bottom, from, to, axis) {
   const made = new THREE.CylinderGeometry(top, bottom, to - from, 20).translate(0, (from + to) / 2, 0);
   return turned(made, axis, new THREE.Vector3(0, 1, 0));
 }

@@ -1,4 +1,4 @@
-// A way from where the arm stands to another configuration: eased, straight in joint space, as glide.py has it live.
+// A way from where the arm stands to another configuration: eased, straight in joint space, as playback.py has it live.
 
 const TIME = 500; // ms
 

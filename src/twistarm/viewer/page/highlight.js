@@ -1,7 +1,9 @@
 // One link or joint that stands out: copies of what is drawn of it shine through everything before it, and an arrow
 // with its name points at it.
 
+import { coloured } from "./arm_copy.js";
 import { dispose } from "./disposal.js";
+import { styled } from "./element.js";
 import { cut } from "./names.js";
 import { THREE } from "./view.js";
 
@@ -37,13 +39,12 @@ export class Highlight {
   }
 
   begin(path, name) {
-    const style = getComputedStyle(document.documentElement);
     this.view.viewer.scene.updateMatrixWorld(true);
     this.node = this.view.node(path);
-    this.copies = copies(this.node, path.startsWith("/screws/") ? THICK : 1, style);
+    this.copies = copies(this.node, path.startsWith("/screws/") ? THICK : 1);
     this.box = extent(this.node);
-    this.arrow = arrow(LENGTH * this.view.radius, style);
-    this.label = label(name, style, this.view);
+    this.arrow = arrow(LENGTH * this.view.radius);
+    this.label = label(name, this.view);
     this.group.add(...this.copies.map(({ copy }) => copy), this.arrow, this.label);
     this.follow();
   }
@@ -77,19 +78,19 @@ export class Highlight {
 }
 
 // Of every mesh below `node`, thickened across its own y axis, along which Meshcat's cylinders stand.
-function copies(node, thick, style) {
+function copies(node, thick) {
   const made = [];
   node.traverse((source) => {
     if (!source.isMesh || source.material.depthTest === false) return; // an axis' own copy that shines through
-    const copy = new THREE.Mesh(source.geometry, shining(style, 0.6));
+    const copy = new THREE.Mesh(source.geometry, shining(0.6));
     Object.assign(copy, { matrixAutoUpdate: false, renderOrder: 1 });
     made.push({ source, copy, thick });
   });
   return made;
 }
 
-function shining(style, opacity) {
-  const color = new THREE.Color(style.getPropertyValue("--accent").trim());
+function shining(opacity) {
+  const color = coloured("--accent");
   const light = { emissive: color, emissiveIntensity: 0.4 };
   return new THREE.MeshLambertMaterial({ color, ...light, transparent: true, opacity, depthTest: false, depthWrite: false });
 }
@@ -107,26 +108,26 @@ function extent(node) {
 }
 
 // Down from its origin, `length` long.
-function arrow(length, style) {
+function arrow(length) {
   const made = new THREE.Group();
   const shaft = new THREE.CylinderGeometry(0.035 * length, 0.035 * length, 0.7 * length).rotateX(Math.PI / 2);
   const head = new THREE.ConeGeometry(0.13 * length, 0.3 * length).rotateX(-Math.PI / 2);
   made.add(...[shaft.translate(0, 0, -0.35 * length), head.translate(0, 0, -0.85 * length)].map((geometry) =>
-    Object.assign(new THREE.Mesh(geometry, shining(style, 1)), { renderOrder: 2 })));
+    Object.assign(new THREE.Mesh(geometry, shining(1)), { renderOrder: 2 })));
   return made;
 }
 
 // A name that always faces the eye, HEIGHT high at any distance.
-function label(name, style, { viewer }) {
+function label(name, { viewer }) {
   const text = cut(name, LONGEST);
   const canvas = document.createElement("canvas");
   const pen = canvas.getContext("2d");
   const font = `600 ${HEIGHT}px ${getComputedStyle(document.body).fontFamily}`;
   pen.font = font;
   Object.assign(canvas, { width: Math.ceil(pen.measureText(text).width) + HEIGHT, height: 2 * HEIGHT });
-  pen.fillStyle = style.getPropertyValue("--accent").trim();
+  pen.fillStyle = styled("--accent");
   pen.fillRect(0, 0, canvas.width, canvas.height);
-  Object.assign(pen, { font, fillStyle: style.getPropertyValue("--surface").trim(), textAlign: "center", textBaseline: "middle" });
+  Object.assign(pen, { font, fillStyle: styled("--surface"), textAlign: "center", textBaseline: "middle" });
   pen.fillText(text, canvas.width / 2, HEIGHT);
   const map = new THREE.CanvasTexture(canvas);
   map.minFilter = THREE.LinearFilter;

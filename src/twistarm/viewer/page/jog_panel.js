@@ -30,16 +30,15 @@ export class JogPanel {
       ask({ type: "servo", on: $("drive").checked });
       this.showDrive({}); // it is as the process says
     });
-    for (const radio of this.axes) {
-      radio.addEventListener("change", () => jog.take(radio.value));
-      radio.addEventListener("click", (event) => event.detail && radio.blur()); // a mouse's: the keys jog on
-    }
+    for (const radio of this.axes) radio.addEventListener("change", () => jog.take(radio.value));
     for (const radio of this.choices) {
       radio.addEventListener("change", () => {
         ask({ type: "beyond", what: radio.value });
         this.showDrive({}); // it is as the process says
       });
-      radio.addEventListener("click", (event) => event.detail && radio.blur());
+    }
+    for (const radio of [...this.axes, ...this.choices]) {
+      radio.addEventListener("click", (event) => event.detail && radio.blur()); // a mouse's: the keys jog on
     }
     $("slower").addEventListener("click", () => jog.pace(-1));
     $("faster").addEventListener("click", () => jog.pace(1));

@@ -39,6 +39,11 @@ export function types(element) {
   return element?.matches("input:is([type=text], :not([type])), textarea, [contenteditable]") ?? false;
 }
 
+// Whether a key is pressed alone, anew, and for no field.
+export function bare({ repeat, ctrlKey, metaKey, altKey }) {
+  return !(repeat || ctrlKey || metaKey || altKey || takesKeys(document.activeElement));
+}
+
 // Whether typing is for `element`: a slider or a text field, say.
 export function takesKeys(element) {
   return element?.matches("input:not([type=checkbox]), select, textarea, [contenteditable]") ?? false;

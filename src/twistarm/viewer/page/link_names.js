@@ -59,11 +59,11 @@ export class LinkNames {
     this.label.hidden = true;
   }
 
-  show({ clientX, clientY }) {
+  show(event) {
     this.last = performance.now();
-    const { left, top, width, height } = this.view.viewer.renderer.domElement.getBoundingClientRect();
-    const [x, y] = [clientX - left, clientY - top];
-    const name = this.at((2 * x) / width - 1, 1 - (2 * y) / height);
+    const { left, top, width } = this.view.viewer.renderer.domElement.getBoundingClientRect();
+    const [x, y] = [event.clientX - left, event.clientY - top];
+    const name = this.at(this.view.onScreen(event));
     this.label.hidden = name === null;
     if (name === null) return;
     this.label.textContent = name;
@@ -72,10 +72,10 @@ export class LinkNames {
   }
 
   // Of the link nearest to the eye there; null where there is none, or a handle of the tool lies before it.
-  at(x, y) {
+  at(point) {
     const { viewer } = this.view;
     if (viewer.dom_element.style.cursor === "grab") return null;
-    this.caster.setFromCamera(new THREE.Vector2(x, y), viewer.camera);
+    this.caster.setFromCamera(point, viewer.camera);
     let nearest = { distance: Infinity, name: null };
     for (const [name, path] of Object.entries(this.links)) {
       const node = this.view.node(path);

@@ -1,7 +1,7 @@
 // The numbers behind the drawing, as tables, each with a button that copies it with all its digits.
 
 import { copyText } from "./copying.js";
-import { $, element } from "./element.js";
+import { $, button, element } from "./element.js";
 import { heads, pitchWords, python, pythonRows, short } from "./figures.js";
 import { writeName } from "./names.js";
 
@@ -98,13 +98,11 @@ class Values {
 function section(title, meaning, content, copy) {
   const made = element("section", "figures");
   const head = element("h3", "", title);
-  const button = element("button", "copy", "copy");
-  Object.assign(button, { type: "button", title: `Copy ${title} with all digits, for Python` });
-  button.setAttribute("aria-label", `Copy ${title}`);
-  button.addEventListener("click", copy);
+  const copies = button("copy", "copy", `Copy ${title} with all digits, for Python`, copy);
+  copies.setAttribute("aria-label", `Copy ${title}`);
   const line = element("div", "head");
   line.title = meaning;
-  line.append(head, element("span", "meaning", meaning), button);
+  line.append(head, element("span", "meaning", meaning), copies);
   made.append(line, content);
   return made;
 }

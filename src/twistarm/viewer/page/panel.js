@@ -1,6 +1,6 @@
 // The panel beside the view: joints, named poses, the tool, switches.
 
-import { $, element } from "./element.js";
+import { $, button, element } from "./element.js";
 import { JointRow } from "./joint_row.js";
 import { cut, writeName } from "./names.js";
 import { inRadians, setRadians, shown, signed } from "./units.js";
@@ -47,11 +47,11 @@ export class Panel {
 
   // Of named poses, and beside them.
   buildButtons(poses) {
-    this.movers = poses.map((name) => button(name, `Go to the pose ${name}`, () => this.act.pose(name)));
+    this.movers = poses.map((name) => named(name, `Go to the pose ${name}`, () => this.act.pose(name)));
     $("poses").replaceChildren(...this.movers);
-    const random = button("random", "Anywhere inside the limits", () => this.act.random());
+    const random = named("random", "Anywhere inside the limits", () => this.act.random());
     this.movers.push(random);
-    const copy = button("copy theta", "The arm's joint values as a Python list, in rad and m", () => this.act.copy());
+    const copy = named("copy theta", "The arm's joint values as a Python list, in rad and m", () => this.act.copy());
     const apart = element("span", "apart");
     apart.append(random, copy);
     $("poses").append(apart);
@@ -146,8 +146,6 @@ export class Panel {
   }
 }
 
-function button(name, title, press) {
-  const made = Object.assign(writeName(element("button"), name, title), { type: "button", ariaLabel: name });
-  made.addEventListener("click", press);
-  return made;
+function named(name, title, press) {
+  return Object.assign(writeName(button("", "", title, press), name, title), { ariaLabel: name });
 }

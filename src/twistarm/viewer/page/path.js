@@ -58,10 +58,7 @@ export class Path {
 
   drawArms() {
     const { waypoints, stopped } = this.data;
-    for (const arm of this.arms) {
-      arm.clear();
-      arm.group.removeFromParent();
-    }
+    for (const arm of this.arms) arm.remove();
     this.arms = waypoints.map((transforms) => this.stood(transforms, IDEAL, POSE));
     if (stopped !== null) this.arms.push(this.stood(stopped.arm, STOP, STOPPED));
   }

@@ -1,5 +1,7 @@
 // The view as a picture of any size, drawn piece by piece: a WebGL canvas has its limits, and shrinks without a word.
 
+import { styled } from "./element.js";
+
 const PIECE = 2048; // pixels
 
 // A canvas of `width` x `height` pixels with all that the view shows, and more where the shape is another.
@@ -36,10 +38,9 @@ function paintPiece({ viewer }, context, [width, height], [x, y]) {
 
 // What the page has behind the view: style.css, main.
 function paintSky(context, width, height) {
-  const style = getComputedStyle(document.documentElement);
   const sky = context.createLinearGradient(0, 0, 0, height);
-  sky.addColorStop(0, style.getPropertyValue("--sky").trim());
-  sky.addColorStop(0.7, style.getPropertyValue("--ground").trim());
+  sky.addColorStop(0, styled("--sky"));
+  sky.addColorStop(0.7, styled("--ground"));
   context.fillStyle = sky;
   context.fillRect(0, 0, width, height);
 }

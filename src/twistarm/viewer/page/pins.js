@@ -13,12 +13,7 @@ export class Pins {
     this.layer.setAttribute("aria-hidden", "true");
     $("pane").append(this.layer);
     this.pins = [];
-    const { scene } = view.viewer;
-    const before = scene.onAfterRender;
-    scene.onAfterRender = (...drawn) => {
-      before.apply(scene, drawn);
-      this.follow();
-    };
+    view.afterRender(() => this.follow());
   }
 
   // `pins`: {layer, node, at, text, down, whole}: an element `down` px below the place `at` of a node, seen with a layer;

@@ -1,14 +1,17 @@
 // Position, velocity and acceleration of the trajectory that is loaded, against the limits, and the tool's speed, under
 // the view.
 
-import { $, element } from "./element.js";
+import { $, button, element } from "./element.js";
 import { writeName } from "./names.js";
 import { Plot, reading, swatch } from "./plot.js";
 import { RATES, scaled, share, toolScaled, worded } from "./plot_scale.js";
+import { interpolated } from "./recording.js";
+import { keep, kept } from "./storage.js";
 import { figure, unitShown } from "./units.js";
 
 const TOOL = "tool"; // the plot that shows no joint
-const KEPT = "twistarm plots"; // in the browser's storage
+const KEPT = "twistarm plots";
+const NARROW = "(max-width: 720px)"; // there the plots wait to be asked for
 
 export class Plots {
   // `seek(time)` asks for a moment of the motion.
@@ -22,9 +25,9 @@ export class Plots {
     this.tip.hidden = true;
     $("plots-figures").append(...this.plots.map(({ svg }) => svg), this.tip);
     new ResizeObserver(() => this.draw()).observe($("plots-figures"));
-    $("show-plots").checked = kept();
+    $("show-plots").checked = (kept(KEPT) ?? String(!matchMedia(NARROW).matches)) === "true";
     $("show-plots").addEventListener("change", () => {
-      keep($("show-plots").checked);
+      keep(KEPT, String($("show-plots").checked));
       this.reveal();
     });
     $("radians").addEventListener("change", () => this.draw());
@@ -124,12 +127,12 @@ export class Plots {
 
   told(rate, time) {
     if (rate !== TOOL) return reading(this.drawn().map((i) => this.row(i, rate, time)));
-    return [element("strong", "", this.speeds((values) => between(this.data.times, values, time)))];
+    return [element("strong", "", this.speeds((values) => interpolated(this.data.times, values, time)))];
   }
 
   row(i, rate, time) {
     const joint = this.data.joints[i];
-    const value = between(this.data.times, this.data[rate][i], time);
+    const value = interpolated(this.data.times, this.data[rate][i], time);
     const of = rate === "position" || joint.limits[rate] === null ? "" : ` · ${percent(value / share(joint, rate).half)}`;
     return { joint: i, name: joint.name, value: worded(value, joint, rate) + of };
   }
@@ -155,35 +158,8 @@ function percent(part) {
   return `${Math.round(100 * Math.abs(part))} %`;
 }
 
-function between(times, values, time) {
-  const i = Math.max(0, Math.min(times.length - 2, times.findLastIndex((moment) => moment <= time)));
-  if (times.length < 2) return values[0];
-  const part = (time - times[i]) / (times[i + 1] - times[i]);
-  return values[i] + part * (values[i + 1] - values[i]);
-}
-
 function chip(name, title, press) {
-  const made = element("button");
-  Object.assign(made, { type: "button", title, ariaLabel: name });
+  const made = Object.assign(button("", "", title, press), { ariaLabel: name });
   made.append(writeName(element("span", "name"), name, null));
-  made.addEventListener("click", press);
   return made;
-}
-
-// Where little room is they wait to be asked for.
-function kept() {
-  const room = !matchMedia("(max-width: 720px)").matches;
-  try {
-    return (localStorage.getItem(KEPT) ?? String(room)) === "true";
-  } catch {
-    return room;
-  }
-}
-
-function keep(shown) {
-  try {
-    localStorage.setItem(KEPT, String(shown));
-  } catch {
-    // Without storage it holds as long as the page.
-  }
 }

@@ -1,7 +1,7 @@
 // The rows of recorded poses: a name to edit, how the arm moves there, and buttons to go there, to move the row and to
 // delete it.
 
-import { element } from "./element.js";
+import { button, element } from "./element.js";
 import { writeName } from "./names.js";
 
 const LONGEST = 60;
@@ -93,11 +93,11 @@ class Row {
     this.item = element("li");
     this.box = this.makeBox();
     this.by = this.makeMove();
-    this.go = this.button("go", "Go", () => act.go(this.id));
+    this.go = button("go", "Go", "", () => act.go(this.id));
     this.go.disabled = owner.driven;
-    this.up = this.button("", "↑", () => owner.move(this.id, -1));
-    this.down = this.button("", "↓", () => owner.move(this.id, 1));
-    this.remove = this.button("", "✕", () => act.remove(this.id));
+    this.up = button("", "↑", "", () => owner.move(this.id, -1));
+    this.down = button("", "↓", "", () => owner.move(this.id, 1));
+    this.remove = button("", "✕", "", () => act.remove(this.id));
     const field = element("span", "field");
     this.shown = element("span"); // over the box, in which a name is cut at its end
     this.shown.ariaHidden = "true";
@@ -133,13 +133,6 @@ class Row {
     this.by.disabled = given !== "";
     this.by.value = given ? "" : by;
     this.by.title = given || MOVES.find(([move]) => move === by)[2];
-  }
-
-  button(className, text, press) {
-    const made = element("button", className, text);
-    made.type = "button";
-    made.addEventListener("click", press);
-    return made;
   }
 
   show({ name }, place, count) {

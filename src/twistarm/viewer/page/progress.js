@@ -7,12 +7,9 @@ export class Progress {
   constructor(tell, whole) {
     this.tell = tell;
     this.whole = whole;
-    this.told = null;
-    this.drawn = 0;
-    this.bytes = 0;
-    this.complete = false;
     this.bar = $("progress");
     this.messages = { scene: (message) => this.learn(message) };
+    this.hello();
   }
 
   hello() {

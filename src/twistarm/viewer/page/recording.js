@@ -1,26 +1,23 @@
-// Where a motion has the joints at any moment, from samples of it.
+// Samples of a motion, and its values at any moment between them.
 
 export class Recording {
   // `samples`: times [s] and theta at each.
   constructor({ times, theta }) {
     this.times = times;
-    this.theta = theta;
     this.duration = times.at(-1);
+    this.joints = theta[0].map((_, joint) => theta.map((each) => each[joint]));
   }
 
   // Theta at `time`.
   at(time) {
-    const { times, theta } = this;
-    const [i, share] = this.between(time);
-    return times.length < 2 ? [...theta[0]] : theta[i].map((value, k) => value + share * (theta[i + 1][k] - value));
+    return this.joints.map((values) => interpolated(this.times, values, time));
   }
+}
 
-  // The last sample not after `time`, and how far on it is to the next.
-  between(time) {
-    const { times } = this;
-    let i = times.findLastIndex((moment) => moment <= time);
-    i = Math.max(0, Math.min(i, times.length - 2));
-    if (times.length < 2) return [0, 0];
-    return [i, Math.max(0, Math.min(1, (time - times[i]) / (times[i + 1] - times[i])))];
-  }
+// The value at `time` of one that is `values[k]` at `times[k]`, linear between them.
+export function interpolated(times, values, time) {
+  if (times.length < 2) return values[0];
+  const i = Math.max(0, Math.min(times.findLastIndex((moment) => moment <= time), times.length - 2));
+  const share = Math.max(0, Math.min(1, (time - times[i]) / (times[i + 1] - times[i])));
+  return values[i] + share * (values[i + 1] - values[i]);
 }

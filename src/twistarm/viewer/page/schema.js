@@ -9,30 +9,21 @@ const text = (value) => typeof value === "string";
 const object = (value) => typeof value === "object" && value !== null && !list(value);
 const name = (value) => text(value) && value.length <= LONGEST;
 
-const CHECKS = {
-  number, numbers, list, text, object, name,
-  point: (value) => numbers(value, 3),
-  quaternion: (value) => numbers(value, 4),
-  count: (value) => Number.isSafeInteger(value) && value >= 0,
-  flag: (value) => typeof value === "boolean",
-  names: (value) => list(value) && value.every(name),
-  poses: (value) => list(value) && value.every(pose),
-};
-
-const WORDS = {
-  number: "a finite number",
-  numbers: "a list of finite numbers",
-  list: "a list",
-  text: "text",
-  object: "an object",
-  name: `text of at most ${LONGEST} characters`,
-  point: "a list of 3 numbers",
-  quaternion: "a list of 4 numbers",
-  count: "a whole number from 0 on",
-  flag: "true or false",
-  names: `a list of names of at most ${LONGEST} characters`,
-  poses: `a list of poses, each with a name of at most ${LONGEST} characters and theta, a list of numbers`,
-};
+const KINDS = {
+  number: [number, "a finite number"],
+  numbers: [numbers, "a list of finite numbers"],
+  list: [list, "a list"],
+  text: [text, "text"],
+  object: [object, "an object"],
+  name: [name, `text of at most ${LONGEST} characters`],
+  point: [(value) => numbers(value, 3), "a list of 3 numbers"],
+  quaternion: [(value) => numbers(value, 4), "a list of 4 numbers"],
+  count: [(value) => Number.isSafeInteger(value) && value >= 0, "a whole number from 0 on"],
+  flag: [(value) => typeof value === "boolean", "true or false"],
+  names: [(value) => list(value) && value.every(name), `a list of names of at most ${LONGEST} characters`],
+  poses: [(value) => list(value) && value.every(pose),
+    `a list of poses, each with a name of at most ${LONGEST} characters and theta, a list of numbers`],
+}; // of a field: its check, and what it must be in words
 
 function pose(value) {
   if (!object(value) || Object.keys(value).some((key) => !["name", "theta", "by"].includes(key))) return false;
@@ -53,11 +44,11 @@ export function violation(table, message) {
 
 function words(word) {
   if (word.endsWith("?")) return `${words(word.slice(0, -1))}, or null`;
-  return word.includes("|") ? `one of ${word.replaceAll("|", ", ")}` : WORDS[word];
+  return word.includes("|") ? `one of ${word.replaceAll("|", ", ")}` : KINDS[word][1];
 }
 
 function fits(word, value) {
   if (word.endsWith("?")) return value === null || fits(word.slice(0, -1), value);
   if (word.includes("|")) return word.split("|").includes(value);
-  return CHECKS[word](value);
+  return KINDS[word][0](value);
 }

@@ -1,14 +1,16 @@
 // What is handed on: the stand-alone page, and a picture of the view.
 
 import { $ } from "./element.js";
+import { closable } from "./menu.js";
 import { stateOf } from "./page_state.js";
 import { asBlob, painted } from "./picture.js";
 import { fileName, save } from "./saving.js";
+import { keep, kept } from "./storage.js";
 
 const SIDES = ["width", "height"];
 const SMALLEST = 16; // pixels
 const LARGEST = 8192;
-const KEPT = "twistarm picture"; // in the browser's storage: [width, height] as typed
+const KEPT = "twistarm picture"; // width and height as typed, with a comma between them
 
 const STATE = 'id="state">{}'; // where export.py leaves room for it, ahead of all scripts
 
@@ -18,7 +20,7 @@ export class Share {
     this.page = page;
     this.view = page.view;
     this.name = "";
-    const typed = kept();
+    const typed = (kept(KEPT) ?? ",").split(",");
     SIDES.forEach((side, i) => {
       $(`picture-${side}`).value = typed[i];
       $(`picture-${side}`).addEventListener("keydown", ({ key }) => key === "Enter" && this.act(() => this.picture()));
@@ -26,8 +28,7 @@ export class Share {
     $("save-page")?.addEventListener("click", () => this.act(() => this.standAlone()));
     $("save-picture").addEventListener("click", () => this.act(() => this.picture()));
     $("share").addEventListener("toggle", () => this.open());
-    $("share").addEventListener("keydown", (event) => this.press(event));
-    addEventListener("pointerdown", ({ target }) => $("share").contains(target) || this.close(), true);
+    closable($("share"));
   }
 
   hello({ arm }) {
@@ -37,17 +38,6 @@ export class Share {
   open() {
     this.say("");
     SIDES.forEach((side, i) => { $(`picture-${side}`).placeholder = this.size()[i]; });
-  }
-
-  close() {
-    $("share").open = false;
-  }
-
-  press(event) {
-    if (event.key !== "Escape" || !$("share").open) return;
-    this.close();
-    $("share").querySelector("summary").focus();
-    event.stopPropagation();
   }
 
   // Do one thing at a time, and say what came of it.
@@ -83,7 +73,7 @@ export class Share {
   async picture() {
     const typed = SIDES.map((side) => $(`picture-${side}`).value.trim());
     const sides = typed.map((text, i) => pixels(text || String(this.size()[i]), SIDES[i]));
-    keep(typed);
+    keep(KEPT, typed.join());
     return saved(await asBlob(painted(this.view, ...sides)), fileName(this.name, ".png"));
   }
 
@@ -114,21 +104,4 @@ function pixels(text, side) {
   const number = Number(text);
   if (/^\d+$/.test(text) && number >= SMALLEST && number <= LARGEST) return number;
   throw new Error(`the ${side} is a whole number of pixels, ${SMALLEST} … ${LARGEST}; got ${text.slice(0, 20)}`);
-}
-
-function kept() {
-  try {
-    const typed = JSON.parse(localStorage.getItem(KEPT));
-    return SIDES.map((_, i) => String(typed?.[i] ?? ""));
-  } catch {
-    return ["", ""]; // a page without storage starts with the view's own size
-  }
-}
-
-function keep(typed) {
-  try {
-    localStorage.setItem(KEPT, JSON.stringify(typed));
-  } catch {
-    // Without storage it holds as long as the page.
-  }
 }

@@ -3,7 +3,7 @@
 import { ArmCopy } from "./arm_copy.js";
 import { $, element } from "./element.js";
 import { eases } from "./glide.js";
-import { takesKeys } from "./keys.js";
+import { bare } from "./keys.js";
 
 const KEYS = { KeyN: 1, KeyP: -1 }; // next and previous
 const INSIDE = { colour: "--accent", opacity: 0.16 };
@@ -40,10 +40,9 @@ export class Solutions {
     this.show({ asked: false, places: [], words: "", ghosts: [] });
   }
 
-  press({ code, repeat, ctrlKey, metaKey, altKey }) {
-    if (!(code in KEYS) || repeat || ctrlKey || metaKey || altKey || takesKeys(document.activeElement)) return;
-    if ($("solutions-all").disabled) return;
-    if (this.asked) this.step(KEYS[code]);
+  press(event) {
+    if (!(event.code in KEYS) || !bare(event) || $("solutions-all").disabled) return;
+    if (this.asked) this.step(KEYS[event.code]);
     else this.ask();
   }
 
@@ -85,10 +84,7 @@ export class Solutions {
   }
 
   draw() {
-    for (const arm of this.arms) {
-      arm.clear();
-      arm.group.removeFromParent();
-    }
+    for (const arm of this.arms) arm.remove();
     this.arms = [];
     const shown = $("solution-ghosts").checked ? this.ghosts : [];
     for (const [i, transforms] of shown.entries()) {

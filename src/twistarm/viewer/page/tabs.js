@@ -1,15 +1,16 @@
 // The panels beside the view, one at a time: by click, or by arrow keys on the row of tabs.
 
 import { $, $$ } from "./element.js";
+import { keep, kept } from "./storage.js";
 
-const CHOSEN = "twistarm tab"; // in the browser's storage of this window
+const CHOSEN = "twistarm tab";
 
 export class Tabs {
   constructor() {
     this.tabs = $$('#tabs [role="tab"]');
     for (const tab of this.tabs) tab.addEventListener("click", () => this.choose(tab));
     $("tabs").addEventListener("keydown", (event) => this.press(event));
-    this.choose(this.tabs.find(({ id }) => id === kept()) ?? this.tabs[0]);
+    this.choose(this.tabs.find(({ id }) => id === kept(CHOSEN, { session: true })) ?? this.tabs[0]);
   }
 
   choose(chosen) {
@@ -19,7 +20,7 @@ export class Tabs {
       tab.tabIndex = selected ? 0 : -1;
       $(tab.getAttribute("aria-controls")).hidden = !selected;
     }
-    keep(chosen.id);
+    keep(CHOSEN, chosen.id, { session: true });
     dispatchEvent(new CustomEvent("panel", { detail: chosen.getAttribute("aria-controls") }));
   }
 
@@ -41,21 +42,5 @@ export class Tabs {
     next.focus();
     event.preventDefault();
     event.stopPropagation(); // arrow keys jog elsewhere
-  }
-}
-
-function kept() {
-  try {
-    return sessionStorage.getItem(CHOSEN);
-  } catch {
-    return null;
-  }
-}
-
-function keep(id) {
-  try {
-    sessionStorage.setItem(CHOSEN, id);
-  } catch {
-    // Without storage the page begins with its first panel.
   }
 }

@@ -2,7 +2,7 @@
 
 import { $ } from "./element.js";
 import { Gizmo } from "./gizmo.js";
-import { takesKeys } from "./keys.js";
+import { bare } from "./keys.js";
 import { PoseBoxes } from "./pose_boxes.js";
 import { describes, numbersOf, poseOf, same, standing, turned } from "./target_pose.js";
 import { Tolerances } from "./tolerances.js";
@@ -66,9 +66,8 @@ export class Target {
   }
 
   // G takes hold of the tool, or lets it be.
-  press({ code, repeat, ctrlKey, metaKey, altKey }) {
-    if (code !== "KeyG" || repeat || ctrlKey || metaKey || altKey || takesKeys(document.activeElement)) return;
-    if (!$("drag-tool").disabled) $("drag-tool").click();
+  press(event) {
+    if (event.code === "KeyG" && bare(event) && !$("drag-tool").disabled) $("drag-tool").click();
   }
 
   toggle() {

@@ -1,7 +1,7 @@
 // What of screw theory is drawn, for which joint, and at which scale.
 
 import { COLOURS } from "./cloud.js";
-import { $, element } from "./element.js";
+import { $, button, element } from "./element.js";
 import { short } from "./figures.js";
 import { cut } from "./names.js";
 
@@ -23,8 +23,7 @@ export class Switches {
   constructor(act) {
     this.boxes = new Map(Object.entries(LAYERS).map(([layer, [name, title]]) => [layer, box(name, title)]));
     this.trace = box("Trace", "Where the tool has been on this page");
-    const clear = element("button", "", "Clear");
-    Object.assign(clear, { type: "button", title: "Begin the trace anew" });
+    const clear = button("", "Clear", "Begin the trace anew", () => act.clear());
     clear.setAttribute("aria-label", "Clear the trace");
     const traced = element("span", "traced");
     traced.append(this.trace, clear);
@@ -34,7 +33,6 @@ export class Switches {
       label.firstChild.addEventListener("change", (event) => act.visible(layer, event.target.checked));
     }
     this.trace.firstChild.addEventListener("change", (event) => act.trace(event.target.checked));
-    clear.addEventListener("click", () => act.clear());
     for (const id of ["theory-joint", "theory-all"]) $(id).addEventListener("change", () => act.chosen());
     this.cloud = null;
   }

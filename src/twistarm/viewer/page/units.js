@@ -1,21 +1,15 @@
 // Numbers as people read and type them: angles in degrees, or in radians where that is switched on; lengths in metres.
 
+import { keep, kept } from "./storage.js";
+
 const DEGREES = 180 / Math.PI;
-const KEPT = "twistarm radians"; // in the browser's storage
+const KEPT = "twistarm radians";
 const NARROW = { "°": 10, rad: 0.1, m: 0.1 }; // ranges whose ends need a digit more
 const STEPS = { "°": 1, rad: 0.01, m: 0.001 };
 const WRITTEN = { "°": /\s*(°|deg)$/i, rad: /\s*rad$/i, m: /\s*m$/i }; // a unit that may follow a typed number
 const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
-let radians = kept();
-
-function kept() {
-  try {
-    return localStorage.getItem(KEPT) === "true";
-  } catch {
-    return false; // a page without storage starts in degrees
-  }
-}
+let radians = kept(KEPT) === "true";
 
 export function inRadians() {
   return radians;
@@ -23,11 +17,7 @@ export function inRadians() {
 
 export function setRadians(on) {
   radians = on;
-  try {
-    localStorage.setItem(KEPT, String(on));
-  } catch {
-    // Without storage it holds as long as the page.
-  }
+  keep(KEPT, String(on));
 }
 
 // The unit on the page of what is in rad or m.

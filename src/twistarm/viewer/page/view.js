@@ -1,7 +1,7 @@
 // The 3D view: Meshcat's viewer with our own light, floor and camera.
 
 import { dispose } from "./disposal.js";
-import { $$ } from "./element.js";
+import { $$, styled } from "./element.js";
 import { corners, covered, framed, OVER } from "./framing.js";
 import { Rim } from "./rim.js";
 
@@ -77,6 +77,22 @@ export class View {
   split(path) {
     if (!this.segments.has(path)) this.segments.set(path, path.split("/").filter(Boolean));
     return this.segments.get(path);
+  }
+
+  // Call `act` with every picture.
+  afterRender(act) {
+    const { scene } = this.viewer;
+    const before = scene.onAfterRender;
+    scene.onAfterRender = (...drawn) => {
+      before.apply(scene, drawn);
+      act();
+    };
+  }
+
+  // A point of the window on the view, from -1 to 1 in both directions.
+  onScreen({ clientX, clientY }) {
+    const { left, top, width, height } = this.viewer.renderer.domElement.getBoundingClientRect();
+    return new THREE.Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
   }
 
   setVisible(layer, visible) {
@@ -181,7 +197,7 @@ export class View {
     dispose(this.fixtures);
     const cell = 10 ** Math.round(Math.log10(this.radius / 8));
     const reach = 5 * this.radius;
-    const colour = new THREE.Color(getComputedStyle(document.documentElement).getPropertyValue("--grid").trim());
+    const colour = new THREE.Color(styled("--grid"));
     this.fixtures.add(grid(cell, reach, colour, 0.45), grid(5 * cell, reach, colour, 0.9), shade(reach));
     this.fixtures.position.z = this.floor - 1e-4 * this.radius;
     this.viewer.set_dirty();

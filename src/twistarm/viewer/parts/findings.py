@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
-import threading
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any, get_args
 
 from ...arm.arm import Arm
@@ -19,9 +17,6 @@ from ..scene.nodes import link_path, screw_path
 
 MOST = 500
 """Findings on the page; nobody reads more, and the rest is counted."""
-
-PATIENCE = 0.5
-"""Seconds."""
 
 PENDING = "From the loading alone: the doctor looks while no servo drives."
 
@@ -59,35 +54,6 @@ def node_of(arm: Arm, place: Place) -> str | None:
         if name == moving or (moving in joints and name == joints[moving].part_of):  # a planar joint is its first part
             return screw_path(i)
     return link_path(joints[name].child) if name in joints else None
-
-
-class Examination:
-    """One run of the doctor in a separate thread, which calls `tell` with the message."""
-
-    def __init__(self, arm: Arm, reader: MeshReader, tell: Callable[[Message], None]) -> None:
-        self._begun = arm.description is None
-        self._reader = reader
-        self._thread = threading.Thread(target=lambda: tell(examined(arm, reader)), name="twistarm doctor", daemon=True)
-
-    async def wait(self, calm: Callable[[], bool]) -> None:
-        """Begin after `calm` has lasted for PATIENCE, so page loads and servos are not delayed."""
-        before = False
-        while not (before and calm()):
-            before = calm()
-            await asyncio.sleep(PATIENCE)
-        self.begin()
-
-    def begin(self) -> None:
-        """Start unless that was done, or the loading has said everything; returns at once."""
-        if not self._begun:
-            self._begun = True
-            self._thread.start()
-
-    def join(self, timeout: float) -> None:
-        """Wait for the end, or for `timeout` [s]. The doctor can be interrupted only while it reads."""
-        self._reader.close()
-        if self._thread.is_alive():
-            self._thread.join(timeout)
 
 
 def _message(arm: Arm, findings: Iterable[Finding], note: str) -> Message:

@@ -13,7 +13,7 @@ from ...support.errors import InputError
 from ..protocol.jobs import Job
 from ..protocol.messages import Message, Request
 from .part import Seen, Show
-from .pose_list import PoseList, RecordedPose
+from .pose_list import RecordedPose
 
 MOST = 100
 """Steps that are kept."""
@@ -55,8 +55,7 @@ class History:
 
     requests = frozenset({"undo", "redo"})
 
-    def __init__(self, poses: PoseList) -> None:
-        self._poses = poses
+    def __init__(self) -> None:
         self._past: list[Step] = []
         self._future: list[Step] = []
         self._last: tuple[str, float] = ("", -np.inf)
@@ -104,7 +103,7 @@ class History:
         """Put back what the step has kept; the step that undoes this again."""
         there = show.seen()
         if step.poses is not None:
-            self._poses.poses = step.poses
+            show.poses.poses = step.poses
         if step.others is not None:
             show.others = dict(step.others)
         if step.theta is not None:

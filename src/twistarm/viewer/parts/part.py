@@ -1,19 +1,29 @@
-"""Parts of the view, such as the target or the player, with their requests and messages."""
+"""The arm on show, and the interface of its parts, such as the target or the player."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple, Protocol
 
-from ...arm.arm import Arm
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arm.arm import Arm, require_arm
+from ...control.servo.settings import SLIDE
 from ...limits.joint_limits import JointLimits
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
 from ..protocol.jobs import Job
 from ..protocol.messages import Message, Request
-from .playback import Playback
-from .pose_list import RecordedPose
+from .limit_checks import checked_theta
+from .playback import Glide, Playback
+from .pose_list import PoseList, RecordedPose
+from .summary import extra_joints, rest
+from .tool_path import NO_PATH
+
+NO_DRIVE: Message = {"type": "drive", "on": False, "note": "", "beyond": SLIDE, "free": False}
+"""beyond: what a servo does where the arm cannot follow; free: pages may choose it for a servo of the program."""
 
 
 class Seen(NamedTuple):
@@ -24,41 +34,94 @@ class Seen(NamedTuple):
     others: Mapping[str, float]
 
 
-class Show(Protocol):
-    """The state on show, as a part sees and changes it."""
+class Show:
+    """The arm on show: where it stands, how it moves, and what its parts share."""
 
-    arm: Arm
-    theta: Array
-    others: dict[str, float]
-    visible: dict[str, bool]
-    driven: bool
-    tolerances: Mapping[str, Any]
-
-    @property
-    def moving(self) -> bool:
-        """Whether a motion runs."""
-
-    @property
-    def playback(self) -> Playback | None:
-        """The trajectory that is loaded."""
+    def __init__(self, arm: Arm, theta: ArrayLike | None) -> None:
+        self.arm = require_arm(arm)
+        self.theta = arm.ready if theta is None else checked_theta(arm, theta)
+        self.extra_joints = extra_joints(arm)
+        self.others = {name: rest(joint) for name, joint in self.extra_joints.items()}
+        self.poses = PoseList(arm)
+        self.visible: dict[str, bool] = {}
+        self.tolerances: Mapping[str, Any] = {}
+        self.path: Message = {"type": "path", **NO_PATH}
+        self.playback: Playback | None = None
+        self.driven = False
+        self.drive: Message = NO_DRIVE
+        self._glide: Glide | None = None
 
     def show(self, theta: Array) -> None:
         """Show theta (n,) and stop any motion."""
+        self.stop()
+        self.theta = theta
 
     def go(self, theta: Array, ease: bool, now: float) -> None:
-        """Stand at theta (n,), with `ease` in half a second."""
+        """Go to theta (n,), with `ease` in half a second, and stop any other motion."""
+        self.show(self.theta if ease else theta)
+        if not np.array_equal(self.theta, theta):
+            self._glide = Glide(self.theta, theta, now)
+
+    def stop(self) -> None:
+        """Stop any motion here."""
+        self._glide = None
+        if self.playback is not None:
+            self.playback.running = False
+
+    def load(self, trajectory: Trajectory, speed: float, loop: bool, now: float) -> None:
+        """Play `trajectory` from its start."""
+        self.stop()
+        self.playback = Playback(trajectory, speed, loop)
+        self.playback.play(now)
+        self.theta = self.playback.theta()
 
     def stand_by(self, trajectory: Trajectory, limits: JointLimits) -> None:
-        """Stand at the start of a trajectory that was planned by `limits`."""
+        """Stand at the start of `trajectory`, planned by `limits`, for a page to play. Speed and loop stay."""
+        self.stop()
+        at = self.playback
+        speed, loop = (1.0, False) if at is None else (at.speed, at.loop)
+        self.playback = Playback(trajectory, speed, loop, limits=limits)
+        self.theta = self.playback.theta()
 
-    def draw_path(self, path: Mapping[str, Any]) -> None:
-        """Draw this way of the tool."""
+    def advance(self, now: float) -> None:
+        """Advance motions to `now` [s]. A trajectory that raises stops there."""
+        if self._glide is not None:
+            self.theta = self._glide.at(now)
+            self._glide = None if self.theta is self._glide.goal else self._glide
+        elif self.playback is not None and self.playback.running:
+            try:
+                self.playback.advance(now)
+                self.theta = checked_theta(self.arm, self.playback.theta())
+            except Exception:
+                self.playback.running = False
+                raise
 
-    def require_free(self) -> None:
-        """InputError while a servo drives the arm."""
+    @property
+    def running(self) -> bool:
+        """Whether a trajectory runs."""
+        return self.playback is not None and self.playback.running
+
+    @property
+    def moving(self) -> bool:
+        """Whether the arm moves by itself: a trajectory plays, or it is on its way to a pose."""
+        return self.running or self._glide is not None
 
     def seen(self) -> Seen:
         """The list of poses, and where the arm stands or is about to."""
+        theta = self.theta if self._glide is None else self._glide.goal
+        return Seen(self.poses.poses, theta, self.others)
+
+    def draw_path(self, path: Mapping[str, Any]) -> None:
+        """Draw this path of the tool: points and radius."""
+        self.path = {"type": "path", **path}
+
+    def require_free(self) -> None:
+        """Raise InputError while a servo drives the arm."""
+        if self.driven:
+            end = "Drive in the Jog panel is switched off" if self.drive["on"] else "it has ended"
+            raise InputError(
+                f"a servo drives {self.arm.name}: sliders, poses and trajectories are free again once {end}"
+            )
 
 
 class Part(Protocol):

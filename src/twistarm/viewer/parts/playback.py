@@ -1,4 +1,4 @@
-"""A trajectory on show: its time, speed, and whether it plays."""
+"""Motions on show: a trajectory with its clock, and an eased move to a configuration."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from ...limits.joint_limits import JointLimits
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array, as_theta
+
+GLIDE_TIME = 0.5
+"""[s]; as in page/glide.js."""
 
 
 @dataclass
@@ -54,3 +57,20 @@ class Playback:
     def theta(self) -> Array:
         """The configuration (n,) at the moment shown."""
         return as_theta(self.trajectory(self.time), len(self.trajectory.joint_names), "the trajectory's theta")
+
+
+@dataclass(frozen=True, eq=False)
+class Glide:
+    """From `start` (n,) to `goal` (n,), begun at `begun` [s] on the caller's clock."""
+
+    start: Array
+    goal: Array
+    begun: float
+
+    def at(self, now: float) -> Array:
+        """start + (3s² − 2s³)(goal − start) with s = (now − begun)/GLIDE_TIME: at rest at both ends."""
+        s = max(0.0, (now - self.begun) / GLIDE_TIME)
+        if s >= 1.0:
+            return self.goal
+        way: Array = self.start + s * s * (3.0 - 2.0 * s) * (self.goal - self.start)
+        return way

@@ -61,8 +61,8 @@ class Program:
 
     requests = frozenset({"record", "rename", "reorder", "move", "delete", "go", "poses", "plan"})
 
-    def __init__(self, arm: Arm) -> None:
-        self.list = PoseList(arm)
+    def __init__(self, arm: Arm, poses: PoseList) -> None:
+        self.list = poses
         self.limits = with_defaults(arm)
         self._usual = defaults_line(arm)
         self._motion: Trajectory | None = None

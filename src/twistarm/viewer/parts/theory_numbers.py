@@ -40,23 +40,15 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
         "body": J_b.tolist(),
         "hybrid": hybrid.tolist(),
         "axes": None if _uncoupled(arm) else _screws(poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)),
-        **_columns_and_motion(J_s, hybrid, rates),
+        "columns": _screws(J_s),
+        "motion": None if rates is None or not np.any(rates) else _motion(J_s @ rates, hybrid[:3] @ rates),
         **_singularity(arm, theta),
         **_ellipsoids(hybrid, prismatic, arm.reach),
     }
 
 
-def _columns_and_motion(J_s: Array, hybrid: Array, rates: Array | None) -> dict[str, Any]:
-    if rates is None or not np.any(rates):
-        return {"columns": _screws(J_s), "motion": None}
-    n, twist = len(rates), J_s @ rates
-    screws = _screws(np.column_stack([J_s, twist]))  # one call costs little more than for one column
-    motion = {
-        "twist": twist.tolist(),
-        "screw": {name: each[n:] for name, each in screws.items()},
-        "velocity": (hybrid[:3] @ rates).tolist(),
-    }
-    return {"columns": {name: each[:n] for name, each in screws.items()}, "motion": motion}
+def _motion(twist: Array, velocity: Array) -> dict[str, Any]:
+    return {"twist": twist.tolist(), "screw": _screws(twist[:, None]), "velocity": velocity.tolist()}
 
 
 def _singularity(arm: Arm, theta: Array) -> dict[str, Any]:
@@ -111,7 +103,7 @@ def standing(found: Manipulability, rank: int, below: float) -> str:
     values = found.singular_values
     if not len(values):
         return "No joint moves the tool."
-    weak = [_motion(found.axes[:, i]) for i in range(len(values)) if values[i] < below]
+    weak = [_in_words(found.axes[:, i]) for i in range(len(values)) if values[i] < below]
     hard = weak[: len(weak) - (len(values) - rank)]
     lost = weak[len(hard) :]
     said = f"Rank {rank} of {len(values)}"
@@ -122,7 +114,7 @@ def standing(found: Manipulability, rank: int, below: float) -> str:
     return f"{said}."
 
 
-def _motion(direction: Array) -> str:
+def _in_words(direction: Array) -> str:
     """A tool twist (v, w), v in units of the length, in words."""
     v, w = direction[:3], direction[3:]
     if np.linalg.norm(w) < SLIGHT:

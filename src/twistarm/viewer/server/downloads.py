@@ -45,7 +45,7 @@ class Download:
 
 
 def _motion(write: Callable[[Trajectory, float], str], stage: Stage, scene: Scene) -> Callable[[], str]:
-    at = stage.player.playback
+    at = stage.playback
     if at is None:
         raise InputError("nothing to export: no trajectory is loaded")
     return partial(write, at.trajectory, max(SAMPLE_TIME, at.duration / MOST_SAMPLES))

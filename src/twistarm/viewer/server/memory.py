@@ -60,7 +60,7 @@ class Memory:
         joints, poses, theta = (CHECKS[kind](given.get(name), name) for name, kind in ENTRIES.items())
         if len(theta) != len(joints):
             raise InputError(f"theta must be {len(joints)} numbers; got {len(theta)}")
-        left = stage.program.list.take(joints, poses)
+        left = stage.poses.take(joints, poses)
         if not stands:
             arm, stood = stage.arm, dict(zip(joints, theta, strict=True))
             stage.show(np.clip([stood[name] for name in arm.joint_names], arm.limits.lower, arm.limits.upper))
@@ -89,7 +89,7 @@ class Memory:
 
     def keep(self, stage: Stage) -> None:
         """Write what there is to keep, if that is another than the last time. Raises InputError where it cannot."""
-        poses = [pose.entry() for pose in stage.program.list.poses]
+        poses = [pose.entry() for pose in stage.poses.poses]
         text = encode({"joints": stage.arm.joint_names, "poses": poses, "theta": stage.theta.tolist()})
         if self._path is not None and text != self._kept:
             write_whole(self._path, text)

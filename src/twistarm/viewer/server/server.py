@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 from ...support.errors import InputError, TwistarmError
 from ...support.strict_json import encode
 from ..parts.commands import COMMANDS, PageCommands
-from ..parts.findings import Examination
+from ..parts.findings import examined
 from ..protocol.change_publisher import ChangePublisher, Source
 from ..protocol.jobs import Job, Progress, Workers
 from ..protocol.messages import Message, Request, failure, number_of, parse
@@ -31,6 +31,7 @@ FRAME_TIME = 1.0 / 60.0
 START_TIME = 10.0
 STOP_TIME = 5.0
 PATIENCE = 0.1
+CALM_TIME = 0.5
 
 Change = Callable[[Stage], None]
 Answer = TypeVar("Answer")
@@ -51,7 +52,7 @@ class Server:
         self.memory = memory
         if memory is not None:  # whoever has the port is the only one to use its file
             memory.recall(stage, stands)
-        self._kept = stage.program.list.poses
+        self._kept = stage.poses.poses
         self.notice: Message = {"type": "notice", "words": "; ".join(memory.notes) if memory else "", "wrong": False}
         self._lock = threading.Lock()
         self._changes: dict[str, Change] = {}
@@ -71,7 +72,6 @@ class Server:
         self.commands.arm = stage.arm
         self.show_choice()
         self.driver = Driver(stage, self.commands, self.post)
-        self.doctor = Examination(stage.arm, scene.reader, partial(self._show_findings, stage))
         self._news = ChangePublisher()
 
     def start(self) -> None:
@@ -90,7 +90,6 @@ class Server:
             self._thread.join(STOP_TIME)
         self.scene.close()
         self._workers.stop(STOP_TIME)
-        self.doctor.join(STOP_TIME)
         if self.memory is not None:
             self.memory.keep(self.stage)
 
@@ -129,8 +128,11 @@ class Server:
         if count:
             self._workers.submit(Job("scene", "reading the meshes", draw, lambda result: None))
 
-    def _show_findings(self, examined: Stage, message: dict[str, Any]) -> None:
-        self.post("findings", lambda stage: setattr(examined, "findings", message))
+    def examine(self) -> None:
+        """Have the doctor examine the arm in a thread."""
+        stage, reader = self.stage, self.scene.reader
+        job = Job("doctor", "examining the arm", lambda progress: examined(stage.arm, reader), stage.show_findings)
+        self._workers.submit(job)
 
     def _deliver(self, action: Callable[[], None]) -> None:
         """Finish a job: run `action` in the loop at once, then update the pages."""
@@ -172,7 +174,7 @@ class Server:
         await listener.close_all_connections()
 
     def _consult(self) -> None:
-        self._consultation = self._loop.create_task(self.doctor.wait(self._calm))
+        self._consultation = self._loop.create_task(self._examine_in_calm())
 
     def _exchange(self, stage: Stage, scene: Scene) -> list[str]:
         old = self.stage
@@ -193,6 +195,14 @@ class Server:
             client.begin(texts)
         self.publish()
         return words
+
+    async def _examine_in_calm(self) -> None:
+        """Examine the arm after CALM_TIME [s] of calm, so page loads and servos are not delayed."""
+        before = False
+        while not (before and self._calm()):
+            before = self._calm()
+            await asyncio.sleep(CALM_TIME)
+        self.examine()
 
     def _calm(self) -> bool:
         return bool(self.clients) and not self.stage.driven and not self.scene.left
@@ -283,8 +293,8 @@ class Server:
     def _keep_poses(self) -> None:
         """Write the list of poses in a thread, where it is kept and has changed."""
         stage, memory = self.stage, self.memory
-        if memory is not None and stage.program.list.poses is not self._kept:
-            self._kept = stage.program.list.poses
+        if memory is not None and stage.poses.poses is not self._kept:
+            self._kept = stage.poses.poses
             work = partial(memory.keep, stage)
             self._workers.submit(Job("keep", "keeping the poses", lambda progress: work(), lambda result: None))
 
