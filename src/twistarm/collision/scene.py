@@ -1,0 +1,384 @@
+"""`Scene`: an arm's collision shapes, obstacles, and the questions about them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arm.arm import Arm, require_arm
+from ..arm.pinocchio_model import import_pinocchio
+from ..description.findings import Finding, finding
+from ..support.checks import (
+    Array,
+    Given,
+    Row,
+    as_flag,
+    as_not_negative,
+    as_pose,
+    as_positive,
+    as_theta,
+    as_vector,
+    as_whole,
+    require_callback,
+    require_mapping,
+    require_names,
+)
+from ..support.errors import InputError, TwistarmError, listed, unknown_name
+from ..support.files import as_path
+from .allowed_pairs import Pair, allowed_pairs, sorted_pair
+from .bodies import Body, Shapes, in_words
+from .checker import Checker
+from .scene_file import SceneFile, read_scene
+
+
+@dataclass(frozen=True)
+class Distance:
+    """The nearest pair of bodies: `metres` apart, negative by the depth of an overlap.
+
+    `links` are the names of the two links or obstacles, `points` (2, 3) their nearest points in the base frame [m].
+    `metres` is inf and `links` empty if the scene has no pair to check.
+    """
+
+    metres: float
+    links: tuple[str, ...]
+    points: Array
+
+    def __str__(self) -> str:
+        if not self.links:
+            return "nothing to collide with"
+        apart = f"{1000.0 * abs(self.metres):.0f} mm"
+        return (
+            f"{self.links[0]} and {self.links[1]}: {f'{apart} apart' if self.metres >= 0.0 else f'overlap by {apart}'}"
+        )
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A pair nearer than its `margin` [m]. The `distance` [m] is negative by the depth of an overlap."""
+
+    links: tuple[str, str]
+    distance: float
+    margin: float
+
+    def __str__(self) -> str:
+        where = f"{self.links[0]} and {self.links[1]}"
+        if self.distance < 0.0:
+            return f"{where} overlap by {1000.0 * -self.distance:.0f} mm"
+        return f"{where}: {1000.0 * self.distance:.0f} mm apart, {1000.0 * self.margin:.0f} mm asked"
+
+
+class Scene:
+    """The shapes of an arm's robot and of obstacles, with the pairs to check for collisions.
+
+    A link has its collision shapes, otherwise its visuals, otherwise capsules to the joints that it carries. Meshes are
+    replaced by their convex hulls; with `exact=True` they are kept. `findings` tell what each link has.
+
+    `allowed` are the pairs of links that are not checked, with their reasons: the SRDF's, or those of
+    `collision.allowed_pairs`. Obstacles are checked against every link that can move relative to them.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        *,
+        margin: float | Mapping[str, float] = 0.0,
+        exact: bool = False,
+        progress: Callable[[int, int], object] | None = None,
+    ) -> None:
+        """Read the shapes of `arm`, and find its allowed pairs if no SRDF names them.
+
+        Args:
+            arm: An arm with a description.
+            margin: Distance [m] below which a pair collides: a number, or {link or obstacle: number}. The larger of
+                two margins counts for a pair.
+            exact: Check the triangles of meshes. It is slower, and an overlap has no depth.
+            progress: Called with samples done and in all while allowed pairs are found.
+
+        Raises:
+            InputError: The arm has no description, or a margin is negative.
+        """
+        description = require_arm(arm).description
+        if description is None:
+            raise InputError(f"{arm.name} has no description, so no shapes: load it from its URDF or xacro file")
+        self.arm = arm
+        self._description, self._model = description, arm.pinocchio
+        self._margin = _margins(margin)
+        self._exact = as_flag(exact, "exact")
+        self._progress = require_callback(progress, "progress", "(done, total)")
+        with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
+            self._links = tuple(shapes.of_links(description, arm.reach))
+            self._unreadable = shapes.unreadable
+        self._obstacles: dict[str, Body] = {}
+        self._touching: dict[str, frozenset[str]] = {}
+        self._allowed_too: dict[Pair, str] = {}
+
+    @classmethod
+    def load(
+        cls,
+        arm: Arm,
+        path: str | os.PathLike[str],
+        *,
+        margin: float | Mapping[str, float] | None = None,
+        exact: bool = False,
+        progress: Callable[[int, int], object] | None = None,
+    ) -> Scene:
+        """Read a scene.toml, MoveIt's planning scene (.yaml) or MoveIt's .scene text, for `arm`.
+
+        `margin` replaces that of the file. A planning scene's allowed collision matrix replaces the allowed pairs.
+
+        Raises:
+            InputError: An entry cannot be used, names an unknown link, or the file is for another arm.
+            DescriptionError: The file cannot be read.
+        """
+        file = as_path(path)
+        content = read_scene(file)
+        if content.arm and content.arm != require_arm(arm).name:
+            raise InputError(f"{file} is for the arm {content.arm!r}, not {arm.name!r}; change its entry arm to use it")
+        asked = content.margin if margin is None else margin
+        scene = cls(arm, margin=0.0 if asked is None else asked, exact=exact, progress=progress)
+        try:
+            scene._fill(content)
+        except TwistarmError as error:
+            raise InputError(f"{file}: {error}") from error
+        return scene
+
+    def __repr__(self) -> str:
+        return (
+            f"Scene({self.arm.name}: {len(self._links)} bodies of links, obstacles {listed(self._obstacles) or 'none'})"
+        )
+
+    # -- what is in it -------------------------------------------------------------------------------------------
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """What shape each link has, and the meshes that could not be read."""
+        place = self._description.place()
+        found = [
+            finding("collision-shapes", place, f"{kind}: {listed(names)}", "check them in the view, layer Collision")
+            for kind, names in in_words(self._links).items()
+        ]
+        for link, why in self._unreadable.items():
+            remedy = "mend the file, or give the link a box or cylinder as collision shape"
+            found.append(finding("collision-mesh-unreadable", place, f"a mesh of {link} is left out: {why}", remedy))
+        return tuple(found)
+
+    @cached_property
+    def allowed(self) -> Mapping[Pair, str]:
+        """Sorted pairs of links that are not checked, and why: "SRDF", "Adjacent", "Default", "Always" or "Never"."""
+        if self.arm.disabled_collisions:
+            return dict.fromkeys(sorted(self.arm.disabled_collisions), "SRDF")
+        return allowed_pairs(self.arm, self._model, self._description, self._links, progress=self._progress)
+
+    @property
+    def obstacles(self) -> Mapping[str, Body]:
+        """The obstacles and attached objects by name."""
+        return dict(self._obstacles)
+
+    def add_box(self, name: str, size: Row, pose: Given | None = None) -> None:
+        """Add a box of `size` (3,) [m], its centre at `pose` (4, 4) or at a position (3,) in the base frame."""
+        self._add(name, "box", as_vector(size, "size"), pose)
+
+    def add_sphere(self, name: str, radius: float, pose: Given | None = None) -> None:
+        """Add a sphere [m] with its centre at `pose` (4, 4) or at a position (3,)."""
+        self._add(name, "sphere", [radius], pose)
+
+    def add_cylinder(self, name: str, radius: float, length: float, pose: Given | None = None) -> None:
+        """Add a cylinder [m] along the z axis of `pose` (4, 4), its centre at the origin of `pose`."""
+        self._add(name, "cylinder", [radius, length], pose)
+
+    def add_capsule(self, name: str, radius: float, length: float, pose: Given | None = None) -> None:
+        """Add a capsule [m] along the z axis of `pose` (4, 4). `length` is the distance of its two centres."""
+        self._add(name, "capsule", [radius, length], pose)
+
+    def add_plane(self, name: str = "ground", pose: Given | None = None) -> None:
+        """Add everything below the plane z = 0 of `pose` (4, 4); by default the plane of the base."""
+        self._add(name, "plane", [], pose)
+
+    def add_mesh(
+        self, name: str, path: str | os.PathLike[str], pose: Given | None = None, *, scale: float | Row = 1.0
+    ) -> None:
+        """Add a mesh file (STL, DAE, OBJ) with its frame at `pose` (4, 4): its hull, or its triangles if `exact`."""
+        self._add(name, "mesh", np.broadcast_to(np.asarray(scale, dtype=np.float64), 3), pose, as_path(path))
+
+    def allow(self, first: str, second: str, reason: str = "User") -> None:
+        """Do not check a pair of links or obstacles any more."""
+        for name in (first, second):
+            if name not in self._obstacles:
+                self._description.require_link(name, "link or obstacle")
+        self._allowed_too[sorted_pair(first, second)] = reason
+        self._changed()
+
+    def remove(self, name: str) -> None:
+        """Remove an obstacle or attached object."""
+        self._require_obstacle(name)
+        del self._obstacles[name]
+        self._touching.pop(name, None)
+        self._changed()
+
+    def attach(self, name: str, link: str | None = None, *, theta: ArrayLike, touching: Iterable[str] = ()) -> None:
+        """Let `link`, by default the tip, carry an obstacle that it holds at theta (n,).
+
+        The links of the same body and of its children may touch the object, and so may those in `touching`.
+        """
+        body = self._require_obstacle(name)
+        carrier = self._description.require_link(link or self.arm.tip_link, "link")
+        self._hold(name, carrier, self._relative(theta, carrier, body.carrier) @ body.pose, touching)
+
+    def detach(self, name: str, *, theta: ArrayLike) -> None:
+        """Put an attached object down where it is at theta (n,)."""
+        body = self._require_obstacle(name)
+        g = self._relative(theta, self.arm.base, body.carrier)
+        self._obstacles[name] = replace(body, carrier=self.arm.base, pose=g @ body.pose)
+        self._touching.pop(name, None)
+        self._changed()
+
+    # -- questions -----------------------------------------------------------------------------------------------
+
+    def collides(self, theta: ArrayLike, *, threads: int = 1) -> Any:
+        """Whether some pair overlaps or is nearer than its margin at theta (..., n): a bool, or (...) of bool.
+
+        Several configurations are shared among `threads`.
+        """
+        x = as_theta(theta, self.arm.n, "theta", self.arm.joint_names)
+        if x.ndim == 1:
+            return self._checker.collides(self._model.q(x))
+        Q = np.array([self._model.q(row) for row in x.reshape(-1, self.arm.n)]).reshape(-1, self._model.model.nq)
+        return self._checker.batch(Q, as_whole(threads, "threads", 1, 256)).reshape(x.shape[:-1])
+
+    def distance(self, theta: ArrayLike) -> Distance:
+        """The nearest pair at theta (n,), margins not counted."""
+        x = self.arm.theta_from(theta)
+        metres = self._checker.distances(self._model.q(x))
+        if not len(metres):
+            return Distance(np.inf, (), np.empty((0, 3)))
+        k = int(metres.argmin())
+        points = (self._checker.points(k) - self._base(x)[:3, 3]) @ self._base(x)[:3, :3]
+        return Distance(float(metres[k]), self._names(k), points)
+
+    def contacts(self, theta: ArrayLike) -> tuple[Contact, ...]:
+        """The pairs that collide at theta (n,), the deepest first."""
+        q = self._model.q(self.arm.theta_from(theta))
+        hit = self._checker.overlapping(q)
+        if not hit:
+            return ()
+        metres = self._checker.distances(q)
+        worst: dict[tuple[str, str], Contact] = {}
+        for k in sorted(hit, key=lambda k: metres[k]):
+            first, second = self._names(k)
+            worst.setdefault((first, second), Contact((first, second), float(metres[k]), self._checker_margins[k]))
+        return tuple(worst.values())
+
+    # -- inside --------------------------------------------------------------------------------------------------
+
+    def _fill(self, content: SceneFile) -> None:
+        """Add what a file holds."""
+        for entry in content.entries:
+            self._add(entry.name, entry.kind, entry.size, entry.pose, entry.mesh)
+            if entry.on:
+                self._hold(entry.name, self._description.require_link(entry.on, "link"), entry.pose, entry.touching)
+        if content.matrix:
+            self.__dict__["allowed"] = {}
+        for first, second in content.allowed:
+            self.allow(first, second, "File")
+
+    def _add(self, name: str, kind: str, size: Row, pose: Given | None, mesh: Path | None = None) -> None:
+        if not isinstance(name, str) or not name:
+            raise InputError(f"name must be a text that is not empty; got {name!r}")
+        if name in self._obstacles or name in self._description.links:
+            what = "an obstacle" if name in self._obstacles else "a link"
+            raise InputError(f"name: {what} is already called {name!r}; choose another name, or remove it first")
+        sizes = tuple(as_positive(number, "scale" if kind == "mesh" else "size") for number in size)
+        with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
+            if kind == "plane":
+                shape = shapes.half_space()
+            else:
+                shape = shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)
+        self._obstacles[name] = Body(name, self.arm.base, shape, _as_place(pose), kind, obstacle=True)
+        self._changed()
+
+    def _hold(self, name: str, carrier: str, pose: Array, touching: Iterable[str]) -> None:
+        """Put an obstacle on a link, at `pose` (4, 4) in its frame."""
+        touched = require_names(touching, "touching")
+        for other in touched:
+            self._description.require_link(other, "touching")
+        self._obstacles[name] = replace(self._obstacles[name], carrier=carrier, pose=pose)
+        beyond = {link for joint in self._description.joints.values() if joint.parent == carrier
+                  for link in self._description.beyond(joint.name)}  # fmt: skip
+        self._touching[name] = frozenset({carrier, *beyond, *touched})
+        self._changed()
+
+    def _changed(self) -> None:
+        for name in ("_checker", "_checker_margins"):
+            self.__dict__.pop(name, None)
+
+    def _require_obstacle(self, name: str) -> Body:
+        if name not in self._obstacles:
+            raise unknown_name("obstacle", name, self._obstacles, within="the scene", listing="obstacles")
+        return self._obstacles[name]
+
+    def _base(self, theta: Array) -> Array:
+        """The base's pose (4, 4) in Pinocchio's world."""
+        return self._model.link_pose(self._model.q(theta), self._description.root, self.arm.base)
+
+    def _relative(self, theta: ArrayLike, frame: str, link: str) -> Array:
+        return self._model.link_pose(self._model.q(self.arm.theta_from(theta)), frame, link)
+
+    @cached_property
+    def _checker(self) -> Checker:
+        bodies = (*self._links, *self._obstacles.values())
+        joints = [self._model.model.frames[self._model.frame_id(body.carrier)].parentJoint for body in bodies]
+        pairs = [
+            (i, j)
+            for i, j in combinations(range(len(bodies)), 2)
+            if joints[i] != joints[j] and not self._exempt(bodies[i], bodies[j])
+        ]
+        return Checker(self._model, bodies, pairs, [self._margin_of(bodies[i], bodies[j]) for i, j in pairs])
+
+    @cached_property
+    def _checker_margins(self) -> list[float]:
+        checker = self._checker
+        return [self._margin_of(checker.bodies[i], checker.bodies[j]) for i, j in checker.pairs]
+
+    def _exempt(self, one: Body, other: Body) -> bool:
+        pair = sorted_pair(one.name, other.name)
+        if pair in self._allowed_too:
+            return True
+        if one.obstacle or other.obstacle:
+            return other.name in self._touching.get(one.name, ()) or one.name in self._touching.get(other.name, ())
+        return pair in self.allowed
+
+    def _margin_of(self, one: Body, other: Body) -> float:
+        if isinstance(self._margin, float):
+            return self._margin
+        return max(self._margin.get(one.name, 0.0), self._margin.get(other.name, 0.0))
+
+    def _names(self, k: int) -> tuple[str, str]:
+        i, j = self._checker.pairs[k]
+        return self._checker.bodies[i].name, self._checker.bodies[j].name
+
+
+def _as_place(pose: Given | None) -> Array:
+    """A pose (4, 4) from a pose, a position (3,) or None."""
+    if pose is None:
+        return np.eye(4)
+    array = np.asarray(pose, dtype=object)
+    if array.shape == (3,):
+        g = np.eye(4)
+        g[:3, 3] = as_vector(pose, "pose")  # type: ignore[arg-type]
+        return g
+    return as_pose(pose)
+
+
+def _margins(margin: float | Mapping[str, float]) -> float | dict[str, float]:
+    if isinstance(margin, Mapping):
+        given = require_mapping(margin, "margin", '{"forearm": 0.02}')
+        return {name: as_not_negative(value, f"margin[{name!r}]") for name, value in given.items()}
+    return as_not_negative(margin, "margin")
