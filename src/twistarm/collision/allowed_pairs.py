@@ -41,7 +41,7 @@ def allowed_pairs(
     description: Description,
     bodies: Sequence[Body],
     samples: int = SAMPLES,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Callable[[float], object] | None = None,
 ) -> dict[Pair, str]:
     """Sorted pairs of links that need no check, each with its reason.
 
@@ -64,7 +64,7 @@ def allowed_pairs(
     unseen = set(left()) - set(counts)
     for done in range(0, samples, TRIALS):
         if progress is not None:
-            progress(done, samples)
+            progress(done / samples)
         unseen -= set(_seen(model, bodies, unseen, draw(min(TRIALS, samples - done)), once=True))
     return reasons | dict.fromkeys(sorted(unseen), "Never")
 

@@ -38,6 +38,9 @@ from .bodies import Body, Shapes, in_words
 from .checker import Checker
 from .scene_file import SceneFile, read_scene
 
+NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
+"""How many numbers the size of an obstacle has."""
+
 
 @dataclass(frozen=True)
 class Distance:
@@ -91,7 +94,7 @@ class Scene:
         *,
         margin: float | Mapping[str, float] = 0.0,
         exact: bool = False,
-        progress: Callable[[int, int], object] | None = None,
+        progress: Callable[[float], object] | None = None,
     ) -> None:
         """Read the shapes of `arm`, and find its allowed pairs if no SRDF names them.
 
@@ -100,7 +103,7 @@ class Scene:
             margin: Distance [m] below which a pair collides: a number, or {link or obstacle: number}. The larger of
                 two margins counts for a pair.
             exact: Check the triangles of meshes. It is slower, and an overlap has no depth.
-            progress: Called with samples done and in all while allowed pairs are found.
+            progress: Called with the fraction done while allowed pairs are found.
 
         Raises:
             InputError: The arm has no description, or a margin is negative.
@@ -112,7 +115,7 @@ class Scene:
         self._description, self._model = description, arm.pinocchio
         self._margin = _margins(margin)
         self._exact = as_flag(exact, "exact")
-        self._progress = require_callback(progress, "progress", "(done, total)")
+        self._progress = require_callback(progress, "progress", "(fraction)")
         with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
             self._links = tuple(shapes.of_links(description, arm.reach))
             self._unreadable = shapes.unreadable
@@ -128,7 +131,7 @@ class Scene:
         *,
         margin: float | Mapping[str, float] | None = None,
         exact: bool = False,
-        progress: Callable[[int, int], object] | None = None,
+        progress: Callable[[float], object] | None = None,
     ) -> Scene:
         """Read a scene.toml, MoveIt's planning scene (.yaml) or MoveIt's .scene text, for `arm`.
 
@@ -295,7 +298,8 @@ class Scene:
         if name in self._obstacles or name in self._description.links:
             what = "an obstacle" if name in self._obstacles else "a link"
             raise InputError(f"name: {what} is already called {name!r}; choose another name, or remove it first")
-        sizes = tuple(as_positive(number, "scale" if kind == "mesh" else "size") for number in size)
+        what = "scale" if kind == "mesh" else "size"
+        sizes = tuple(as_positive(number, what) for number in as_vector(size, what, NUMBERS[kind]))
         with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
             if kind == "plane":
                 shape = shapes.half_space()

@@ -98,8 +98,10 @@ def _entry(kind: str, value: Any, angle: float, folder: Path) -> Entry:
     if missing:
         raise InputError(f"it needs {listed(missing)}")
     mesh = folder / table["file"] if kind == "mesh" else None
-    sizes = [table.get("scale", 1.0)] if kind == "mesh" else [table[name] for name in own]
-    size = tuple(float(x) for value in sizes for x in np.ravel(np.asarray(value, dtype=np.float64)))
+    if kind == "mesh":
+        size = tuple(map(float, np.broadcast_to(np.asarray(table.get("scale", 1.0), dtype=np.float64), 3)))
+    else:
+        size = tuple(float(x) for name in own for x in np.ravel(np.asarray(table[name], dtype=np.float64)))
     touching = tuple(table.get("touching", ()))
     return Entry(table["name"], kind, size, _pose(table, angle), mesh, table.get("on", ""), touching)
 
