@@ -243,6 +243,11 @@ class Scene:
         self._touching.pop(name, None)
         self._changed()
 
+    def require_arm(self, arm: Arm) -> None:
+        """Raise InputError if `arm` is of another description, or has other coordinates."""
+        if arm.description is not self._description or arm.joint_names != self.arm.joint_names:
+            raise InputError(f"scene is one of {self.arm.name}, not of this {arm.name}: make it with Scene(arm)")
+
     # -- questions -----------------------------------------------------------------------------------------------
 
     def collides(self, theta: ArrayLike, *, threads: int = 1) -> Any:
