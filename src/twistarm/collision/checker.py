@@ -26,7 +26,7 @@ class Checker:
         self, model: PinocchioModel, bodies: Sequence[Body], pairs: Sequence[tuple[int, int]], margins: Sequence[float]
     ) -> None:
         self._pin = import_pinocchio()
-        self._model, self.bodies, self.pairs, self._margins = model, tuple(bodies), tuple(pairs), tuple(margins)
+        self._model, self.bodies, self.pairs, self.margins = model, tuple(bodies), tuple(pairs), tuple(margins)
         self._geometry = self._pin.GeometryModel()
         for i, body in enumerate(self.bodies):
             frame = model.frame_id(body.carrier)
@@ -94,6 +94,6 @@ class Checker:
 
     def _ask(self, geometry: Any) -> None:
         """Set the margins and the tolerance of the distance."""
-        for k, margin in enumerate(self._margins):
+        for k, margin in enumerate(self.margins):
             geometry.collisionRequests[k].security_margin = margin
             geometry.distanceRequests[k].gjk_tolerance = TOLERANCE

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +37,7 @@ from .allowed_pairs import Pair, allowed_pairs, sorted_pair
 from .bodies import Body, Shapes, in_words
 from .checker import Checker
 from .scene_file import SceneFile, read_scene
+from .swept import Sweep, taylor
 
 NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
 """How many numbers the size of an obstacle has."""
@@ -76,6 +77,15 @@ class Contact:
         if self.distance < 0.0:
             return f"{where} overlap by {1000.0 * -self.distance:.0f} mm"
         return f"{where}: {1000.0 * self.distance:.0f} mm apart, {1000.0 * self.margin:.0f} mm asked"
+
+
+@dataclass(frozen=True, eq=False)
+class Collision:
+    """The first collision of a motion: its `time` [s], the configuration theta (n,) there, and the contacts."""
+
+    time: float
+    theta: Array
+    contacts: tuple[Contact, ...]
 
 
 class Scene:
@@ -281,8 +291,27 @@ class Scene:
         worst: dict[tuple[str, str], Contact] = {}
         for k in sorted(hit, key=lambda k: metres[k]):
             first, second = self._names(k)
-            worst.setdefault((first, second), Contact((first, second), float(metres[k]), self._checker_margins[k]))
+            worst.setdefault((first, second), Contact((first, second), float(metres[k]), self._checker.margins[k]))
         return tuple(worst.values())
+
+    def first_collision(self, breakpoints: Given, coefficients: Given) -> Collision | None:
+        """The first collision of a motion, without gaps; None if there is none.
+
+        The motion is a piecewise polynomial as in `Trajectory`: breakpoints (s + 1,) [s] and coefficients
+        (degree + 1, s, n), highest power first. A pair
+        that is nearer than its margin by less than 0.5 mm may be missed.
+        """
+        times, pieces = np.asarray(breakpoints, dtype=np.float64), np.asarray(coefficients, dtype=np.float64)
+        for k, (begin, end) in enumerate(pairwise(times)):
+            found = self._sweep.along(pieces[:, k], end - begin)
+            if found is not None:
+                theta = taylor(pieces[:, k], found)[-1]
+                return Collision(float(begin + found), theta, self.contacts(theta))
+        return None
+
+    def is_free(self, one: ArrayLike, other: ArrayLike) -> bool:
+        """Whether the straight way in joint space from one configuration (n,) to another collides with nothing."""
+        return self._sweep.straight(self.arm.theta_from(one), self.arm.theta_from(other))
 
     # -- inside --------------------------------------------------------------------------------------------------
 
@@ -325,7 +354,7 @@ class Scene:
         self._changed()
 
     def _changed(self) -> None:
-        for name in ("_checker", "_checker_margins"):
+        for name in ("_checker", "_sweep"):
             self.__dict__.pop(name, None)
 
     def _require_obstacle(self, name: str) -> Body:
@@ -352,9 +381,13 @@ class Scene:
         return Checker(self._model, bodies, pairs, [self._margin_of(bodies[i], bodies[j]) for i, j in pairs])
 
     @cached_property
-    def _checker_margins(self) -> list[float]:
+    def _sweep(self) -> Sweep:
         checker = self._checker
-        return [self._margin_of(checker.bodies[i], checker.bodies[j]) for i, j in checker.pairs]
+
+        def checker_of(clearance: float) -> Checker:
+            return Checker(self._model, checker.bodies, checker.pairs, [m + clearance for m in checker.margins])
+
+        return Sweep(checker_of, self._model, self._model.dq_dtheta)
 
     def _exempt(self, one: Body, other: Body) -> bool:
         pair = sorted_pair(one.name, other.name)
