@@ -64,6 +64,8 @@ class Checker:
     def distances(self, q: Array) -> Array:
         """The distance [m] of each pair at q (nq,), negative by the depth of an overlap."""
         data, geometry, _ = self._own()
+        for request in geometry.distanceRequests:
+            request.gjk_tolerance = TOLERANCE
         self._pin.computeDistances(self._model.model, data, self._geometry, geometry, q)
         return np.array([result.min_distance for result in geometry.distanceResults])
 
@@ -74,12 +76,13 @@ class Checker:
 
     def _own(self) -> tuple[Any, Any, Any]:
         """The thread's data of the model, of the geometry, and the broadphase manager."""
-        if not hasattr(self._local, "geometry"):
-            self._local.geometry = self._geometry.createData()
-            self._ask(self._local.geometry)
-            kind = self._pin.BroadPhaseManager_SSaPCollisionManager
-            self._local.manager = kind(self._model.model, self._geometry, self._local.geometry)
-        return self._model.data, self._local.geometry, self._local.manager
+        own: tuple[Any, Any, Any] | None = getattr(self._local, "own", None)
+        if own is None:
+            geometry = self._geometry.createData()
+            self._ask(geometry)
+            manager = self._pin.BroadPhaseManager_SSaPCollisionManager(self._model.model, self._geometry, geometry)
+            own = self._local.own = (self._model.data, geometry, manager)
+        return own
 
     def _pool(self, threads: int) -> Any:
         """The managers of a batch on this many threads."""
@@ -93,7 +96,7 @@ class Checker:
         return self._local.pool
 
     def _ask(self, geometry: Any) -> None:
-        """Set the margins and the tolerance of the distance."""
+        """Set the margins."""
         for k, margin in enumerate(self.margins):
-            geometry.collisionRequests[k].security_margin = margin
-            geometry.distanceRequests[k].gjk_tolerance = TOLERANCE
+            if margin:
+                geometry.collisionRequests[k].security_margin = margin

@@ -313,6 +313,16 @@ class Scene:
         """Whether the straight way in joint space from one configuration (n,) to another collides with nothing."""
         return self._sweep.straight(self.arm.theta_from(one), self.arm.theta_from(other))
 
+    @property
+    def largest_margin(self) -> float:
+        """The largest margin of a pair [m]."""
+        return max(self._checker.margins, default=0.0)
+
+    def checks(self, clearance: float) -> Callable[[Array], bool]:
+        """A quick check of one configuration (n,): whether every pair keeps its margin and this clearance [m]."""
+        checker, q = self._sweep.checker(clearance), self._model.q
+        return lambda theta: not checker.collides(q(theta))
+
     # -- inside --------------------------------------------------------------------------------------------------
 
     def _fill(self, content: SceneFile) -> None:
@@ -382,12 +392,7 @@ class Scene:
 
     @cached_property
     def _sweep(self) -> Sweep:
-        checker = self._checker
-
-        def checker_of(clearance: float) -> Checker:
-            return Checker(self._model, checker.bodies, checker.pairs, [m + clearance for m in checker.margins])
-
-        return Sweep(checker_of, self._model, self._model.dq_dtheta)
+        return Sweep(self._checker, self._model)
 
     def _exempt(self, one: Body, other: Body) -> bool:
         pair = sorted_pair(one.name, other.name)

@@ -14,8 +14,11 @@ from .checker import Checker
 FINE = 2.5e-4
 """Half the way [m] between two checks where something is near: nothing thicker than 0.5 mm fits between them."""
 
-LEVELS = tuple(FINE * 4.0**k for k in range(1, 7))
-"""Clearances [m] that are checked: 1, 4, 16, 64, 256 and 1,024 mm."""
+LEVELS = tuple(FINE * 8.0**k for k in range(1, 5))
+"""Clearances [m] that are checked: 2, 16, 128 and 1,024 mm."""
+
+LEAST_SHARE = 0.02
+"""The least share of a clearance that a pair is given."""
 
 Positions = Callable[[float], Array]
 
@@ -28,11 +31,14 @@ class Sweep:
     Adaptive Dynamic Collision Checking, IEEE T-RO 21(3), 2005).
     """
 
-    def __init__(self, checker_of: Callable[[float], Checker], model: PinocchioModel, columns: Array) -> None:
-        """`checker_of(clearance)` makes the checker with a larger margin; `columns` (nq, n) are dq/dtheta."""
-        self._checker_of, self._model = checker_of, model
-        self._checkers: dict[float, Checker] = {}
-        self._speeds = pair_speeds(model, self._checker(0.0), columns)
+    def __init__(self, checker: Checker, model: PinocchioModel) -> None:
+        self._model, self._base = model, checker
+        self._checkers = {0.0: checker}
+        speeds = pair_speeds(model, checker)
+        total = speeds.sum(axis=1)
+        # A pair that hardly moves needs little clearance: each gets its share.
+        self._shares = np.maximum(total / max(total.max(initial=0.0), 1e-12), LEAST_SHARE)
+        self._speeds = np.unique(np.round(speeds / self._shares[:, None], 9), axis=0)
 
     def first(self, positions: Positions, bound: Callable[[float, float], Array], end: float) -> float | None:
         """The first time in [0, end] at which something collides; None if nothing does.
@@ -48,11 +54,11 @@ class Sweep:
             way = float((self._speeds @ bound(middle, half)).max())
             q = self._model.q(positions(middle))
             if way <= FINE:
-                if self._checker(0.0).collides(q):
+                if self.checker(0.0).collides(q):
                     return middle
                 continue
             clearance = next((level for level in LEVELS if level >= way), None)
-            if clearance is None or self._checker(clearance).collides(q):
+            if clearance is None or self.checker(clearance).collides(q):
                 waiting += [(middle, stop), (begin, middle)]
         return None
 
@@ -65,9 +71,11 @@ class Sweep:
         way = np.abs(other - one)
         return self.first(lambda t: one + t * (other - one), lambda _, half: half * way, 1.0) is None
 
-    def _checker(self, clearance: float) -> Checker:
+    def checker(self, clearance: float) -> Checker:
+        """The checker whose margins are larger by `clearance` [m] for the fastest pairs, and less for others."""
         if clearance not in self._checkers:
-            self._checkers[clearance] = self._checker_of(clearance)
+            margins = np.array(self._base.margins) + clearance * self._shares
+            self._checkers[clearance] = Checker(self._model, self._base.bodies, self._base.pairs, margins.tolist())
         return self._checkers[clearance]
 
 
@@ -87,21 +95,19 @@ def moved(piece: Array, at: float, half: float) -> Array:
     return ways
 
 
-def pair_speeds(model: PinocchioModel, checker: Checker, columns: Array) -> Array:
-    """Bounds (k, n) of how fast any two points of a pair approach, by each coordinate alone at rate 1 [m/rad, 1]."""
-    speeds = [_speeds(model, body) for body in checker.bodies]
-    ancestors = [_ancestors(model, body) for body in checker.bodies]
-    rows = set()
-    for i, j in checker.pairs:
-        # A joint that carries both moves neither against the other.
-        one = speeds[i] * ~np.isin(np.arange(len(speeds[i])), sorted(ancestors[j]))
-        other = speeds[j] * ~np.isin(np.arange(len(speeds[j])), sorted(ancestors[i]))
-        rows.add(tuple((one + other).tolist()))
-    by_joint = np.array(sorted(rows)).reshape(-1, model.model.njoints)
+def pair_speeds(model: PinocchioModel, checker: Checker) -> Array:
+    """Bounds (pairs, n) of how fast any two points of a pair approach, by each coordinate alone at rate 1."""
+    count = model.model.njoints
+    speeds = np.array([_speeds(model, body) for body in checker.bodies]).reshape(-1, count)
+    carried = np.array([[j in _ancestors(model, body) for j in range(count)] for body in checker.bodies])
+    first, second = np.array(checker.pairs, dtype=int).reshape(-1, 2).T
+    # A joint that carries both moves neither against the other.
+    by_joint = np.where(carried[second], 0.0, speeds[first]) + np.where(carried[first], 0.0, speeds[second])
     by_q = np.zeros((len(by_joint), model.model.nq))
-    for j in range(1, model.model.njoints):
+    for j in range(1, count):
         by_q[:, model.model.idx_qs[j]] = by_joint[:, j]
-    return by_q @ np.abs(columns)
+    rows: Array = by_q @ np.abs(model.dq_dtheta)
+    return rows
 
 
 def _ancestors(model: PinocchioModel, body: Body) -> set[int]:
