@@ -14,6 +14,7 @@ from ..arm.arm import Arm
 from ..arm.pinocchio_model import PinocchioModel
 from ..description.coupling import coupling_matrix
 from ..description.tree import Description
+from ..limits.joint_units import slides
 from ..support.checks import Array
 from .bodies import Body
 from .checker import Checker
@@ -98,7 +99,7 @@ class _Sampler:
         lower, upper = [], []
         for name in free:
             joint = description.joints[name]
-            half = UNLIMITED[joint.type == "prismatic"]
+            half = UNLIMITED[slides(joint.type)]
             lower.append(joint.lower if np.isfinite(joint.lower) else -half)
             upper.append(joint.upper if np.isfinite(joint.upper) else half)
         self._lower, self._upper = np.array(lower), np.array(upper)

@@ -11,17 +11,11 @@ import numpy as np
 from ..arm.arm import Arm
 from ..support.checks import Array
 from .batch import solve_ik_batch
-from .closed_form.report import closed_form_of
 from .ranges import joint_ranges
 from .solution import IKResult
-from .solve_all import solve_ik_all
-from .targets import Approach, Pose, Position, Task
 
 if TYPE_CHECKING:
     from ..collision import Scene
-
-CONSTRAINTS = {Pose: 6, Approach: 5, Position: 3, Task: 6}
-"""Constraints of a target. An arm with as many joints has few configurations for it, which the closed form lists."""
 
 SPREADS = (0.3, 1.0, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
 """Widths [rad, m] about theta0 of the starts of each round of searches; inf for starts in the whole range."""
@@ -35,8 +29,8 @@ def collision_free(
 ) -> IKResult:
     """The nearest free configuration that meets the target of `first`, or `first` with its contacts.
 
-    `first` meets the target and collides. The closed form's configurations are tried, then searches from starts near
-    theta0 and from random ones. `solve(theta)` is the call of `solve_ik` from another start.
+    `first` meets the target and collides. Searches start near theta0, then at random configurations.
+    `solve(theta)` is the call of `solve_ik` from another start.
     """
     start = first._answer.theta0
     ends = np.inf if max_time is None else time.monotonic() + max_time
@@ -57,11 +51,6 @@ def _rounds(arm: Arm, first: IKResult, start: Array) -> Iterator[Array]:
     """Configurations (k, n) that meet the target, several at a time."""
     tolerances = first.tolerances
     asked: dict[str, Any] = {"position_tol": tolerances.position, "orientation_tol": tolerances.orientation}
-    if CONSTRAINTS[type(first.target)] == arm.n and closed_form_of(arm, first.target).exact:
-        every = solve_ik_all(arm, first.target, start, **asked)
-        yield every.theta
-        if every.complete and not any(every.free):
-            return
     rng, ranges = np.random.default_rng(0), joint_ranges(arm)
     for spread in SPREADS:
         starts = arm.random_theta(rng, SEARCHES)
