@@ -81,7 +81,12 @@ class Contact:
 
 @dataclass(frozen=True, eq=False)
 class Collision:
-    """The first collision of a motion: its `time` [s], the configuration theta (n,) there, and the contacts."""
+    """The first collision of a motion: its `time` [s], the configuration theta (n,) there, and the contacts.
+
+    Args:
+        breakpoints: (s + 1,) [s].
+        coefficients: (degree + 1, s, n), highest power first.
+    """
 
     time: float
     theta: Array
@@ -147,6 +152,13 @@ class Scene:
 
         `margin` replaces that of the file. A planning scene's allowed collision matrix replaces the allowed pairs.
 
+        Args:
+            arm: An arm with a description.
+            path: The file.
+            margin: Replaces the file's: a number [m], or {link or obstacle: number}.
+            exact: Check the triangles of meshes.
+            progress: Called with the fraction done while allowed pairs are found.
+
         Raises:
             InputError: An entry cannot be used, names an unknown link, or the file is for another arm.
             DescriptionError: The file cannot be read.
@@ -196,33 +208,77 @@ class Scene:
         return dict(self._obstacles)
 
     def add_box(self, name: str, size: Row, pose: Given | None = None) -> None:
-        """Add a box of `size` (3,) [m], its centre at `pose` (4, 4) or at a position (3,) in the base frame."""
+        """Add a box of `size` (3,) [m], its centre at `pose` (4, 4) or at a position (3,) in the base frame.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            size: The sides along x, y, z [m].
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+        """
         self._add(name, "box", as_vector(size, "size"), pose)
 
     def add_sphere(self, name: str, radius: float, pose: Given | None = None) -> None:
-        """Add a sphere [m] with its centre at `pose` (4, 4) or at a position (3,)."""
+        """Add a sphere [m] with its centre at `pose` (4, 4) or at a position (3,).
+
+        Args:
+            name: A name that no link and no obstacle has.
+            radius: Its radius [m].
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+        """
         self._add(name, "sphere", [radius], pose)
 
     def add_cylinder(self, name: str, radius: float, length: float, pose: Given | None = None) -> None:
-        """Add a cylinder [m] along the z axis of `pose` (4, 4), its centre at the origin of `pose`."""
+        """Add a cylinder [m] along the z axis of `pose` (4, 4), its centre at the origin of `pose`.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            radius: Its radius [m].
+            length: Its length [m].
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+        """
         self._add(name, "cylinder", [radius, length], pose)
 
     def add_capsule(self, name: str, radius: float, length: float, pose: Given | None = None) -> None:
-        """Add a capsule [m] along the z axis of `pose` (4, 4). `length` is the distance of its two centres."""
+        """Add a capsule [m] along the z axis of `pose` (4, 4). `length` is the distance of its two centres.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            radius: Its radius [m].
+            length: The distance of its two centres [m].
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+        """
         self._add(name, "capsule", [radius, length], pose)
 
     def add_plane(self, name: str = "ground", pose: Given | None = None) -> None:
-        """Add everything below the plane z = 0 of `pose` (4, 4); by default the plane of the base."""
+        """Add everything below the plane z = 0 of `pose` (4, 4); by default the plane of the base.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            pose: Pose (4, 4) or position (3,) in the base frame.
+        """
         self._add(name, "plane", [], pose)
 
     def add_mesh(
         self, name: str, path: str | os.PathLike[str], pose: Given | None = None, *, scale: float | Row = 1.0
     ) -> None:
-        """Add a mesh file (STL, DAE, OBJ) with its frame at `pose` (4, 4): its hull, or its triangles if `exact`."""
+        """Add a mesh file (STL, DAE, OBJ) with its frame at `pose` (4, 4): its hull, or its triangles if `exact`.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            path: The file.
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+            scale: A factor, or one for each axis.
+        """
         self._add(name, "mesh", np.broadcast_to(np.asarray(scale, dtype=np.float64), 3), pose, as_path(path))
 
     def allow(self, first: str, second: str, reason: str = "User") -> None:
-        """Do not check a pair of links or obstacles any more."""
+        """Do not check a pair of links or obstacles any more.
+
+        Args:
+            first: A link or obstacle.
+            second: Another one.
+            reason: What `allowed` and files tell of it.
+        """
         for name in (first, second):
             if name not in self._obstacles:
                 self._description.require_link(name, "link or obstacle")
@@ -240,13 +296,24 @@ class Scene:
         """Let `link`, by default the tip, carry an obstacle that it holds at theta (n,).
 
         The links of the same body and of its children may touch the object, and so may those in `touching`.
+
+        Args:
+            name: The obstacle.
+            link: The link that carries it; by default that of the tip.
+            theta: The configuration (n,) at which the link takes it.
+            touching: Further links that may touch it.
         """
         body = self._require_obstacle(name)
         carrier = self._description.require_link(link or self.arm.tip_link, "link")
         self._hold(name, carrier, self._relative(theta, carrier, body.carrier) @ body.pose, touching)
 
     def detach(self, name: str, *, theta: ArrayLike) -> None:
-        """Put an attached object down where it is at theta (n,)."""
+        """Put an attached object down where it is at theta (n,).
+
+        Args:
+            name: The object.
+            theta: The configuration (n,) at which it is put down.
+        """
         body = self._require_obstacle(name)
         g = self._relative(theta, self.arm.base, body.carrier)
         self._obstacles[name] = replace(body, carrier=self.arm.base, pose=g @ body.pose)
@@ -264,6 +331,10 @@ class Scene:
         """Whether some pair overlaps or is nearer than its margin at theta (..., n): a bool, or (...) of bool.
 
         Several configurations are shared among `threads`.
+
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            threads: How many threads share a batch.
         """
         x = as_theta(theta, self.arm.n, "theta", self.arm.joint_names)
         if x.ndim == 1:
@@ -310,7 +381,12 @@ class Scene:
         return None
 
     def is_free(self, one: ArrayLike, other: ArrayLike) -> bool:
-        """Whether the straight way in joint space from one configuration (n,) to another collides with nothing."""
+        """Whether the straight way in joint space from one configuration (n,) to another collides with nothing.
+
+        Args:
+            one: A configuration (n,), or the name of one.
+            other: Another.
+        """
         return self._sweep.straight(self.arm.theta_from(one), self.arm.theta_from(other))
 
     @property

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
-from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
+from ..support.checks import Array, Row, as_flag, as_positive, require, require_callback, require_choice
 from ..support.errors import InputError, shown
 from .cartesian.refusal import PathError
 from .joint_path import JointPath
@@ -118,9 +118,10 @@ def plan(
         return _assembled(arm, origin, timed, (*notes, *said))
 
     if scene is not None:
+        from ..collision import Scene
         from .free_motion import planned_in
 
-        scene.require_arm(arm)
+        require(scene, Scene, "scene", "Scene(arm)").require_arm(arm)
         motion = planned_in(scene, planned, moves, origin, bounds, as_positive(max_time, "max_time"), planned_through)
     elif any(isinstance(move, FreeMove) for move in moves):
         raise InputError("a FreeMove needs the obstacles: give scene=Scene(arm)")
