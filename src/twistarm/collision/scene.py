@@ -81,12 +81,7 @@ class Contact:
 
 @dataclass(frozen=True, eq=False)
 class Collision:
-    """The first collision of a motion: its `time` [s], the configuration theta (n,) there, and the contacts.
-
-    Args:
-        breakpoints: (s + 1,) [s].
-        coefficients: (degree + 1, s, n), highest power first.
-    """
+    """The first collision of a motion: its `time` [s], the configuration theta (n,) there, and the contacts."""
 
     time: float
     theta: Array
@@ -368,9 +363,12 @@ class Scene:
     def first_collision(self, breakpoints: Given, coefficients: Given) -> Collision | None:
         """The first collision of a motion, without gaps; None if there is none.
 
-        The motion is a piecewise polynomial as in `Trajectory`: breakpoints (s + 1,) [s] and coefficients
-        (degree + 1, s, n), highest power first. A pair
-        that is nearer than its margin by less than 0.5 mm may be missed.
+        The motion is a piecewise polynomial as in `Trajectory`. A pair that is nearer than its margin by less than
+        0.5 mm may be missed.
+
+        Args:
+            breakpoints: (s + 1,) [s].
+            coefficients: (degree + 1, s, n), highest power first.
         """
         times, pieces = np.asarray(breakpoints, dtype=np.float64), np.asarray(coefficients, dtype=np.float64)
         for k, (begin, end) in enumerate(pairwise(times)):
