@@ -14,6 +14,10 @@ from .checking.difference import Difference as Difference
 from .checking.difference import compare as compare
 from .checking.doctor import diagnose as diagnose
 from .checking.golden_file import freeze as freeze
+from .collision import Collision as Collision
+from .collision import Contact as Contact
+from .collision import Distance as Distance
+from .collision import Scene as Scene
 from .control import stream as stream
 from .control.servo import JogCommand as JogCommand
 from .control.servo import PoseCommand as PoseCommand
@@ -44,6 +48,7 @@ from .limits.joint_limits import JointLimits as JointLimits
 from .planning import ActiveLimit as ActiveLimit
 from .planning import ArcMove as ArcMove
 from .planning import Dwell as Dwell
+from .planning import FreeMove as FreeMove
 from .planning import JointMove as JointMove
 from .planning import LineMove as LineMove
 from .planning import MotionFile as MotionFile

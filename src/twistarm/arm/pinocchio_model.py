@@ -62,6 +62,11 @@ class PinocchioModel:
             self._local.data = self._pin.Data(self.model)  # createData() would make it twice
         return self._local.data
 
+    @property
+    def dq_dtheta(self) -> Array:
+        """(nq, n): how fast each joint of the model follows theta."""
+        return self._A
+
     def frame_id(self, link: str) -> int:
         """Index of a link's frame. Pinocchio's look-up gives no error for an unknown name."""
         return self._frames[link]

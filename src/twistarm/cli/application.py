@@ -17,6 +17,7 @@ from ..support.interrupts import end_by, ended_like_ctrl_c
 from .commands import (
     baking,
     checking,
+    collisions,
     demonstration,
     doctor,
     following,
@@ -53,6 +54,7 @@ for command in (
     checking.freeze,
     doctor.doctor,
     baking.bake,
+    collisions.collisions,
     wiring.wiring,
     kinematics.fk,
     kinematics.jacobian,

@@ -140,9 +140,9 @@ def theta_typed(arm: Arm, theta: Array, radians: bool) -> str:
     return f'--theta "{theta_values(arm, theta, radians)}"' + " --rad" * radians
 
 
-def theta_values(arm: Arm, theta: Array, radians: bool) -> str:
-    """The numbers of `theta_typed`, to 1 µm and some 1e-8 rad (1e-6 rad in radians)."""
-    return " ".join(shown(arm, theta, radians, digits=6))
+def theta_values(arm: Arm, theta: Array, radians: bool, digits: int = 6) -> str:
+    """The numbers of `theta_typed`: with 6 digits to 1 µm and some 1e-8 rad (1e-6 rad in radians)."""
+    return " ".join(shown(arm, theta, radians, digits=digits))
 
 
 def number(value: float, digits: int = 4) -> str:

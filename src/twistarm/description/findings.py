@@ -93,6 +93,10 @@ CODES: dict[str, Code] = {
     "limits-entry-unknown": Code("warning", "a file of limits has an entry of an unknown name"),
     "ready-named": Code("info", "the pose to start from is one that the description names"),
     # what hangs on the links
+    "collision-shapes": Code("info", "the shapes that stand for the links in collision checks"),
+    "collision-mesh-unreadable": Code(
+        "warning", "a mesh cannot be read; collision checks use the other shapes of its link"
+    ),
     "mesh-missing": Code("warning", "mesh files were not found; simple shapes are drawn instead"),
     "bad-geometry": Code("warning", "a shape has no usable size or place; it is not drawn"),
     "material-twice": Code("warning", "a material's name has several colours; the first counts, as in urdfdom"),

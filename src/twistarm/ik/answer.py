@@ -28,6 +28,8 @@ class StopReason(Enum):
     meets the whole target without limits. Otherwise the largest part of the missing rotation decides.
     IMPOSSIBLE_DIRECTION is a turn that this posture and those beside it lack. BLOCKED_BY_LIMITS is what the nearest
     configuration without limits does not miss. OUT_OF_REACH is the rest.
+
+    IN_COLLISION needs a scene: configurations meet the target, and all that were found collide.
     """
 
     CONVERGED = "the target is met"
@@ -36,6 +38,7 @@ class StopReason(Enum):
     BLOCKED_BY_LIMITS = "blocked by joint limits"
     EXHAUSTED = "no answer found, and none excluded"
     TIMED_OUT = "the time was up"
+    IN_COLLISION = "every configuration found that meets the target collides"
 
 
 STOPS = tuple(StopReason)

@@ -117,6 +117,9 @@ def _why(solution: IKResult) -> list[str]:
         return ["it was not finished in time, and theta is its start; give a longer max_time"]
     if solution.stop is StopReason.TIMED_OUT:
         return ["this is the best so far; give a longer max_time, or a theta0 nearer to the answer"]
+    if solution.stop is StopReason.IN_COLLISION:
+        help_ = "move the obstacle, ask for another direction, or give a smaller margin"
+        return [*map(str, solution.contacts[:3]), help_]
     if solution.stop is StopReason.EXHAUSTED:
         what = "the search for the nearest did not settle" if solution.method == NEAREST else "no search met the target"
         return [f"{what}; try more restarts, another rng or another theta0"]

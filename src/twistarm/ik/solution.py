@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from .explain import explain, summary
 from .ranges import joint_ranges
 from .targets import AnyTarget, target_of
 from .task_space import Tolerances
+
+if TYPE_CHECKING:
+    from ..collision import Contact
 
 NEGLIGIBLE_LENGTH = 1e-8
 """[m]: less is not told."""
@@ -55,6 +58,8 @@ class IKResult:
     _arm: Arm
     _answer: Answer
     _target: AnyTarget | None = None
+    _contacts: tuple[Contact, ...] = ()
+    _avoided: str = ""
 
     @property
     def arm(self) -> Arm:
@@ -127,12 +132,17 @@ class IKResult:
     @property
     def stop(self) -> StopReason:
         """Why the solver stopped."""
-        return STOPS[int(self._answer.stop)]
+        return StopReason.IN_COLLISION if self._contacts else STOPS[int(self._answer.stop)]
 
     @property
     def converged(self) -> bool:
-        """Whether the target is met to the tolerances, or to the arm's rounding (`rounded`)."""
-        return bool(self._answer.stop == 0)
+        """Whether the target is met to the tolerances, or to the rounding of the arm's axes (`rounded`), and free."""
+        return bool(self._answer.stop == 0) and not self._contacts
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The pairs that collide at theta, if the call had a scene and the answer collides."""
+        return self._contacts
 
     @property
     def rounded(self) -> bool:
@@ -144,6 +154,7 @@ class IKResult:
         """Notes on the answer: rounded axes, joints of theta0 brought inside, another branch, no core."""
         notes = self._moved_starts() if self._answer.start_moved else []
         notes += [self._other_branch()] if self._answer.other_branch else []
+        notes += [self._avoided] if self._avoided else []
         notes += [missed_by_rounding(self.position_error, self.orientation_error)] if self.rounded else []
         if self._answer.nearest and not self.converged and self._arm.n > MANY_JOINTS:
             notes.append(PERHAPS_NEARER)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
+from ..support.checks import require
 from . import textbook
 from .certainty import settled
 from .request import checked, named
 from .solution import IKResult
 from .targets import KINDS, AnyTarget, Approach, Pose, TargetLike, checked_target
+
+if TYPE_CHECKING:
+    from ..collision import Scene
 
 
 def solve_ik(
@@ -26,6 +30,7 @@ def solve_ik(
     max_time: float | None = None,
     rng: int | np.random.Generator = 0,
     posture: ArrayLike | str | None = None,
+    scene: Scene | None = None,
 ) -> IKResult:
     """Inverse kinematics: joint coordinates inside the limits that bring the tool to `target`.
 
@@ -40,8 +45,11 @@ def solve_ik(
 
     A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 
-    A target that cannot be met is no error. The solution is then the nearest configuration: with the least position
-    error inside the limits, then the least rotation error with the position held. `stop` and `explain()` say why.
+    With a `scene` the answer collides with nothing: the nearest such configuration that is found. `stop` is
+    IN_COLLISION if every configuration found collides, and `contacts` are the pairs.
+
+    A target that cannot be met is no error. The solution is then the nearest configuration: the least position error
+    inside the limits, then the least rotation error with the position held. `stop` and `explain()` say why.
 
     Args:
         arm: The arm.
@@ -53,6 +61,7 @@ def solve_ik(
         max_time: Greatest time [s]; None for no limit.
         rng: Seed, or a NumPy Generator.
         posture: Preferred configuration (n,), its name, "theta0", "middle" (of the limits), or None.
+        scene: A `Scene` of this arm, or None.
 
     Returns:
         The `IKResult`: theta (n,), its errors [m, rad], `converged`, `stop` and `explain()`.
@@ -60,6 +69,8 @@ def solve_ik(
     Raises:
         InputError: The target, the start, the posture or a number cannot be used.
     """
+    if scene is not None:
+        return _avoiding(arm, scene, target, theta0, position_tol, orientation_tol, restarts, max_time, rng, posture)
     chain = (arm if type(arm) is Arm else require_arm(arm))._compiled
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
     if chain is not None:
@@ -80,6 +91,26 @@ def solve_ik(
     answer = chain.solve(asked.kind, asked.numbers, *request.for_core)
     assert answer is not None, "what was refused is plain now"
     return IKResult(arm, settled(arm, asked, answer), asked)
+
+
+def _avoiding(arm: Arm, scene: Scene, target: TargetLike, theta0: ArrayLike | None, *asked: Any) -> IKResult:
+    """`solve_ik` with a scene."""
+    from ..collision import Scene
+    from .collision_free import collision_free
+
+    require(scene, Scene, "scene", "Scene(arm)").require_arm(require_arm(arm))
+    position_tol, orientation_tol, restarts, max_time, rng, posture = asked
+
+    def solve(start: ArrayLike | None, posture: ArrayLike | str | None = None) -> IKResult:
+        return solve_ik(
+            arm, target, start, position_tol=position_tol, orientation_tol=orientation_tol, restarts=restarts,
+            max_time=max_time, rng=rng, posture=posture,
+        )  # fmt: skip
+
+    first = solve(theta0, posture)
+    if not first.converged or not scene.collides(first.theta):
+        return first
+    return collision_free(arm, scene, first, solve, max_time)
 
 
 def as_given(arm: Arm, target: Any) -> AnyTarget | None:

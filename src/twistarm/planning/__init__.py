@@ -6,13 +6,14 @@ from .joint_space import plan_joint
 from .load import load_trajectory
 from .motion import plan
 from .motion_file import MotionFile, load_motion
-from .segments import ArcMove, Dwell, JointMove, LineMove, ScrewMove, Segment
+from .segments import ArcMove, Dwell, FreeMove, JointMove, LineMove, ScrewMove, Segment
 from .trajectory import Samples, Trajectory
 
 __all__ = [
     "ActiveLimit",
     "ArcMove",
     "Dwell",
+    "FreeMove",
     "JointMove",
     "LineMove",
     "MotionFile",

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
-from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
+from ..support.checks import Array, Row, as_flag, as_positive, require, require_callback, require_choice
 from ..support.errors import InputError, shown
 from .cartesian.refusal import PathError
 from .joint_path import JointPath
 from .joint_space import completed
 from .piecewise import side_by_side
 from .route import Leg, Router
-from .segments import SEGMENTS, Dwell, Move, Segment, place
+from .segments import SEGMENTS, Dwell, FreeMove, Move, Segment, place
 from .spans import Progress
 from .stretches import path_along, runs
 from .time_laws.bounds import PathBounds
@@ -30,6 +30,9 @@ from .time_laws.time_optimal import time_optimal
 from .tolerances import ROUNDED, but_for_rounding
 from .trajectory import Trajectory
 from .within import require_waypoints
+
+if TYPE_CHECKING:
+    from ..collision import Scene
 
 MotionKind = Literal["s_curve", "time_optimal", "quintic"]
 LAWS: dict[str, Callable[[JointPath, PathBounds], TimeLaw]] = {
@@ -51,6 +54,8 @@ def plan(
     position_tol: float | None = None,
     orientation_tol: float | None = None,
     unwrap: bool = False,
+    scene: Scene | None = None,
+    max_time: float = 5.0,
     progress: Progress | None = None,
 ) -> Trajectory:
     """Plan a motion through `segments`, from rest to rest, inside the limits of joints and motors.
@@ -79,6 +84,8 @@ def plan(
         orientation_tol: Tolerance of its rotation [rad], likewise.
         unwrap: Whether joints that a whole turn brings back, with room for one, go to configurations by the shorter
             way, from 3.1 to −3.1 by 0.08 rad. To targets they always do.
+        scene: A `Scene` of the arm, or None. The motion is then proven free without gaps, and a `FreeMove` goes round.
+        max_time: Greatest time [s] for the way of one `FreeMove`.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
@@ -86,7 +93,8 @@ def plan(
         Its `notes` name usual limits used for missing ones, shorter ways by whole turns, and curves that do not move.
 
     Raises:
-        PathError: A curve cannot be followed; the message says how far it can, why no farther and what would help.
+        PathError: A curve cannot be followed; the message says how far it can, why no farther and what would help. Or
+            the motion collides, or no way round was found.
         LimitError: A goal lies outside the position limits.
         NotConvergedError: The target of a joint move cannot be met; the message says why.
         InputError: An argument does not fit the arm, or a blend is too large.
@@ -102,9 +110,23 @@ def plan(
         raise InputError(f"start must be one configuration ({arm.n},); got {origin.shape}")
     require_waypoints(origin[None], bounds, arm.joint_names, arm.units, "start")
 
-    legs, said = _legs(planned, moves, origin, bounds, as_flag(unwrap, "unwrap"), progress)
-    timed = [each for run in runs(legs) for each in _fastest(planned, run, bounds, kind)]
-    motion = _assembled(arm, origin, timed, (*notes, *said))
+    turning = as_flag(unwrap, "unwrap")
+
+    def planned_through(segments: Sequence[Segment]) -> Trajectory:
+        legs, said = _legs(planned, list(segments), origin, bounds, turning, progress)
+        timed = [each for run in runs(legs) for each in _fastest(planned, run, bounds, kind)]
+        return _assembled(arm, origin, timed, (*notes, *said))
+
+    if scene is not None:
+        from ..collision import Scene
+        from .free_motion import planned_in
+
+        require(scene, Scene, "scene", "Scene(arm)").require_arm(arm)
+        motion = planned_in(scene, planned, moves, origin, bounds, as_positive(max_time, "max_time"), planned_through)
+    elif any(isinstance(move, FreeMove) for move in moves):
+        raise InputError("a FreeMove needs the obstacles: give scene=Scene(arm)")
+    else:
+        motion = planned_through(moves)
     if progress is not None:
         progress(1.0)
     return motion

@@ -34,7 +34,7 @@ LABEL_LENGTH = 200
 
 
 class Segment(Brief):
-    """A part of a motion: `JointMove`, `LineMove`, `ScrewMove`, `ArcMove` or `Dwell`."""
+    """A part of a motion: `JointMove`, `FreeMove`, `LineMove`, `ScrewMove`, `ArcMove` or `Dwell`."""
 
     label: str
 
@@ -95,6 +95,14 @@ class JointMove(Move):
     def __post_init__(self) -> None:
         super().__post_init__()
         object.__setattr__(self, "to", as_goal(self.to))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FreeMove(JointMove):
+    """A move to the goal on any way that collides with nothing. `plan` needs a scene for it.
+
+    To a target the arm takes the nearest free configuration. A straight way in joint space is taken if it is free.
+    """
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

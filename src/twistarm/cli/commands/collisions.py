@@ -1,0 +1,83 @@
+"""`collisions`: the pairs of links that are checked, and those that collide."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ...arm.arm import Arm
+from ...collision import Scene
+from ...collision.survey import Survey, srdf_text, survey
+from ..options import Json, Radians, takes_arm
+from ..output import console, finding_json, print_json, progress_bar, say, table, theta_values
+from ..outputs import Force, Output, outputs_of
+from ..wording import in_options
+
+SceneFile = Annotated[
+    Path | None, typer.Option("--scene", metavar="FILE", help="Obstacles: a scene.toml, or MoveIt's scene.")
+]
+Margin = Annotated[float, typer.Option("--margin", min=0.0, help="Distance [m] below which a pair collides.")]
+Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configurations to check.")]
+
+
+@takes_arm
+def collisions(
+    arm: Arm,
+    scene: SceneFile = None,
+    margin: Margin = 0.0,
+    samples: Samples = 2000,
+    output: Output = None,
+    force: Force = False,
+    rad: Radians = False,
+    json: Json = False,
+) -> None:
+    """List which pairs of links are not checked and why, and which collide; -o ARM.srdf writes the former."""
+    outputs = outputs_of(output, {"srdf": (".srdf",)}, force=force, json=json, over_description=True)
+    with progress_bar("allowed pairs") as progress:
+        asked = margin or None
+        if scene is None:
+            made = Scene(arm, margin=margin, progress=progress)
+        else:
+            made = Scene.load(arm, scene, margin=asked, progress=progress)
+        made.allowed  # noqa: B018  (found here, under its bar)
+    with progress_bar("configurations") as progress:
+        found = survey(made, samples, progress=progress)
+    written = outputs.write({"srdf": lambda: srdf_text(made)})
+    if json:
+        print_json(_as_json(made, found))
+    else:
+        _print(made, found, rad)
+    outputs.say(written)
+
+
+def _as_json(scene: Scene, found: Survey) -> dict[str, Any]:
+    return {
+        "arm": scene.arm.name,
+        "allowed": [{"links": pair, "reason": reason} for pair, reason in scene.allowed.items()],
+        "samples": found.samples,
+        "share": found.share,
+        "colliding": [vars(pair) for pair in found.pairs],
+        "findings": [finding_json(finding) for finding in scene.findings],
+    }
+
+
+def _print(scene: Scene, found: Survey, radians: bool) -> None:
+    reasons = ", ".join(f"{count} {reason}" for reason, count in Counter(scene.allowed.values()).items())
+    say(f"{scene.arm.name}: {len(scene.allowed)} pairs of links are not checked ({reasons or 'none'})")
+    say(f"collides in {100.0 * found.share:.1f} % of {found.samples} random configurations")
+    rows = [
+        [
+            f"{pair.links[0]} – {pair.links[1]}",
+            f"{100.0 * pair.share:.1f} %",
+            theta_values(scene.arm, pair.theta, radians, digits=3),
+        ]
+        for pair in found.pairs
+    ]
+    if rows:
+        console().print(
+            table("pairs that collide", ["pair", "share", "for example at"], rows, text=["pair", "for example at"])
+        )
+    say(*(in_options(str(finding)) for finding in scene.findings))

@@ -1,0 +1,5 @@
+"""Collisions of an arm with itself, with its robot and with obstacles."""
+
+from .scene import Collision, Contact, Distance, Scene
+
+__all__ = ["Collision", "Contact", "Distance", "Scene"]

@@ -1,0 +1,157 @@
+"""Bodies of a scene: the shapes of links and obstacles in Pinocchio's collision library."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..description.meshes import MeshReader
+from ..description.tree import Description, Geometry, Link
+from ..support.checks import Array
+from ..support.errors import InputError, TwistarmError
+
+THICK, STOUT = 0.025, 0.3
+"""Radius of a link's capsule: in reaches of the arm, and at most in lengths of the link."""
+
+FLAT = 1e-6
+"""A mesh that is flatter than this part of its length gets this thickness, because a hull needs a volume."""
+
+MOST_TRIANGLES = 200_000
+"""The most triangles of one exact mesh."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A shape of the collision library, with its pose (4, 4) in the frame of the link `carrier`.
+
+    `name` is the link's or the obstacle's. `kind` tells how the shape was made.
+    """
+
+    name: str
+    carrier: str
+    shape: Any
+    pose: Array
+    kind: str
+    obstacle: bool = False
+
+
+class Shapes:
+    """Makes shapes of the collision library, and reads each mesh file once. A context manager."""
+
+    def __init__(self, coal: Any, *, exact: bool = False) -> None:
+        self._coal, self._exact = coal, exact
+        self._reader = MeshReader()
+        self._read: dict[tuple[Path, tuple[float, ...]], Any] = {}
+        self.unreadable: dict[str, str] = {}
+
+    def __enter__(self) -> Shapes:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._reader.close()
+
+    def of_links(self, description: Description, reach: float) -> Iterator[Body]:
+        """The bodies of all links: collision shapes, else visuals, else capsules to the joints that a link carries."""
+        for link in description.links.values():
+            bodies = [*self._of(link, link.collisions, "collision shape")]
+            bodies = bodies or [*self._of(link, link.visuals, "visual")]
+            yield from bodies or self._capsules(description, link, reach)
+
+    def primitive(self, kind: str, size: tuple[float, ...]) -> Any:
+        """A box (x, y, z), sphere (r,), cylinder or capsule (r, length), all [m]."""
+        coal = self._coal
+        return {"box": coal.Box, "cylinder": coal.Cylinder, "sphere": coal.Sphere, "capsule": coal.Capsule}[kind](*size)
+
+    def half_space(self) -> Any:
+        """Everything below the plane z = 0."""
+        return self._coal.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0)
+
+    def mesh(self, path: Path, scale: tuple[float, ...]) -> Any:
+        """The convex hull of a mesh file, or its triangles if shapes are exact.
+
+        Raises TwistarmError (UnreadableMeshError, MissingExtraError) if it cannot be read.
+        """
+        if (path, scale) not in self._read:
+            parts = self._reader.parts(path, MOST_TRIANGLES if self._exact else np.inf)
+            points = np.concatenate([part.vertices for part in parts]) * scale
+            firsts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
+            faces = np.concatenate([part.faces + first for part, first in zip(parts, firsts, strict=True)])
+            self._read[path, scale] = self._triangles(points, faces) if self._exact else self._hull(points)
+        return self._read[path, scale]
+
+    def _of(self, link: Link, shapes: tuple[Geometry, ...], kind: str) -> Iterator[Body]:
+        for geometry in shapes:
+            if geometry.shape != "mesh":
+                if min(geometry.size) > 0.0:
+                    shape = self.primitive(geometry.shape, geometry.size)
+                    yield Body(link.name, link.name, shape, geometry.origin, kind)
+            elif geometry.mesh is not None:
+                try:
+                    shape = self.mesh(geometry.mesh, geometry.size)
+                except TwistarmError as error:
+                    self.unreadable[link.name] = str(error)
+                    continue
+                how = f"{kind}'s mesh" if self._exact else f"hull of a {kind}'s mesh"
+                yield Body(link.name, link.name, shape, geometry.origin, how)
+            else:
+                self.unreadable[link.name] = "its mesh file was not found"
+
+    def _capsules(self, description: Description, link: Link, reach: float) -> Iterator[Body]:
+        carried = [joint.origin[:3, 3] for joint in description.joints.values() if joint.parent == link.name]
+        for end in carried:
+            length = float(np.linalg.norm(end))
+            if length > 1e-3 * reach:
+                radius = min(THICK * reach, STOUT * length)
+                shape = self.primitive("capsule", (radius, max(length - 2.0 * radius, 1e-3 * length)))
+                yield Body(link.name, link.name, shape, _along(end), "capsule")
+
+    def _hull(self, points: Array) -> Any:
+        corners = self._coal.StdVec_Vec3s()
+        for point in _with_volume(points):
+            corners.append(point)
+        return self._coal.Convex.convexHull(corners, True, "Qt")
+
+    def _triangles(self, points: Array, faces: Array) -> Any:
+        coal = self._coal
+        model = coal.BVHModelOBBRSS()
+        model.beginModel(len(faces), len(points))
+        model.addVertices(points)
+        model.addTriangles(np.asarray(faces, dtype=np.int64))
+        model.endModel()
+        return model
+
+
+def _with_volume(points: Array) -> Array:
+    """The distinct points; a flat mesh is given a thickness."""
+    points = np.unique(points, axis=0)
+    centre = points.mean(axis=0)
+    _, spread, axes = np.linalg.svd(points - centre, full_matrices=False)
+    if len(points) < 3 or not spread[0] > 0.0:
+        raise InputError("the mesh is a point or a line: it has no faces")
+    if spread[2] <= FLAT * spread[0]:
+        normal = axes[2] * FLAT * np.abs(points - centre).max()
+        points = np.concatenate([points - normal, points + normal])
+    return points
+
+
+def _along(end: Array) -> Array:
+    """The pose (4, 4) halfway to `end` (3,) with its z axis along it."""
+    g, z = np.eye(4), end / np.linalg.norm(end)
+    x = np.cross(np.eye(3)[np.abs(z).argmin()], z)
+    x /= np.linalg.norm(x)
+    g[:3, :3], g[:3, 3] = np.column_stack([x, np.cross(z, x), z]), 0.5 * end
+    return g
+
+
+def in_words(bodies: tuple[Body, ...]) -> Mapping[str, list[str]]:
+    """The links by the kind of their shapes."""
+    kinds: dict[str, list[str]] = {}
+    for body in bodies:
+        names = kinds.setdefault(body.kind, [])
+        if body.name not in names:
+            names.append(body.name)
+    return kinds

@@ -1,0 +1,102 @@
+"""Bodies and pairs of them in Pinocchio's collision library: overlap, batches on threads, distances."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..arm.pinocchio_model import PinocchioModel, import_pinocchio
+from ..support.checks import Array
+from .bodies import Body
+
+TOLERANCE = 1e-9
+"""Of the distance between convex shapes [m]."""
+
+
+class Checker:
+    """Checks `pairs` of bodies, each with a margin [m], at configurations q of Pinocchio's model.
+
+    Any thread may use it. Each has its own data.
+    """
+
+    def __init__(
+        self, model: PinocchioModel, bodies: Sequence[Body], pairs: Sequence[tuple[int, int]], margins: Sequence[float]
+    ) -> None:
+        self._pin = import_pinocchio()
+        self._model, self.bodies, self.pairs, self.margins = model, tuple(bodies), tuple(pairs), tuple(margins)
+        self._geometry = self._pin.GeometryModel()
+        for i, body in enumerate(self.bodies):
+            frame = model.frame_id(body.carrier)
+            at = model.model.frames[frame]
+            placement = at.placement * self._pin.SE3(body.pose)
+            self._geometry.addGeometryObject(
+                self._pin.GeometryObject(f"{i}", at.parentJoint, frame, placement, body.shape)
+            )
+        for first, second in self.pairs:
+            self._geometry.addCollisionPair(self._pin.CollisionPair(first, second))
+        self._local = threading.local()
+
+    def collides(self, q: Array) -> bool:
+        """Whether some pair overlaps or comes nearer than its margin at q (nq,)."""
+        if not self.pairs:
+            return False
+        data, _, manager = self._own()
+        return bool(self._pin.computeCollisions(self._model.model, data, manager, q, True))
+
+    def batch(self, Q: Array, threads: int) -> Array:
+        """`collides` of each row of Q (N, nq), on this many threads: (N,) of bool."""
+        if not self.pairs:
+            return np.zeros(len(Q), dtype=bool)
+        pool = self._pool(threads)
+        return np.asarray(
+            self._pin.computeCollisionsInParallel(threads, pool, np.asfortranarray(Q.T), True), dtype=bool
+        )
+
+    def overlapping(self, q: Array) -> list[int]:
+        """The indices of the pairs that overlap or come nearer than their margin at q (nq,)."""
+        data, geometry, _ = self._own()
+        self._pin.computeCollisions(self._model.model, data, self._geometry, geometry, q, False)
+        return [k for k, result in enumerate(geometry.collisionResults) if result.isCollision()]
+
+    def distances(self, q: Array) -> Array:
+        """The distance [m] of each pair at q (nq,), negative by the depth of an overlap."""
+        data, geometry, _ = self._own()
+        for request in geometry.distanceRequests:
+            request.gjk_tolerance = TOLERANCE
+        self._pin.computeDistances(self._model.model, data, self._geometry, geometry, q)
+        return np.array([result.min_distance for result in geometry.distanceResults])
+
+    def points(self, k: int) -> Array:
+        """The nearest points (2, 3) of pair k in Pinocchio's world, after `distances` in the same thread."""
+        result = self._own()[1].distanceResults[k]
+        return np.array([result.getNearestPoint1(), result.getNearestPoint2()])
+
+    def _own(self) -> tuple[Any, Any, Any]:
+        """The thread's data of the model, of the geometry, and the broadphase manager."""
+        own: tuple[Any, Any, Any] | None = getattr(self._local, "own", None)
+        if own is None:
+            geometry = self._geometry.createData()
+            self._ask(geometry)
+            manager = self._pin.BroadPhaseManager_SSaPCollisionManager(self._model.model, self._geometry, geometry)
+            own = self._local.own = (self._model.data, geometry, manager)
+        return own
+
+    def _pool(self, threads: int) -> Any:
+        """The managers of a batch on this many threads."""
+        if getattr(self._local, "threads", 0) != threads:
+            kind = self._pin.BroadPhaseManagerPool_DynamicAABBTreeCollisionManager
+            self._local.pool, self._local.threads = kind(self._model.model, self._geometry, threads), threads
+            for data in self._local.pool.getGeometryDatas():
+                self._ask(data)
+            for manager in self._local.pool.getBroadPhaseManagers():
+                manager.update(True)
+        return self._local.pool
+
+    def _ask(self, geometry: Any) -> None:
+        """Set the margins."""
+        for k, margin in enumerate(self.margins):
+            if margin:
+                geometry.collisionRequests[k].security_margin = margin

@@ -1,0 +1,505 @@
+"""`Scene`: an arm's collision shapes, obstacles, and the questions about them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations, pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arm.arm import Arm, require_arm
+from ..arm.pinocchio_model import import_pinocchio
+from ..description.findings import Finding, finding
+from ..support.checks import (
+    Array,
+    Given,
+    Row,
+    as_flag,
+    as_not_negative,
+    as_pose,
+    as_positive,
+    as_theta,
+    as_vector,
+    as_whole,
+    require_callback,
+    require_mapping,
+    require_names,
+)
+from ..support.errors import InputError, TwistarmError, listed, unknown_name
+from ..support.files import as_path
+from .allowed_pairs import Pair, allowed_pairs, sorted_pair
+from .bodies import Body, Shapes, in_words
+from .checker import Checker
+from .scene_file import SceneFile, read_scene
+from .swept import Sweep, taylor
+
+NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
+"""How many numbers the size of an obstacle has."""
+
+
+@dataclass(frozen=True)
+class Distance:
+    """The nearest pair of bodies: `metres` apart, negative by the depth of an overlap.
+
+    `links` are the names of the two links or obstacles, `points` (2, 3) their nearest points in the base frame [m].
+    `metres` is inf and `links` empty if the scene has no pair to check.
+    """
+
+    metres: float
+    links: tuple[str, ...]
+    points: Array
+
+    def __str__(self) -> str:
+        if not self.links:
+            return "nothing to collide with"
+        apart = f"{1000.0 * abs(self.metres):.0f} mm"
+        return (
+            f"{self.links[0]} and {self.links[1]}: {f'{apart} apart' if self.metres >= 0.0 else f'overlap by {apart}'}"
+        )
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A pair nearer than its `margin` [m]. The `distance` [m] is negative by the depth of an overlap."""
+
+    links: tuple[str, str]
+    distance: float
+    margin: float
+
+    def __str__(self) -> str:
+        where = f"{self.links[0]} and {self.links[1]}"
+        if self.distance < 0.0:
+            return f"{where} overlap by {1000.0 * -self.distance:.0f} mm"
+        return f"{where}: {1000.0 * self.distance:.0f} mm apart, {1000.0 * self.margin:.0f} mm asked"
+
+
+@dataclass(frozen=True, eq=False)
+class Collision:
+    """The first collision of a motion: its `time` [s], the configuration theta (n,) there, and the contacts."""
+
+    time: float
+    theta: Array
+    contacts: tuple[Contact, ...]
+
+
+class Scene:
+    """The shapes of an arm's robot and of obstacles, with the pairs to check for collisions.
+
+    A link has its collision shapes, otherwise its visuals, otherwise capsules to the joints that it carries. Meshes are
+    replaced by their convex hulls; with `exact=True` they are kept. `findings` tell what each link has.
+
+    `allowed` are the pairs of links that are not checked, with their reasons: the SRDF's, or those of
+    `collision.allowed_pairs`. Obstacles are checked against every link that can move relative to them.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        *,
+        margin: float | Mapping[str, float] = 0.0,
+        exact: bool = False,
+        progress: Callable[[float], object] | None = None,
+    ) -> None:
+        """Read the shapes of `arm`, and find its allowed pairs if no SRDF names them.
+
+        Args:
+            arm: An arm with a description.
+            margin: Distance [m] below which a pair collides: a number, or {link or obstacle: number}. The larger of
+                two margins counts for a pair.
+            exact: Check the triangles of meshes. It is slower, and an overlap has no depth.
+            progress: Called with the fraction done while allowed pairs are found.
+
+        Raises:
+            InputError: The arm has no description, or a margin is negative.
+        """
+        description = require_arm(arm).description
+        if description is None:
+            raise InputError(f"{arm.name} has no description, so no shapes: load it from its URDF or xacro file")
+        self.arm = arm
+        self._description, self._model = description, arm.pinocchio
+        self._margin = _margins(margin)
+        self._exact = as_flag(exact, "exact")
+        self._progress = require_callback(progress, "progress", "(fraction)")
+        with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
+            self._links = tuple(shapes.of_links(description, arm.reach))
+            self._unreadable = shapes.unreadable
+        self._obstacles: dict[str, Body] = {}
+        self._touching: dict[str, frozenset[str]] = {}
+        self._allowed_too: dict[Pair, str] = {}
+
+    @classmethod
+    def load(
+        cls,
+        arm: Arm,
+        path: str | os.PathLike[str],
+        *,
+        margin: float | Mapping[str, float] | None = None,
+        exact: bool = False,
+        progress: Callable[[float], object] | None = None,
+    ) -> Scene:
+        """Read a scene.toml, MoveIt's planning scene (.yaml) or MoveIt's .scene text, for `arm`.
+
+        `margin` replaces that of the file. A planning scene's allowed collision matrix replaces the allowed pairs.
+
+        Args:
+            arm: An arm with a description.
+            path: The file.
+            margin: Replaces the file's: a number [m], or {link or obstacle: number}.
+            exact: Check the triangles of meshes.
+            progress: Called with the fraction done while allowed pairs are found.
+
+        Raises:
+            InputError: An entry cannot be used, names an unknown link, or the file is for another arm.
+            DescriptionError: The file cannot be read.
+        """
+        file = as_path(path)
+        content = read_scene(file)
+        if content.arm and content.arm != require_arm(arm).name:
+            raise InputError(f"{file} is for the arm {content.arm!r}, not {arm.name!r}; change its entry arm to use it")
+        asked = content.margin if margin is None else margin
+        scene = cls(arm, margin=0.0 if asked is None else asked, exact=exact, progress=progress)
+        try:
+            scene._fill(content)
+        except TwistarmError as error:
+            raise InputError(f"{file}: {error}") from error
+        return scene
+
+    def __repr__(self) -> str:
+        return (
+            f"Scene({self.arm.name}: {len(self._links)} bodies of links, obstacles {listed(self._obstacles) or 'none'})"
+        )
+
+    # -- what is in it -------------------------------------------------------------------------------------------
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """What shape each link has, and the meshes that could not be read."""
+        place = self._description.place()
+        found = [
+            finding("collision-shapes", place, f"{kind}: {listed(names)}", "check them in the view, layer Collision")
+            for kind, names in in_words(self._links).items()
+        ]
+        for link, why in self._unreadable.items():
+            remedy = "mend the file, or give the link a box or cylinder as collision shape"
+            found.append(finding("collision-mesh-unreadable", place, f"a mesh of {link} is left out: {why}", remedy))
+        return tuple(found)
+
+    @cached_property
+    def allowed(self) -> Mapping[Pair, str]:
+        """Sorted pairs of links that are not checked, and why: "SRDF", "Adjacent", "Default", "Always" or "Never"."""
+        if self.arm.disabled_collisions:
+            return dict.fromkeys(sorted(self.arm.disabled_collisions), "SRDF")
+        return allowed_pairs(self.arm, self._model, self._description, self._links, progress=self._progress)
+
+    @property
+    def obstacles(self) -> Mapping[str, Body]:
+        """The obstacles and attached objects by name."""
+        return dict(self._obstacles)
+
+    def add_box(self, name: str, size: Row, pose: Given | None = None) -> None:
+        """Add a box of `size` (3,) [m], its centre at `pose` (4, 4) or at a position (3,) in the base frame.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            size: The sides along x, y, z [m].
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+        """
+        self._add(name, "box", as_vector(size, "size"), pose)
+
+    def add_sphere(self, name: str, radius: float, pose: Given | None = None) -> None:
+        """Add a sphere [m] with its centre at `pose` (4, 4) or at a position (3,).
+
+        Args:
+            name: A name that no link and no obstacle has.
+            radius: Its radius [m].
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+        """
+        self._add(name, "sphere", [radius], pose)
+
+    def add_cylinder(self, name: str, radius: float, length: float, pose: Given | None = None) -> None:
+        """Add a cylinder [m] along the z axis of `pose` (4, 4), its centre at the origin of `pose`.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            radius: Its radius [m].
+            length: Its length [m].
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+        """
+        self._add(name, "cylinder", [radius, length], pose)
+
+    def add_capsule(self, name: str, radius: float, length: float, pose: Given | None = None) -> None:
+        """Add a capsule [m] along the z axis of `pose` (4, 4). `length` is the distance of its two centres.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            radius: Its radius [m].
+            length: The distance of its two centres [m].
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+        """
+        self._add(name, "capsule", [radius, length], pose)
+
+    def add_plane(self, name: str = "ground", pose: Given | None = None) -> None:
+        """Add everything below the plane z = 0 of `pose` (4, 4); by default the plane of the base.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            pose: Pose (4, 4) or position (3,) in the base frame.
+        """
+        self._add(name, "plane", [], pose)
+
+    def add_mesh(
+        self, name: str, path: str | os.PathLike[str], pose: Given | None = None, *, scale: float | Row = 1.0
+    ) -> None:
+        """Add a mesh file (STL, DAE, OBJ) with its frame at `pose` (4, 4): its hull, or its triangles if `exact`.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            path: The file.
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+            scale: A factor, or one for each axis.
+        """
+        self._add(name, "mesh", np.broadcast_to(np.asarray(scale, dtype=np.float64), 3), pose, as_path(path))
+
+    def allow(self, first: str, second: str, reason: str = "User") -> None:
+        """Do not check a pair of links or obstacles any more.
+
+        Args:
+            first: A link or obstacle.
+            second: Another one.
+            reason: What `allowed` and files tell of it.
+        """
+        for name in (first, second):
+            if name not in self._obstacles:
+                self._description.require_link(name, "link or obstacle")
+        self._allowed_too[sorted_pair(first, second)] = reason
+        self._changed()
+
+    def remove(self, name: str) -> None:
+        """Remove an obstacle or attached object."""
+        self._require_obstacle(name)
+        del self._obstacles[name]
+        self._touching.pop(name, None)
+        self._changed()
+
+    def attach(self, name: str, link: str | None = None, *, theta: ArrayLike, touching: Iterable[str] = ()) -> None:
+        """Let `link`, by default the tip, carry an obstacle that it holds at theta (n,).
+
+        The links of the same body and of its children may touch the object, and so may those in `touching`.
+
+        Args:
+            name: The obstacle.
+            link: The link that carries it; by default that of the tip.
+            theta: The configuration (n,) at which the link takes it.
+            touching: Further links that may touch it.
+        """
+        body = self._require_obstacle(name)
+        carrier = self._description.require_link(link or self.arm.tip_link, "link")
+        self._hold(name, carrier, self._relative(theta, carrier, body.carrier) @ body.pose, touching)
+
+    def detach(self, name: str, *, theta: ArrayLike) -> None:
+        """Put an attached object down where it is at theta (n,).
+
+        Args:
+            name: The object.
+            theta: The configuration (n,) at which it is put down.
+        """
+        body = self._require_obstacle(name)
+        g = self._relative(theta, self.arm.base, body.carrier)
+        self._obstacles[name] = replace(body, carrier=self.arm.base, pose=g @ body.pose)
+        self._touching.pop(name, None)
+        self._changed()
+
+    def require_arm(self, arm: Arm) -> None:
+        """Raise InputError if `arm` is of another description, or has other coordinates."""
+        if arm.description is not self._description or arm.joint_names != self.arm.joint_names:
+            raise InputError(f"scene is one of {self.arm.name}, not of this {arm.name}: make it with Scene(arm)")
+
+    # -- questions -----------------------------------------------------------------------------------------------
+
+    def collides(self, theta: ArrayLike, *, threads: int = 1) -> Any:
+        """Whether some pair overlaps or is nearer than its margin at theta (..., n): a bool, or (...) of bool.
+
+        Several configurations are shared among `threads`.
+
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            threads: How many threads share a batch.
+        """
+        x = as_theta(theta, self.arm.n, "theta", self.arm.joint_names)
+        if x.ndim == 1:
+            return self._checker.collides(self._model.q(x))
+        Q = np.array([self._model.q(row) for row in x.reshape(-1, self.arm.n)]).reshape(-1, self._model.model.nq)
+        return self._checker.batch(Q, as_whole(threads, "threads", 1, 256)).reshape(x.shape[:-1])
+
+    def distance(self, theta: ArrayLike) -> Distance:
+        """The nearest pair at theta (n,), margins not counted."""
+        x = self.arm.theta_from(theta)
+        metres = self._checker.distances(self._model.q(x))
+        if not len(metres):
+            return Distance(np.inf, (), np.empty((0, 3)))
+        k = int(metres.argmin())
+        points = (self._checker.points(k) - self._base(x)[:3, 3]) @ self._base(x)[:3, :3]
+        return Distance(float(metres[k]), self._names(k), points)
+
+    def contacts(self, theta: ArrayLike) -> tuple[Contact, ...]:
+        """The pairs that collide at theta (n,), the deepest first."""
+        q = self._model.q(self.arm.theta_from(theta))
+        hit = self._checker.overlapping(q)
+        if not hit:
+            return ()
+        metres = self._checker.distances(q)
+        worst: dict[tuple[str, str], Contact] = {}
+        for k in sorted(hit, key=lambda k: metres[k]):
+            first, second = self._names(k)
+            worst.setdefault((first, second), Contact((first, second), float(metres[k]), self._checker.margins[k]))
+        return tuple(worst.values())
+
+    def first_collision(self, breakpoints: Given, coefficients: Given) -> Collision | None:
+        """The first collision of a motion, without gaps; None if there is none.
+
+        The motion is a piecewise polynomial as in `Trajectory`. A pair that is nearer than its margin by less than
+        0.5 mm may be missed.
+
+        Args:
+            breakpoints: (s + 1,) [s].
+            coefficients: (degree + 1, s, n), highest power first.
+        """
+        times, pieces = np.asarray(breakpoints, dtype=np.float64), np.asarray(coefficients, dtype=np.float64)
+        for k, (begin, end) in enumerate(pairwise(times)):
+            found = self._sweep.along(pieces[:, k], end - begin)
+            if found is not None:
+                theta = taylor(pieces[:, k], found)[-1]
+                return Collision(float(begin + found), theta, self.contacts(theta))
+        return None
+
+    def is_free(self, one: ArrayLike, other: ArrayLike) -> bool:
+        """Whether the straight way in joint space from one configuration (n,) to another collides with nothing.
+
+        Args:
+            one: A configuration (n,), or the name of one.
+            other: Another.
+        """
+        return self._sweep.straight(self.arm.theta_from(one), self.arm.theta_from(other))
+
+    @property
+    def largest_margin(self) -> float:
+        """The largest margin of a pair [m]."""
+        return max(self._checker.margins, default=0.0)
+
+    def checks(self, clearance: float) -> Callable[[Array], bool]:
+        """A quick check of one configuration (n,): whether every pair keeps its margin and this clearance [m]."""
+        checker, q = self._sweep.checker(clearance), self._model.q
+        return lambda theta: not checker.collides(q(theta))
+
+    # -- inside --------------------------------------------------------------------------------------------------
+
+    def _fill(self, content: SceneFile) -> None:
+        """Add what a file holds."""
+        for entry in content.entries:
+            self._add(entry.name, entry.kind, entry.size, entry.pose, entry.mesh)
+            if entry.on:
+                self._hold(entry.name, self._description.require_link(entry.on, "link"), entry.pose, entry.touching)
+        if content.matrix:
+            self.__dict__["allowed"] = {}
+        for first, second in content.allowed:
+            self.allow(first, second, "File")
+
+    def _add(self, name: str, kind: str, size: Row, pose: Given | None, mesh: Path | None = None) -> None:
+        if not isinstance(name, str) or not name:
+            raise InputError(f"name must be a text that is not empty; got {name!r}")
+        if name in self._obstacles or name in self._description.links:
+            what = "an obstacle" if name in self._obstacles else "a link"
+            raise InputError(f"name: {what} is already called {name!r}; choose another name, or remove it first")
+        what = "scale" if kind == "mesh" else "size"
+        sizes = tuple(as_positive(number, what) for number in as_vector(size, what, NUMBERS[kind]))
+        with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
+            if kind == "plane":
+                shape = shapes.half_space()
+            else:
+                shape = shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)
+        self._obstacles[name] = Body(name, self.arm.base, shape, _as_place(pose), kind, obstacle=True)
+        self._changed()
+
+    def _hold(self, name: str, carrier: str, pose: Array, touching: Iterable[str]) -> None:
+        """Put an obstacle on a link, at `pose` (4, 4) in its frame."""
+        touched = require_names(touching, "touching")
+        for other in touched:
+            self._description.require_link(other, "touching")
+        self._obstacles[name] = replace(self._obstacles[name], carrier=carrier, pose=pose)
+        beyond = {link for joint in self._description.joints.values() if joint.parent == carrier
+                  for link in self._description.beyond(joint.name)}  # fmt: skip
+        self._touching[name] = frozenset({carrier, *beyond, *touched})
+        self._changed()
+
+    def _changed(self) -> None:
+        for name in ("_checker", "_sweep"):
+            self.__dict__.pop(name, None)
+
+    def _require_obstacle(self, name: str) -> Body:
+        if name not in self._obstacles:
+            raise unknown_name("obstacle", name, self._obstacles, within="the scene", listing="obstacles")
+        return self._obstacles[name]
+
+    def _base(self, theta: Array) -> Array:
+        """The base's pose (4, 4) in Pinocchio's world."""
+        return self._model.link_pose(self._model.q(theta), self._description.root, self.arm.base)
+
+    def _relative(self, theta: ArrayLike, frame: str, link: str) -> Array:
+        return self._model.link_pose(self._model.q(self.arm.theta_from(theta)), frame, link)
+
+    @cached_property
+    def _checker(self) -> Checker:
+        bodies = (*self._links, *self._obstacles.values())
+        joints = [self._model.model.frames[self._model.frame_id(body.carrier)].parentJoint for body in bodies]
+        pairs = [
+            (i, j)
+            for i, j in combinations(range(len(bodies)), 2)
+            if joints[i] != joints[j] and not self._exempt(bodies[i], bodies[j])
+        ]
+        return Checker(self._model, bodies, pairs, [self._margin_of(bodies[i], bodies[j]) for i, j in pairs])
+
+    @cached_property
+    def _sweep(self) -> Sweep:
+        return Sweep(self._checker, self._model)
+
+    def _exempt(self, one: Body, other: Body) -> bool:
+        pair = sorted_pair(one.name, other.name)
+        if pair in self._allowed_too:
+            return True
+        if one.obstacle or other.obstacle:
+            return other.name in self._touching.get(one.name, ()) or one.name in self._touching.get(other.name, ())
+        return pair in self.allowed
+
+    def _margin_of(self, one: Body, other: Body) -> float:
+        if isinstance(self._margin, float):
+            return self._margin
+        return max(self._margin.get(one.name, 0.0), self._margin.get(other.name, 0.0))
+
+    def _names(self, k: int) -> tuple[str, str]:
+        i, j = self._checker.pairs[k]
+        return self._checker.bodies[i].name, self._checker.bodies[j].name
+
+
+def _as_place(pose: Given | None) -> Array:
+    """A pose (4, 4) from a pose, a position (3,) or None."""
+    if pose is None:
+        return np.eye(4)
+    array = np.asarray(pose, dtype=object)
+    if array.shape == (3,):
+        g = np.eye(4)
+        g[:3, 3] = as_vector(pose, "pose")  # type: ignore[arg-type]
+        return g
+    return as_pose(pose)
+
+
+def _margins(margin: float | Mapping[str, float]) -> float | dict[str, float]:
+    if isinstance(margin, Mapping):
+        given = require_mapping(margin, "margin", '{"forearm": 0.02}')
+        return {name: as_not_negative(value, f"margin[{name!r}]") for name, value in given.items()}
+    return as_not_negative(margin, "margin")

@@ -1,0 +1,248 @@
+"""Scene files: twistarm's scene.toml, MoveIt's planning scene as YAML, and MoveIt's .scene text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..description.companions.toml_entries import parse_toml
+from ..description.document import read_text
+from ..description.yaml_reading import parse_yaml
+from ..support.checks import Array, as_flag, as_vector, require_mapping
+from ..support.errors import InputError, TwistarmError, closest, listed
+from ..support.files import read_bounded
+from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw
+
+MOST_BYTES = 4_000_000
+"""The largest planning scene."""
+
+MOST_NODES = 200_000
+"""The most values in one."""
+
+SIZES = {"box": ("size",), "sphere": ("radius",), "cylinder": ("radius", "length"), "capsule": ("radius", "length")}
+PLACE = ("name", "xyz", "rpy", "quaternion_wxyz", "on", "touching")
+TOP = ("arm", "degrees", "ground", "margin", "allow", *SIZES, "plane", "mesh")
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """An obstacle of a file: its kind, its size [m] or mesh file with scale, its pose (4, 4) on the link `on`."""
+
+    name: str
+    kind: str
+    size: tuple[float, ...]
+    pose: Array
+    mesh: Path | None = None
+    on: str = ""
+    touching: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class SceneFile:
+    """The content of a scene file: the arm's name if given, obstacles, pairs that need no check, and the margin [m].
+
+    `matrix` tells that `allowed` are all pairs of the robot that need no check.
+    """
+
+    arm: str
+    entries: tuple[Entry, ...]
+    allowed: tuple[tuple[str, str], ...] = ()
+    margin: float | Mapping[str, float] | None = None
+    matrix: bool = False
+
+
+def read_scene(path: Path) -> SceneFile:
+    """Read a scene.toml, a planning scene (.yaml, .yml) or a .scene file.
+
+    Raises InputError, with file and entry, for what cannot be used, and DescriptionError for an unreadable file.
+    """
+    kind = path.suffix.lower()
+    readers: dict[str, Callable[[Path], SceneFile]] = {
+        ".toml": _toml, ".yaml": _planning_scene, ".yml": _planning_scene, ".scene": _scene_text,
+    }  # fmt: skip
+    if kind not in readers:
+        raise InputError(f"{path} is no scene file: its name must end with {listed(readers)}")
+    return readers[kind](path)
+
+
+# -- scene.toml --------------------------------------------------------------------------------------------------
+
+
+def _toml(path: Path) -> SceneFile:
+    content = parse_toml(path, "a scene.toml")
+    with _at(path, "at the top"):
+        _only(content, TOP)
+        angle = np.pi / 180.0 if as_flag(content.get("degrees", False), "degrees") else 1.0
+        margin = content.get("margin")
+        allowed = tuple(_pair(pair) for pair in content.get("allow", ()))
+        arm = content.get("arm", "")
+    entries = [Entry("ground", "plane", (), np.eye(4))] if content.get("ground", False) else []
+    for kind in (*SIZES, "plane", "mesh"):
+        tables = content.get(kind, [])
+        for i, table in enumerate(tables if isinstance(tables, list) else [tables]):
+            with _at(path, f"{kind} {i + 1}"):
+                entries.append(_entry(kind, table, angle, path.parent))
+    return SceneFile(arm, tuple(entries), allowed, margin)
+
+
+def _entry(kind: str, value: Any, angle: float, folder: Path) -> Entry:
+    own = SIZES.get(kind, ("file", "scale") if kind == "mesh" else ())
+    table = require_mapping(value, kind, '{ name = "table" }')
+    _only(table, (*PLACE, *own))
+    missing = [name for name in ("name", *own) if name not in table and name != "scale"]
+    if missing:
+        raise InputError(f"it needs {listed(missing)}")
+    mesh = folder / table["file"] if kind == "mesh" else None
+    if kind == "mesh":
+        size = tuple(map(float, np.broadcast_to(np.asarray(table.get("scale", 1.0), dtype=np.float64), 3)))
+    else:
+        size = tuple(float(x) for name in own for x in np.ravel(np.asarray(table[name], dtype=np.float64)))
+    touching = tuple(table.get("touching", ()))
+    return Entry(table["name"], kind, size, _pose(table, angle), mesh, table.get("on", ""), touching)
+
+
+def _pose(table: Mapping[str, Any], angle: float) -> Array:
+    g = np.eye(4)
+    g[:3, 3] = as_vector(table.get("xyz", (0.0, 0.0, 0.0)), "xyz")
+    if "rpy" in table and "quaternion_wxyz" in table:
+        raise InputError("give rpy or quaternion_wxyz, not both")
+    if "rpy" in table:
+        g[:3, :3] = from_rpy(angle * as_vector(table["rpy"], "rpy"))
+    elif "quaternion_wxyz" in table:
+        g[:3, :3] = from_quaternion_wxyz(as_vector(table["quaternion_wxyz"], "quaternion_wxyz", 4))
+    return g
+
+
+def _pair(value: Any) -> tuple[str, str]:
+    if not (isinstance(value, list) and len(value) == 2 and all(isinstance(name, str) for name in value)):
+        raise InputError(f'allow must be a list of pairs such as ["forearm", "table"]; got {value!r}')
+    return value[0], value[1]
+
+
+# -- MoveIt ------------------------------------------------------------------------------------------------------
+
+
+def _planning_scene(path: Path) -> SceneFile:
+    content = parse_yaml(read_text(path, MOST_BYTES), path, MOST_NODES)
+    with _at(path, "at the top"):
+        scene = content.get("planning_scene", content)
+        free, state = (scene.get("world") or {}).get("collision_objects") or (), scene.get("robot_state") or {}
+        matrix = scene.get("allowed_collision_matrix") or {}
+        pairs = _matrix_pairs(matrix)
+    entries: list[Entry] = []
+    for i, item in enumerate(free):
+        with _at(path, f"collision object {i + 1}"):
+            entries += _objects(item)
+    for i, item in enumerate(state.get("attached_collision_objects") or ()):
+        with _at(path, f"attached object {i + 1}"):
+            link, touching = item["link_name"], tuple(item.get("touch_links") or ())
+            entries += [replace(entry, on=link, touching=touching) for entry in _objects(item["object"])]
+    return SceneFile("", tuple(entries), pairs, matrix=bool(matrix))
+
+
+def _objects(item: Mapping[str, Any]) -> Iterator[Entry]:
+    """The primitives of a moveit_msgs/CollisionObject."""
+    if item.get("meshes"):
+        raise InputError(f"{item.get('id')!r} has a mesh: write it to a file and name it in a scene.toml")
+    whole = _message_pose(item["pose"]) if item.get("pose") else np.eye(4)
+    shapes, poses = item.get("primitives") or (), item.get("primitive_poses") or ()
+    for k, shape in enumerate(shapes):
+        kind, size = _solid(shape["type"], [float(x) for x in shape["dimensions"]])
+        pose = whole @ _message_pose(poses[k]) if k < len(poses) else whole
+        yield Entry(_numbered(str(item["id"]), k, len(shapes)), kind, size, pose)
+
+
+SOLIDS = {1: "box", 2: "sphere", 3: "cylinder"}
+"""shape_msgs/SolidPrimitive."""
+
+
+def _solid(kind: Any, numbers: list[float]) -> tuple[str, tuple[float, ...]]:
+    """Kind and size of a primitive as MoveIt has it: the height of a cylinder comes first."""
+    name = SOLIDS.get(kind, kind)
+    if name not in SOLIDS.values():
+        raise InputError(f"a primitive of type {kind!r}; known are {listed(SOLIDS.values())}")
+    return name, tuple(reversed(numbers)) if name == "cylinder" else tuple(numbers)
+
+
+def _message_pose(pose: Mapping[str, Any]) -> Array:
+    """geometry_msgs/Pose, its parts as lists or as x, y, z, w."""
+    g = np.eye(4)
+    position, turn = pose.get("position", [0.0, 0.0, 0.0]), pose.get("orientation", [0.0, 0.0, 0.0, 1.0])
+    g[:3, 3] = as_vector([position[axis] for axis in "xyz"] if isinstance(position, dict) else position, "position")
+    g[:3, :3] = from_xyzw(as_vector([turn[a] for a in "xyzw"] if isinstance(turn, dict) else turn, "orientation", 4))
+    return g
+
+
+def _matrix_pairs(matrix: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    """The pairs that an allowed collision matrix exempts."""
+    names = matrix.get("entry_names") or ()
+    rows = [row["enabled"] if isinstance(row, dict) else row for row in matrix.get("entry_values") or ()]
+    return tuple((names[i], names[j]) for i, row in enumerate(rows) for j in range(i) if row[j])
+
+
+def _scene_text(path: Path) -> SceneFile:
+    """MoveIt's text: for each object `* name`, since 2020 its pose, then its shapes."""
+    with _at(path, "MoveIt's .scene text"):
+        lines = iter(read_bounded(path, MOST_BYTES).decode("utf-8").splitlines()[1:])
+        entries: list[Entry] = []
+        for line in lines:
+            if line.strip() == ".":
+                break
+            if not line.startswith("*"):
+                raise InputError(f"expected '* name' of an object; got {line!r}")
+            entries += _text_object(line[1:].strip(), lines)
+    return SceneFile("", tuple(entries))
+
+
+def _text_object(name: str, lines: Iterator[str]) -> list[Entry]:
+    first, whole = _numbers(lines), np.eye(4)
+    posed = len(first) == 3
+    if posed:
+        whole[:3, 3], whole[:3, :3] = first, from_xyzw(_numbers(lines))
+        first = _numbers(lines)
+    entries, count = [], int(first[0])
+    for k in range(count):
+        kind, size = next(lines).strip(), _numbers(lines)
+        if kind not in ("box", "sphere", "cylinder"):
+            raise InputError(f"{name!r} has a {kind}: write it to a file and name it in a scene.toml")
+        g = np.eye(4)
+        g[:3, 3], g[:3, :3] = _numbers(lines), from_xyzw(_numbers(lines))
+        next(lines)  # the colour
+        entries.append(Entry(_numbered(name, k, count), kind, tuple(size), whole @ g))
+    if posed:  # subframes: a name, a position and a rotation each
+        for _ in range(3 * int(_numbers(lines)[0])):
+            next(lines)
+    return entries
+
+
+def _numbers(lines: Iterator[str]) -> list[float]:
+    return [float(word) for word in next(lines).split()]
+
+
+def _numbered(name: str, k: int, count: int) -> str:
+    return name if count == 1 else f"{name} {k + 1}"
+
+
+# -- both --------------------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def _at(path: Path, place: str) -> Iterator[None]:
+    """Name the file and the place in errors."""
+    try:
+        yield
+    except TwistarmError as error:
+        raise InputError(f"{path}, {place}: {error}") from error
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError, StopIteration, RuntimeError) as error:
+        raise InputError(f"{path}, {place}: an entry is missing or of the wrong kind ({error})") from error
+
+
+def _only(table: Mapping[str, Any], allowed: tuple[str, ...]) -> None:
+    for key in table:
+        if key not in allowed:
+            raise InputError(f"unknown entry {key!r}{closest(key, allowed)}; allowed: {listed(allowed, 20)}")

@@ -1,0 +1,57 @@
+"""How often each pair of a scene collides at random configurations, and its SRDF."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from xml.sax.saxutils import quoteattr
+
+from ..support.checks import Array, as_whole
+from .scene import Scene
+
+Progress = Callable[[float], object]
+
+
+@dataclass(frozen=True, eq=False)
+class Colliding:
+    """A pair that collides in `share` of the configurations, for example at `theta` (n,)."""
+
+    links: tuple[str, str]
+    share: float
+    theta: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """The pairs that collide, the most frequent first, and the share of all configurations in which one does."""
+
+    samples: int
+    share: float
+    pairs: tuple[Colliding, ...]
+
+
+def survey(scene: Scene, samples: int = 2000, rng: int = 0, progress: Progress | None = None) -> Survey:
+    """Check random configurations of the arm inside its limits."""
+    count = as_whole(samples, "samples", 1, 10**7)
+    seen: dict[tuple[str, str], list[Array]] = {}
+    hit = 0
+    for k, theta in enumerate(scene.arm.random_theta(rng, count)):
+        if progress is not None and k % 100 == 0:
+            progress(k / count)
+        if scene.collides(theta):
+            hit += 1
+            for contact in scene.contacts(theta):
+                seen.setdefault(contact.links, []).append(theta)
+    pairs = [Colliding(links, len(thetas) / count, thetas[0]) for links, thetas in seen.items()]
+    return Survey(count, hit / count, tuple(sorted(pairs, key=lambda pair: -pair.share)))
+
+
+def srdf_text(scene: Scene) -> str:
+    """An SRDF with the allowed pairs of the scene's robot, as MoveIt's setup assistant writes them."""
+    assert scene.arm.description is not None
+    rows = [
+        f"    <disable_collisions link1={quoteattr(a)} link2={quoteattr(b)} reason={quoteattr(reason)}/>"
+        for (a, b), reason in sorted(scene.allowed.items())
+    ]
+    name = quoteattr(scene.arm.description.name)
+    return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', f"<robot name={name}>", *rows, "</robot>", ""])

@@ -1,0 +1,125 @@
+"""A path round obstacles: RRT-Connect of OMPL, shortened, then proven free."""
+
+from __future__ import annotations
+
+import time
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ..collision import Scene
+from ..limits.joint_limits import JointLimits
+from ..support.checks import Array
+from ..support.errors import missing_extra
+from .cartesian.refusal import PathError
+
+CLEARANCE = 0.005
+"""How far [m] states keep from everything, so that the ways between them do too; less where start or goal is nearer."""
+
+STEPS = (0.1, 0.05, 0.02, 0.01, 0.005)
+"""How far [rad, m] the checked states of a way are apart, in one attempt after the other."""
+
+UNLIMITED = 2.0 * np.pi
+"""How far joints without limits may go beyond start and goal."""
+
+REACH = 1.0
+"""The longest way [rad, m] that a tree grows at once."""
+
+SHORTENING = 0.3
+"""The greatest part of the time that has gone by which is spent on shortening."""
+
+
+def free_path(scene: Scene, start: Array, goal: Array, limits: JointLimits, max_time: float, seed: int = 0) -> Array:
+    """Waypoints (k, n) of a path from start to goal (n,), straight in joint space between them, that is free.
+
+    A straight way is taken if it is free. Otherwise RRT-Connect (Kuffner & LaValle, ICRA 2000) plans on states with a
+    clearance, and OMPL's simplifier shortens the path. `Scene.is_free` then proves it. If that fails, the search is
+    repeated with smaller steps. Equal calls in fresh processes give equal paths.
+
+    Raises:
+        PathError: Start or goal collides, or no way was found in `max_time` [s].
+        MissingExtraError: OMPL is not installed.
+    """
+    for theta, name in ((start, "start"), (goal, "goal")):
+        contacts = scene.contacts(theta)
+        if contacts:
+            raise PathError(f"the {name} collides: {contacts[0]}")
+    if scene.is_free(start, goal):
+        return np.array([start, goal])
+    ends = time.monotonic() + max_time
+    near = min(scene.distance(start).metres, scene.distance(goal).metres) - scene.largest_margin
+    search = _Search(scene, start, goal, limits, min(CLEARANCE, 0.5 * max(near, 0.0)), seed)
+    for step in STEPS:
+        path = search.path(step, ends)
+        if path is None:
+            break
+        if all(scene.is_free(one, other) for one, other in pairwise(path)):
+            return path
+    raise PathError(f"no way round was found in {max_time:g} s; give a longer max_time, or another goal")
+
+
+class _Search:
+    """One problem of OMPL."""
+
+    def __init__(
+        self, scene: Scene, start: Array, goal: Array, limits: JointLimits, clearance: float, seed: int
+    ) -> None:
+        self._ompl = _import_ompl(seed)
+        self._n, self._start, self._goal = len(start), start, goal
+        lower, upper = np.minimum(start, goal) - UNLIMITED, np.maximum(start, goal) + UNLIMITED
+        self._lower = np.where(np.isfinite(limits.lower), limits.lower, lower)
+        self._upper = np.where(np.isfinite(limits.upper), limits.upper, upper)
+        self._free = scene.checks(clearance)
+
+    def path(self, step: float, ends: float) -> Array | None:
+        """A shortened path (k, n) whose states are free every `step` [rad, m]; None if the time is up."""
+        base, geometric = self._ompl
+        space, bounds = base.RealVectorStateSpace(self._n), base.RealVectorBounds(self._n)
+        for i in range(self._n):
+            bounds.setLow(i, float(self._lower[i]))
+            bounds.setHigh(i, float(self._upper[i]))
+        space.setBounds(bounds)
+        setup = geometric.SimpleSetup(space)
+        setup.setStateValidityChecker(lambda state: self._free(self._numbers(state)))
+        setup.getSpaceInformation().setStateValidityCheckingResolution(step / float(space.getMaximumExtent()))
+        planner = geometric.RRTConnect(setup.getSpaceInformation())
+        planner.setRange(REACH)
+        setup.setPlanner(planner)
+        setup.setStartAndGoalStates(self._state(space, self._start), self._state(space, self._goal))
+        began = time.monotonic()
+        if ends <= began:
+            return None
+        setup.solve(ends - began)
+        if not setup.haveExactSolutionPath():
+            return None
+        setup.simplifySolution(max(0.02, min(SHORTENING * (time.monotonic() - began), ends - time.monotonic())))
+        found = setup.getSolutionPath()
+        path = np.array([self._numbers(found.getState(k)) for k in range(found.getStateCount())])
+        path[0], path[-1] = self._start, self._goal
+        return path
+
+    def _numbers(self, state: Any) -> Array:
+        return np.array([state[i] for i in range(self._n)])
+
+    def _state(self, space: Any, theta: Array) -> Any:
+        state = space.allocState()
+        for i in range(self._n):
+            state[i] = float(theta[i])
+        return state
+
+
+def _import_ompl(seed: int) -> tuple[Any, Any]:
+    """OMPL's modules `base` and `geometric`. Its generator takes the seed once in a process."""
+    try:
+        from ompl import base, geometric, util
+    except ImportError as error:
+        raise missing_extra("planning round obstacles", "ompl", "obstacles") from error
+    util.setLogLevel(util.LOG_NONE)
+    if not _SEEDED:
+        util.RNG.setSeed(seed + 1)
+        _SEEDED.append(seed)
+    return base, geometric
+
+
+_SEEDED: list[int] = []

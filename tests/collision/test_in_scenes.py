@@ -1,0 +1,148 @@
+"""Inverse kinematics and motions in scenes: free answers, true reasons, and nothing passed through."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from test_scene import SHAPES, slider
+from twistarm import (
+    Arm,
+    Dwell,
+    FreeMove,
+    InputError,
+    JointMove,
+    LineMove,
+    PathError,
+    Position,
+    Scene,
+    StopReason,
+    load_arm,
+    plan,
+    solve_ik,
+)
+
+
+def beside_a_plate(name: str) -> tuple[Arm, Scene]:
+    """An arm with a plate of 1 mm before it."""
+    arm = load_arm(name, limits={"acceleration": 5.0})
+    scene = Scene(arm)
+    scene.add_box("plate", (0.001, 0.8, 0.8), (0.45 * arm.reach, 0.0, 0.5 * arm.reach))
+    return arm, scene
+
+
+def free_configurations(scene: Scene, count: int, seed: int) -> np.ndarray:
+    thetas = scene.arm.random_theta(seed, 20 * count)
+    return np.array([theta for theta in thetas if not scene.collides(theta)][:count])
+
+
+@pytest.mark.parametrize("name", ["ur5", "rover_arm"])
+@pytest.mark.parametrize("whole", [True, False], ids=["pose", "position"])
+def test_a_target_that_some_free_configuration_meets_gets_a_free_one(name: str, whole: bool) -> None:
+    arm, scene = beside_a_plate(name)
+    scene.add_box("table", (0.5 * arm.reach, arm.reach, 0.05), (0.55 * arm.reach, 0.0, 0.2 * arm.reach))
+    targets = arm.fk(free_configurations(scene, 40, 3))
+    avoided = 0
+    for g in targets:
+        found = solve_ik(arm, g if whole else Position(g[:3, 3]), scene=scene)
+        assert found.converged
+        assert not scene.collides(found.theta)
+        avoided += any("collides" in note for note in found.notes)
+    assert avoided or whole
+
+
+def test_a_target_inside_an_obstacle_names_the_pair_and_the_depth(tmp_path: Path) -> None:
+    """The hand, a sphere of radius 0.1, in the middle of a box: 0.5 + 0.1 deep."""
+    arm = slider(tmp_path, SHAPES["sphere"])
+    scene = Scene(arm)
+    scene.add_box("wall", (1.0, 2.0, 2.0), (1.5, 0.0, 0.0))
+    found = solve_ik(arm, Position([1.5, 0.0, 0.0]), scene=scene)
+    assert (found.stop, found.converged) == (StopReason.IN_COLLISION, False)
+    assert [set(contact.links) for contact in found.contacts] == [{"hand", "wall"}]
+    assert found.contacts[0].distance == pytest.approx(-0.6, abs=1e-4)
+    assert "hand and wall overlap by 600 mm" in found.explain()
+    assert solve_ik(arm, Position([0.5, 0.0, 0.0]), scene=scene).converged
+
+
+def test_a_scene_of_another_arm_is_refused(tmp_path: Path) -> None:
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    other = load_arm("rover_arm")
+    with pytest.raises(InputError, match="scene"):
+        solve_ik(other, Position([0.5, 0.0, 0.5]), scene=scene)
+    with pytest.raises(InputError, match="scene"):
+        plan(other, JointMove("ready"), scene=scene)
+
+
+@pytest.mark.parametrize("name", ["ur5", "rover_arm", "panda"])
+def test_the_first_collision_of_a_motion_is_that_of_dense_samples(name: str) -> None:
+    """Also through a plate of 1 mm. Between two samples the tool moves less than 1 mm."""
+    arm, scene = beside_a_plate(name)
+    ends = free_configurations(scene, 16, 5)
+    hits = 0
+    for start, goal in zip(ends[::2], ends[1::2], strict=True):
+        motion = plan(arm, JointMove(goal), start=start)
+        found = scene.first_collision(motion.breakpoints, motion.coefficients)
+        t = np.linspace(0.0, motion.duration, 8000)
+        colliding = scene.collides(motion(t), threads=2)
+        assert (found is not None) == colliding.any()
+        if found is not None:
+            hits += 1
+            assert found.time == pytest.approx(t[colliding.argmax()], abs=5e-3)
+            assert found.contacts
+            with pytest.raises(PathError, match=r"segment 1 \(JointMove\) collides"):
+                plan(arm, JointMove(goal), start=start, scene=scene)
+    assert hits
+
+
+def test_a_wall_thinner_than_a_step_is_not_passed(tmp_path: Path) -> None:
+    """Thin plates anywhere on the way of a small sphere."""
+    arm = slider(tmp_path, '<sphere radius="0.0005"/>')
+    for x in np.random.default_rng(0).uniform(-1.8, 1.8, 50):
+        scene = Scene(arm)
+        scene.add_box("plate", (0.001, 1.0, 1.0), (x, 0.0, 0.0))
+        assert not scene.is_free([-1.9, 0.0], [1.9, 0.0])
+        assert scene.is_free([-1.9, 0.6], [1.9, 0.6])
+
+
+def test_a_free_move_goes_round(tmp_path: Path) -> None:
+    """A wall across x from the floor to z = 1: the way leads over it, at rest nowhere in it."""
+    pytest.importorskip("ompl")
+    arm = slider(tmp_path, SHAPES["sphere"])
+    arm = load_arm(tmp_path / "slider.urdf", tip="hand", limits={"acceleration": 5.0})
+    scene = Scene(arm, margin=0.01)
+    scene.add_box("wall", (0.2, 2.0, 4.0), (0.0, 0.0, -1.0))
+    segments = [FreeMove([1.0, 0.0], label="there"), Dwell(0.2), LineMove(Position([1.2, 0.0, 0.1])), FreeMove([-1, 0])]
+    motion = plan(arm, segments, start=[-1.0, 0.0], scene=scene)
+    way = motion(np.linspace(0.0, motion.duration, 5000))
+    assert not scene.collides(way).any()
+    assert way[:, 1].max() > 1.1  # over the wall
+    assert motion.waypoints[0].tolist() == [-1.0, 0.0]
+    assert motion.waypoints[-1] == pytest.approx([-1.0, 0.0])
+    assert "there" in [label for _, label in motion.labels] or "there" in str(motion.labels)
+
+
+@pytest.mark.parametrize(
+    ("start", "goal", "said"),
+    [([0.0, 0.0], [1.0, 0.0], "start collides: "), ([1.0, 0.0], [0.0, 0.0], "goal collides: ")],
+)
+def test_a_free_move_from_or_to_a_collision_names_the_pair(
+    tmp_path: Path, start: list[float], goal: list[float], said: str
+) -> None:
+    arm = slider(tmp_path, SHAPES["sphere"])
+    scene = Scene(arm)
+    scene.add_box("wall", (0.2, 2.0, 4.0), (0.0, 0.0, -1.0))
+    with pytest.raises(PathError, match=f"{said}hand and wall overlap by 200 mm"):
+        plan(arm, FreeMove(goal), start=start, scene=scene)
+
+
+def test_a_free_move_without_a_way_ends_in_time(tmp_path: Path) -> None:
+    pytest.importorskip("ompl")
+    arm = slider(tmp_path, SHAPES["sphere"])
+    scene = Scene(arm)
+    scene.add_box("wall", (0.2, 2.0, 9.0))  # higher than the slide can go
+    with pytest.raises(PathError, match="no way round was found in 0.5 s"):
+        plan(arm, FreeMove([1.0, 0.0]), start=[-1.0, 0.0], scene=scene, max_time=0.5)
+    with pytest.raises(InputError, match="scene="):
+        plan(arm, FreeMove([1.0, 0.0]), start=[-1.0, 0.0])

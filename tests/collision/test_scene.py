@@ -1,0 +1,354 @@
+"""Scenes: shapes of links and obstacles, distances by hand, Pinocchio as judge, allowed pairs, files, bad input."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from twistarm import Arm, DescriptionError, InputError, TwistarmError, UnknownNameError, arm_from_screws, load_arm
+from twistarm.collision import Scene
+from twistarm.collision.survey import srdf_text, survey
+from twistarm.description.companions.srdf import read_srdf
+
+SHAPES = {
+    "sphere": '<sphere radius="0.1"/>',
+    "box": '<box size="0.2 0.2 0.2"/>',
+    "capsule": '<capsule radius="0.1" length="0.4"/>',
+    "cylinder": '<cylinder radius="0.1" length="0.4"/>',
+}
+
+
+def link(name: str, shape: str = "", xyz: str = "0 0 0") -> str:
+    body = f'<collision><origin xyz="{xyz}"/><geometry>{shape}</geometry></collision>' if shape else ""
+    return f'<link name="{name}">{body}</link>'
+
+
+def joint(name: str, kind: str, parent: str, child: str, axis: str, xyz: str = "0 0 0", limit: float = 2.0) -> str:
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/><origin xyz="{xyz}"/>'
+        f'<axis xyz="{axis}"/><limit lower="{-limit}" upper="{limit}" velocity="1" effort="1"/></joint>'
+    )
+
+
+def slider(tmp_path: Path, shape: str, *more: str) -> Arm:
+    """A base, and a `hand` with a shape that slides along x and z; between them only a link without shapes."""
+    parts = [
+        link("base", SHAPES["box"], "0 0 -3"),
+        link("carriage"),
+        link("hand", shape),
+        joint("x", "prismatic", "base", "carriage", "1 0 0"),
+        joint("z", "prismatic", "carriage", "hand", "0 0 1"),
+        *more,
+    ]
+    file = tmp_path / "slider.urdf"
+    file.write_text(f'<robot name="slider">{"".join(parts)}</robot>')
+    return load_arm(file, tip="hand")
+
+
+@pytest.mark.parametrize(
+    ("shape", "gap"),
+    [("sphere", 0.4), ("box", 0.4), ("capsule", 0.4), ("cylinder", 0.4)],
+)
+def test_the_distance_to_a_box_is_that_of_a_calculation_by_hand(tmp_path: Path, shape: str, gap: float) -> None:
+    """From a shape of half-width 0.1 at x = 0.5 to the face x = 1 of a box."""
+    scene = Scene(slider(tmp_path, SHAPES[shape]))
+    scene.add_box("wall", (1.0, 2.0, 2.0), (1.5, 0.0, 0.0))
+    found = scene.distance([0.5, 0.0])
+    assert found.metres == pytest.approx(gap, abs=1e-6)
+    assert set(found.links) == {"hand", "wall"}
+    assert sorted(found.points[:, 0]) == pytest.approx([0.6, 1.0], abs=1e-4)
+    assert str(found) == "hand and wall: 400 mm apart"
+    assert not scene.collides([0.5, 0.0])
+    assert scene.collides([0.95, 0.0])
+    (contact,) = scene.contacts([0.95, 0.0])
+    assert contact.distance == pytest.approx(-0.05, abs=1e-5)
+    assert str(contact) == "hand and wall overlap by 50 mm"
+
+
+@pytest.mark.parametrize("kind", ["sphere", "cylinder", "capsule", "plane", "turned box"])
+def test_obstacles_stand_where_they_are_put(tmp_path: Path, kind: str) -> None:
+    """A sphere of radius 0.1 comes down along z from 1 m; the top of each obstacle is at z = 0.5."""
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    at = np.eye(4)
+    at[2, 3] = {"sphere": 0.3, "cylinder": 0.2, "capsule": 0.1, "plane": 0.5, "turned box": 0.5 - np.sqrt(0.5)}[kind]
+    if kind == "sphere":
+        scene.add_sphere("it", 0.2, at)
+    elif kind == "cylinder":
+        scene.add_cylinder("it", 0.3, 0.6, at)
+    elif kind == "capsule":
+        scene.add_capsule("it", 0.2, 0.4, at)
+    elif kind == "plane":
+        scene.add_plane("it", at)
+    else:
+        c = np.sqrt(0.5)
+        at[:3, :3] = [[c, 0, c], [0, 1, 0], [-c, 0, c]]
+        scene.add_box("it", (1.0, 1.0, 1.0), at)
+    assert scene.distance([0.0, 1.0]).metres == pytest.approx(0.4, abs=1e-6)
+    assert not scene.collides([0.0, 0.61])
+    assert scene.collides([0.0, 0.59])
+
+
+def test_margins_are_kept_alone_in_batches_and_on_threads(tmp_path: Path) -> None:
+    arm = slider(tmp_path, SHAPES["sphere"])
+    x = np.column_stack([np.linspace(-0.503, 1.9, 97), np.zeros(97)])
+    for margin in (0.0, 0.05, {"hand": 0.2}, {"wall": 0.03, "hand": 0.01}):
+        scene = Scene(arm, margin=margin)
+        scene.add_box("wall", (1.0, 2.0, 2.0), (1.5, 0.0, 0.0))
+        asked = max(margin.values()) if isinstance(margin, dict) else margin
+        expected = x[:, 0] + 0.1 > 1.0 - asked
+        assert [scene.collides(row) for row in x] == expected.tolist()
+        assert (scene.collides(x) == expected).all()
+        assert (scene.collides(x.reshape(1, 97, 2), threads=2) == expected).all()
+    contact = scene.contacts([0.88, 0.0])[0]
+    assert str(contact) == "hand and wall: 20 mm apart, 30 mm asked"
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101"])
+def test_pinocchio_alone_says_the_same_of_the_same_shapes(name: str) -> None:
+    """Pinocchio's own reading of the URDF, its own pairs, without a broadphase."""
+    pin = pytest.importorskip("pinocchio")
+    arm = load_arm(name)
+    assert arm.description is not None
+    scene = Scene(arm)
+    if {body.kind for body in scene._links} - {"collision shape"}:
+        pytest.skip(f"{name} has meshes, which Pinocchio reads itself")
+    model = pin.buildModelFromXML(arm.description.repaired)
+    geometry = pin.buildGeomFromUrdfString(model, arm.description.text, pin.GeometryType.COLLISION)
+    geometry.addAllCollisionPairs()
+    links = [model.frames[body.parentFrame].name for body in geometry.geometryObjects]
+    every = [(pair.first, pair.second) for pair in geometry.collisionPairs]
+    geometry.removeAllCollisionPairs()
+    for first, second in every:
+        if tuple(sorted((links[first], links[second]))) not in scene.allowed:
+            geometry.addCollisionPair(pin.CollisionPair(first, second))
+    data, shapes = model.createData(), geometry.createData()
+    for theta in arm.random_theta(3, 400):
+        q = arm.pinocchio.q(theta)
+        assert scene.collides(theta) == pin.computeCollisions(model, data, geometry, shapes, q, True)
+
+
+def test_allowed_pairs_and_their_reasons_are_those_of_the_setup_assistant(tmp_path: Path) -> None:
+    """Four links: neighbours, one that overlaps at zero, one that always does, one that never can."""
+    small = '<sphere radius="0.05"/>'
+    arm = slider(
+        tmp_path,
+        SHAPES["sphere"],
+        link("inside", small, "0 0 -2.95"),
+        joint("spin", "continuous", "base", "inside", "0 0 1"),
+        link("far", small, "9 0 0"),
+        joint("f", "fixed", "base", "far", "0 0 1"),
+        link("near", small, "0.1 0 0"),
+        joint("n", "fixed", "far", "near", "0 0 1", "0 0 0"),
+    )
+    scene = Scene(arm)
+    assert scene.allowed == {
+        ("base", "hand"): "Adjacent",  # only `carriage`, which has no shape, is between them
+        ("base", "inside"): "Adjacent",
+        ("base", "far"): "Adjacent",
+        ("far", "near"): "Adjacent",
+        ("hand", "near"): "Default",
+        ("base", "near"): "Never",
+        ("far", "hand"): "Never",
+        ("far", "inside"): "Never",
+        ("hand", "inside"): "Never",
+        ("inside", "near"): "Never",
+    }
+    file = tmp_path / "written.srdf"
+    file.write_text(srdf_text(scene))
+    assert read_srdf(file).disabled == frozenset(scene.allowed)
+
+
+def test_an_srdf_beside_the_description_is_taken_as_it_is(tmp_path: Path) -> None:
+    srdf = '<robot name="slider"><disable_collisions link1="hand" link2="base" reason="User"/></robot>'
+    (tmp_path / "slider.srdf").write_text(srdf)
+    assert Scene(slider(tmp_path, SHAPES["sphere"])).allowed == {("base", "hand"): "SRDF"}
+
+
+def test_what_the_hand_holds_moves_with_it_until_it_is_put_down(tmp_path: Path) -> None:
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    scene.add_box("wall", (1.0, 2.0, 2.0), (1.5, 0.0, 0.0))
+    scene.add_box("stick", (0.4, 0.02, 0.02), (0.25, 0.0, 0.0))
+    assert [contact.links for contact in scene.contacts([0.0, 0.0])] == [("hand", "stick")]
+    scene.attach("stick", theta=[0.0, 0.0])
+    assert not scene.collides([0.0, 0.0])
+    assert scene.distance([0.5, 0.0]).metres == pytest.approx(1.0 - 0.95, abs=1e-6)
+    assert scene.collides([0.6, 0.0])
+    scene.detach("stick", theta=[0.3, 0.0])
+    assert scene.distance([-1.0, 0.0]).metres == pytest.approx(0.35 + 1.0 - 0.1, abs=1e-6)
+    scene.remove("stick")
+    assert set(scene.obstacles) == {"wall"}
+
+
+def test_links_without_shapes_get_capsules_and_meshes_their_hulls(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.annulus(0.05, 0.1, 0.2).export(tmp_path / "ring.stl")
+    bare = tmp_path / "bare.urdf"
+    bare.write_text(
+        '<robot name="bare">'
+        + link("base")
+        + link("arm")
+        + link("tip", '<mesh filename="ring.stl"/>')
+        + joint("a", "revolute", "base", "arm", "0 0 1", "0 0 0.5")
+        + joint("b", "revolute", "arm", "tip", "0 1 0", "0.6 0 0")
+        + "</robot>"
+    )
+    arm = load_arm(bare, tip="tip")
+    said = {finding.what for finding in Scene(arm).findings}
+    assert said == {"capsule: 'base', 'arm'", "hull of a collision shape's mesh: 'tip'"}
+    inside = arm.fk([0.0, 0.0])  # the middle of the ring: in its hull, not in its triangles
+    for exact in (False, True):
+        scene = Scene(arm, exact=exact)
+        scene.add_sphere("pin", 0.01, inside)
+        hit = [contact.links for contact in scene.contacts([0.0, 0.0])]
+        assert (("tip", "pin") in hit) is not exact
+    (tmp_path / "ring.stl").write_bytes(b"solid nothing")
+    warned = [finding for finding in Scene(load_arm(bare, tip="tip")).findings if finding.severity == "warning"]
+    assert [finding.code for finding in warned] == ["collision-mesh-unreadable"]
+
+
+TOML = """
+degrees = true
+ground = true
+margin = 0.01
+allow = [["hand", "table"]]
+
+[[box]]
+name = "table"
+size = [1.0, 2.0, 0.05]
+xyz = [0.6, 0.0, 0.4]
+rpy = [0.0, 0.0, 90.0]
+
+[[sphere]]
+name = "ball"
+radius = 0.1
+xyz = [0.5, 0.0, 0.0]
+on = "hand"
+"""
+
+YAML = """
+world:
+  collision_objects:
+    - id: Can
+      primitives: [{type: cylinder, dimensions: [0.4, 0.1]}]
+      primitive_poses: [{position: [1.0, 0, 0], orientation: [0, 0, 0, 1]}]
+    - id: Shelf
+      primitives: [{type: box, dimensions: [0.2, 2, 2]}, {type: sphere, dimensions: [0.1]}]
+      primitive_poses: [{position: [1.5, 0, 0]}, {position: {x: 0.0, y: 5.0, z: 0.0}}]
+allowed_collision_matrix:
+  entry_names: [base, hand]
+  entry_values: [[false, true], [true, false]]
+"""
+
+TEXT = """(noname)+
+* Can
+1 0 0
+0 0 0 1
+1
+cylinder
+0.1 0.4
+0 0 0
+0 0 0 1
+0 0 0 0
+0
+* Shelf
+1
+box
+0.2 2 2
+1.5 0 0
+0 0 0 1
+0 0 0 0
+.
+"""
+
+
+def test_a_scene_toml_is_read(tmp_path: Path) -> None:
+    arm = slider(tmp_path, SHAPES["sphere"])
+    (tmp_path / "scene.toml").write_text(TOML)
+    scene = Scene.load(arm, tmp_path / "scene.toml")
+    assert set(scene.obstacles) == {"ground", "table", "ball"}
+    assert not scene.collides([0.0, 1.0])
+    assert not scene.collides([-1.5, 0.45])  # hand and table may touch, and the ball is beside the table
+    assert scene.collides([1.05, 0.42])  # the ball is in the table, which is 2 m long along x after its turn
+    assert scene.collides([-1.9, 0.105])  # nearer than the margin to the ground
+
+
+@pytest.mark.parametrize(("name", "text"), [("scene.yaml", YAML), ("a.scene", TEXT)])
+def test_moveit_scenes_are_read(tmp_path: Path, name: str, text: str) -> None:
+    arm = slider(tmp_path, SHAPES["sphere"])
+    (tmp_path / name).write_text(text)
+    scene = Scene.load(arm, tmp_path / name)
+    assert scene.distance([0.0, 0.0]).metres == pytest.approx(0.8, abs=1e-6)  # to a can of radius 0.1
+    assert scene.distance([1.9, 0.0]).metres == pytest.approx(0.2, abs=1e-6)  # from behind to the shelf
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("scene.toml", '[[box]]\nname = "t"\n', "box 1: it needs 'size'"),
+        ("scene.toml", '[[bax]]\nname = "t"\n', "unknown entry 'bax'"),
+        ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 2]\n', "size must have shape"),
+        ("scene.toml", '[[sphere]]\nname = "t"\nradius = nan\n', "size"),
+        ("scene.toml", '[[sphere]]\nname = "t"\nradius = 0\n', "size"),
+        ("scene.toml", '[[sphere]]\nname = "hand"\nradius = 1\n', "already called 'hand'"),
+        ("scene.toml", '[[sphere]]\nname = "t"\nradius = 1\non = "hnd"\n', "hnd"),
+        ("scene.toml", '[[mesh]]\nname = "t"\nfile = "none.stl"\n', "none.stl"),
+        ("scene.toml", 'arm = "another"\n', "is for the arm 'another'"),
+        ("scene.toml", 'allow = ["hand"]\n', "allow"),
+        ("scene.toml", "box = 3\n", "box"),
+        ("scene.yaml", "world: {collision_objects: [{id: a, meshes: [1]}]}", "has a mesh"),
+        ("scene.yaml", "world: {collision_objects: [{id: a, primitives: [{type: cone, dimensions: [1]}]}]}", "cone"),
+        ("scene.yaml", "world: {collision_objects: [3]}", "collision object 1"),
+        ("scene.yaml", "[1, 2]", "at the top"),
+        ("a.scene", "(noname)+\n* a\n1\n", ".scene"),
+        ("a.scene", "(noname)+\nnonsense\n", "expected '* name'"),
+        ("scene.txt", "", "is no scene file"),
+    ],
+)
+def test_a_scene_file_that_cannot_be_used_is_named_with_the_entry(
+    tmp_path: Path, name: str, text: str, said: str
+) -> None:
+    arm = slider(tmp_path, SHAPES["sphere"])
+    (tmp_path / name).write_text(text)
+    with pytest.raises((InputError, DescriptionError)) as refused:
+        Scene.load(arm, tmp_path / name)
+    assert name in str(refused.value)
+    assert said in str(refused.value)
+
+
+def test_bad_obstacles_and_arms_are_refused(tmp_path: Path) -> None:
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    scene.add_sphere("ball", 0.1, (5.0, 0.0, 0.0))
+    for add in (
+        lambda: scene.add_sphere("ball", 0.1),
+        lambda: scene.add_sphere("hand", 0.1),
+        lambda: scene.add_sphere("", 0.1),
+        lambda: scene.add_sphere("a", -0.1),
+        lambda: scene.add_box("a", (1.0, 0.0, 1.0)),
+        lambda: scene.add_box("a", (1.0, np.nan, 1.0)),
+        lambda: scene.add_box("a", (1.0, 1.0, 1.0), np.zeros((4, 4))),
+        lambda: scene.add_mesh("a", tmp_path / "none.stl"),
+        lambda: Scene(scene.arm, margin=-1.0),
+        lambda: scene.collides([0.0]),
+        lambda: scene.collides(np.zeros((2, 2)), threads=0),
+        lambda: Scene(arm_from_screws(scene.arm.screws, scene.arm.home)),
+    ):
+        with pytest.raises(TwistarmError):
+            add()
+    for name in (lambda: scene.remove("bll"), lambda: scene.attach("ball", "hnd", theta=[0.0, 0.0])):
+        with pytest.raises(UnknownNameError):
+            name()
+    assert set(scene.obstacles) == {"ball"}
+
+
+def test_a_survey_says_how_often_each_pair_collides(tmp_path: Path) -> None:
+    """A sphere of radius 0.1 on ±2 m beside a wall from 1 m on: 1.1 of 4 m."""
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    scene.add_box("wall", (2.0, 2.0, 9.0), (2.0, 0.0, 0.0))
+    found = survey(scene, 4000)
+    assert found.share == pytest.approx(1.1 / 4.0, abs=0.03)
+    (pair,) = found.pairs
+    assert pair.links == ("hand", "wall")
+    assert pair.share == found.share
+    assert scene.collides(pair.theta)
