@@ -1,19 +1,30 @@
-// Many targets: judged by plain forward kinematics, independent of each other and of their order, ended when asked to.
+// One target and many: judged by plain forward kinematics, calls at the edge of what is allowed. Of many, each answer is
+// independent of the others and of their order, and they end when asked to.
 #include "twistarm/ik/batch.hpp"
 
 #include <cstring>
+#include <utility>
 
 #include "problems.hpp"
-#include "sizes.hpp"
 #include "twistarm/ik/race.hpp"
 
 using namespace twistarm;
 using tests::drawn_arm;
 using tests::wiring;
 
+/// A fixed size takes seconds to compile, a minute with sanitizers or in small registers: -DTWISTARM_TEST_SIZES=3,7.
+#if !defined(TWISTARM_TEST_SIZES)
+#define TWISTARM_TEST_SIZES 1, 2, 3, 4, 5, 6, 7, 8
+#endif
+
 namespace {
 constexpr int targets = 21;  // two full rounds of lanes and a part of one
 constexpr std::uint64_t seed = 3;
+
+template <int N> bool same_bits(const solution<double, N>& a, const solution<double, N>& b, int n) {
+    return std::memcmp(a.theta, b.theta, sizeof(double) * static_cast<std::size_t>(n)) == 0 &&
+           a.converged == b.converged && a.iterations == b.iterations && a.restarts == b.restarts;
+}
 
 /// Targets in the order `order`; their solutions by their own numbers.
 template <class T, int N> struct list {
@@ -55,13 +66,15 @@ template <target_kind Kind, int N, int M> void test_problems(const drawn_arm& so
     int solved = 0;
     for (int t = 0; t < targets; ++t) {
         CHECK(one.stored[t] == 1 && other.stored[t] == 1, "target %d is stored once", t);
-        const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(given.n);
-        CHECK(std::memcmp(forwards[t].theta, backwards[t].theta, bytes) == 0 &&
-                  forwards[t].iterations == backwards[t].iterations,
+        CHECK(same_bits(forwards[t], backwards[t], given.n),
               "n = %d, target %d: an answer depends on its own target alone", given.n, t);
-        tests::judge(source, given, t, forwards[t], 1e-6, t == targets - 1 ? 1e-9 : 1e-12);
-        solution<double, N> single;
+        solution<double, N> single, again;
         solve(arm, range, settings, given.asked[t], given.theta0 + t * given.n, seed, single);
+        solve(arm, range, settings, given.asked[t], given.theta0 + t * given.n, seed, again);
+        CHECK(same_bits(single, again, given.n), "the same call gives the same bits");
+        const double slack = t == targets - 1 ? 1e-9 : 1e-12;
+        tests::judge(source, given, t, forwards[t], 1e-6, slack);
+        tests::judge(source, given, t, single, 1e-6, slack);
         CHECK(single.converged == forwards[t].converged, "n = %d, target %d: solve says otherwise", given.n, t);
         solved += forwards[t].converged;
     }
@@ -77,6 +90,31 @@ template <target_kind Kind, int N, int M> void test_problems(const drawn_arm& so
     CHECK(stored == 5 && none == 0 && single.stored[0] == 1, "%d before the end, %d of no targets", stored, none);
 }
 
+template <target_kind Kind, int N, int M> void test_out_of_reach(const drawn_arm& source, tests::generator& random) {
+    chain<double, dynamic, dynamic> general{};
+    if (!chain_from_screws(source.model(), general) || !fits<N, M>(general)) return;
+    const auto arm = narrowed<double, N, M>(general);
+    tests::problems<double, 1> given(random, source, Kind);
+    for (double& p : given.asked[0].goal.p) p = 400;
+    for (double& each : given.asked[0].tolerance) each = 0;
+    const auto range = given.ranges(arm);
+    search_settings<double> settings;
+    settings.searches = 20;
+    static double ends[20 * most_joints];
+    for (double& end : ends) end = NAN;
+    solution<double, N> found;
+    solve(arm, range, settings, given.asked[0], given.theta0, seed, found, ends);
+    CHECK(!found.converged && found.restarts == 20 && found.position_error > 1, "400 m away");
+    for (int i = 0; i < 20 * given.n; ++i) CHECK(std::isfinite(ends[i]), "an end of search %d", i / given.n);
+    tests::judge(source, given, 0, found, 1e-6, 1e-9);
+    settings.searches = 1;
+    solve(arm, range, settings, given.asked[0], given.theta0, seed, found);
+    CHECK(found.restarts == 1 && !found.converged && tests::inside(given, found.theta), "one search");
+    for (int k = 0; k < given.n; ++k) given.theta0[k] = 1e6;
+    solve(arm, range, settings, given.asked[0], given.theta0, seed, found);
+    CHECK(tests::inside(given, found.theta), "a start a million radians away");
+}
+
 template <int N, int M> void test_size(int n, wiring wired) {
     tests::generator random;
     const drawn_arm arm(random, n, wired);
@@ -84,39 +122,67 @@ template <int N, int M> void test_size(int n, wiring wired) {
     test_problems<target_kind::position, N, M>(arm, random);
     test_problems<target_kind::approach, N, M>(arm, random);
     test_problems<target_kind::task, N, M>(arm, random);
+    test_out_of_reach<target_kind::pose, N, M>(arm, random);
+    test_out_of_reach<target_kind::task, N, M>(arm, random);
 }
 
 template <int... N> void test_sizes(std::integer_sequence<int, N...>) {
     (test_size<N, N>(N, wiring::plain), ...);
 }
 
-void test_single_precision() {
-    tests::generator random;
-    const drawn_arm source(random, 6, wiring::plain);
+/// In single precision, to a tenth of a millimetre.
+void test_single_precision(tests::generator& random, int n, wiring wired) {
+    const drawn_arm source(random, n, wired);
     chain<double, dynamic, dynamic> general{};
     CHECK(chain_from_screws(source.model(), general), "arm");
     const auto arm = narrowed<float, dynamic, dynamic>(general);
     const tests::problems<float, targets> given(random, source, target_kind::pose);
+    const auto range = given.ranges(arm);
     search_settings<float> settings;
     settings.position_tolerance = settings.orientation_tolerance = 1e-4F;
     int order[targets], solved = 0;
     for (int t = 0; t < targets; ++t) order[t] = t;
     static solution<float, dynamic> solutions[targets];
     list<float, dynamic> all{given, order, targets, -1, solutions};
-    solve_batch<target_kind::pose>(arm, given.ranges(arm), settings, all);
+    solve_batch<target_kind::pose>(arm, range, settings, all);
     for (int t = 0; t < targets; ++t) {
-        tests::judge(source, given, t, solutions[t], 1e-4, 2e-5);
-        solved += solutions[t].converged;
+        solution<float, dynamic> single;
+        solve(arm, range, settings, given.asked[t], given.theta0 + t * n, seed, single);
+        for (const auto& each : {solutions[t], single}) {
+            tests::judge(source, given, t, each, 1e-4, 2e-5);
+            solved += each.converged;
+        }
     }
-    CHECK(solved >= targets - 1, "float: %d of %d", solved, targets);
+    CHECK(solved >= 2 * targets - 2, "float: %d of %d", solved, 2 * targets);
+}
+
+/// Every coordinate stands still between equal limits: an answer where the target is there, none where it is not.
+void test_no_room() {
+    tests::generator random;
+    const drawn_arm source(random, 3, wiring::plain);
+    chain<double, dynamic, dynamic> arm{};
+    CHECK(chain_from_screws(source.model(), arm), "arm");
+    const double at[3] = {0.3, -0.2, 0.5}, elsewhere[3] = {0.3, -0.2, 0.9};
+    const auto range = ranges_of(arm, at, at, at, at);
+    const search_settings<double> settings;
+    solution<double, dynamic> found;
+    solve(arm, range, settings, pose_target(tests::to_frame<double>(source.fk(at))), elsewhere, seed, found);
+    CHECK(found.converged && found.iterations == 0 && std::memcmp(found.theta, at, sizeof at) == 0, "already there");
+    solve(arm, range, settings, pose_target(tests::to_frame<double>(source.fk(elsewhere))), at, seed, found);
+    CHECK(!found.converged && std::memcmp(found.theta, at, sizeof at) == 0, "nowhere to go");
 }
 }  // namespace
 
 int main() {
-    test_sizes(tests::sizes{});
+    test_sizes(std::integer_sequence<int, TWISTARM_TEST_SIZES>{});
     test_size<dynamic, dynamic>(4, wiring::followers);
     test_size<dynamic, dynamic>(6, wiring::differential);
     test_size<dynamic, dynamic>(32, wiring::plain);
-    test_single_precision();
+    tests::generator random;
+    for (int i = 0; i < 2; ++i) {
+        test_single_precision(random, 6, wiring::plain);
+        test_single_precision(random, 5, wiring::followers);
+    }
+    test_no_room();
     return tests::verdict("batch");
 }

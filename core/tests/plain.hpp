@@ -2,7 +2,9 @@
 // Nothing here is taken from the library but the form in which a target is written down.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <initializer_list>
 #include <limits>
 
@@ -80,14 +82,7 @@ template <class S> void turn(const matrix& R, const S v[3], real out[3]) {
 inline real norm(const real v[3]) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 /// A few numbers, the largest first.
-inline void sort_down(double* values, int count) {
-    for (int i = 1; i < count; ++i)
-        for (int j = i; j > 0 && values[j] > values[j - 1]; --j) {
-            const double larger = values[j];
-            values[j] = values[j - 1];
-            values[j - 1] = larger;
-        }
-}
+inline void sort_down(double* values, int count) { std::sort(values, values + count, std::greater<double>()); }
 
 /// φ u of a rotation by less than π.
 inline void logarithm(const matrix& R, real phi[3]) {

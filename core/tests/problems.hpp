@@ -11,6 +11,23 @@ using twistarm::dynamic;
 using twistarm::target;
 using twistarm::target_kind;
 
+/// A target of a kind that the pose g meets.
+template <class T> target<T> drawn_target(generator& random, target_kind kind, const matrix& g) {
+    const auto goal = to_frame<T>(g);
+    if (kind == target_kind::pose) return twistarm::pose_target(goal);
+    if (kind == target_kind::position) return twistarm::position_target(goal.p);
+    if (kind == target_kind::approach) {
+        const T axis[3] = {T(0.6), T(0), T(0.8)};
+        T direction[3];
+        twistarm::rotate(goal, axis, direction);
+        return twistarm::approach_target(goal.p, direction, axis);
+    }
+    T tolerance[6];
+    for (T& each : tolerance)
+        each = static_cast<T>(random.uniform() < 0.3 ? 0 : (random.uniform() < 0.5 ? 0.02 : INFINITY));
+    return twistarm::task_target(goal, tolerance, random.uniform() < 0.5);
+}
+
 /// Targets for an arm, each met by some configuration inside the limits, and where to start.
 ///
 /// Of the coordinates some are bounded on a side or both by less, some by more than a turn, one in five not at all, and
@@ -29,7 +46,7 @@ template <class T, int Count> struct problems {
                 theta[k] = random.between(start_lower[k], start_upper[k]);
                 theta0[t * n + k] = static_cast<T>(random.between(start_lower[k], start_upper[k]));
             }
-            asked[t] = drawn_target(random, kind, arm.fk(theta));
+            asked[t] = drawn_target<T>(random, kind, arm.fk(theta));
         }
     }
 
@@ -45,22 +62,6 @@ private:
         if (kind < 0.2) start_lower[k] = start_upper[k] = 0.4;
         lower[k] = kind < 0.4 && kind >= 0.2 ? -INFINITY : start_lower[k];
         upper[k] = kind < 0.4 && kind >= 0.3 ? INFINITY : start_upper[k];
-    }
-
-    static target<T> drawn_target(generator& random, target_kind kind, const matrix& g) {
-        const auto goal = to_frame<T>(g);
-        if (kind == target_kind::pose) return twistarm::pose_target(goal);
-        if (kind == target_kind::position) return twistarm::position_target(goal.p);
-        if (kind == target_kind::approach) {
-            const T axis[3] = {T(0.6), T(0), T(0.8)};
-            T direction[3];
-            twistarm::rotate(goal, axis, direction);
-            return twistarm::approach_target(goal.p, direction, axis);
-        }
-        T tolerance[6];
-        for (T& each : tolerance)
-            each = static_cast<T>(random.uniform() < 0.3 ? 0 : (random.uniform() < 0.5 ? 0.02 : INFINITY));
-        return twistarm::task_target(goal, tolerance, random.uniform() < 0.5);
     }
 };
 

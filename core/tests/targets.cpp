@@ -1,7 +1,7 @@
 // Targets: the slope of what a search makes vanish, by the definitions, and the chord near half turns.
 #include "twistarm/ik/target.hpp"
 
-#include "arms.hpp"
+#include "problems.hpp"
 #include "twistarm/ik/residual.hpp"
 
 using namespace twistarm;
@@ -15,12 +15,6 @@ constexpr real step = 1e-5L;
 
 /// Near the half turn R − Rᵀ fades, and squared errors of rotations [rad²] with it; a search is far from its end there.
 constexpr double near_half_turn = 1e-6;
-
-void draw_unit(tests::generator& random, double v[3]) {
-    for (int k = 0; k < 3; ++k) v[k] = random.between(-1, 1);
-    const double size = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int k = 0; k < 3; ++k) v[k] /= size;
-}
 
 matrix drawn_pose(tests::generator& random) {
     double xi[6];
@@ -36,18 +30,6 @@ real objective(const target<double>& asked, const matrix& g) {
     return (off.position * off.position + weight * turned) / 2;
 }
 
-target<double> drawn_target(target_kind kind, tests::generator& random) {
-    const auto goal = tests::to_frame<double>(drawn_pose(random));
-    if (kind == target_kind::pose) return pose_target(goal);
-    if (kind == target_kind::position) return position_target(goal.p);
-    double axis[3], direction[3], tolerance[6];
-    draw_unit(random, axis);
-    draw_unit(random, direction);
-    if (kind == target_kind::approach) return approach_target(goal.p, direction, axis);
-    for (double& each : tolerance) each = random.uniform() < 0.3 ? 0 : (random.uniform() < 0.5 ? 0.1 : INFINITY);
-    return task_target(goal, tolerance, random.uniform() < 0.5);
-}
-
 /// Jᵀ e against central differences of the objective, and the squared errors against those of the definitions.
 template <target_kind Kind, int N> void test_slope(const drawn_arm& source, tests::generator& random) {
     chain<double, dynamic, dynamic> general{};
@@ -58,7 +40,7 @@ template <target_kind Kind, int N> void test_slope(const drawn_arm& source, test
     V theta[capacity(N)] = {};
     for (int k = 0; k < source.coordinates; ++k)
         for (int l = 0; l < 8; ++l) theta[k].set(l, random.between(-3, 3));
-    const auto asked = drawn_target(Kind, random);
+    const auto asked = tests::drawn_target<double>(random, Kind, drawn_pose(random));
     const auto aims = aim_in_every_lane<V>(aim_at(arm, asked));
     frame<V> g;
     column<V> columns[capacity(N)];
@@ -109,7 +91,9 @@ void test_chords_near_half_turns() {
     tests::generator random;
     for (const double short_of : {1e-2, 1e-3, 1.1e-3, 1e-6, 1e-9, 0.0}) {
         double u[3], phi[3];
-        draw_unit(random, u);
+        for (double& each : u) each = random.between(-1, 1);
+        const double size_of_u = std::sqrt(dot(u, u));
+        for (double& each : u) each /= size_of_u;
         for (int k = 0; k < 3; ++k) phi[k] = (3.14159265358979323846 - short_of) * u[k];
         const auto R = tests::to_frame<double>(tests::rotation(phi));
         double chord[3];

@@ -76,6 +76,7 @@ def test_a_zero_of_either_has_no_entry_until_orientations_tell() -> None:
         assert report.motors[3].joint_offset["wrist_pitch"] == pytest.approx(-np.radians(4.39 / 2), abs=0.004)
         assert (report.motors[3].zero is None) == (not poses)
         assert ("[actuators." in report.motors[3].remedy) == poses
+        assert (", or a fault of 'right': the log does not tell which" in report.motors[3].what) == (not poses)
 
 
 def test_a_certain_fault_beside_a_possible_one_keeps_its_entry() -> None:

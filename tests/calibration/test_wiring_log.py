@@ -155,11 +155,6 @@ def test_a_log_that_cannot_tell(toml: Path, tmp_path: Path, capsys: Capture) -> 
     )
 
 
-def test_an_arm_without_motors(tmp_path: Path, capsys: Capture) -> None:
-    assert run(["wiring", "rover_arm", str(csv(tmp_path, HEADER))]) == 2
-    assert "rover_arm has no actuators: describe its motors as [actuators.NAME]" in capsys.readouterr().err
-
-
 def test_info_shows_what_the_motors_allow(toml: Path, capsys: Capture) -> None:
     assert run(["info", str(toml), "--rad"]) == 0
     shown = capsys.readouterr().out

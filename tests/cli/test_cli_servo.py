@@ -21,7 +21,7 @@ from test_cli import PROGRAM, Capture, printed
 from twistarm.cli.application import run
 from twistarm.control.stream import Cycle
 from twistarm.control.stream import run as stream
-from twistarm.control.stream.links.compact_line import checksum
+from twistarm.control.stream.links.serial_link import checksum
 from twistarm.support.interrupts import ended_like_ctrl_c
 from twistarm.viewer import Viewer
 

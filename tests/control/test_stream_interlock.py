@@ -14,7 +14,6 @@ from stream_stand_ins import robot as robot
 from stream_stand_ins import stream as stream
 from twistarm.control.servo import JogCommand, PoseCommand, TwistCommand
 from twistarm.control.stream import Interlock, UdpFeedback, UdpSource
-from twistarm.support.errors import InputError
 
 
 def test_an_emergency_stop_is_latched_until_cleared_and_enabled():
@@ -110,11 +109,6 @@ def test_controls_released_while_stopped_count_at_once(rover, robot, stream):
     )
     assert not robot.rates[:50].any()
     assert robot.rates[50].any()
-
-
-def test_what_is_no_interlock_is_refused(stream):
-    with pytest.raises(InputError, match="interlock must be"):
-        stream(interlock=True)
 
 
 @pytest.fixture

@@ -15,17 +15,10 @@ from twistarm.control.stream.report import Tally
 from twistarm.support.errors import InputError
 
 
-@pytest.mark.parametrize(
-    ("names", "position", "why"),
-    [
-        (["slide", "slide"], [0.0, 0.0], "twice: 'slide'"),
-        (["slide", "shoulder"], [0.0], "2 names, 1 values"),
-        (["slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll"], [0.0, np.nan, 0.0, 0.0, 0.0], "finite"),
-    ],
-)
-def test_a_joint_state_that_is_none(rover, names, position, why):
-    with pytest.raises(InputError, match=why):
-        ros.positions_of(rover, msg.JointState(name=names, position=position))
+def test_positions_that_are_not_finite_are_refused(rover):
+    names = ["slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll"]
+    with pytest.raises(InputError, match="finite"):
+        ros.positions_of(rover, msg.JointState(name=names, position=[0.0, np.nan, 0.0, 0.0, 0.0]))
 
 
 def test_a_frame_is_the_base_s_the_tool_s_or_unsaid(rover):

@@ -12,7 +12,7 @@ import pytest
 
 from stream_stand_ins import FakeClock, Robot, Says, answer, jog
 from twistarm.control.stream import Ending, SerialRobot, SerialSource, Setpoint, run
-from twistarm.control.stream.links.compact_line import checksum, parse_state_line, setpoint_line
+from twistarm.control.stream.links.serial_link import checksum, parse_state_line, setpoint_line
 from twistarm.support.errors import InputError, MissingExtraError
 
 

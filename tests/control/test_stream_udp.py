@@ -27,7 +27,7 @@ from twistarm.control.stream import (
     run,
 )
 from twistarm.control.stream.links.messages import heard_word
-from twistarm.control.stream.links.sockets import MOST_PER_CYCLE
+from twistarm.control.stream.links.udp import MOST_PER_CYCLE
 from twistarm.support.errors import InputError
 
 JOG = {"jog": {"elbow": -0.3}}

@@ -11,12 +11,11 @@ from ..arm.arm import Arm, require_arm
 from ..limits.actuators import Actuators
 from ..support.checks import Array, as_not_negative, as_positive, require_callback
 from ..support.errors import InputError
-from .base import USUAL
 from .faults import moved
 from .fit import best_fit
 from .hypotheses import fewest_faults, freedom
 from .log import WiringLog, read_log
-from .model import Wiring
+from .model import USUAL, Wiring
 from .report import Residual, WiringReport
 from .search import Found, Progress, as_sound, readings, search, swapped
 from .verdicts import judged, unjudged, unmoved
@@ -54,7 +53,7 @@ def check_wiring(
 
     The verdict is "cannot tell" if the log does not show a motor's sign, scale or offset, or whether two are swapped.
     It comes with what to move or measure. A fault that the base's pose explains as well is "possible"; an offset of
-    the first joint is an example (`base.BaseError` gives the law). A log that nothing explains takes seconds.
+    the first joint is an example (`model.BaseError` gives the law). A log that nothing explains takes seconds.
 
     Args:
         arm: The arm, with actuators.

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ..support.display import told
 from ..support.errors import ComparisonError
-from .base import BaseOffset
+from .model import BaseOffset
 
 
 class Residual(NamedTuple):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cached_property
 from typing import NamedTuple
@@ -51,21 +51,14 @@ _OF_STATUS = {
 }
 
 _OF_CAUSE = {
-    Cause.VELOCITY: ServoReason.VELOCITY_LIMIT,
-    Cause.LOWER: ServoReason.LOWER_LIMIT,
-    Cause.UPPER: ServoReason.UPPER_LIMIT,
+    Cause.NONE: (ServoStatus.OK, None),
+    Cause.SINGULARITY: (ServoStatus.SLOWED_SINGULARITY, ServoReason.SINGULARITY),
+    Cause.VELOCITY: (ServoStatus.SLOWED_LIMIT, ServoReason.VELOCITY_LIMIT),
+    Cause.LOWER: (ServoStatus.SLOWED_LIMIT, ServoReason.LOWER_LIMIT),
+    Cause.UPPER: (ServoStatus.SLOWED_LIMIT, ServoReason.UPPER_LIMIT),
+    Cause.UNUSABLE: (ServoStatus.STALE, ServoReason.STALE),
 }
-
-_STATUS = {
-    Cause.NONE: ServoStatus.OK,
-    Cause.SINGULARITY: ServoStatus.SLOWED_SINGULARITY,
-    Cause.VELOCITY: ServoStatus.SLOWED_LIMIT,
-    Cause.LOWER: ServoStatus.SLOWED_LIMIT,
-    Cause.UPPER: ServoStatus.SLOWED_LIMIT,
-    Cause.UNUSABLE: ServoStatus.STALE,
-}
-
-_SIDES = {Cause.LOWER: "lower", Cause.UPPER: "upper"}
+"""The status of a step, and the reason that its cause gives."""
 
 WORTH_SAYING = 0.02
 """Of the command: a smaller loss is not put into words."""
@@ -123,8 +116,8 @@ class ServoOutput(Brief):
         """A code for why the arm rests or does less than commanded. It changes only with the cause."""
         if self.status in _OF_STATUS:
             return _OF_STATUS[self.status]
-        if isinstance(self._why, Cause) and self._why is not Cause.NONE:
-            return _OF_CAUSE[self._why]
+        if isinstance(self._why, Cause) and (reason := _OF_CAUSE[self._why][1]):
+            return reason
         if self._asked and self.lost_share >= WORTH_SAYING:
             return ServoReason.TURN_LOST
         return ServoReason.CHANGING_SPEED if self.scale < ALL else ServoReason.MOVING
@@ -144,16 +137,16 @@ class ServoOutput(Brief):
     def _words(self) -> str:
         if isinstance(self._why, str):
             return self._why
-        if self._why in _SIDES:
-            end = f"{_SIDES[self._why]} position limit"
+        if self._why in (Cause.LOWER, Cause.UPPER):
+            side = self._why.name.lower()
             if self.status is ServoStatus.HALTED_LIMIT:
-                return f"{self.joint} is at its {end}"
-            return f"slowed by {position_limit(_SIDES[self._why], str(self.joint))}"
+                return f"{self.joint} is at its {side} position limit"
+            return f"slowed by {position_limit(side, str(self.joint))}"
         if self._why is Cause.VELOCITY:
             return f"slowed by the velocity limit of {self.joint}"
         complete = self._why is Cause.NONE and self._missing_share < WORTH_SAYING
         if complete and self.scale < ALL:
-            return "changing speed, as fast as the acceleration limits allow"
+            return ServoReason.CHANGING_SPEED.value
         if self._asked and not (complete and self.lost_share < WORTH_SAYING):
             return _missing(self._asked, self.lost_twist, self.joint, self.share)[1]
         return self.status.value
@@ -165,7 +158,13 @@ class ServoOutput(Brief):
 
     @property
     def _missing_share(self) -> float:
-        return _missing_share(self._asked, self.lost_twist, self.lost_share)
+        """aᵀ lost / |a|² for the commanded twist a, metres measured in the reach; `lost_share` for other commands."""
+        asked, share = self._asked, self.lost_share
+        if asked is not None and isinstance(asked.command, TwistCommand) and asked.command.numbers.any():
+            scale = np.repeat([1.0 / asked.arm.reach, 1.0], 3)
+            twist = asked.command.numbers * scale
+            share = float(twist @ (self.lost_twist * scale) / (twist @ twist))
+        return min(max(share, 0.0), 1.0)
 
     @classmethod
     def stale(cls, theta_dot: Array, reason: str) -> ServoOutput:
@@ -193,25 +192,17 @@ class ServoOutput(Brief):
             The output, with status, joint and reason.
         """
         cause, row = answer.cause, answer.row
-        status = ServoStatus.HALTED_LIMIT if answer.halted else _STATUS[cause]
+        status = ServoStatus.HALTED_LIMIT if answer.halted else _OF_CAUSE[cause][0]
         names = asked.arm.joint_names if cause is Cause.SINGULARITY else bounds.motion.names
         joint = names[row] if row >= 0 else None
-        why: str | Cause = cause
-        if joint is None and answer.lost_share > ALL and _missing_share(asked, answer.lost, answer.lost_share) > ALL:
-            found, why = _missing(asked, answer.lost, joint, 0.0)
-            nowhere = found is Lack.EVERYWHERE
-            status = ServoStatus.IMPOSSIBLE_DIRECTION if nowhere else ServoStatus.SLOWED_SINGULARITY
-        lost = answer.lost, answer.lost_share
-        return cls(answer.theta_dot, status, answer.scale, *lost, joint, answer.remaining, why, asked)
-
-
-def _missing_share(asked: Asked | None, lost: Array, lost_share: float) -> float:
-    """aᵀ lost / |a|² for the commanded twist a, metres measured in the reach; `lost_share` for any other command."""
-    if asked is not None and isinstance(asked.command, TwistCommand) and asked.command.numbers.any():
-        scale = np.repeat([1.0 / asked.arm.reach, 1.0], 3)
-        twist = asked.command.numbers * scale
-        lost_share = float(twist @ (lost * scale) / (twist @ twist))
-    return min(max(lost_share, 0.0), 1.0)
+        lost, remaining = (answer.lost, answer.lost_share), answer.remaining
+        output = cls(answer.theta_dot, status, answer.scale, *lost, joint, remaining, cause, asked)
+        if joint is not None or answer.lost_share <= ALL or output._missing_share <= ALL:
+            return output
+        found, why = _missing(asked, answer.lost, joint, 0.0)
+        nowhere = found is Lack.EVERYWHERE
+        status = ServoStatus.IMPOSSIBLE_DIRECTION if nowhere else ServoStatus.SLOWED_SINGULARITY
+        return replace(output, status=status, _why=why)
 
 
 def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tuple[Lack, str]:

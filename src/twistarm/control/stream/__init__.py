@@ -2,10 +2,8 @@
 
 from .cycles import Cycle
 from .driving import come_to_rest
-from .following.control import FollowControl
-from .following.cycle import FollowCycle, Following
-from .following.follow import follow
-from .following.report import FollowReport
+from .following.cycle import FollowControl, FollowCycle, Following
+from .following.follow import FollowReport, follow
 from .interlock import Interlock
 from .links.inbox import Inbox
 from .links.messages import command_of, parse_command, parse_state, setpoint_message
@@ -13,12 +11,11 @@ from .links.serial_link import SerialRobot, SerialSource
 from .links.signing import Signer, Verifier, read_key
 from .links.state_inbox import StateInbox
 from .links.udp import UdpFeedback, UdpSink, UdpSource
-from .loop import run
 from .metronome import Metronome, MonotonicClock
 from .protocols import Clock, Feedback, Measured, Reading, Setpoint, Sink, Source, UndeliveredError
 from .report import Ending, StreamReport
 from .simulation import SimulatedJoints
-from .streaming import Streaming
+from .streaming import Streaming, run
 
 __all__ = [
     "Clock",

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Generic, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,9 +14,8 @@ from ...arm.arm import Arm, require_arm
 from ...arm.usual_limits import defaults_line, usually_limited
 from ...support.checks import LARGEST_ARRAY, Array, as_flag, as_positive, as_whole, frozen, require, require_method
 from ...support.display import Brief
-from ...support.errors import InputError
+from ...support.errors import InputError, TwistarmError
 from ..servo import ServoOutput, ServoSettings, ServoState, servo_step
-from .failures import StreamError, call_device, worded
 from .interlock import ENABLED, Interlock, Interlocked
 from .metronome import ROUNDING, require_time
 from .observer import RateObserver, with_reserve
@@ -46,7 +46,32 @@ class Cycle(Brief):
     interlock: str = ENABLED
 
 
+P = ParamSpec("P")
+T = TypeVar("T")
 C = TypeVar("C", bound=Cycle)
+
+
+class StreamError(Exception):
+    """The stream ends with `ending`, because of what the text says."""
+
+    def __init__(self, ending: Ending, reason: str) -> None:
+        super().__init__(reason)
+        self.ending = ending
+
+
+def call_device(ending: Ending, call: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+    """What a device answers; `StreamError` where it says that it cannot."""
+    try:
+        return call(*args, **kwargs)
+    except (OSError, TwistarmError) as error:
+        raise StreamError(ending, worded(error)) from error
+
+
+def worded(error: Exception) -> str:
+    """An error as a reason. Errors of other programs are named with their type."""
+    if isinstance(error, (TwistarmError, StreamError)):
+        return str(error)
+    return f"{type(error).__name__}: {error}"
 
 
 class Cycles(ABC, Generic[C]):

@@ -9,8 +9,7 @@ from math import inf
 
 from ...support.checks import as_flag, require_method
 from ...support.interrupts import ended_like_ctrl_c
-from .cycles import C, Cycles
-from .failures import StreamError
+from .cycles import C, Cycles, StreamError
 from .metronome import LATEST, Metronome, MonotonicClock
 from .protocols import Clock
 from .report import Ending, StreamReport

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from ...arm.arm import Arm
-from ...limits.joint_limits import JointLimits
 from ...support.checks import Array, frozen
 from .protocols import Measured
 
@@ -53,8 +52,7 @@ def with_reserve(arm: Arm) -> Arm:
     """The arm with reduced limits, so the servo's rates divided by the gains stay within those of `arm`."""
     given = arm.limits
     velocity, acceleration = VELOCITY_SHARE * given.velocity, ACCELERATION_SHARE * given.acceleration
-    limits = JointLimits(given.lower, given.upper, velocity, acceleration, given.jerk, given.effort)
-    return replace(arm, limits=limits)
+    return replace(arm, limits=replace(given, velocity=velocity, acceleration=acceleration))
 
 
 class RateObserver:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections import deque
 from dataclasses import dataclass, replace
 from math import inf
@@ -12,17 +13,15 @@ from numpy.typing import ArrayLike
 from ....arm.arm import Arm
 from ....planning import Trajectory
 from ....support.checks import Array, as_flag, as_positive, frozen, require
-from ....support.errors import InputError, shown
+from ....support.errors import InputError, one_line, shown
 from ...servo import ServoOutput, ServoSettings, ServoState, ServoStatus
-from ..cycles import Cycle, Cycles
-from ..failures import StreamError
-from ..interlock import EMERGENCY_STOP, Interlock
+from ..cycles import Cycle, Cycles, StreamError
+from ..interlock import EMERGENCY_STOP, LONGEST_REASON, Interlock
 from ..links.inbox import FEEDBACK_TIMEOUT
 from ..protocols import Feedback, Setpoint, Sink
 from ..report import Ending
 from ..watch import one_or_each
 from .beginning import motion_of, way_there, why_elsewhere
-from .control import FollowControl
 from .motion_clock import SLOPE, Leg, MotionClock
 
 TRACKING_TOLERANCE = 0.1
@@ -39,6 +38,55 @@ SETTLING = 1.0
 
 HALF_WAY = 0.5
 """A clock that runs at less than this can be slowed down at any moment: at a quarter of the accelerations."""
+
+PAUSED = "paused"
+
+
+class FollowControl:
+    """Whether a followed motion goes on, as programs and operators have last said. Thread-safe.
+
+    Paused, the arm comes to rest along its path and waits there for `resume`. Stopped, it does so and the motion ends,
+    which nothing takes back.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._pause = ""
+        self._stopped = False
+
+    def pause(self, reason: str = PAUSED) -> None:
+        """Come to rest along the path, and wait there; the first reason counts until `resume`."""
+        with self._lock:
+            self._pause = self._pause or one_line(require(reason, str, "reason", "in words"), LONGEST_REASON) or PAUSED
+
+    def resume(self) -> None:
+        """Go on along the path."""
+        with self._lock:
+            self._pause = ""
+
+    def toggle(self) -> None:
+        """Pause a motion that goes on, resume one that is paused."""
+        with self._lock:
+            self._pause = "" if self._pause else PAUSED
+
+    def stop(self) -> None:
+        """Come to rest along the path, and end there."""
+        self._stopped = True
+
+    @property
+    def pause_reason(self) -> str:
+        """Why the motion is paused, "" where it goes on."""
+        return self._pause
+
+    @property
+    def paused(self) -> bool:
+        """Whether the motion is paused."""
+        return bool(self._pause)
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the motion was told to end."""
+        return self._stopped
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -1,4 +1,4 @@
-"""The intake of texts, read once a cycle: the last messages of each sender, malformed ones included."""
+"""Lines on which texts arrive, read once a cycle: the last messages of each sender, malformed ones included."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Hashable, Iterable
 from dataclasses import replace
-from functools import partial
 from math import inf
 from typing import Any
 
@@ -15,86 +14,83 @@ from ....support.errors import InputError
 from ....support.strict_json import LARGEST_MESSAGE
 from ...servo import ServoState
 from ..interlock import Interlock
-from ..motors import MotorSide, motor_side
+from ..motors import MotorSide
 from ..protocols import Measured, Reading
 from .inbox import Inbox
 from .messages import StateMessage, heard_word, parse_command
 from .state_inbox import StateInbox
 
-MOST_SENDERS = 3
-"""Senders of commands told apart in one cycle: two are one too many already."""
 
-STATE_SENDERS, STATES_EACH = 16, 32
-"""Of joint states: a robot may have a sender for each bus, and a message for each joint."""
+class Link(ABC):
+    """A line on which texts arrive for an inbox.
 
-
-class Intake:
-    """Fill `inbox` with `parse(text)`: (value, number), or an InputError.
-
-    Texts that waited for longer than a timeout are dropped, because their age is unknown. `heard(text, fresh)` first
-    sees each text and says whether it was an interlock message. The last `each` texts of at most `senders` senders
-    count, together no longer than one message may be. The rest of a flood is not read.
+    Texts that waited for longer than a timeout are dropped, because their age is unknown. The last `each` texts of at
+    most `senders` senders count, together no longer than one message may be. The rest of a flood is not read. `note`:
+    what a reason adds where no message counts.
     """
 
-    def __init__(
-        self,
-        inbox: Inbox | StateInbox,
-        parse: Callable[[bytes], tuple[Any, int | None]],
-        heard: Callable[[bytes, bool], bool] = lambda text, fresh: False,
-        *,
-        senders: int = MOST_SENDERS,
-        each: int = 1,
-    ) -> None:
-        self._senders, self._each = senders, each
-        self._inbox, self._parse, self._heard = inbox, parse, heard
+    note = ""
+    senders, each = 3, 1
+    """Two senders of commands are one too many already."""
+
+    def __init__(self, arm: Arm, inbox: Inbox | StateInbox) -> None:
+        self.interlock = Interlock()
+        self._arm, self._inbox = arm, inbox
         self._looked = -inf
 
-    def take(self, arrivals: Iterable[tuple[Hashable, bytes]], now: float, name: Callable[[Any], str]) -> None:
-        """Read all that has arrived, (sender, text), at `now` [s]."""
+    @abstractmethod
+    def arrivals(self) -> Iterable[tuple[Hashable, bytes]]:
+        """(sender, text) of all that has arrived."""
+
+    @abstractmethod
+    def _parsed(self, text: bytes) -> tuple[Any, int | None]:
+        """The value and its number in a text. Raises InputError otherwise."""
+
+    def _heard(self, text: bytes, fresh: bool) -> bool:
+        """Whether a text was an interlock message, which is then handled."""
+        return False
+
+    def sender_name(self, sender: Any) -> str:
+        """The sender in words."""
+        return str(sender)
+
+    def _take(self, now: float) -> None:
+        """Put all that has arrived by `now` [s] into the inbox."""
         last: dict[Hashable, deque[bytes]] = {}
         missed, self._looked = now - self._looked > self._inbox.timeout, now
-        for sender, text in arrivals:
+        for sender, text in self.arrivals():
             if self._heard(text, not missed):
                 continue
             texts = last.pop(sender, None)
-            if texts is not None or len(last) < self._senders:
-                last[sender] = texts or deque(maxlen=self._each)
+            if texts is not None or len(last) < self.senders:
+                last[sender] = texts or deque(maxlen=self.each)
                 last[sender].append(text)
                 _keep_short(last[sender])
         for sender, texts in last.items() if not missed else ():
             for text in texts:
-                self._put(name(sender), text, now)
+                self._put(self.sender_name(sender), text, now)
 
     def _put(self, sender: str, text: bytes, now: float) -> None:
         try:
-            value, number = self._parse(text)
+            value, number = self._parsed(text)
         except InputError as error:
             self._inbox.refuse(sender, str(error), now)
         else:
             self._inbox.put(sender, value, now, number)
 
 
-class Link(ABC):
-    """A line on which texts arrive. `note`: what a reason adds where there is no message that counts."""
-
-    note = ""
-
-    @abstractmethod
-    def arrivals(self) -> Iterable[tuple[Hashable, bytes]]:
-        """(sender, text) of all that has arrived."""
-
-    def sender_name(self, sender: Any) -> str:
-        """The sender in words."""
-        return str(sender)
-
-
 class CommandLink(Link):
     """A source of commands and interlock messages as JSON (`command_of`)."""
 
     def __init__(self, arm: Arm, timeout: float) -> None:
-        self.interlock = Interlock()
-        self._inbox = Inbox(timeout)
-        self._intake = Intake(self._inbox, partial(parse_command, require_arm(arm)), partial(heard_word, self))
+        self._commands = Inbox(timeout)
+        super().__init__(require_arm(arm), self._commands)
+
+    def _parsed(self, text: bytes) -> tuple[Any, int | None]:
+        return parse_command(self._arm, text)
+
+    def _heard(self, text: bytes, fresh: bool) -> bool:
+        return heard_word(self, text, fresh)
 
     def read(self, now: float, state: ServoState | None = None) -> Reading:
         """The command at `now` [s] of all that has arrived.
@@ -106,36 +102,36 @@ class CommandLink(Link):
         Returns:
             The `Reading`: a command, or None and the reason.
         """
-        self._intake.take(self.arrivals(), now, self.sender_name)
-        reading = self._inbox.read(now)
+        self._take(now)
+        reading = self._commands.read(now)
         return reading if reading.command is not None else replace(reading, reason=reading.reason + self.note)
 
 
 class StateLink(Link):
-    """A feedback of joint states.
+    """A feedback of joint states, which `parse(arm, text, motors)` reads.
 
     If the robot may not move, neither may the stream.
-
-    `parse(arm, text, motors)` reads them.
     """
+
+    senders, each = 16, 32
+    """A robot may have a sender for each bus, and a message for each joint."""
 
     def __init__(
         self, arm: Arm, timeout: float, units: str, parse: Callable[[Arm, bytes, MotorSide | None], StateMessage]
     ) -> None:
-        self.motors = motor_side(require_arm(arm), units)
-        self.interlock = Interlock()
         self._states = StateInbox(arm, timeout, units=units)
+        self.motors = self._states.motors
+        self._parse = parse
+        super().__init__(arm, self._states)
 
-        def followed(text: bytes) -> tuple[dict[str, float], int | None]:
-            state = parse(arm, text, self.motors)
-            self.interlock.follow(state.interlock, "the robot")
-            return state.values, state.number
-
-        self._intake = Intake(self._states, followed, senders=STATE_SENDERS, each=STATES_EACH)
+    def _parsed(self, text: bytes) -> tuple[Any, int | None]:
+        state = self._parse(self._arm, text, self.motors)
+        self.interlock.follow(state.interlock, "the robot")
+        return state.values, state.number
 
     def read(self, now: float) -> Measured:
         """The joint state at `now` [s] of all that has arrived."""
-        self._intake.take(self.arrivals(), now, self.sender_name)
+        self._take(now)
         measured = self._states.read(now)
         return measured if measured.theta is not None else replace(measured, reason=measured.reason + self.note)
 

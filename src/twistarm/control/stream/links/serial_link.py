@@ -1,17 +1,40 @@
-"""Serial ports: commands as lines of JSON, a robot by compact lines; see docs/streaming.md."""
+"""Serial ports: commands as lines of JSON, a robot by compact lines with a checksum; see docs/streaming.md.
+
+setpoint: `number,theta_1,…,theta_n,rate_1,…,rate_n,ES*hh`; joint state: `number,theta_1,…,theta_n*hh`, or with `,E`
+after theta_n. The order is base to tip, in rad, m, rad/s, m/s with six decimals. E is the interlock's or the robot's
+state: E enabled, S stopped, X emergency stop. S is the servo's status, a digit in the order of `ServoStatus`. hh is the
+exclusive or of all bytes before the `*` in two hexadecimal digits (NMEA 0183).
+"""
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import xor
 from typing import Any
 
+import numpy as np
+
 from ....arm.arm import Arm
-from ....support.checks import as_whole
+from ....support.checks import as_theta, as_whole
 from ....support.closeable import Closeable
 from ....support.errors import InputError, missing_extra, shown
+from ....support.strict_json import counter, short
+from ...servo import ServoStatus
+from ..interlock import EMERGENCY_STOP, ENABLED, STOPPED
+from ..motors import MotorSide
 from ..protocols import Setpoint
-from .compact_line import LONGEST_LINE, parse_state_line, setpoint_line
 from .inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .intake import CommandLink, StateLink
+from .messages import StateMessage
+
+LETTERS = {ENABLED: "E", STOPPED: "S", EMERGENCY_STOP: "X"}
+
+STATE_OF = {letter: word for word, letter in LETTERS.items()}
+
+STATUSES = tuple(ServoStatus)
+
+LONGEST_LINE = 4096
+"""Bytes: a joint state of 250 joints is half of it."""
 
 LARGEST_BAUDRATE = 10**9
 
@@ -63,7 +86,7 @@ class SerialSource(SerialLines, CommandLink):
 
 
 class SerialRobot(SerialLines, StateLink):
-    """A robot at a serial port: a sink of setpoint lines and a feedback of joint state lines (`compact_line`).
+    """A robot at a serial port: a sink of setpoint lines and a feedback of joint state lines.
 
     units: "joint", or "motor" or "counts" for a robot that knows only its motors (see `MotorSide`).
     """
@@ -95,3 +118,35 @@ def _opened(port: str, baudrate: int) -> Any:
         return serial.Serial(port, baudrate, timeout=0, write_timeout=LONGEST_WRITE, exclusive=True)
     except (OSError, ValueError) as error:
         raise InputError(f"cannot open serial port {shown(port)} at {baudrate} baud: {error}") from error
+
+
+def setpoint_line(setpoint: Setpoint, motors: MotorSide | None = None) -> bytes:
+    """The setpoint as a line with its end, of `motors` in place of joints if given."""
+    values = np.concatenate(motors.of(setpoint) if motors else (setpoint.theta, setpoint.theta_dot)).tolist()
+    state = f"{LETTERS[setpoint.interlock]}{STATUSES.index(setpoint.output.status)}"
+    body = ",".join([str(setpoint.number), *(f"{value:.6f}" for value in values), state]).encode()
+    return body + b"*%02X\n" % checksum(body)
+
+
+def parse_state_line(arm: Arm, line: bytes, motors: MotorSide | None = None) -> StateMessage:
+    """The joint state in a line. Raises InputError unless it is a number, n finite values and the checksum."""
+    body, star, given = line.strip().rpartition(b"*")
+    if len(line) > LONGEST_LINE or not star:
+        raise InputError(f"a joint state line ends with * and a checksum; got {short(line)}")
+    if given.upper() != b"%02X" % checksum(body):
+        raise InputError(f"the checksum of a joint state line is {checksum(body):02X}; got {short(given)}")
+    try:
+        number, *values = body.decode("ascii").split(",")
+        interlock = STATE_OF.get(values[-1]) if values else None
+        values = values[:-1] if interlock else values
+        said = [float(value) for value in values]
+        names = motors.names if motors else arm.joint_names
+        as_theta(said, len(names), "the joint state line", names)
+        return StateMessage(dict(zip(names, said, strict=True)), counter(int(number), "number"), interlock)
+    except ValueError as error:  # InputError is one
+        raise InputError(f"a joint state line is number,theta_1,…,theta_{arm.n}[,E|S|X]*hh: {error}") from error
+
+
+def checksum(body: bytes) -> int:
+    """The exclusive or of all bytes."""
+    return reduce(xor, body, 0)

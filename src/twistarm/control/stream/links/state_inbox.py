@@ -14,8 +14,7 @@ from ....support.checks import as_theta, frozen, require_mapping
 from ....support.errors import InputError, closest, listed
 from ..motors import motor_side
 from ..protocols import Measured
-from .inbox import FEEDBACK_TIMEOUT
-from .latest import Latest, Look, moment
+from .inbox import FEEDBACK_TIMEOUT, Latest, Look, moment
 
 MOST_OTHERS = 20
 """Names of others that are kept, for words."""
@@ -36,9 +35,9 @@ class StateInbox:
     """
 
     def __init__(self, arm: Arm, timeout: float = FEEDBACK_TIMEOUT, *, units: str = "joint") -> None:
-        self._motors = motor_side(require_arm(arm), units)
-        self.names = arm.joint_names if self._motors is None else self._motors.names
-        what = "joint state" if self._motors is None else "motors' state"
+        self.motors = motor_side(require_arm(arm), units)
+        self.names = arm.joint_names if self.motors is None else self.motors.names
+        what = "joint state" if self.motors is None else "motors' state"
         self._parts: dict[str, Latest[float]] = {name: Latest(timeout, what) for name in self.names}
         self.timeout = timeout
         self._lock = threading.Lock()
@@ -90,7 +89,7 @@ class StateInbox:
             values = [look.value for look in looks.values() if look.value is not None]
             if len(values) < len(looks):
                 return Measured(None, heard, self._why_not(looks, now))
-        return Measured(frozen(values) if self._motors is None else self._motors.theta(values), heard)
+        return Measured(frozen(values) if self.motors is None else self.motors.theta(values), heard)
 
     def _part(self, state: Mapping[str, float] | ArrayLike) -> dict[str, float]:
         """The values that count, by name; InputError for what is not finite."""
