@@ -44,6 +44,12 @@ def test_no_held_twist_of_many_ends_in_shaking(name, accelerating):
     check(name, accelerating, WHOLE, LATER)
 
 
+def test_an_arm_with_a_limit_close_on_both_ways_out_rests():
+    """Stretched, with joint 5 and joint 3 some milliradians from a limit: one way out ends at each of them."""
+    arm, theta = servo_arm("elbow", False), np.array([-1.50614, 2.32529, -3.14107, -3.1413, 3.13774, -0.88804])
+    assert not judged(*held(arm, theta, TwistCommand([0, -0.1, 0, 0, 0, 0], "tool"))).shakes
+
+
 def jittered(name, accelerating, count):
     """How many of so many held twists end in joints that turn round, at steps of 2 to 30 ms."""
     arm, rng, shaking = servo_arm(name, accelerating), random(name, "jittered", 0), 0

@@ -50,6 +50,9 @@ JOINTS_TO_POINT = 5
 AS_GOOD_AS_NONE = 2e-4
 """A smaller singular value may be left to either side."""
 
+MORE_ROOM = 0.1
+"""A way out is taken for its room where it ends so much farther off [scaled rad]. With less the arm would turn back."""
+
 
 class Place(NamedTuple):
     """A posture as singularities are looked for: functions of scaled joint displacements (n,).
@@ -143,7 +146,7 @@ def singular(place: Place, task: RateTask, lost: Array, below: float, stops: boo
             continue
         share = float(u @ lost)
         way = -v if share < 0.0 else v
-        if sigma[d] < AS_GOOD_AS_NONE and place.way_left(way) < 0.5 * place.way_left(-way):
+        if sigma[d] < AS_GOOD_AS_NONE and place.way_left(way) + MORE_ROOM < place.way_left(-way):
             sigma[d], V[:, d] = -sigma[d], -v
         rise = float(u @ (place.rows(DIFFERENCE * v) - J) @ v) / DIFFERENCE
         leaving[d] = min(much, 1.0) * min(max(rise * share / size / RISE, 0.0), 1.0)
