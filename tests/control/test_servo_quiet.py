@@ -103,7 +103,7 @@ def test_no_held_position_shakes_at_uneven_steps(name):
 @pytest.mark.parametrize("hold", ["position", "mixed"])
 @pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101", "ur5", "panda", "slide_and_pitches"])
 def test_few_holds_of_many_shake_at_uneven_steps(name, hold, accelerating):
-    """Those in which a joint at its limit takes a held direction away still do."""
+    """Among them those in which a joint at its limit takes a held direction away."""
     assert jittered(name, accelerating, 60, hold) <= 2
 
 
