@@ -56,7 +56,8 @@ template <class T, int N, int M> void test_rest(driven_arm<T, N, M>& driven) {
     for (const double size : {1e-300, 1e-40, 1e-30, 1e-20, 1e-10, 1e-5}) {  // squares of some are 0, in float of most
         nothing.twist[0] = static_cast<T>(size);
         driven.step(nothing, T(0.01));
-        CHECK(driven.speed() < 100 * size, "n = %d: moves at %g for %g", driven.n, driven.speed(), size);
+        // A posture beside a singular one needs so much for a unit of twist.
+        CHECK(driven.speed() < 300 * size, "n = %d: moves at %g for %g", driven.n, driven.speed(), size);
     }
 }
 

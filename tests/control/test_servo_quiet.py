@@ -44,12 +44,33 @@ def test_no_held_twist_of_many_ends_in_shaking(name, accelerating):
     check(name, accelerating, WHOLE, LATER)
 
 
-def jittered(name, accelerating, count):
+def test_an_arm_with_a_limit_close_on_both_ways_out_rests():
+    """Stretched, with joint 5 and joint 3 some milliradians from a limit: one way out ends at each of them."""
+    arm, theta = servo_arm("elbow", False), np.array([-1.50614, 2.32529, -3.14107, -3.1413, 3.13774, -0.88804])
+    assert not judged(*held(arm, theta, TwistCommand([0, -0.1, 0, 0, 0, 0], "tool"))).shakes
+
+
+def holding(rng, twist, frame, hold):
+    """The twist; a turn at a held position; or a random twist with four components held."""
+    if hold == "position":
+        twist = 0.4 * np.r_[0, 0, 0, unit(rng.normal(size=3))]
+    if hold == "mixed":
+        hold = rng.permutation([True, True, False] * 2).tolist()
+        twist = np.where(hold, 0.0, rng.normal(size=6)) * np.repeat([0.1, 0.4], 3)
+    return TwistCommand(twist, frame, hold)
+
+
+def unit(vector):
+    return vector / np.linalg.norm(vector)
+
+
+def jittered(name, accelerating, count, hold=None):
     """How many of so many held twists end in joints that turn round, at steps of 2 to 30 ms."""
     arm, rng, shaking = servo_arm(name, accelerating), random(name, "jittered", 0), 0
     for number in range(count):
         one = case(arm, rng, number)
-        state, command, rates, judged_from = ServoState.at(arm, one.theta), TwistCommand(one.twist, one.frame), [], 5.0
+        command = holding(rng, one.twist, one.frame, hold)
+        state, rates, judged_from = ServoState.at(arm, one.theta), [], 5.0
         for dt in rng.uniform(0.002, 0.03, 560):
             state, _ = servo_step(arm, state, command, dt)
             judged_from -= dt
@@ -69,6 +90,21 @@ def test_no_held_twist_shakes_at_uneven_steps(name):
 @pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101", "ur5", "panda", "slide_and_pitches"])
 def test_no_held_twist_of_many_shakes_at_uneven_steps(name, accelerating):
     assert jittered(name, accelerating, 60) == 0
+
+
+@pytest.mark.parametrize("name", ["rover_arm_6dof", "ur5"])
+def test_no_held_position_shakes_at_uneven_steps(name):
+    """Stretched arms that turn about a held position lose its direction within a few steps."""
+    assert jittered(name, True, 12, "position") == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("accelerating", [True, False])
+@pytest.mark.parametrize("hold", ["position", "mixed"])
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101", "ur5", "panda", "slide_and_pitches"])
+def test_few_holds_of_many_shake_at_uneven_steps(name, hold, accelerating):
+    """Among them those in which a joint at its limit takes a held direction away."""
+    assert jittered(name, accelerating, 60, hold) <= 2
 
 
 @pytest.mark.parametrize("title", EXAMPLES)

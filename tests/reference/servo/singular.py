@@ -37,6 +37,9 @@ MISSED = 0.1
 LEFT_BEHIND = 0.055
 """What a singular value on its way up counts as: √(τ V) for a twist of V = 0.1 rad/s, from where on V/σ is worth it."""
 
+CALM_BELOW = 0.1
+"""What turns a held direction is damped by τ times the square of this over σ."""
+
 TAKEN = 0.02
 """dσ per scaled radian of the whole motion, which the levels bend: less takes back what was seen of the way out."""
 
@@ -49,6 +52,9 @@ JOINTS_TO_POINT = 5
 
 AS_GOOD_AS_NONE = 2e-4
 """A smaller singular value may be left to either side."""
+
+MORE_ROOM = 0.1
+"""A way out is taken for its room where it ends so much farther off [scaled rad]. With less the arm would turn back."""
 
 
 class Place(NamedTuple):
@@ -143,7 +149,7 @@ def singular(place: Place, task: RateTask, lost: Array, below: float, stops: boo
             continue
         share = float(u @ lost)
         way = -v if share < 0.0 else v
-        if sigma[d] < AS_GOOD_AS_NONE and place.way_left(way) < 0.5 * place.way_left(-way):
+        if sigma[d] < AS_GOOD_AS_NONE and place.way_left(way) + MORE_ROOM < place.way_left(-way):
             sigma[d], V[:, d] = -sigma[d], -v
         rise = float(u @ (place.rows(DIFFERENCE * v) - J) @ v) / DIFFERENCE
         leaving[d] = min(much, 1.0) * min(max(rise * share / size / RISE, 0.0), 1.0)
@@ -178,7 +184,7 @@ def fixed(place: Place, held: Sequence[int], damping: float) -> tuple[Array, Arr
 
     A held direction with a singular value below LEFT_BEHIND counts as that, so that its joint motion v is as good as
     fixed: it would take the tool away by σ, and to second order. v itself turns by (∂J/∂x)ᵀ u / σ as the arm moves at
-    x, and the less is left of it the more that is damped.
+    x. What turns it is damped by 1/σ², so that no step turns it by much, however small σ is.
     """
     J, n = place.rows(np.zeros(len(place.toward))), len(place.toward)
     rows, calm = J.copy(), np.zeros((n, n))
@@ -189,7 +195,7 @@ def fixed(place: Place, held: Sequence[int], damping: float) -> tuple[Array, Arr
             continue
         rows += (LEFT_BEHIND - sigma) * np.outer(u, v)
         turns = np.array([u @ (place.rows(DIFFERENCE * unit) - J) / DIFFERENCE for unit in np.eye(n)])
-        calm += damping * (1.0 / max(sigma, DIFFERENCE) - 1.0 / LEFT_BEHIND) * turns @ turns.T
+        calm += damping * CALM_BELOW**2 * (max(sigma, DIFFERENCE) ** -2 - LEFT_BEHIND**-2) * turns @ turns.T
     return J, rows, calm
 
 

@@ -239,7 +239,8 @@ def _approach(
     """What to ask for an error (6,): as much of error / dt as lets the arm stop at the goal, straight on.
 
     At a share s: s p + s² T/2 ≤ p dt, T the time that a stop from the full rates takes, p the period. A command's
-    speeds are kept.
+    speeds are kept. What is held is taken back in two periods at least, at any dt: a pull that varied with dt would
+    shake an arm at rest.
     """
     if np.abs(error).max() <= NOTHING:
         return np.zeros(6)
@@ -247,6 +248,8 @@ def _approach(
     back = replace(task, asked=asked)
     stop = stopping_time(bounds, (taken_back(back) if command is None else resolved_rates(back)[0]) * bounds.unit)
     share = min(1.0, 2.0 * dt / (period + np.sqrt(period * period + 2.0 * stop)))
+    if command is None:
+        share = min(share, dt / (2.0 * period))
     if command is not None:
         for part, speed in ((error[:3], command.linear_speed), (error[3:], command.angular_speed)):
             share = min(share, speed * dt / max(float(np.linalg.norm(part)), NOTHING))

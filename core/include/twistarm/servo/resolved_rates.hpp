@@ -65,7 +65,9 @@ template <class T> constexpr T left_behind = T(0.055);        // what a singular
 template <class T> constexpr T equally = T(1e-6);             // of a unit motion: joints that move so nearly alike move alike
 template <class T> constexpr T firmness = T(sizeof(T) == 8 ? 1e6 : 1e3);      // the weight of what is held, [s]
 template <class T> constexpr T as_good_as_none = T(2e-4);     // a smaller singular value may be left to either side
+template <class T> constexpr T more_room = T(0.1);            // [scaled rad]: a way out is taken for its room where it ends so much farther off
 template <class T> constexpr T no_share = T(1e-3);            // of a unit motion: a joint that moves less does not count
+template <class T> constexpr T calm_below = T(0.1);          // what turns a held direction is damped by τ times the square of this over σ
 template <class T> constexpr T no_way = T(1e-5);              // of the rows beside a posture: what is shorter is none
 constexpr int most_rounds = 50;
 constexpr int five = 5;  // joints from which on singularities are the whole twist's
@@ -130,7 +132,8 @@ template <class T, int N, int M> struct rate_solver {
         if (turned) copy(led, firm);
     }
 
-    /// Fixes a held direction. Its joint motion v turns by (∂J/∂x)ᵀ u / σ: the less is left of it, the more that is damped.
+    /// Fixes a held direction. Its joint motion v turns by (∂J/∂x)ᵀ u / σ: by the square of what is left that is
+    /// damped, so that no step turns v by much, however little is left.
     void fix(const direction<T, N>& held) {
         if (!(norm(held.v, n()) > T(0))) return;
         for (int i = 0; i < 6; ++i)
@@ -146,7 +149,8 @@ template <class T, int N, int M> struct rate_solver {
                 for (int i = 0; i < 6; ++i) turns[k][j] += held.u[i] * (there[i][k] - J[i][k]) / difference<T>;
             }
         }
-        const T heavy = damping * (T(1) / greatest(held.sigma, difference<T>) - T(1) / left_behind<T>);
+        const T here = calm_below<T> / greatest(held.sigma, difference<T>), whole = calm_below<T> / left_behind<T>;
+        const T heavy = damping * (here * here - whole * whole);
         for (int a = 0; a < n(); ++a)
             for (int b = 0; b <= a; ++b) {
                 if (!turned) calm[a][b] = T(0);
@@ -286,7 +290,7 @@ template <class T, int N, int M> struct rate_solver {
             if (!(along.sigma < along.edge)) continue;
             for (int i = 0; i < 6; ++i) share += along.u[i] * left[i];
             const T side = T(share < T(0) ? -1 : 1);
-            if (along.sigma < as_good_as_none<T> && way_left(along.v, side) < T(0.5) * way_left(along.v, -side)) {
+            if (along.sigma < as_good_as_none<T> && way_left(along.v, side) + more_room<T> < way_left(along.v, -side)) {
                 // Both ways bend the arm, which is as good as exactly singular, and the other one ends later.
                 along.sigma = -along.sigma;
                 for (int k = 0; k < n(); ++k) along.v[k] = -along.v[k];

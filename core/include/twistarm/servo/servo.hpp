@@ -315,7 +315,8 @@ template <class T, int N, int M> struct servo {
             }
     }
 
-    /// As much of error / dt as lets the arm stop at the goal, straight on: s dt + s² T/2 ≤ dt.
+    /// As much of error / dt as lets the arm stop at the goal, straight on: s dt + s² T/2 ≤ dt. What is held is taken back
+    /// in two periods at least, whatever dt is: a pull that varied with dt would shake an arm at rest.
     void add_error(rate_solver<T, N, M>& solver, bool goal, const T* error, T* asked) {
         T largest = T(0);
         for (int k = 0; k < 6; ++k) largest = greatest(largest, absolute(error[k]));
@@ -324,11 +325,11 @@ template <class T, int N, int M> struct servo {
         scale_twist(bounds, error, wanted);
         if (goal) free_rates(solver, wanted, rates);
         else solver.take_back_held(wanted, rates);
-        const T period = state.period;
+        const T period = state.period, most = goal ? T(1) : least(T(1), T(0.5) * dt / period);
         for (int k = 0; k < 6; ++k) wanted[k] = wanted[k] / dt;
         for (int k = 0; k < n(); ++k) rates[k] = rates[k] * bounds.unit[k];
         const T stop = stopping_time(bounds.motion, rates);
-        T share = least(T(1), T(2) * dt / (period + sqrt(period * period + T(2) * stop)));
+        T share = least(most, T(2) * dt / (period + sqrt(period * period + T(2) * stop)));
         if (goal) {
             share = least(share, command.linear_speed * dt / greatest(norm(error, 3), nothing<T>));
             share = least(share, command.angular_speed * dt / greatest(norm(error + 3, 3), nothing<T>));
