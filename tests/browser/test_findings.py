@@ -10,15 +10,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from arms import DRAWN
 from twistarm import Arm, diagnose, load_arm
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.findings import examined
 from waiting import draw, until
 
 pytestmark = pytest.mark.browser
-
-DRAWN = 1e-12
-"""Meshcat takes a matrix apart into position, quaternion and scale: a few roundings in double precision."""
 
 HEAVY = "<img src=x onerror='hacked=1'>" + "_of_a_very_long_name" * 8
 ESCAPED = HEAVY.replace("<", "&lt;").replace(">", "&gt;")

@@ -16,14 +16,13 @@ from twistarm.viewer import Viewer
 from twistarm.viewer.server import listening
 from twistarm.viewer.server.downloads import DOWNLOADS
 from twistarm.viewer.server.handlers import MOST_FILES
-from viewer_page import WAIT, Page, get, until, visit
+from viewer_page import WAIT, Page, get, port_of, until, visit
 from viewer_page import arm as arm
 from viewer_page import viewer as viewer
 
 
 def target(viewer: Viewer) -> Target:
-    _, _, authority, token, _ = viewer.url.split("/")
-    return Target("127.0.0.1", int(authority.rpartition(":")[2]), token, WAIT)
+    return Target("127.0.0.1", port_of(viewer), viewer.url.split("/")[3], WAIT)
 
 
 def is_closed(one: socket.socket) -> bool:

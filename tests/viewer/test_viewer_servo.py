@@ -5,24 +5,18 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from test_viewer_jog import ARM, TWIST, ask, jog
+from test_viewer_jog import viewer as viewer
 from twistarm.control.servo import AnyCommand, JogCommand, ServoOutput, ServoStatus, TwistCommand
 from twistarm.control.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.servo_words import SILENT, servo_words
 from viewer_page import Page, visit
-
-
-@pytest.fixture
-def viewer() -> Iterator[Viewer]:
-    with Viewer(ARM, [0.2, 0.3], open_browser=False) as served:
-        yield served
 
 
 def answer(status: ServoStatus, joint: str | None, reason: str) -> ServoOutput:

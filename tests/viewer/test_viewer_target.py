@@ -92,7 +92,7 @@ def test_out_of_reach_the_nearest_is_shown_and_the_reason_told() -> None:
     distance = float(np.linalg.norm(g[:3, 3] - position))
     assert distance == pytest.approx(solution.position_error, abs=MET)
     assert ROVER.limits.contains(stage.theta)
-    closer = [np.linalg.norm(ROVER.fk(ROVER.random_theta(rng))[:3, 3] - position) for rng in rngs(300)]
+    closer = [np.linalg.norm(ROVER.fk(ROVER.random_theta(seed))[:3, 3] - position) for seed in range(300)]
     assert distance < min(closer)
 
 
@@ -108,10 +108,6 @@ def test_tolerances_hold_for_targets_until_others_are_chosen() -> None:
         assert (np.linalg.norm(g[:3, 3] - position) <= max(tolerance, 1e-6)) == met
     with pytest.raises(InputError, match="position"):
         ask(stage, "tolerances", position=-1.0, orientation=0.0)
-
-
-def rngs(count: int) -> list[np.random.Generator]:
-    return [np.random.default_rng(seed) for seed in range(count)]
 
 
 def test_what_moves_the_arm_otherwise_lets_the_target_go() -> None:
