@@ -159,7 +159,7 @@ CASES: dict[str, Case] = {
     ),
     "mimic-narrows-limits": urdf(follower(MIMIC.format(2))),
     "mimic-outside-limits": urdf(follower(MIMIC.format(1), '<limit lower="0" upper="0" velocity="1" effort="1"/>')),
-    "locked-outside-limits": urdf(two_joints(), locked={"a": 2.0}),
+    "locked-outside-limits": urdf(two_joints(), locked_joints={"a": 2.0}),
     # the chain
     "no-tip": urdf(
         robot(
@@ -173,7 +173,7 @@ CASES: dict[str, Case] = {
     "tool-name-taken": toml('[tool]\nname = "upper"\n'),
     "pose-unusable": toml("[poses.ready]\na = 0.0\n"),
     "limits-unusable": beside("limits.yaml", "{", limits="limits.yaml"),
-    "pose-left-out": toml("[locked]\na = 0.5\n[poses.ready]\na = 0.0\nb = 0.0\n"),
+    "pose-left-out": toml("[locked_joints]\na = 0.5\n[poses.ready]\na = 0.0\nb = 0.0\n"),
     "actuator-left-out": toml("[actuators.m]\nratio = { b = 2.0 }\n", tip="upper"),
     # what stands beside
     "srdf-found": beside("arm.srdf", srdf('<group name="g"><chain base_link="base_link" tip_link="tool0"/></group>')),
@@ -222,8 +222,8 @@ CASES: dict[str, Case] = {
     "package-not-found": xacro('<gazebo file="$(find nowhere)/x"/>'),
     "package-without-manifest": xacro('<gazebo file="$(find copied)/x"/>', files={"copied/urdf/x.urdf": ""}),
     "environment-kept": xacro('<gazebo h="$(optenv HOME)"/>'),
-    "package-left-out": xacro(CAMERA, without=["camera"]),
-    "package-not-used": urdf(two_joints(), without=["camera"]),
+    "package-left-out": xacro(CAMERA, ignore_packages=["camera"]),
+    "package-not-used": urdf(two_joints(), ignore_packages=["camera"]),
     "package-needed-not-found": xacro('<xacro:include filename="$(find nowhere)/x.xacro"/>'),
     "xacro-argument-missing": xacro('<xacro:property name="h" value="$(arg height)"/><gazebo h="${h}"/>'),
     "xacro-argument-unknown": urdf(two_joints(), xacro_args={"colour": "red"}),

@@ -9,9 +9,9 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
-from twistarm.ik import Approach, Pose, Position, Task
+from twistarm.ik import Approach, Pose, Position, TolerancedPose
 
-KINDS = ("Pose", "Position", "Approach", "Task")
+KINDS = ("Pose", "Position", "Approach", "TolerancedPose")
 
 TASK_TOLERANCE = (0.0, 0.0, 0.01, 0.1, np.inf, 0.0)
 """Exact, banded and free components of position and rotation at once."""
@@ -33,7 +33,7 @@ def target_from(kind, g, rng):
     if kind == "Approach":
         axis = rng.normal(size=3)
         return Approach(g[:3, 3], g[:3, :3] @ axis, tool_axis=axis)
-    return Task(g, TASK_TOLERANCE, frame=("target", "base")[rng.integers(2)])
+    return TolerancedPose(g, TASK_TOLERANCE, frame=("target", "base")[rng.integers(2)])
 
 
 def pinocchio_fk(arm, theta):

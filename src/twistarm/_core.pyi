@@ -29,7 +29,7 @@ def approach(p: object, direction: object, tool_axis: object, /) -> Array | None
     """The numbers of an `Approach`: (9,), or (6,) where the tool axis is None."""
 
 def task(g: object, tolerance: object, base_axes: bool, /) -> Array | None:
-    """The numbers of a `Task`, (23,)."""
+    """The numbers of a `TolerancedPose`, (23,)."""
 
 def path_velocity(
     breakpoints: object,

@@ -75,7 +75,7 @@ def test_what_stands_in_it(tmp_path: Path) -> None:
         '# joint_limits = "config/joint_limits.yaml"',
         "# a [rad]: lower 0, upper 0, effort 3",
         "# a.velocity = ?",
-        "# [locked]\n# a = 0.0",
+        "# [locked_joints]\n# a = 0.0",
         '# From the SRDF: "home".',
     ):
         assert line in text

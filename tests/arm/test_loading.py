@@ -149,20 +149,20 @@ def test_limits_by_the_caller(tmp_path: Path) -> None:
 
 def test_a_locked_joint_stands_still(tmp_path: Path) -> None:
     path = write(tmp_path, two_joints(inside='<axis xyz="0 1 0"/>'))
-    free, locked = load_arm(path), load_arm(path, locked={"a": 0.4})
+    free, locked = load_arm(path), load_arm(path, locked_joints={"a": 0.4})
     assert locked.joint_names == ("b",)
     assert np.allclose(locked.fk([0.3]), free.fk([0.4, 0.3]), atol=1e-14)
-    with pytest.raises(UnknownNameError, match="no moving joint 'c' in tiny, for locked="):
-        load_arm(path, locked={"c": 0.0})
+    with pytest.raises(UnknownNameError, match="no moving joint 'c' in tiny, for locked_joints="):
+        load_arm(path, locked_joints={"c": 0.0})
 
 
 def test_what_is_locked_outside_its_limits_is_said(tmp_path: Path) -> None:
-    arm = load_arm(write(tmp_path, two_joints()), locked={"a": 50})
+    arm = load_arm(write(tmp_path, two_joints()), locked_joints={"a": 50})
     assert [finding.code for finding in arm.findings] == ["locked-outside-limits"]
     with pytest.raises(InputError, match=r"locked\['a'\] must be finite"):
-        load_arm(tmp_path / "arm.urdf", locked={"a": np.inf})
+        load_arm(tmp_path / "arm.urdf", locked_joints={"a": np.inf})
     with pytest.raises(InputError, match=r"locked\['a'\] must be one number"):
-        load_arm(tmp_path / "arm.urdf", locked={"a": "x"})  # type: ignore[dict-item]
+        load_arm(tmp_path / "arm.urdf", locked_joints={"a": "x"})  # type: ignore[dict-item]
 
 
 def test_a_joint_that_mimics_one_above_the_base(tmp_path: Path) -> None:

@@ -61,7 +61,7 @@ def test_motors_of_an_arm_toml(toml: Path) -> None:
 
 
 def test_a_locked_joint_stays_in_the_motors_offset_and_in_poses_that_agree(toml: Path) -> None:
-    free, arm = load_arm(toml), load_arm(toml, locked={"a": 0.1})
+    free, arm = load_arm(toml), load_arm(toml, locked_joints={"a": 0.1})
     assert arm.joint_names == ("b",)
     assert {name: theta.tolist() for name, theta in arm.named_states.items()} == {"ready": [-0.2]}
     assert codes(arm) == ["pose-left-out"]

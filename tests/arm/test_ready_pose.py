@@ -177,7 +177,7 @@ def test_a_mimic_and_a_locked_joint(tmp_path: Path) -> None:
     arm = load_arm(write(tmp_path, text))
     assert arm.n == 1
     assert arm.limits.contains(arm.ready)
-    assert load_arm("rover_arm", locked={"shoulder": -0.5}).computed_ready.shape == (4,)
+    assert load_arm("rover_arm", locked_joints={"shoulder": -0.5}).computed_ready.shape == (4,)
 
 
 def test_the_doctor_recommends_it(tmp_path: Path) -> None:

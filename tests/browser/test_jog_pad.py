@@ -220,7 +220,7 @@ def test_what_happens_where_the_arm_cannot_follow_is_chosen_there(benches: Bench
     assert slide.is_checked()
     stop.click()
     until(page, "document.querySelector('#jog-beyond [value=stop]').checked")
-    assert bench.viewer._server.commands.beyond == "stop"
+    assert bench.viewer._server.commands.on_unreachable == "stop"
     page.get_by_role("switch", name="Drive").click()
     until(page, "!twistarm.jog.taken && !document.getElementById('drive').checked")
     bench.viewer.show_servo(ServoOutput.stale(np.zeros(bench.arm.n), "by hand"))  # a servo with a will of its own

@@ -270,7 +270,7 @@ BAD: dict[str, tuple[list[str], str]] = {
     "no goal": (["plan", "rover_arm"], "give poses by --to"),
     "a pose outside": ([*SERVO, "--theta", "0 200 0 0"], "joint_2 = 200 ° lies outside its limits -148.969 "),
     "a margin below 0": ([*SERVO, "--margin", "-0.1"], "--margin must be 0 or more; got -0.1"),
-    "no such way on": ([*SERVO, "--beyond", "jump"], "--beyond must be 'slide' or 'stop'; got 'jump'"),
+    "no such way on": ([*SERVO, "--on-unreachable", "jump"], "--on-unreachable must be 'slide' or 'stop'; got 'jump'"),
     "no command holds": ([*SERVO, "--command-timeout", "-1"], "--command-timeout must be a positive number; got -1"),
     "rates to nobody": ([*SERVO, "--velocity-mode"], "--velocity-mode is for a robot that takes rates alone"),
     "half of UDP": ([*SERVO, "--udp", "127.0.0.1:5005"], "--udp HOST:PORT and --listen HOST:PORT go together"),
@@ -404,7 +404,7 @@ def test_a_reader_that_leaves_early_is_no_error() -> None:
     ("arguments", "degrees", "radians"),
     [
         (["plan", "rover_arm", "--to", "elbow=400"], "at 400°, 264.78° beyond its upper limit 135.22°", "at 400 rad"),
-        (["info", "rover_arm", "--locked", "elbow=500"], "locked at 500°, outside its limits -135", "at 500 rad"),
+        (["info", "rover_arm", "--locked-joint", "elbow=500"], "locked at 500°, outside its limits -135", "at 500 rad"),
         (["ik", "rover_arm", "--xyz", "0.8 0 0.5", "--start", "0 400 0 0 0"], "shoulder 400.0° was brought", None),
     ],
 )

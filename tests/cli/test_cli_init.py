@@ -74,11 +74,15 @@ def test_limits_and_srdf_by_file(folder: Path, capsys: Capture) -> None:
 
 
 def test_locked_joints_in_degrees_and_metres(capsys: Capture) -> None:
-    arm = load_arm("rover_arm", locked={"slide": 0.1, "elbow": np.pi / 6})
-    typed = ("--locked", "slide=0.1", "--locked", "elbow=30")
+    arm = load_arm("rover_arm", locked_joints={"slide": 0.1, "elbow": np.pi / 6})
+    typed = ("--locked-joint", "slide=0.1", "--locked-joint", "elbow=30")
     assert np.allclose(answer(capsys, "fk", "rover_arm", *typed, "--theta", "0 0 0")["matrix"], arm.fk([0.0, 0.0, 0.0]))
-    in_radians = ("--locked", "slide = 0.1", "--locked", f"elbow={np.pi / 6}", "--rad")
+    in_radians = ("--locked-joint", "slide = 0.1", "--locked-joint", f"elbow={np.pi / 6}", "--rad")
     content = answer(capsys, "fk", "rover_arm", *in_radians, "--theta", "0 0 0")
     assert np.allclose(content["matrix"], arm.fk([0.0, 0.0, 0.0]))
-    for pair, told in (("slide", "takes JOINT=VALUE"), ("slide=inf", "takes JOINT=VALUE"), ("knee=1", "for --locked")):
-        assert told in error_of(capsys, "fk", "rover_arm", "--locked", pair)
+    for pair, told in (
+        ("slide", "takes JOINT=VALUE"),
+        ("slide=inf", "takes JOINT=VALUE"),
+        ("knee=1", "for --locked-joint"),
+    ):
+        assert told in error_of(capsys, "fk", "rover_arm", "--locked-joint", pair)

@@ -22,7 +22,7 @@ def degrees():
         (f"pass {argument('tip', 'it is')}", "pass --tip 'it is'"),
         (f"pass {argument('tip')}", "pass --tip LINK"),
         ("tip= wins over it", "--tip wins over it"),
-        (argument("without", ["a'b", "c"]), """--without 'a'"'"'b' --without c"""),
+        (argument("without", ["a'b", "c"]), """--ignore-package 'a'"'"'b' --ignore-package c"""),
         (argument("xacro_args", {"dof": "7", "mesh]": ...}), "--xacro dof:=7 --xacro 'mesh]:=VALUE'"),
         (argument("env", [...]), "--env NAME"),
         (package_folder("it"), "--package-dir FOLDER (the folder that holds it)"),

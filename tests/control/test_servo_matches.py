@@ -55,7 +55,7 @@ def walk(arm, rng, steps, **settings):
 
 @pytest.mark.parametrize("name", ["rover_arm", pytest.param("ur5", marks=pytest.mark.slow)])
 def test_the_same_where_it_stops_on_its_course(name):
-    walk(load(name), np.random.default_rng(8), 40, beyond="stop")
+    walk(load(name), np.random.default_rng(8), 40, on_unreachable="stop")
 
 
 @pytest.mark.parametrize("steps", [40, pytest.param(300, marks=pytest.mark.slow)])

@@ -1,4 +1,4 @@
-"""Where the arm cannot follow and settings.beyond is "stop": it stands on its course, says why."""
+"""Where the arm cannot follow and settings.on_unreachable is "stop": it stands on its course, says why."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TWISTS = (0, 5, 10, 15)
 """Of an arm: each kind of twist, and each kind of start, once."""
 
 DT, SECONDS = 0.01, 8.0
-STOP = ServoSettings(beyond="stop")
+STOP = ServoSettings(on_unreachable="stop")
 
 OFF, TURNED = 1e-3, np.radians(0.5)
 """What the tool may be beside its course [m, rad]."""
@@ -77,7 +77,7 @@ EVERY_OTHER = [
 
 @pytest.mark.parametrize(("name", "accelerating"), EVERY_OTHER)
 def test_it_stands_on_its_course_and_says_why(name, accelerating):
-    arm, rng = servo_arm(name, accelerating), random(name, "beyond", 0)
+    arm, rng = servo_arm(name, accelerating), random(name, "on_unreachable", 0)
     for number in TWISTS:
         one = case(arm, rng, number)
         states, answers = walk(arm, one.theta, one.twist, SECONDS)

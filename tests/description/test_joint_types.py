@@ -116,7 +116,7 @@ def test_a_locked_half_is_no_pair(tmp_path: Path) -> None:
         tmp_path, robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0", "prismatic"), links=LINKS)
     )
     assert [pair.kind for pair in lower_pairs(*_chain(load_arm(path)))] == ["cylindrical"]
-    arm = load_arm(path, locked={"b": 0.3})
+    arm = load_arm(path, locked_joints={"b": 0.3})
     assert [pair.kind for pair in lower_pairs(*_chain(arm))] == ["revolute", "prismatic"]
     crosscheck(arm, 20).require()
 

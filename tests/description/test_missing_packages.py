@@ -85,7 +85,7 @@ def test_what_the_package_would_have_brought_is_left_out_and_told(case: str, tmp
     path = write(tmp_path, as_xacro(inside), "arm.xacro")
     with pytest.raises(DescriptionError):
         load_arm(path, tip="tool0")
-    arm = load_arm(path, tip="tool0", without=["realsense2_description"])
+    arm = load_arm(path, tip="tool0", ignore_packages=["realsense2_description"])
     assert "package-not-used" not in [one.code for one in arm.findings]
     plain = load_arm(write(tmp_path, ARM))
     np.testing.assert_array_equal(arm.screws, plain.screws)
@@ -102,9 +102,9 @@ def test_the_error_names_the_package_and_what_to_type(tmp_path: Path) -> None:
     with pytest.raises(DescriptionError) as caught:
         load_arm(path)
     assert "package 'realsense2_description' not found" in str(caught.value)
-    assert str(caught.value).endswith("without=['realsense2_description']")
+    assert str(caught.value).endswith("ignore_packages=['realsense2_description']")
     assert "package-needed-not-found" in [one.code for one in diagnose(path)]
-    assert "package-left-out" in [one.code for one in diagnose(path, without="realsense2_description")]
+    assert "package-left-out" in [one.code for one in diagnose(path, ignore_packages="realsense2_description")]
 
 
 NEEDED = {
@@ -126,10 +126,10 @@ def test_what_the_arm_itself_needs_is_refused_as_before(case: str, tmp_path: Pat
     inside, message = NEEDED[case]
     path = write(tmp_path, as_xacro(INCLUDE + CAMERA + inside), "arm.xacro")
     with pytest.raises(DescriptionError) as caught:
-        load_arm(path, tip="tool0", without=["realsense2_description"])
+        load_arm(path, tip="tool0", ignore_packages=["realsense2_description"])
     assert message in str(caught.value)
     assert "may be what is missing: the include of '_d435.urdf.xacro' is left out" in str(caught.value)
-    codes = [one.code for one in diagnose(path, tip="tool0", without=["realsense2_description"])]
+    codes = [one.code for one in diagnose(path, tip="tool0", ignore_packages=["realsense2_description"])]
     assert "package-left-out" in codes
 
 
@@ -143,14 +143,14 @@ def test_nothing_is_refused_less_for_being_inside_what_could_be_left_out(tmp_pat
     ):
         path = write(tmp_path, as_xacro(f'{INCLUDE}<gazebo a="{reach}"/>'), "arm.xacro")
         with pytest.raises(DescriptionError, match=message):
-            load_arm(path, without=["realsense2_description"])
+            load_arm(path, ignore_packages=["realsense2_description"])
 
 
 @pytest.mark.parametrize(("name", "text"), [("arm.xacro", as_xacro(CAMERA)), ("arm.urdf", ARM)])
 def test_a_package_that_is_not_asked_for_is_said(name: str, text: str, tmp_path: Path) -> None:
     text = text.replace(CAMERA, '<gazebo a="$(find realsense2_description)/a.yaml"/>')
     path = write(tmp_path, text, name)
-    arm = load_arm(path, without=["realsense_description"])
+    arm = load_arm(path, ignore_packages=["realsense_description"])
     (one,) = [one for one in arm.findings if one.code == "package-not-used"]
     assert "nothing is left out without 'realsense_description'" in one.what
     assert ("closest: 'realsense2_description'" in one.remedy) == (name == "arm.xacro")
@@ -160,14 +160,14 @@ def test_a_package_that_is_not_asked_for_is_said(name: str, text: str, tmp_path:
 def test_what_is_no_name_of_a_package_is_refused(bad: object, tmp_path: Path) -> None:
     path = write(tmp_path, ARM)
     with pytest.raises(InputError, match=r"without (takes|must be a sequence of) names.*; got "):
-        load_arm(path, without=bad)  # type: ignore[arg-type]
+        load_arm(path, ignore_packages=bad)  # type: ignore[arg-type]
 
 
 def test_an_arm_file_says_what_it_does_without(tmp_path: Path) -> None:
     write(tmp_path, as_xacro(INCLUDE + CAMERA), "arm.xacro")
     path = write(tmp_path, 'source = "arm.xacro"\nwithout = ["realsense2_description"]', "arm.toml")
     assert len(told(load_arm(path))) == 2
-    assert assert_arm(tmp_path / "arm.xacro", without=["realsense2_description"], samples=3).n == 2
+    assert assert_arm(tmp_path / "arm.xacro", ignore_packages=["realsense2_description"], samples=3).n == 2
     bad = write(tmp_path, 'source = "arm.xacro"\nwithout = ["a/b"]', "bad.toml")
     with pytest.raises(DescriptionError, match=r"bad.toml: without takes names of packages, .*got 'a/b'"):
         load_arm(bad)
@@ -184,7 +184,14 @@ def test_what_to_type_works_when_typed(tmp_path: Path, capsys: pytest.CaptureFix
         options = re.search("--(xacro|without) .*", capsys.readouterr().err)
         assert options
         typed += shlex.split(options.group())
-    assert typed == ["--xacro", "side:=left one", "--xacro", "model:=VALUE", "--without", "realsense2_description"]
+    assert typed == [
+        "--xacro",
+        "side:=left one",
+        "--xacro",
+        "model:=VALUE",
+        "--ignore-package",
+        "realsense2_description",
+    ]
     draft = ["init", str(path), "-o", str(tmp_path / "arm.toml"), *typed]
     assert run(draft) == 0
     assert len(told(load_arm(tmp_path / "arm.toml"))) == 2

@@ -255,4 +255,4 @@ def test_two_arms_in_one_file(tmp_path: Path) -> None:
     assert arm.joint_names == ("right_shoulder", "right_elbow")
     assert right(arm, path)
     left = reader.pose(reader.parsed(path.read_bytes()), {"left_shoulder": 0.4}, "torso", "left_tcp")
-    assert np.allclose(arm.poses([0.0, 0.0], others={"left_shoulder": 0.4})["left_tcp"], left)
+    assert np.allclose(arm.poses([0.0, 0.0], other_joints={"left_shoulder": 0.4})["left_tcp"], left)

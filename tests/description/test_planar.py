@@ -70,12 +70,14 @@ def test_limits_of_a_planar_joint_are_ignored_and_said(tmp_path: Path) -> None:
 
 def test_its_coordinates_take_limits_and_locks(tmp_path: Path) -> None:
     chain(tmp_path)
-    arm = load_arm(tmp_path / "arm.urdf", limits={"lower": {"p_x": -0.2}, "upper": {"p_x": 0.2}}, locked={"p_y": 0.1})
+    arm = load_arm(
+        tmp_path / "arm.urdf", limits={"lower": {"p_x": -0.2}, "upper": {"p_x": 0.2}}, locked_joints={"p_y": 0.1}
+    )
     assert arm.joint_names == ("p_x", "p_rz", "b")
     assert arm.limits.upper[0] == 0.2
     np.testing.assert_allclose(arm.home[:3, 3], [0, 0.1, 1.0], atol=1e-15)
     with pytest.raises(UnknownNameError) as caught:
-        load_arm(tmp_path / "arm.urdf", locked={"p": 0.1})
+        load_arm(tmp_path / "arm.urdf", locked_joints={"p": 0.1})
     assert str(caught.value) == "joint 'p' of tiny is planar; lock its coordinates: 'p_x', 'p_y', 'p_rz'"
 
 

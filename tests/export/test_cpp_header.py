@@ -20,7 +20,7 @@ from twistarm import (
     ArmBuilder,
     Pose,
     Position,
-    Task,
+    TolerancedPose,
     TwistarmError,
     arm_from_screws,
     load_arm,
@@ -294,7 +294,7 @@ OF_EVERY_SIZE = [
 """Four to seven coordinates."""
 
 
-def drawn_targets(arm: Arm, count: int) -> list[Pose | Position | Approach | Task]:
+def drawn_targets(arm: Arm, count: int) -> list[Pose | Position | Approach | TolerancedPose]:
     """Targets of every kind at Pinocchio's poses of configurations inside the limits."""
     goals, _, _ = reference(arm, arm.random_theta(np.random.default_rng(6), count))
     along, about = (0.01, 0.02, 0.0, 0.2, 0.0, np.inf), (0.0, np.inf, 0.0, 4.0, 0.1, 0.1)
@@ -302,8 +302,8 @@ def drawn_targets(arm: Arm, count: int) -> list[Pose | Position | Approach | Tas
         Pose,
         lambda g: Position(g[:3, 3]),
         lambda g: Approach(g[:3, 3], 2 * g[:3, :3] @ arm.tool_axis, arm.tool_axis),
-        lambda g: Task(g, along, "target"),
-        lambda g: Task(g, about, "base"),
+        lambda g: TolerancedPose(g, along, "target"),
+        lambda g: TolerancedPose(g, about, "base"),
     )
     return [kind(g) for g in goals for kind in kinds]
 

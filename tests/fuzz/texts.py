@@ -22,7 +22,7 @@ JUNK = (
     b"\x1b[31m",
     b"\x0c",
 )
-ENTRIES = ("[tool]", "[poses.ready]", "[limits]", "[locked]", "locked = {}", "tool = 1", "name = 1", "tip = ''",
+ENTRIES = ("[tool]", "[poses.ready]", "[limits]", "[locked_joints]", "locked = {}", "tool = 1", "name = 1", "tip = ''",
            "[[limits]]", "[a.b]")  # fmt: skip
 
 

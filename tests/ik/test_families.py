@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import twistarm
 from family_arms import CASES, apart, family_arm, missed, pose_of
-from twistarm import NoClosedFormError, Task, load_arm, solve_ik_all
+from twistarm import NoClosedFormError, TolerancedPose, load_arm, solve_ik_all
 from twistarm.ik import Approach, Pose, Position, closed_form_of
 from twistarm.ik.closed_form.methods import method_for
 
@@ -114,8 +114,10 @@ def test_how_far_axes_pass_is_what_the_robot_s_drawing_says() -> None:
     g = arm.fk(arm.ready)
     with pytest.raises(NoClosedFormError, match="for a Pose: the axes of wrist_pitch and wrist_roll pass at 20 mm"):
         solve_ik_all(arm, g, closed_form=True)
-    with pytest.raises(NoClosedFormError, match="for a Task: a Task's tolerances leave a whole range of poses"):
-        solve_ik_all(arm, Task(g, tolerance=[0.1] * 6), closed_form=True)
+    with pytest.raises(
+        NoClosedFormError, match="for a TolerancedPose: a TolerancedPose's tolerances leave a whole range of poses"
+    ):
+        solve_ik_all(arm, TolerancedPose(g, tolerance=[0.1] * 6), closed_form=True)
 
 
 def test_joints_that_a_target_leaves_open_are_named() -> None:

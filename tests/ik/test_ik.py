@@ -10,7 +10,7 @@ import pytest
 from catalogue import load
 from ik_targets import judged, moved, require_core
 from solvers import SOLVERS
-from twistarm.ik import Pose, Position, StopReason, Task, solve_ik
+from twistarm.ik import Pose, Position, StopReason, TolerancedPose, solve_ik
 from twistarm.ik.ranges import joint_ranges
 from twistarm.support.checks import as_seed
 from twistarm.support.errors import NotConvergedError
@@ -92,7 +92,7 @@ def test_the_same_call_gives_the_same_bits_and_no_more_searches_than_allowed(res
 
 def test_a_solution_can_be_pickled():
     arm = load("ur5")
-    solution = solve_ik(arm, Task(arm.fk(arm.ready), [0, 0, 0, 0, 0, np.inf]))
+    solution = solve_ik(arm, TolerancedPose(arm.fk(arm.ready), [0, 0, 0, 0, 0, np.inf]))
     copy = pickle.loads(pickle.dumps(solution))
     np.testing.assert_array_equal(copy.theta, solution.theta)
     assert copy.explain() == solution.explain()

@@ -24,7 +24,7 @@ from twistarm import (
     PathError,
     Pose,
     Position,
-    Task,
+    TolerancedPose,
     UnitsWarning,
     plan,
     solve_ik,
@@ -55,7 +55,7 @@ DOORS: dict[str, Callable[[Arm, float], Any]] = {
     "Approach, position": lambda _, x: Approach(with_one(AXIS, x), AXIS),
     "Approach, direction": lambda _, x: Approach(AXIS, with_one(AXIS, x)),
     "Approach, axis": lambda _, x: Approach(AXIS, AXIS, with_one(AXIS, x)),
-    "Task": lambda _, x: Task(with_one(G, x), np.zeros(6)),
+    "TolerancedPose": lambda _, x: TolerancedPose(with_one(G, x), np.zeros(6)),
     "batch": lambda arm, x: solve_ik_batch(arm, np.array([G, with_one(G, x)])),
     "batch in a list": lambda arm, x: solve_ik_batch(arm, [G, with_one(G, x)]),
     "batch, theta0": lambda arm, x: solve_ik_batch(arm, [G, G], np.array([with_one(arm.ready, x), arm.ready])),
@@ -126,7 +126,7 @@ TARGETS: dict[str, Callable[[], Any]] = {
     "a pose": lambda: Pose(G),
     "a position": lambda: Position(G[:3, 3]),
     "an approach": lambda: Approach(G[:3, 3], G[:3, 2], AXIS),
-    "a task": lambda: Task(G, np.zeros(6)),
+    "a task": lambda: TolerancedPose(G, np.zeros(6)),
 }
 
 

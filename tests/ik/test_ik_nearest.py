@@ -13,7 +13,7 @@ from ik_targets import errors, pinocchio_fk, require_core, target_from, turned
 from reference.nearest import ANGLE_TOL, POSITION_TOL, by_slsqp
 from reference.optimality import residual
 from twistarm import load_arm
-from twistarm.ik import Position, StopReason, Task, solve_ik
+from twistarm.ik import Position, StopReason, TolerancedPose, solve_ik
 
 STATIONARY = 1e-7
 """Residual of the optimality conditions, per rad or m; the solver stops at 1e-8 and stands 1e-11 m off its position."""
@@ -36,13 +36,14 @@ def hard_target(arm, kind, rng, k):
     g[:2, 3] *= STRETCH[k % 3][0]
     g[2, 3] *= STRETCH[k % 3][1]
     g[:3, :3] = Rotation.random(random_state=int(rng.integers(2**31))).as_matrix()
-    if kind == "Task":
-        return Task(g, [0.02, 0.0, 0.01, 0.1, np.inf, 0.0], frame=("target", "base")[k % 2])
+    if kind == "TolerancedPose":
+        return TolerancedPose(g, [0.02, 0.0, 0.01, 0.1, np.inf, 0.0], frame=("target", "base")[k % 2])
     return target_from(kind, g, rng)
 
 
-NEAREST = [("rover_arm", "Pose", 0), ("rover_arm", "Approach", 1), ("rover_arm", "Task", 2), ("so101", "Pose", 1),
-           ("so101", "Approach", 2), ("so101", "Task", 0), ("so101", "Task", 1), ("ur5", "Pose", 2),
+NEAREST = [("rover_arm", "Pose", 0), ("rover_arm", "Approach", 1), ("rover_arm", "TolerancedPose", 2),
+           ("so101", "Pose", 1),
+           ("so101", "Approach", 2), ("so101", "TolerancedPose", 0), ("so101", "TolerancedPose", 1), ("ur5", "Pose", 2),
            ("panda", "Pose", 2), ("z1", "Pose", 2)]  # fmt: skip
 
 
@@ -128,7 +129,7 @@ def test_blocked_by_a_limit(planar):
 
 def test_a_direction_no_joint_turns(planar):
     g = turned(planar.fk([0.3, 0.8]), [1, 0, 0], np.radians(20))
-    solution = solve_ik(planar, Task(g, [0, 0, 0, 0, 0, np.inf]))
+    solution = solve_ik(planar, TolerancedPose(g, [0, 0, 0, 0, 0, np.inf]))
     assert solution.stop is StopReason.IMPOSSIBLE_DIRECTION
     assert solution.position_error < 1e-9
     cannot = "with the position held, no joint turns its tool about its x axis; 20.0° of the rotation are missing"

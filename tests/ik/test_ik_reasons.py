@@ -17,7 +17,7 @@ from ik_targets import at_some_limits, errors, judged, judged_batch, pinocchio_f
 from reason_targets import CASES, arms_of, draw
 from twistarm import ArmBuilder, NotConvergedError
 from twistarm.cli.wording import in_options
-from twistarm.ik import Approach, Pose, Position, StopReason, Task, solve_ik, solve_ik_batch
+from twistarm.ik import Approach, Pose, Position, StopReason, TolerancedPose, solve_ik, solve_ik_batch
 from twistarm.ik.abilities import short_of, split_rotation
 
 WRONG = 0.01
@@ -66,7 +66,13 @@ def test_the_reason_is_the_true_one(case, name):
 
 
 def of_every_kind(g):
-    return (Pose(g), Position(g[:3, 3]), Approach(g[:3, 3], g[:3, 2]), Task(g, TIGHT), Task(g, TIGHT, frame="base"))
+    return (
+        Pose(g),
+        Position(g[:3, 3]),
+        Approach(g[:3, 3], g[:3, 2]),
+        TolerancedPose(g, TIGHT),
+        TolerancedPose(g, TIGHT, frame="base"),
+    )
 
 
 def test_the_reason_does_not_hang_on_the_kind_of_target():

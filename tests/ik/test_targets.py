@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from ik_targets import KINDS, errors, target_from
 from strategies import HARD_ANGLES, derivative, generators
-from twistarm.ik import Approach, Pose, Position, Task, rotation_errors
+from twistarm.ik import Approach, Pose, Position, TolerancedPose, rotation_errors
 from twistarm.ik.targets import as_target
 from twistarm.ik.task_space import excess_rows
 from twistarm.support.errors import InputError
@@ -65,9 +65,9 @@ def test_the_frame_of_a_task_turns_its_tolerances():
     beside = np.eye(4)
     beside[:3, :3], beside[0, 3] = g[:3, :3], 0.5
     # The base's x axis is the target's −y axis.
-    assert Task(g, [0, np.inf, 0, 0, 0, 0], frame="target").position_error(beside) == pytest.approx(0)
-    assert Task(g, [np.inf, 0, 0, 0, 0, 0], frame="base").position_error(beside) == pytest.approx(0)
-    assert Task(g, [np.inf, 0, 0, 0, 0, 0], frame="target").position_error(beside) == pytest.approx(0.5)
+    assert TolerancedPose(g, [0, np.inf, 0, 0, 0, 0], frame="target").position_error(beside) == pytest.approx(0)
+    assert TolerancedPose(g, [np.inf, 0, 0, 0, 0, 0], frame="base").position_error(beside) == pytest.approx(0)
+    assert TolerancedPose(g, [np.inf, 0, 0, 0, 0, 0], frame="target").position_error(beside) == pytest.approx(0.5)
 
 
 # rows -------------------------------------------------------------------------------------------------
@@ -101,7 +101,7 @@ def test_chordal_rows_are_the_gradient_of_what_grows_with_the_angle(rng, kind):
 
 @given(generators)
 def test_task_rows_are_the_derivative_of_the_logarithm(rng):
-    target, xi = target_from("Task", random_pose(rng), rng), rng.normal(size=6)
+    target, xi = target_from("TolerancedPose", random_pose(rng), rng), rng.normal(size=6)
     g = body_motion(target.g, rng.normal(size=6), 0.7)
     error, rows = target._rotation_rows(g, np.eye(6))
 
@@ -163,11 +163,11 @@ REFUSED = (
     (lambda: Position([0.0, 2e6, 0.0]), "beyond 1e+06 m"),
     (lambda: Approach([0, 0, 0], [0, 0, 0]), "direction"),
     (lambda: Approach([0, 0, 0], [0, 0, 1], tool_axis=[0, 0, 0]), "tool_axis"),
-    (lambda: Task(np.eye(4), np.zeros(5)), "six numbers"),
-    (lambda: Task(np.eye(4), [0, 0, 0, 0, 0, -0.1]), "negative"),
-    (lambda: Task(np.eye(4), [0, 0, 0, 0, 0, np.nan]), "NaN"),
-    (lambda: Task(np.eye(4), [np.inf] * 3 + [4.0] * 3), "free"),
-    (lambda: Task(np.eye(4), np.zeros(6), frame="world"), "frame"),
+    (lambda: TolerancedPose(np.eye(4), np.zeros(5)), "six numbers"),
+    (lambda: TolerancedPose(np.eye(4), [0, 0, 0, 0, 0, -0.1]), "negative"),
+    (lambda: TolerancedPose(np.eye(4), [0, 0, 0, 0, 0, np.nan]), "NaN"),
+    (lambda: TolerancedPose(np.eye(4), [np.inf] * 3 + [4.0] * 3), "free"),
+    (lambda: TolerancedPose(np.eye(4), np.zeros(6), frame="world"), "frame"),
     (lambda: as_target("forward"), "target must be a Pose"),
     (lambda: as_target([0.5, 0, 0.3]), "Position("),
     (lambda: as_target(np.zeros(6)), "Pose.from_rpy("),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from twistarm import Position, Task, arm_from_screws, load_arm, rotations
+from twistarm import Position, TolerancedPose, arm_from_screws, load_arm, rotations
 from twistarm.arm.arm import Arm
 from twistarm.ik.targets import Pose
 from twistarm.planning.cartesian.curves import line, screw
@@ -51,7 +51,7 @@ def test_no_second_difference_exceeds_the_bound(kind, tmp_path):
         g1[:3, 3] += twist[:3]
         g1[:3, :3] = rotations.exp(twist[3:]) @ g0[:3, :3]
         for curve in (line(g0, g1), screw(g0, twist)):
-            for like in (Pose(g0), Position(g0[:3, 3]), Task(g0, [0.0, 0.0, np.inf, 0.0, 0.0, np.inf])):
+            for like in (Pose(g0), Position(g0[:3, 3]), TolerancedPose(g0, [0.0, 0.0, np.inf, 0.0, 0.0, np.inf])):
                 position, rotation = seconds(arm, MovingTarget(curve, like), path)
                 bound = deviation_bend(arm, MovingTarget(curve, like), path)[0]
                 assert position <= bound[0] * (1.0 + 1e-4)
@@ -81,13 +81,13 @@ def test_no_speed_of_the_tool_exceeds_its_bound_and_some_come_near(kind, tmp_pat
 
 
 def seconds(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[float, float]:
-    """The greatest second differences of p − p_c, along the target's axes for a Task, and of the chord of R_cᵀ R."""
+    """The greatest second differences of p − p_c, along the axes of a TolerancedPose, and of the chord of R_cᵀ R."""
     step = 1e-3
     s = np.arange(0.0, 1.0 + step / 2, step)
     g, ideal = arm.fk(path(s)), moving.curve(s)
     apart = g[:, :3, 3] - ideal[:, :3, 3]
     axes = np.swapaxes(ideal[:, :3, :3], 1, 2)
-    if isinstance(moving.like, Task):
+    if isinstance(moving.like, TolerancedPose):
         apart = (axes @ apart[..., None])[..., 0]
     E = axes @ g[:, :3, :3] / np.sqrt(2.0)  # the Frobenius norm of E − 1 is 2 √2 sin(angle / 2)
     position, rotation = (np.diff(each, 2, axis=0).reshape(len(s) - 2, -1) / step**2 for each in (apart, E))

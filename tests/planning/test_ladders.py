@@ -7,7 +7,7 @@ import pytest
 
 from catalogue import load
 from ik_targets import pinocchio_fk
-from twistarm import Approach, LineMove, Pose, Position, Task, load_arm, plan, rotations
+from twistarm import Approach, LineMove, Pose, Position, TolerancedPose, load_arm, plan, rotations
 from twistarm.ik.targets import target_for
 from twistarm.planning.cartesian import branches as finding
 from twistarm.planning.cartesian.projection import errors_and_rows, projected
@@ -37,8 +37,8 @@ def likes(g: np.ndarray) -> list:
         Pose(g),
         Position(g[:3, 3]),
         Approach(g[:3, 3], g[:3, :3] @ [0.6, 0.0, 0.8], [0.6, 0.0, 0.8]),
-        Task(g, np.zeros(6)),
-        Task(g, np.zeros(6), frame="base"),
+        TolerancedPose(g, np.zeros(6)),
+        TolerancedPose(g, np.zeros(6), frame="base"),
     ]
 
 
@@ -65,7 +65,7 @@ def test_errors_of_a_task_away_from_its_target_are_what_exceeds_the_tolerances()
     off = g.copy()
     off[:3, 3] += [0.02, 0.0, -0.005]
     off[:3, :3] = rotations.exp([0.0, 0.0, 0.3]) @ g[:3, :3]
-    task = Task(g, [0.005, 0.0, 0.01, np.inf, np.inf, 0.1], frame="base")
+    task = TolerancedPose(g, [0.005, 0.0, 0.01, np.inf, np.inf, 0.1], frame="base")
     e, J = errors_and_rows(task, g[None], off[None], ARM.body_jacobian(theta)[None])
     np.testing.assert_allclose(e[0], [0.015, 0.0, 0.0, 0.0, 0.0, 0.2], atol=1e-12)
     assert [bool(row.any()) for row in J[0]] == [True, True, False, False, False, True]

@@ -7,7 +7,7 @@ import pinocchio as pin
 from scipy.optimize import minimize
 
 from ik_targets import errors
-from twistarm.ik import Task
+from twistarm.ik import TolerancedPose
 
 POSITION_TOL, ANGLE_TOL = 1e-6, 1e-5
 """How exactly SLSQP finds a minimum [m, rad]: it stops on the value, which is flat there."""
@@ -17,7 +17,7 @@ def components(target, g):
     """Errors of position and rotation, component by component, as the definitions have them."""
     R_g, p_g = (target.g[:3, :3], target.g[:3, 3]) if hasattr(target, "g") else (np.eye(3), target.p)
     p, w = g[:3, 3] - p_g, pin.log3(g[:3, :3] @ R_g.T)
-    return (R_g.T @ p, R_g.T @ w) if isinstance(target, Task) and target.frame == "target" else (p, w)
+    return (R_g.T @ p, R_g.T @ w) if isinstance(target, TolerancedPose) and target.frame == "target" else (p, w)
 
 
 def by_slsqp(arm, target, rng, starts):
@@ -26,7 +26,7 @@ def by_slsqp(arm, target, rng, starts):
         tuple(b if np.isfinite(b) else None for b in pair)
         for pair in zip(arm.limits.lower, arm.limits.upper, strict=True)
     ]
-    tolerance = target.tolerance[:3] if isinstance(target, Task) else np.zeros(3)
+    tolerance = target.tolerance[:3] if isinstance(target, TolerancedPose) else np.zeros(3)
 
     def off(theta):
         return errors(target, arm.fk(theta))

@@ -17,7 +17,7 @@ from twistarm import (
     PoseCommand,
     Position,
     ServoState,
-    Task,
+    TolerancedPose,
     Trajectory,
     TwistCommand,
     arm_from_screws,
@@ -41,7 +41,7 @@ def printed() -> list[object]:
     state, output = servo_step(arm, ServoState.at(arm, theta), [0.1, 0, 0, 0, 0, 0], 0.01)
     check = crosscheck(arm, 2)
     motors = Actuators(arm.joint_names, arm.joint_names, 50 * np.eye(7), np.zeros(7), ("tick",) * 7, 4096 * np.ones(7))
-    targets = [Pose(g), Position([1, 0, 0]), Approach([1, 0, 0], [0, 0, 1]), Task(g, [0] * 6)]
+    targets = [Pose(g), Position([1, 0, 0]), Approach([1, 0, 0], [0, 0, 1]), TolerancedPose(g, [0] * 6)]
     commands = [TwistCommand([0.1, 0, 0, 0, 0, 0]), JogCommand(theta), PoseCommand(g)]
     answers = [solve_ik(arm, targets[1]), solve_ik(arm, Position([9, 0, 0])), solve_ik_batch(arm, targets)]
     parts = [arm.limits, arm.coupling, arm.proof, arm.description, arm.manipulability(theta), motion.sample(0.1)]

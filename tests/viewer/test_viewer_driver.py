@@ -180,30 +180,30 @@ def test_sliding_or_stopping_is_chosen_while_it_drives(viewer: Viewer, arm: Arm)
         return looks[-1]
 
     async def jog(page: Page) -> None:
-        assert page.latest["drive"]["beyond"] == "slide"
-        await ask(page, type="beyond", what="stop")
-        await page.until(lambda: page.latest["drive"]["beyond"] == "stop")
+        assert page.latest["drive"]["on_unreachable"] == "slide"
+        await ask(page, type="on_unreachable", what="stop")
+        await page.until(lambda: page.latest["drive"]["on_unreachable"] == "stop")
         assert page.latest["drive"]["on"]
         stopped = await end_of_the_way(page)
         second = await other(page)
-        await second.until(lambda: second.latest["drive"]["beyond"] == "stop")
-        await ask(page, type="beyond", what="slide")
+        await second.until(lambda: second.latest["drive"]["on_unreachable"] == "stop")
+        await ask(page, type="on_unreachable", what="slide")
         await push(page, lambda: side() > stopped + 0.01, **out)
 
     drive(viewer, jog)
 
 
 def test_a_servo_of_the_program_heeds_the_choice_if_it_says_so(viewer: Viewer) -> None:
-    settings = viewer.servo_settings(ServoSettings(damping=0.1, beyond="stop"))
+    settings = viewer.servo_settings(ServoSettings(damping=0.1, on_unreachable="stop"))
 
     async def choose(page: Page) -> None:
-        await page.until(lambda: page.latest["drive"] == NO_DRIVE | {"beyond": "stop", "free": True})
-        await ask(page, type="beyond", what="slide")
+        await page.until(lambda: page.latest["drive"] == NO_DRIVE | {"on_unreachable": "stop", "free": True})
+        await ask(page, type="on_unreachable", what="slide")
         assert settings() == ServoSettings(damping=0.1)
         viewer.show_servo(None)
         await page.until(lambda: page.latest["drive"] == NO_DRIVE)
 
-    assert settings() == ServoSettings(damping=0.1, beyond="stop")
+    assert settings() == ServoSettings(damping=0.1, on_unreachable="stop")
     visit(viewer, choose)
     with pytest.raises(InputError, match="settings must be a ServoSettings"):
         viewer.servo_settings("stop")  # type: ignore[arg-type]

@@ -80,7 +80,7 @@ def test_a_base_that_is_carried_followers_and_joints_beside_the_chain(tmp_path: 
     path = tmp_path / "branched.urdf"
     path.write_text(BRANCHED)
     for base in ("root", "base_link"):
-        arm = load_arm(path, base=base, tip="tool0", locked=locked)
+        arm = load_arm(path, base=base, tip="tool0", locked_joints=locked)
         assert_poses(arm)
     assert {"lift", "turn", "finger", "wheel"} == set(extra_joints(arm))
 

@@ -176,7 +176,7 @@ def test_a_variable_that_nobody_allows_counts_as_not_set(
 
     def asked(env: tuple[str, ...]) -> tuple[str, list[str]]:
         try:
-            text, noted = expand_xacro(path, package_index(path), env=env)
+            text, noted = expand_xacro(path, package_index(path), env_vars=env)
         except DescriptionError as error:
             return str(error), []
         return text, [f"{one.code}: {one.what}; {one.remedy}" for one in noted]
@@ -203,11 +203,11 @@ def test_who_may_allow_a_variable(
     monkeypatch.setenv("CANARY", TOKEN)
     path = write(tmp_path, as_xacro("").replace('name="tiny"', 'name="$(optenv CANARY arm)"'), "arm.xacro")
     assert load_arm(path, tip="tool0").name == "arm"
-    assert load_arm(path, tip="tool0", env="CANARY").name == TOKEN
+    assert load_arm(path, tip="tool0", env_vars="CANARY").name == TOKEN
     with pytest.raises(
         InputError, match="env takes names of environment variables, without their values; got 'CANARY=1'"
     ):
-        load_arm(path, env=["CANARY=1"])
+        load_arm(path, env_vars=["CANARY=1"])
     toml = write(tmp_path, 'source = "arm.xacro"\ntip = "tool0"\nenv = ["CANARY"]', "arm.toml")
     with pytest.raises(DescriptionError, match="unknown entry 'env'|'env'"):
         load_arm(toml)

@@ -115,7 +115,7 @@ BY_CALL: dict[str, dict[str, Any]] = {
     "Inbox.put": {"value": [0.0] * 6},
     "StateInbox.put": {"state": ARM.ready},
     "Interlock.follow": {"word": None},
-    "Task": {"frame": "target", "tolerance": [0.0] * 6},
+    "TolerancedPose": {"frame": "target", "tolerance": [0.0] * 6},
     "LineMove": {"offset": None},
     "Actuators.from_counts": {"counts": [0, 0]},
     "Pose.from_quaternion": {"xyzw": [0, 0, 0, 1.0]},
@@ -167,7 +167,8 @@ OBJECTS: dict[type, Any] = {
     type(each): each
     for each in (
         ARM, DRIVES, BUILDER, STATE, MOTION, SOLUTION, SOLUTIONS, BATCH, ALL, OUTPUT, SIMULATED, SETPOINT, ARM.limits,
-        ARM.manipulability(ARM.ready), twistarm.Pose(G), twistarm.Position(G[:3, 3]), twistarm.Task(G, [0.0] * 6),
+        ARM.manipulability(ARM.ready), twistarm.Pose(G), twistarm.Position(G[:3, 3]),
+        twistarm.TolerancedPose(G, [0.0] * 6),
         twistarm.Approach(G[:3, 3], [0, 0, 1], [0, 0, 1]), stream.Inbox(), stream.StateInbox(ARM), stream.Interlock(),
         stream.FollowControl(), stream.Metronome(0.01), stream.MonotonicClock(), stream.Signer(KEY),
         stream.Verifier(KEY),

@@ -14,7 +14,8 @@ EXAMPLES = sorted(file for file in (ROOT / "examples").rglob("*.py") if "ros2" n
 
 ACCEPTED = """
 import numpy as np
-from twistarm import Approach, Arm, JogCommand, JointLimits, Pose, PoseCommand, Position, ServoState, Task, Trajectory
+from twistarm import Approach, Arm, JogCommand, JointLimits, Pose, PoseCommand, Position, ServoState
+from twistarm import TolerancedPose, Trajectory
 from twistarm import Dwell, JointMove, LineMove, Segment, TwistCommand, load_arm, plan, plan_joint, servo_step
 from twistarm import solve_ik, solve_ik_batch
 
@@ -23,7 +24,8 @@ down = Approach(p=[0.5, 0, 0.3], direction=[0, 0, 1])
 both = Approach((0.5, 0, 0.3), np.array([0, 0, -1]), tool_axis=[1, 0, 0])
 rows = [[1.0, 0, 0, 0.5], [0.0, 1, 0, 0], [0.0, 0, 1, 0.3], [0, 0, 0, 1.0]]
 one = solve_ik(arm, rows, [0, 0, 0, 0, 0], rng=np.random.default_rng(0)).theta
-many = solve_ik_batch(arm, [down, both, Position([0.5, 0, 0.3]), Pose(rows), Task(rows, [0.0] * 6), rows, np.eye(4)])
+many = solve_ik_batch(arm, [down, both, Position([0.5, 0, 0.3]), Pose(rows),
+    TolerancedPose(rows, [0.0] * 6), rows, np.eye(4)])
 stack = solve_ik_batch(arm, arm.fk(arm.random_theta(0, 10))).theta
 state, output = servo_step(arm, ServoState.at(arm, arm.ready), [0.1, 0, 0, 0, 0, 0], dt=0.01)
 for command in (TwistCommand([0, 0, 0, 0, 0, 1]), JogCommand([0.1] * 5), PoseCommand(rows), None):

@@ -302,23 +302,26 @@ class Arm:
             lambda rows: np.array([model.link_pose(model.q(row), self.base, frame) for row in rows]), theta, (4, 4)
         )
 
-    def poses(self, theta: ArrayLike, others: Mapping[str, float] | None = None) -> dict[str, Array]:
+    def poses(self, theta: ArrayLike, other_joints: Mapping[str, float] | None = None) -> dict[str, Array]:
         """Pose (..., 4, 4) of every frame in the base frame, {frame: g}.
 
         Args:
             theta: Configurations (..., n) [rad, m].
-            others: Values of joints outside the chain by name (fingers, a second arm) [rad, m]; 0 where not given.
+            other_joints: Values of joints outside the chain by name (fingers, a second arm) [rad, m]; 0 where not
+            given.
 
         Raises:
             InputError: theta does not fit the arm, or a value is not a finite number.
             UnknownNameError: There is no such joint outside the chain.
         """
         x = self._asked_at(theta)
-        self._check_others({} if others is None else require_mapping(others, "others", "{'finger_joint': 0.02}"))
+        self._check_others(
+            {} if other_joints is None else require_mapping(other_joints, "other_joints", "{'finger_joint': 0.02}")
+        )
         if self.description is None:
             return {self.base: self._identity(x), self.tip: self.fk(x)}
         model = self.pinocchio
-        each = [model.link_poses(model.q(row, others), self.base) for row in x.reshape(-1, self.n)]
+        each = [model.link_poses(model.q(row, other_joints), self.base) for row in x.reshape(-1, self.n)]
         if x.ndim == 1:  # called for every frame of a view
             poses = {link: each[0][link] for link in self.description.links}
         else:
@@ -597,10 +600,10 @@ class Arm:
         assert answers is not None
         return answers.reshape(*x.shape[:-1], *shape)
 
-    def _check_others(self, others: Mapping[str, float]) -> None:
+    def _check_others(self, other_joints: Mapping[str, float]) -> None:
         masters = {affine.master for affine in self.couplings.values() if affine.master is not None}
         outside = sorted(masters - set(self.joint_names))
-        for name in others:
+        for name in other_joints:
             if name not in outside:
                 listing = f"independent joints outside the chain: {listed(outside) or 'none'}"
                 raise unknown_name("joint outside the chain", name, outside, within=self.name, listing=listing)

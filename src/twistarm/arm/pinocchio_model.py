@@ -71,10 +71,10 @@ class PinocchioModel:
         """Index of a link's frame. Pinocchio's look-up gives no error for an unknown name."""
         return self._frames[link]
 
-    def q(self, theta: Array, others: Mapping[str, float] | None = None) -> Array:
+    def q(self, theta: Array, other_joints: Mapping[str, float] | None = None) -> Array:
         """Pinocchio's configuration (nq,) for theta (n,) and joints outside the chain."""
         q: Array = self._A @ theta + self._b
-        for name, value in (others or {}).items():
+        for name, value in (other_joints or {}).items():
             for joint, affine in self._couplings.items():
                 if affine.master == name:
                     q[self._index[joint]] = affine.multiplier * value + affine.offset

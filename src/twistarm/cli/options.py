@@ -52,11 +52,15 @@ Xacro = Annotated[
 ]
 Without = Annotated[
     list[str] | None,
-    typer.Option(metavar="PACKAGE", help="Leave out what a missing package would bring; may be repeated."),
+    typer.Option(
+        "--ignore-package", metavar="PACKAGE", help="Leave out what a missing package would bring; may be repeated."
+    ),
 ]
 Env = Annotated[
     list[str] | None,
-    typer.Option(metavar="NAME", help="An environment variable that the xacro file may know; may be repeated."),
+    typer.Option(
+        "--env", metavar="NAME", help="An environment variable that the xacro file may know; may be repeated."
+    ),
 ]
 Srdf = Annotated[
     Path | None, typer.Option(metavar="FILE", help="SRDF: groups, named states; else the one beside the description.")
@@ -67,7 +71,9 @@ Limits = Annotated[
 Locked = Annotated[
     list[str] | None,
     typer.Option(
-        metavar="JOINT=VALUE", help="A joint that stands still (degrees, metres for a slide); may be repeated."
+        "--locked-joint",
+        metavar="JOINT=VALUE",
+        help="A joint that stands still (degrees, metres for a slide); may be repeated.",
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON, in SI units.")]
@@ -144,11 +150,11 @@ def load_keywords(
     tip: Tip = None,
     package_dir: PackageDir = None,
     xacro: Xacro = None,
-    without: Without = None,
-    env: Env = None,
+    ignore_packages: Without = None,
+    env_vars: Env = None,
     srdf: Srdf = None,
     limits: Limits = None,
-    locked: Locked = None,
+    locked_joints: Locked = None,
     *,
     radians: bool = False,
 ) -> tuple[str, dict[str, Any]]:
@@ -159,21 +165,21 @@ def load_keywords(
         "package_dirs": package_dir or (),
         "xacro_args": xacro_arguments(xacro or []),
         "srdf": srdf,
-        "without": without or (),
-        "env": env or (),
+        "ignore_packages": ignore_packages or (),
+        "env_vars": env_vars or (),
     }
     if limits is not None:
         keywords["limits"] = limits
-    if locked:
+    if locked_joints:
         # Degrees or metres: only the description knows, so that it is read before.
-        keywords["locked"] = _locked(load_arm(source, **keywords), locked, radians)
+        keywords["locked_joints"] = _locked(load_arm(source, **keywords), locked_joints, radians)
     return source, keywords
 
 
 def _locked(arm: Arm, pairs: list[str], radians: bool) -> dict[str, float]:
     """Typed JOINT=VALUE pairs in rad and m."""
     joints = arm.description.joints if arm.description else {}
-    locked: dict[str, float] = {}
+    locked_joints: dict[str, float] = {}
     for pair in pairs:
         name, _, text = pair.rpartition("=")
         try:
@@ -181,11 +187,11 @@ def _locked(arm: Arm, pairs: list[str], radians: bool) -> dict[str, float]:
         except ValueError:
             value = np.nan
         if not name.strip() or not np.isfinite(value):
-            raise InputError(f"--locked takes JOINT=VALUE, in degrees or metres; got {pair!r}")
+            raise InputError(f"--locked-joint takes JOINT=VALUE, in degrees or metres; got {pair!r}")
         joint = joints.get(name.strip())
         length = joint is not None and slides(joint.type)
-        locked[name.strip()] = value if radians or length else float(np.radians(value))
-    return locked
+        locked_joints[name.strip()] = value if radians or length else float(np.radians(value))
+    return locked_joints
 
 
 def xacro_arguments(pairs: list[str]) -> dict[str, str]:

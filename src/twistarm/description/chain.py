@@ -40,7 +40,7 @@ class Chain:
     findings: tuple[Finding, ...]
 
 
-def walk_chain(description: Description, base: str, tip: str, tool: Array, locked: Mapping[str, float]) -> Chain:
+def walk_chain(description: Description, base: str, tip: str, tool: Array, locked_joints: Mapping[str, float]) -> Chain:
     """Walk from `base` to `tip`, and on by the fixed pose `tool` (4, 4) of the tool in the tip link's frame.
 
     Raises DescriptionError for a floating joint on the way, or if no joint moves between base and tip.
@@ -50,7 +50,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
         if joint.type == "floating":
             what = f"between {base!r} and {tip!r} it is floating: its motion is not one number per joint"
             raise refusal("floating-in-chain", description.place(joint), what, f"choose a {argument('base')} beyond it")
-    couplings = resolve_couplings(description, locked)
+    couplings = resolve_couplings(description, locked_joints)
     moving = tuple(joint.name for joint in joints if joint.moving)
     coordinates = tuple(dict.fromkeys(m for name in moving if (m := couplings[name].master) is not None))
     if not coordinates:
@@ -78,7 +78,7 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
         limits=limits,
         reach=float(sum(np.linalg.norm(b - a) for a, b in pairwise([*points, (home @ tool)[:3, 3]]))),
         couplings=couplings,
-        findings=(*findings, *_locked_outside(description, locked)),
+        findings=(*findings, *_locked_outside(description, locked_joints)),
     )
 
 
@@ -125,7 +125,7 @@ def _narrowed(
     return limits.with_({"lower": {master: lower}, "upper": {master: upper}}, coordinates), [noted]
 
 
-def _locked_outside(description: Description, locked: Mapping[str, float]) -> list[Finding]:
+def _locked_outside(description: Description, locked_joints: Mapping[str, float]) -> list[Finding]:
     return [
         finding(
             "locked-outside-limits",
@@ -134,7 +134,7 @@ def _locked_outside(description: Description, locked: Mapping[str, float]) -> li
             f"{quantity(joint.lower, unit)} … {quantity(joint.upper, unit)}",
             "lock it inside its limits",
         )
-        for name, value in locked.items()
+        for name, value in locked_joints.items()
         for joint in [description.joints[name]]
         for unit in [unit_of(joint.type)]
         if not joint.lower <= value <= joint.upper

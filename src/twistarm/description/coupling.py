@@ -21,22 +21,22 @@ class Affine(NamedTuple):
     offset: float
 
 
-def resolve_couplings(description: Description, locked: Mapping[str, float]) -> dict[str, Affine]:
+def resolve_couplings(description: Description, locked_joints: Mapping[str, float]) -> dict[str, Affine]:
     """For every moving joint of the tree the independent joint that it follows, also through other mimics.
 
     Raises DescriptionError for a missing master, or for joints that mimic each other in a circle. Raises
     UnknownNameError for an unknown locked joint, InputError for a value that is not a number.
     """
     moving = {joint.name: joint for joint in description.joints.values() if joint.scalar}
-    for name in locked:
+    for name in locked_joints:
         if name not in moving:
             if parts := [joint.name for joint in moving.values() if joint.part_of == name]:
                 what = f"joint {name!r} of {description.name} is planar"
                 raise UnknownNameError(f"{what}; lock its coordinates: {listed(parts)}")
-            within, listing = f"{description.name}, for locked=", f"{len(moving)} moving joints"
+            within, listing = f"{description.name}, for locked_joints=", f"{len(moving)} moving joints"
             raise unknown_name("moving joint", name, moving, within=within, listing=listing)
-        as_number(locked[name], f"locked[{name!r}]")
-    return {name: _follow(description, name, locked) for name in moving}
+        as_number(locked_joints[name], f"locked[{name!r}]")
+    return {name: _follow(description, name, locked_joints) for name in moving}
 
 
 def coupling_matrix(
@@ -53,14 +53,14 @@ def coupling_matrix(
     return A, b
 
 
-def _follow(description: Description, name: str, locked: Mapping[str, float]) -> Affine:
+def _follow(description: Description, name: str, locked_joints: Mapping[str, float]) -> Affine:
     """Follow the mimic elements to a joint that is independent, locked or fixed."""
     multiplier, offset = 1.0, 0.0
     behind: dict[str, None] = {}
     while True:
         joint = description.joints[name]
-        if name in locked:
-            return Affine(None, 0.0, multiplier * float(locked[name]) + offset)
+        if name in locked_joints:
+            return Affine(None, 0.0, multiplier * float(locked_joints[name]) + offset)
         if not joint.moving or multiplier == 0.0:
             return Affine(None, 0.0, offset)
         if joint.mimic is None:

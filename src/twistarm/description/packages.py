@@ -235,9 +235,9 @@ def _users_folder(folder: Path) -> Path:
     return resolved
 
 
-def package_names(without: object) -> tuple[str, ...]:
+def package_names(ignore_packages: object) -> tuple[str, ...]:
     """The packages to do without, from one name or several. InputError for what is not a package name."""
-    return _names(without, "without", _NAME, "names of packages, as in $(find NAME)/…")
+    return _names(ignore_packages, "ignore_packages", _NAME, "names of packages, as in $(find NAME)/…")
 
 
 def is_package_name(name: str) -> bool:
@@ -245,9 +245,9 @@ def is_package_name(name: str) -> bool:
     return _NAME.fullmatch(name) is not None
 
 
-def variable_names(env: object) -> tuple[str, ...]:
+def variable_names(env_vars: object) -> tuple[str, ...]:
     """The environment variables that a file may read, from one name or several. InputError for another text."""
-    return _names(env, "env", _VARIABLE, "names of environment variables, without their values")
+    return _names(env_vars, "env_vars", _VARIABLE, "names of environment variables, without their values")
 
 
 def _names(given: object, argument: str, pattern: re.Pattern[str], wanted: str) -> tuple[str, ...]:

@@ -49,13 +49,13 @@ def read_description(
     package_dirs: Iterable[str | os.PathLike[str]] = (),
     mesh_dirs: Iterable[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
-    without: Iterable[str] = (),
-    env: Iterable[str] = (),
+    ignore_packages: Iterable[str] = (),
+    env_vars: Iterable[str] = (),
 ) -> Description:
     """The description in a URDF or xacro file.
 
-    `mesh_dirs` are folders with packages that give only meshes. Parts of the packages in `without` are left out. `env`
-    names the environment variables that the file may read (`expand_xacro`).
+    `mesh_dirs` are folders with packages that give only meshes. Parts of the packages in `ignore_packages` are left
+    out. `env_vars` names the environment variables that the file may read (`expand_xacro`).
 
     Raises DescriptionError (file, element, remedy) for text that cannot be a robot: not XML, two roots, a cycle, an
     undefined link, a duplicate name, a zero axis on a moving joint, a malformed number.
@@ -63,14 +63,14 @@ def read_description(
     file = existing_file(path, "a URDF or xacro file, an arm.toml or a catalogue name").resolve()
     packages = package_index(file, package_dirs, mesh_dirs)
     if is_xacro(file):
-        text, noted = expand_xacro(file, packages, xacro_args, without, env)
+        text, noted = expand_xacro(file, packages, xacro_args, ignore_packages, env_vars)
         _require_links(text, file)
         reading = Reading(file, packages, show_lines=False)
     elif xacro_args:
         what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
         raise refusal("xacro-argument-unknown", Place(str(file)), what, "leave them out")
     else:
-        noted = tuple(not_used(package, file, ()) for package in without)
+        noted = tuple(not_used(package, file, ()) for package in ignore_packages)
         text, reading = read_text(file), Reading(file, packages)
     reading.findings.take(noted)
     with blaming(noted):

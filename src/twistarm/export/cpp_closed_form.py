@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..ik import AnyTarget, Approach, Pose, Position
-from ..ik.closed_form.compiled import FamilyNumbers
+from ..ik.closed_form.compiled import ClosedFormParameters
 from ..ik.closed_form.methods import method_for
 from ..support.c_text import cpp_number, cpp_numbers
 from ..support.checks import Array
@@ -33,7 +33,7 @@ def _choice(kind: str) -> str:
     return f"if constexpr (Target::kind == twistarm::target_kind::{kind})\n        solve({kind}_family<T>);\n    else "
 
 
-def _family(arm: Arm, kind: str, numbers: FamilyNumbers, words: str) -> str:
+def _family(arm: Arm, kind: str, numbers: ClosedFormParameters, words: str) -> str:
     held = [int(i) for i in numbers.held]
     standing = f" Where theta0 has them stand: {', '.join(arm.joint_names[i] for i in held)}." if held else ""
     axes, held_axes = (", ".join(map(_axis, each)) for each in (numbers.axes, numbers.held_axes))

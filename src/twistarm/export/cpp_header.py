@@ -239,7 +239,7 @@ template <class T> inline constexpr twistarm::chain<T, n, m> chain = {{
 inline constexpr const char* row_names[{rows}] = {{{row_names}}};
 
 /// What `servo_step` needs beside the chain: the limits of those rows, unit, ready, length (the reach [m]), below,
-/// damping and stops, which may be true in a copy (Python's `ServoSettings(beyond="stop")`); explained in
+/// damping and stops, which may be true in a copy (Python's `ServoSettings(on_unreachable="stop")`); explained in
 /// twistarm/kinematics/motion_limits.hpp and servo/resolved_rates.hpp.
 template <class T> inline constexpr twistarm::servo_bounds<T, n> servo_bounds = {{
     {{

@@ -10,7 +10,7 @@ from .request import POSTURES
 from .solution import IKResult
 from .solve import solve_ik
 from .solve_all import solve_ik_all
-from .targets import AnyTarget, Approach, Pose, Position, Target, TargetLike, Task
+from .targets import AnyTarget, Approach, Pose, Position, Target, TargetLike, TolerancedPose
 
 __all__ = [
     "POSTURES",
@@ -26,7 +26,7 @@ __all__ = [
     "StopReason",
     "Target",
     "TargetLike",
-    "Task",
+    "TolerancedPose",
     "closed_form_of",
     "solve_ik",
     "solve_ik_all",

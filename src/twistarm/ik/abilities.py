@@ -62,8 +62,8 @@ def split_rotation(arm: Arm, target: AnyTarget, theta: Array) -> Split:
 
     The compiled core splits it (core/include/twistarm/ik/reason.hpp). Rotation rows times the null space of the
     position rows span what can be undone. At the end of the reach for a rotation, a posture lacks motions of its
-    neighbours. Then the least over these counts. A `Task` holds a component from the edge of its tolerance on. Without
-    the core both parts are 0.
+    neighbours. Then the least over these counts. A `TolerancedPose` holds a component from the edge of its tolerance
+    on. Without the core both parts are 0.
     """
     found = arm._compiled.split_rotation(target.kind, target.numbers, theta) if arm._compiled is not None else None
     if found is None:

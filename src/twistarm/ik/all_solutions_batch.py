@@ -131,7 +131,7 @@ def solve_ik_all_batch(
 
     Args:
         arm: The arm.
-        targets: Poses (N, 4, 4), or a sequence of `Pose`, `Position`, `Approach`, `Task` and poses (4, 4).
+        targets: Poses (N, 4, 4), or a sequence of `Pose`, `Position`, `Approach`, `TolerancedPose` and poses (4, 4).
         theta0: Configuration from which distances are counted (n,) or (N, n) [rad, m], by default `arm.ready`.
         given: {joint: value} [rad, m] of joints to hold there.
         samples: Number of values of each other joint that is held, in (0, 1000].

@@ -136,7 +136,7 @@ def solve_ik_batch(
 
     Args:
         arm: The arm.
-        targets: Poses (N, 4, 4), or a sequence of `Pose`, `Position`, `Approach`, `Task` and poses (4, 4).
+        targets: Poses (N, 4, 4), or a sequence of `Pose`, `Position`, `Approach`, `TolerancedPose` and poses (4, 4).
         theta0: Start (n,) or (N, n) [rad, m], or the name of a pose.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].

@@ -16,7 +16,7 @@ from ..support.vector_words import axis_in_words, value_in_words
 from .abilities import approach_plane, out_of_surface, short_of, split_rotation
 from .answer import NEAREST, StopReason
 from .ranges import joint_ranges
-from .targets import Approach, Pose, Task
+from .targets import Approach, Pose, TolerancedPose
 
 if TYPE_CHECKING:
     from .solution import IKResult
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 OFF_BY = {
     Pose: "as one turn about one axis",
     Approach: "from the tool's axis to the direction",
-    Task: "beyond its tolerances, as the length of a rotation vector",
+    TolerancedPose: "beyond its tolerances, as the length of a rotation vector",
 }
 """What the angle of an orientation error is, by the kind of target."""
 

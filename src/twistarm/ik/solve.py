@@ -53,7 +53,7 @@ def solve_ik(
 
     Args:
         arm: The arm.
-        target: `Pose`, `Position`, `Approach`, `Task`, or a pose (4, 4).
+        target: `Pose`, `Position`, `Approach`, `TolerancedPose`, or a pose (4, 4).
         theta0: Start (n,) [rad, m], {joint: value} or the name of a pose; by default `arm.ready`.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].

@@ -256,7 +256,7 @@ class Approach(Brief):
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Task(Brief):
+class TolerancedPose(Brief):
     """The pose g within `tolerance`, six numbers (x, y, z [m], rx, ry, rz [rad]).
 
     The error is (p − p_g, log(R R_gᵀ)) in base axes, turned into the target's axes for frame="target". A tolerance of 0
@@ -323,9 +323,9 @@ class Task(Brief):
         phi = self.g[:3, :3] @ phi if self.frame == "base" else phi
         return float(np.linalg.norm(excess(phi[self.held[1]], self._rotation_tolerance)))
 
-    def at(self, g: Array) -> Task:
+    def at(self, g: Array) -> TolerancedPose:
         """The same kind of target, met by the pose g."""
-        return Task(g, self.tolerance, self.frame)
+        return TolerancedPose(g, self.tolerance, self.frame)
 
     def describe(self) -> str:
         """The target in words."""
@@ -343,7 +343,7 @@ class Task(Brief):
         return held
 
 
-AnyTarget = Pose | Position | Approach | Task
+AnyTarget = Pose | Position | Approach | TolerancedPose
 Target = AnyTarget
 
 TargetLike = AnyTarget | Matrix
@@ -356,7 +356,7 @@ MEANT = {
 }
 """By how many numbers there are."""
 
-KINDS = (Pose, Position, Approach, Task)
+KINDS = (Pose, Position, Approach, TolerancedPose)
 """By their `kind`. `numbers` are how the core is told a target: g | p | p, direction, tool axis | g, tolerance,
 1 for base axes."""
 
@@ -381,7 +381,8 @@ def as_target(value: Any) -> AnyTarget:
         return Pose(value)
     except InputError as error:
         raise InputError(
-            f"target must be a Pose, Position, Approach or Task, or a pose (4, 4) in SE(3): {error}{meant_by(value)}"
+            f"target must be a Pose, Position, Approach or TolerancedPose, or a pose (4, 4) in SE(3): "
+            f"{error}{meant_by(value)}"
         ) from error
 
 
@@ -405,7 +406,7 @@ def target_of(kind: int, numbers: Array) -> AnyTarget:
     if kind == Approach.kind:
         return Approach(numbers[:3], numbers[3:6], numbers[6:])
     g = numbers[:16].reshape(4, 4)
-    return Pose(g) if kind == Pose.kind else Task(g, numbers[16:22], "base" if numbers[22] else "target")
+    return Pose(g) if kind == Pose.kind else TolerancedPose(g, numbers[16:22], "base" if numbers[22] else "target")
 
 
 def _cross(a: Array, b: Array) -> Array:

@@ -17,7 +17,7 @@ from .answer import STOPS, Answer, StopReason
 from .deadline import Deadline
 from .ranges import JointRanges, joint_ranges
 from .request import Request
-from .targets import AnyTarget, Task
+from .targets import AnyTarget, TolerancedPose
 from .task_space import Rows, Tolerances, excess_rows
 
 ROTATION_WEIGHT = 0.2
@@ -168,7 +168,9 @@ def _error_and_rows(problem: Problem, g: Array, J_b: Array) -> tuple[Array, Arra
     """e (k,) and J (k, n) of the target's constraints beyond loose tolerances, rotations weighed."""
     target, met = problem.target, problem.tolerances
     e_p, J_p = _beyond(excess_rows(target._position_rows(g, J_b), target._position_tolerance), met.position)
-    turned = met.orientation if isinstance(target, Task) else 2.0 * math.sin(0.5 * min(met.orientation, math.pi))
+    turned = (
+        met.orientation if isinstance(target, TolerancedPose) else 2.0 * math.sin(0.5 * min(met.orientation, math.pi))
+    )
     e_r, J_r = _beyond(excess_rows(target._rotation_rows(g, J_b), target._rotation_tolerance), turned)
     scale = math.sqrt(ROTATION_WEIGHT)
     return np.concatenate([e_p, scale * e_r]), np.concatenate([J_p, scale * J_r])

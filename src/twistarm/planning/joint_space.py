@@ -88,8 +88,8 @@ def plan_joint(
 ) -> Trajectory:
     """Plan a motion through `waypoints`, from rest to rest, inside the joint limits.
 
-    A waypoint is a configuration or a target of the tool (`Pose`, `Position`, `Approach`, `Task` or a pose (4, 4)).
-    `solve_ik` finds the configuration of a target from the waypoint before it, or from `arm.ready`. Joints
+    A waypoint is a configuration or a target of the tool (`Pose`, `Position`, `Approach`, `TolerancedPose` or a pose
+    (4, 4)). `solve_ik` finds the configuration of a target from the waypoint before it, or from `arm.ready`. Joints
     that a whole turn brings back, with room for one, go to a target by the shorter way. To a configuration they go as
     it says, from 0 to 2π by a full turn. With `unwrap` they take the shorter way there too: from 3.1 to −3.1 by 0.08
     rad, to 3.18.

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..description.companions.toml_entries import parse_toml
-from ..ik.targets import Approach, Pose, Position, Task
+from ..ik.targets import Approach, Pose, Position, TolerancedPose
 from ..support.checks import (
     Array,
     as_flag,
@@ -185,7 +185,7 @@ class _Reader:
         factors = dict(zip(self.arm.joint_names, per_joint.tolist(), strict=True))
         return {joint: _real(each, joint) * factors[joint] for joint, each in value.items()}
 
-    def _target(self, table: Mapping[str, Any]) -> Pose | Position | Approach | Task:
+    def _target(self, table: Mapping[str, Any]) -> Pose | Position | Approach | TolerancedPose:
         _only(table, GOAL)
         if "xyz" not in table:
             raise InputError(f"xyz is missing beside {listed(table)}: a target says where the tool is to be")
@@ -215,7 +215,7 @@ class _Reader:
                 "tolerance must be six numbers, along x, y and z and about them, inf where it is free; "
                 f"got {shown(table['tolerance'])}"
             )
-        return Task(g, tolerance * np.repeat([1.0, self.angle], 3), table.get("frame", "target"))
+        return TolerancedPose(g, tolerance * np.repeat([1.0, self.angle], 3), table.get("frame", "target"))
 
     def _number(self, table: Mapping[str, Any], name: str) -> float:
         return _real(table[name], name) * (self.angle if name in ANGLES else 1.0)

@@ -129,8 +129,8 @@ class LineMove(_CurveMove):
     """The tool's origin along a straight line, its rotation about one fixed axis (slerp), in proportion.
 
     What the target leaves free stays free on the way: the rotation for a `Position`, the turn about the tool axis for
-    an `Approach`. The direction of the tool axis then swings in one plane. A `Task` keeps its tolerances. To a
-    configuration the tool goes to its pose there. An arm of fewer than six joints keeps what it can: all but the turn
+    an `Approach`. The direction of the tool axis then swings in one plane. A `TolerancedPose` keeps its tolerances. To
+    a configuration the tool goes to its pose there. An arm of fewer than six joints keeps what it can: all but the turn
     about the tool axis, or the position.
 
     Raises InputError for a goal, a blend, a speed or a label that cannot be used.

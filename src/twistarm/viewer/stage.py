@@ -128,7 +128,7 @@ class Stage(Show):
 
     def show_choice(self, beyond: str, free: bool) -> None:
         """The servo's behaviour at limits. `free`: a servo of the program follows the pages' choice."""
-        self.drive = {**self.drive, "beyond": beyond, "free": free}
+        self.drive = {**self.drive, "on_unreachable": beyond, "free": free}
 
     def begin_drive(self, note: str) -> None:
         """A servo of the pages drives the arm. `note` lists the assumed limits."""

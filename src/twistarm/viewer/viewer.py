@@ -203,8 +203,8 @@ class Viewer(Closeable):
         given = ServoSettings() if settings is None else settings
         require(given, ServoSettings, "settings", "as ServoSettings() is")
         commands = self._server.commands
-        commands.beyond, commands.free = given.beyond, True
-        self._server.post("beyond", lambda stage: self._server.show_choice())
+        commands.on_unreachable, commands.free = given.on_unreachable, True
+        self._server.post("on_unreachable", lambda stage: self._server.show_choice())
         return commands.servo_settings(given)
 
     def show_servo(self, answer: Cycle | ServoOutput | None) -> None:
@@ -221,7 +221,7 @@ class Viewer(Closeable):
             self._stand(answer.theta)
         if answer is None:
             self._server.commands.open = self._server.commands.free = False
-            self._server.post("beyond", lambda stage: self._server.show_choice())
+            self._server.post("on_unreachable", lambda stage: self._server.show_choice())
         report = None if answer is None else servo_words(answer)
         self._server.post("servo", lambda stage: stage.set_servo_status(report))
 

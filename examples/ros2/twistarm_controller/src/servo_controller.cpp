@@ -13,7 +13,7 @@ ServoController::Return ServoController::on_init() {
     auto_declare<std::string>("base_frame", "base_link");
     auto_declare<std::string>("tip_frame", "tool0");
     auto_declare<bool>("enabled_at_start", true);
-    auto_declare<std::string>("beyond", "slide");
+    auto_declare<std::string>("on_unreachable", "slide");
     auto_declare<double>("command_timeout", 0.2);
     auto_declare<double>("tolerance", 0.2);
     return Return::SUCCESS;
@@ -40,7 +40,7 @@ ServoController::Return ServoController::on_configure(const State&) {
         RCLCPP_ERROR(node->get_logger(), "interface must be position or velocity; got %s", interface_.c_str());
         return Return::ERROR;
     }
-    const std::string beyond = node->get_parameter("beyond").as_string();
+    const std::string beyond = node->get_parameter("on_unreachable").as_string();
     if (beyond != "slide" && beyond != "stop") {
         RCLCPP_ERROR(node->get_logger(), "beyond must be slide or stop; got %s", beyond.c_str());
         return Return::ERROR;

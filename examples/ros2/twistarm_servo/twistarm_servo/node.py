@@ -50,7 +50,7 @@ class ServoNode(Node):
             arm, self.inputs.commands, Outputs(self, arm, self.p), self.inputs.states, rate=self.p.rate,
             command_timeout=self.p.incoming_command_timeout, feedback_timeout=self.p.feedback_timeout,
             tolerance=self.p.tolerance, velocity_mode=self.p.velocity_mode,
-            settings=ServoSettings(position_margin=self.p.joint_limit_margin, beyond=self.p.beyond),
+            settings=ServoSettings(position_margin=self.p.joint_limit_margin, on_unreachable=self.p.on_unreachable),
             interlock=self.interlock,
         )  # fmt: skip
         if self.streaming.assumed:

@@ -34,7 +34,7 @@ class Parameters:
     velocity_limit: float = _is(0.0, "at most, of every joint [rad/s, m/s]; 0: the description's")
     acceleration_limit: float = _is(0.0, "at most, of every joint [rad/s², m/s²]; 0: the description's")
     joint_limit_margin: float = _is(0.0, "how far inside their limits joints are kept [rad, m]")
-    beyond: str = _is("slide", "where the arm cannot follow: slide along, or stop on the commanded course")
+    on_unreachable: str = _is("slide", "where the arm cannot follow: slide along, or stop on the commanded course")
     rate: float = _is(100.0, "of the servo and of what it publishes [Hz]")
     frame: str = _is("tool", "axes of twists that name no frame, and of the joystick: tool or base")
     hold: str = _is("", "what twists leave as it is: position, orientation or nothing")
@@ -68,7 +68,7 @@ class Parameters:
     joy_dead_man: int = _is(4, "button that must be held")
 
     def __post_init__(self) -> None:
-        self._require("beyond", "slide", "stop")
+        self._require("on_unreachable", "slide", "stop")
         self._require("command_in_type", "speed_units", "unitless")
         self._require("command_out_type", TRAJECTORY, ARRAY)
         if self.trajectory and not self.publish_joint_positions:

@@ -43,23 +43,33 @@ def draft_arm_file(
     package_dirs: Iterable[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] | None = None,
     srdf: str | os.PathLike[str] | None = None,
-    without: Iterable[str] = (),
-    env: Iterable[str] = (),
+    ignore_packages: Iterable[str] = (),
+    env_vars: Iterable[str] = (),
 ) -> Draft:
     """An arm.toml for a URDF or xacro file, with paths relative to `folder`.
 
-    It loads as the same arm that `load_arm` makes of these arguments, with the same `env`. It does not contain `env`.
-    If the tip is unclear, it lists the candidates and `Draft.unclear` says so. Any other error is that of `load_arm`.
+    It loads as the same arm that `load_arm` makes of these arguments, with the same `env_vars`. It does not contain
+    `env_vars`. If the tip is unclear, it lists the candidates and `Draft.unclear` says so. Any other error is that of
+    `load_arm`.
     """
     file, folders, arguments = as_path(source), tuple(package_dirs), dict(xacro_args or {})
-    absent, env = package_names(without), variable_names(env)
+    absent, env_vars = package_names(ignore_packages), variable_names(env_vars)
     if file.suffix == ".toml":
         raise InputError(f"{file} is an arm.toml already; give the URDF or xacro file")
-    description = read_description(file, package_dirs=folders, xacro_args=arguments, without=absent, env=env)
+    description = read_description(
+        file, package_dirs=folders, xacro_args=arguments, ignore_packages=absent, env_vars=env_vars
+    )
     arm, unclear = None, ""
     try:
         specification = specify(
-            file, base=base, tip=tip, package_dirs=folders, xacro_args=arguments, srdf=srdf, without=absent, env=env
+            file,
+            base=base,
+            tip=tip,
+            package_dirs=folders,
+            xacro_args=arguments,
+            srdf=srdf,
+            ignore_packages=absent,
+            env_vars=env_vars,
         )
         arm = assemble(description, specification, {})
         prove(arm)
@@ -68,7 +78,7 @@ def draft_arm_file(
             raise
         unclear = str(error)
     index = package_index(file, folders)
-    declared = xacro_arguments(file.resolve(), index, arguments, absent, env) if is_xacro(file) else {}
+    declared = xacro_arguments(file.resolve(), index, arguments, absent, env_vars) if is_xacro(file) else {}
     where = Path(folder).resolve()
     parts = [
         _head(description, file, where),
@@ -179,7 +189,7 @@ def _locked(description: Description, arm: Arm | None) -> list[str]:
     why = "their limits leave these no room" if stuck else "a broken or blocked joint, say"
     return [
         f"# Joints that stand still, and where [rad or m]: {why}.",
-        "# [locked]",
+        "# [locked_joints]",
         *(f"# {toml_key(name)} = 0.0" for name in stuck or names[:1]),
     ]
 

@@ -47,10 +47,10 @@ def load_arm(
     package_dirs: Folders = (),
     xacro_args: Mapping[str, object] | None = None,
     limits: JointLimits | Mapping[str, Any] | str | os.PathLike[str] | None = None,
-    locked: Mapping[str, float] | None = None,
+    locked_joints: Mapping[str, float] | None = None,
     srdf: str | os.PathLike[str] | None = None,
-    without: Iterable[str] = (),
-    env: Iterable[str] = (),
+    ignore_packages: Iterable[str] = (),
+    env_vars: Iterable[str] = (),
 ) -> Arm:
     """Load an arm from a URDF or xacro file, an arm.toml, or by its name in the catalogue (`available_arms()`).
 
@@ -69,12 +69,12 @@ def load_arm(
         xacro_args: Values of xacro arguments, {name: value}.
         limits: Limits that replace those of the description, in SI units: {"velocity": 1.0} for every joint,
             {"velocity": {"elbow": 1.0}} for one, a `JointLimits`, or the path of a joint_limits.yaml.
-        locked: Joints held at a fixed value, {joint: value} [rad, m]; they have no coordinate in theta.
+        locked_joints: Joints held at a fixed value, {joint: value} [rad, m]; they have no coordinate in theta.
         srdf: An SRDF file. By default the one of this robot that is found near the description.
-        without: Packages that a xacro file includes and that the arm does not need (a sensor, a simulator). Their
-            includes, and the macros that these define, are left out, and a finding lists each of them.
-        env: Names of the environment variables that a xacro file may read. Any other counts as unset, and a finding
-            says so.
+        ignore_packages: Packages that a xacro file includes and that the arm does not need (a sensor, a simulator).
+            Their includes, and the macros that these define, are left out, and a finding lists each of them.
+        env_vars: Names of the environment variables that a xacro file may read. Any other counts as unset, and a
+            finding says so.
 
     Returns:
         The `Arm`, with findings about the description in `arm.findings`.
@@ -85,9 +85,18 @@ def load_arm(
         InputError: An argument cannot be used.
         ComparisonError: The screws and Pinocchio's model disagree.
     """
-    wishes: dict[str, Any] = {"base": base, "tip": tip, "locked": locked, "srdf": srdf, "xacro_args": xacro_args}
-    wishes |= {"package_dirs": as_paths(package_dirs, "package_dirs"), "without": package_names(without)}
-    wishes |= {"env": variable_names(env)}
+    wishes: dict[str, Any] = {
+        "base": base,
+        "tip": tip,
+        "locked_joints": locked_joints,
+        "srdf": srdf,
+        "xacro_args": xacro_args,
+    }
+    wishes |= {
+        "package_dirs": as_paths(package_dirs, "package_dirs"),
+        "ignore_packages": package_names(ignore_packages),
+    }
+    wishes |= {"env_vars": variable_names(env_vars)}
     if is_baked(source):
         return _baked_arm(as_path(source), wishes, limits)
     specification = specify(source, **wishes)
@@ -146,10 +155,10 @@ def specify(
     tip: str | None = None,
     package_dirs: Folders = (),
     xacro_args: Mapping[str, object] | None = None,
-    locked: Mapping[str, float] | None = None,
+    locked_joints: Mapping[str, float] | None = None,
     srdf: str | os.PathLike[str] | None = None,
-    without: Iterable[str] = (),
-    env: Iterable[str] = (),
+    ignore_packages: Iterable[str] = (),
+    env_vars: Iterable[str] = (),
 ) -> ArmSpecification:
     """The specification of `load_arm`. The caller's wishes win over those of an arm.toml."""
     for name, value in {"base": base, "tip": tip}.items():
@@ -158,7 +167,7 @@ def specify(
     if srdf is not None and not isinstance(srdf, (str, os.PathLike)):
         raise InputError(f"srdf must be the path of an SRDF file; got {shown(srdf)}")
     arguments = {} if xacro_args is None else require_mapping(xacro_args, "xacro_args", "{'dof': 7}")
-    standing = {} if locked is None else require_mapping(locked, "locked", "{'slide': 0.1}")
+    standing = {} if locked_joints is None else require_mapping(locked_joints, "locked_joints", "{'slide': 0.1}")
     specification = _specification(source)
     return replace(
         specification,
@@ -168,9 +177,9 @@ def specify(
         tool=None if tip else specification.tool,
         package_dirs=(*as_paths(package_dirs, "package_dirs"), *specification.package_dirs),
         xacro_args={**specification.xacro_args, **arguments},
-        without=package_names((*package_names(without), *specification.without)),
-        env=variable_names(env),
-        locked={**specification.locked, **standing},
+        ignore_packages=package_names((*package_names(ignore_packages), *specification.ignore_packages)),
+        env_vars=variable_names(env_vars),
+        locked_joints={**specification.locked_joints, **standing},
         srdf=srdf or specification.srdf,
     )
 
@@ -182,8 +191,8 @@ def read(specification: ArmSpecification) -> Description:
         package_dirs=specification.package_dirs,
         mesh_dirs=specification.mesh_dirs,
         xacro_args=specification.xacro_args,
-        without=specification.without,
-        env=specification.env,
+        ignore_packages=specification.ignore_packages,
+        env_vars=specification.env_vars,
     )
 
 
@@ -248,7 +257,7 @@ def assemble(description: Description, specification: ArmSpecification, changes:
     semantics, noted = _semantics(description, specification)
     base, tip, group, chosen = _ends(description, specification, semantics)
     tool = _tool(description, specification, tip)
-    chain = walk_chain(description, base, tip, tool.g_tip_tool, specification.locked)
+    chain = walk_chain(description, base, tip, tool.g_tip_tool, specification.locked_joints)
     limits, limiting = fitted_limits(chain.limits, chain.coordinates, specification, changes, description.joints)
     arm = Arm(
         name=specification.name or description.name,
@@ -282,8 +291,8 @@ def _semantics(
             specification.srdf,
             specification.package_dirs,
             specification.xacro_args,
-            specification.without,
-            specification.env,
+            specification.ignore_packages,
+            specification.env_vars,
         )
         noted = ()
     return semantics, noted if semantics is None else (*noted, *note_names(semantics, description))
@@ -321,7 +330,7 @@ def _with_what_is_said(
     arm = replace(arm, named_states=poses, actuators=actuators, findings=(*arm.findings, *posing, *driving))
     if semantics is None or arm.description is None:
         return _with_ready_said(arm, specification, None)
-    states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked)
+    states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked_joints)
     pairs = semantics.disabled_collisions(arm.description.links)
     taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
     taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []

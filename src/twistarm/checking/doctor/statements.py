@@ -34,7 +34,7 @@ def check_abilities(arm: Arm, able: Abilities) -> Iterator[Finding]:
         remedy = "ask only for positions there; solve_ik gives the nearest to any other"
         yield finding("cannot-move", place, cannot_move(able), remedy)
     if len(able.unturned):
-        remedy = "leave these rotations free: a Position, or a Task with inf for them"
+        remedy = "leave these rotations free: a Position, or a TolerancedPose with inf for them"
         yield finding("cannot-turn", place, cannot_turn(able), remedy)
     if able.turning + len(able.unturned) < 3:
         yield finding("cannot-turn-in-place", place, cannot_turn_in_place(able), _instead(able, arm.tool_axis))

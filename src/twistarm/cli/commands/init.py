@@ -35,8 +35,8 @@ def init(
     tip: Tip = None,
     package_dir: PackageDir = None,
     xacro: Xacro = None,
-    without: Without = None,
-    env: Env = None,
+    ignore_packages: Without = None,
+    env_vars: Env = None,
     srdf: Srdf = None,
     force: Force = False,
     motion: Motion = False,
@@ -47,7 +47,7 @@ def init(
     outputs = outputs_of(output, {"toml": (".toml",)}, force=force, over_description=True)
     if output != STDOUT and not output.endswith(".toml"):
         raise InputError(f"{'a motion' if motion else 'an arm'} file is named *.toml; got {output}")
-    _, keywords = load_keywords(file, base, tip, package_dir, xacro, without, env, srdf)
+    _, keywords = load_keywords(file, base, tip, package_dir, xacro, ignore_packages, env_vars, srdf)
     if motion:
         return _motion(file, keywords, output, outputs)
     draft = draft_arm_file(file, Path(os.path.realpath(output)).parent, **keywords)
@@ -57,7 +57,7 @@ def init(
         say(f"{output}: written, but {unclear}", file=outputs.words)
         return 1
     if output != STDOUT:
-        arm = load_arm(output, env=env or ())
+        arm = load_arm(output, env_vars=env_vars or ())
         say(f"{output}: {arm.n} joints from {arm.base} to {arm.tip}; next: twistarm info {output}")
     return 0
 

@@ -12,7 +12,7 @@ import typer
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line
 from ...control.servo import ServoSettings
-from ...control.servo.settings import BEYOND, SLIDE
+from ...control.servo.settings import ON_UNREACHABLE, SLIDE
 from ...control.stream import Source, UdpSource, run
 from ...control.stream.cycles import checked_rate
 from ...control.stream.links.inbox import COMMAND_TIMEOUT
@@ -34,7 +34,7 @@ Commands = Annotated[
 ]
 CommandTimeout = Annotated[float, typer.Option(metavar="SECONDS", help="How long a command holds.")]
 Margin = Annotated[float, typer.Option(help="Distance kept from position limits (rad, m).")]
-Beyond = Annotated[
+OnUnreachable = Annotated[
     str,
     typer.Option(metavar="slide|stop", help="Where the arm cannot follow: slide along, or stop on the course."),
 ]
@@ -55,7 +55,7 @@ def servo(
     command_timeout: CommandTimeout = COMMAND_TIMEOUT,
     tolerance: Tolerance = TOLERANCE,
     margin: Margin = 0.0,
-    beyond: Beyond = SLIDE,
+    on_unreachable: OnUnreachable = SLIDE,
     duration: Duration = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
@@ -67,8 +67,8 @@ def servo(
     if robot.authenticates and robot.udp is None and commands is None:
         raise InputError("--from and --key are for datagrams: they need --commands or --udp")
     robot.require_fitting()
-    require_choice(beyond, BEYOND, "--beyond")
-    settings = ServoSettings(position_margin=as_not_negative(margin, "--margin"), beyond=beyond)
+    require_choice(on_unreachable, ON_UNREACHABLE, "--on-unreachable")
+    settings = ServoSettings(position_margin=as_not_negative(margin, "--margin"), on_unreachable=on_unreachable)
     checked_rate(rate, settings)
     require_positive(duration=duration, tolerance=tolerance, command_timeout=command_timeout)
     x = parse_theta(arm, theta, rad)

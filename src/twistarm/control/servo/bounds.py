@@ -55,7 +55,7 @@ def bounds_of(arm: Arm, settings: ServoSettings) -> Bounds:
 def _made(arm: Arm, settings: ServoSettings) -> Bounds:
     length = arm.reach if settings.length is None else settings.length
     unit = frozen(np.where(np.array(arm.units) == "m", length, 1.0))
-    motion, stops = _motion(arm, settings.position_margin), settings.beyond == STOP
+    motion, stops = _motion(arm, settings.position_margin), settings.on_unreachable == STOP
     numbers = length, settings.singularity_threshold, settings.damping
     compiled = engine.servo_of(_plain(arm, motion, unit), *numbers, stops)
     return Bounds(motion, unit, arm.ready, *numbers, stops, compiled)

@@ -126,7 +126,7 @@ class ServoOutput(Brief):
         """Why the arm rests or does less than commanded, in one sentence, made on demand.
 
         It names the joint or motor and its limit, the motion that the arm lacks here or everywhere, or the error in the
-        command. "stopped on its course" precedes it if settings.beyond stopped the arm.
+        command. "stopped on its course" precedes it if settings.on_unreachable stopped the arm.
         """
         on_course = self._asked is not None and self._asked.stops and self.scale * (1.0 - self.lost_share) < STANDING
         if on_course and self._words != self.status.value and self.status is not ServoStatus.IMPOSSIBLE_DIRECTION:

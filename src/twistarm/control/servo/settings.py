@@ -9,7 +9,7 @@ from ...support.checks import as_number, as_positive, require_choice
 from ...support.errors import InputError
 
 SLIDE, STOP = "slide", "stop"
-BEYOND = (SLIDE, STOP)
+ON_UNREACHABLE = (SLIDE, STOP)
 
 
 @dataclass(frozen=True)
@@ -21,8 +21,8 @@ class ServoSettings:
     damping [s]: the τ of the servo's law (docs/servo.md), at least three steps. A twist of size V, in rad/s, is exact
     where the Jacobian's singular values are above √(τ V). More damping is calmer near singularities.
 
-    beyond: "slide" or "stop", at a joint limit or the end of the reach. The tool slides along as far as it can, or
-    slows down and stops on its course.
+    on_unreachable: "slide" or "stop", at a joint limit or the end of the reach. The tool slides along as far as it can,
+    or slows down and stops on its course.
 
     singularity_threshold: singular values below this (rad per rad, see `Manipulability`) count as singular.
 
@@ -36,7 +36,7 @@ class ServoSettings:
     length: float | None = None
     singularity_threshold: float = 0.04
     damping: float = 0.03
-    beyond: str = SLIDE
+    on_unreachable: str = SLIDE
     position_margin: float = 0.0
     max_dt: float = 0.1
 
@@ -47,7 +47,7 @@ class ServoSettings:
                 object.__setattr__(self, name, as_positive(value, name))
         if self.singularity_threshold <= NO_MOTION:
             raise InputError(f"singularity_threshold must be more than {NO_MOTION:g}, which counts as no motion at all")
-        require_choice(self.beyond, BEYOND, "beyond")
+        require_choice(self.on_unreachable, ON_UNREACHABLE, "on_unreachable")
         margin = as_number(self.position_margin, "position_margin")
         if margin < 0.0:
             raise InputError(f"position_margin must not be negative, in rad or m; got {margin:g}")

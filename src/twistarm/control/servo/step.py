@@ -35,7 +35,7 @@ def servo_step(
     first, then the linear part, then the angular part. The rest is lost and reported. Near a singularity the law damps
     fast directions on the way in, not on the way out. Velocity and acceleration limits of joints and motors slow the
     motion as a whole. A joint slows down toward its position limit. The others continue, or all stop on the course
-    (settings.beyond).
+    (settings.on_unreachable).
 
     A missing limit is no limit: without acceleration limits rates jump, without velocity limits they follow the
     command. `stream.run` assumes limits there.

@@ -36,8 +36,8 @@ class ArmSpecification:
 
     `source` is the user's name for it: the description, an arm.toml or a name of the catalogue. `other_chain` tells
     that the caller chose another base or tip, so that the other data need not fit. An arm.toml may come from a
-    stranger. So only the caller sets `env`, the variables that the description may read. `mesh_dirs` are the package
-    folders that an arm.toml names outside its tree. They give only meshes.
+    stranger. So only the caller sets `env_vars`, the variables that the description may read. `mesh_dirs` are the
+    package folders that an arm.toml names outside its tree. They give only meshes.
     """
 
     description: Path
@@ -49,10 +49,10 @@ class ArmSpecification:
     package_dirs: tuple[str | os.PathLike[str], ...] = ()
     mesh_dirs: tuple[Path, ...] = ()
     xacro_args: Mapping[str, object] = field(default_factory=dict)
-    without: tuple[str, ...] = ()
-    env: tuple[str, ...] = ()
+    ignore_packages: tuple[str, ...] = ()
+    env_vars: tuple[str, ...] = ()
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    locked: Mapping[str, float] = field(default_factory=dict)
+    locked_joints: Mapping[str, float] = field(default_factory=dict)
     poses: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     srdf: str | os.PathLike[str] | None = None
     joint_limits: str | os.PathLike[str] | None = None
@@ -61,7 +61,17 @@ class ArmSpecification:
 
 
 _TEXTS = ("name", "source", "base", "tip", "srdf", "joint_limits")
-_KEYS = (*_TEXTS, "tool", "xacro_args", "package_dirs", "without", "limits", "locked", "poses", "actuators")
+_KEYS = (
+    *_TEXTS,
+    "tool",
+    "xacro_args",
+    "package_dirs",
+    "ignore_packages",
+    "limits",
+    "locked_joints",
+    "poses",
+    "actuators",
+)
 
 
 def read_arm_file(path: Path) -> ArmSpecification:
@@ -86,10 +96,11 @@ def read_arm_file(path: Path) -> ArmSpecification:
         xacro_args=table_of(content, "xacro_args", path),
         package_dirs=tuple(folder for folder in folders if folder not in far),
         mesh_dirs=far,
-        without=_without(content, path),
+        ignore_packages=_without(content, path),
         limits=_limits(content, path),
-        locked={
-            joint: bounded(value, path, f"locked.{joint}") for joint, value in table_of(content, "locked", path).items()
+        locked_joints={
+            joint: bounded(value, path, f"locked.{joint}")
+            for joint, value in table_of(content, "locked_joints", path).items()
         },
         poses={name: numbers_of(table_of(poses, name, path), path, f"poses.{name}") for name in poses},
         srdf=_file(content["srdf"], "srdf", path) if "srdf" in content else None,
@@ -109,7 +120,7 @@ def _file(name: str, key: str, path: Path) -> Path:
 
 def _without(content: Mapping[str, Any], path: Path) -> tuple[str, ...]:
     try:
-        return package_names(content.get("without", []))
+        return package_names(content.get("ignore_packages", []))
     except InputError as error:
         raise unusable(path, str(error)) from error
 

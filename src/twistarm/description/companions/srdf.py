@@ -88,12 +88,13 @@ def read_srdf(
     path: str | os.PathLike[str],
     package_dirs: Iterable[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, object] = MappingProxyType({}),
-    without: Iterable[str] = (),
-    env: Iterable[str] = (),
+    ignore_packages: Iterable[str] = (),
+    env_vars: Iterable[str] = (),
 ) -> Semantics:
     """Read an SRDF, plain or xacro.
 
-    A xacro file gets those `xacro_args` that it declares. `without` and `env` are as in `read_description`.
+    A xacro file gets those `xacro_args` that it declares. `ignore_packages` and `env_vars` are as in
+    `read_description`.
 
     Raises DescriptionError (file, line, element, remedy) for a file that is not an SRDF.
     """
@@ -106,7 +107,7 @@ def read_srdf(
         return _semantics(read_text(file), Reading(file, index))
     known = declared_arguments([file])
     given = {name: value for name, value in xacro_args.items() if name in known}
-    text, _ = expand_xacro(file, index, given, without, env)
+    text, _ = expand_xacro(file, index, given, ignore_packages, env_vars)
     return _semantics(text, Reading(file, index, show_lines=False))
 
 

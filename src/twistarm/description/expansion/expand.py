@@ -24,17 +24,17 @@ def expand_xacro(
     path: Path,
     packages: PackageIndex,
     arguments: Mapping[str, object] | None = None,
-    without: Iterable[str] = (),
-    env: Iterable[str] = (),
+    ignore_packages: Iterable[str] = (),
+    env_vars: Iterable[str] = (),
 ) -> tuple[str, tuple[Finding, ...]]:
     """The URDF text of `path`, and findings.
 
     Files outside the packages stay closed (`confinement`). Expressions only compute (`expressions`). They read only the
-    environment variables in `env` (`environment`). The work is counted (`work`). A missing package is an error only if
-    an include or a YAML load needs it. Parts of the packages in `without` are left out (`left_out`). Raises
-    DescriptionError with the file, the cause and the remedy.
+    environment variables in `env_vars` (`environment`). The work is counted (`work`). A missing package is an error
+    only if an include or a YAML load needs it. Parts of the packages in `ignore_packages` are left out (`left_out`).
+    Raises DescriptionError with the file, the cause and the remedy.
     """
-    text, expansion = _expanded(path, packages, arguments or {}, without, env)
+    text, expansion = _expanded(path, packages, arguments or {}, ignore_packages, env_vars)
     known = expansion.found.all()
     for name in expansion.given:
         if name not in known:
@@ -48,14 +48,14 @@ def xacro_arguments(
     path: Path,
     packages: PackageIndex,
     arguments: Mapping[str, object] | None = None,
-    without: Iterable[str] = (),
-    env: Iterable[str] = (),
+    ignore_packages: Iterable[str] = (),
+    env_vars: Iterable[str] = (),
 ) -> dict[str, str | None]:
     """Every argument that `path` and its includes take, {name: default}, with None for a required one.
 
     The includes may depend on `arguments`. Unknown arguments have no effect. Raises DescriptionError as `expand_xacro`.
     """
-    return _expanded(path, packages, arguments or {}, without, env)[1].found.all()
+    return _expanded(path, packages, arguments or {}, ignore_packages, env_vars)[1].found.all()
 
 
 def is_xacro(path: Path) -> bool:
@@ -67,13 +67,13 @@ def _expanded(
     path: Path,
     packages: PackageIndex,
     arguments: Mapping[str, object],
-    without: Iterable[str],
-    env: Iterable[str],
+    ignore_packages: Iterable[str],
+    env_vars: Iterable[str],
 ) -> tuple[str, Expansion]:
     given = {name: _argument_text(value) for name, value in arguments.items()}
     with _LOCK:
         xacro = own_xacro()
-        expansion = Expansion(xacro, path, packages, given, without, env)
+        expansion = Expansion(xacro, path, packages, given, ignore_packages, env_vars)
         with hooked(xacro, expansion.for_xacro()):
             try:
                 document = xacro.process_file(str(path), mappings=dict(given), verbosity=0)

@@ -69,13 +69,13 @@ class Expansion:
         path: Path,
         packages: PackageIndex,
         arguments: Mapping[str, str],
-        without: Iterable[str] = (),
-        env: Iterable[str] = (),
+        ignore_packages: Iterable[str] = (),
+        env_vars: Iterable[str] = (),
     ) -> None:
         self.path = path
         self.packages = packages
         self.given = dict(arguments)
-        self.left_out = LeftOut(tuple(without), path)
+        self.left_out = LeftOut(tuple(ignore_packages), path)
         self.found = Arguments()
         self.unknown_packages: set[str] = set()
         self._xacro = xacro
@@ -83,7 +83,7 @@ class Expansion:
         self._confinement = confinement(path, packages)
         self._in_leavable = False
         self.work = Work()
-        self.environment = Environment(path, tuple(env))
+        self.environment = Environment(path, tuple(env_vars))
         files = {"load_yaml": self.load_yaml, "abs_filename": self.named_from_here}
         self._evaluation = Evaluation(xacro, self.work, self.find, files, self.environment)
 

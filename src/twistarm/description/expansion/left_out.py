@@ -1,4 +1,4 @@
-"""Parts left out with the packages in `without`, each with a finding."""
+"""Parts left out with the packages in `ignore_packages`, each with a finding."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class LeftOut:
     def leave_out(self, place: Place, what: str, package: str = "") -> None:
         """Note a part that is left out, as `what` tells in words, and the package that it belongs to."""
         self._used.add(package)
-        remedy = f"if it matters, pass {package_folder(listed(self.packages))} instead of without="
+        remedy = f"if it matters, pass {package_folder(listed(self.packages))} instead of ignore_packages="
         short = replace(place, file=os.path.basename(place.file))
         self._parts.setdefault(what, finding(LEFT_OUT, short, what, remedy))
 
@@ -76,7 +76,7 @@ def not_used(package: str, file: Path, named: Iterable[str]) -> Finding:
     what = (
         f"nothing is left out without {package!r}: no file of it is opened; packages named: {listed(names) or 'none'}"
     )
-    remedy = f"correct the name{closest(package, names)}, or take it out of without="
+    remedy = f"correct the name{closest(package, names)}, or take it out of ignore_packages="
     return finding("package-not-used", Place(file.name), what, remedy)
 
 

@@ -24,7 +24,7 @@ def slips() -> list[Slip]:
     """All of them, in the order of the guide."""
     return [
         _sine_of_nothing(),
-        _moved_axes(),
+        _moved_axes_erratum(),
         _square_of_a_norm(),
         _double_cover(),
         _orthogonal_alone(),
@@ -52,7 +52,7 @@ def _sine_of_nothing() -> Slip:
     )
 
 
-def _moved_axes() -> Slip:
+def _moved_axes_erratum() -> Slip:
     a, b = np.radians([40.0, 30.0])
     moved = rotations.exp([0, 0, 1], a) @ rotations.exp([0, 1, 0], b)
     fixed = rotations.exp([0, 1, 0], b) @ rotations.exp([0, 0, 1], a)

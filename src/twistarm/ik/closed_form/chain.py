@@ -19,7 +19,7 @@ from ...arm.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory.screws import inverse
-from ..targets import AnyTarget, Approach, Pose, Position, Task
+from ..targets import AnyTarget, Approach, Pose, Position, TolerancedPose
 from .joint_axis import JointAxis, across, axis_of
 
 INDEPENDENT = 1e-6
@@ -100,12 +100,14 @@ def _left_free(arm: Arm, like: AnyTarget) -> tuple[JointAxis, ...]:
         return (JointAxis(R @ like.axis, p, slides=False),)
     if isinstance(like, Position):
         return tuple(JointAxis(w, p, slides=False) for w in np.eye(3))
-    raise InputError("a Task's tolerances leave a whole range of poses; ask for a Pose, an Approach or a Position")
+    raise InputError(
+        "a TolerancedPose's tolerances leave a whole range of poses; ask for a Pose, an Approach or a Position"
+    )
 
 
 def _any_pose(target: AnyTarget) -> Array:
     """A pose (4, 4) that meets the target."""
-    assert not isinstance(target, Task)
+    assert not isinstance(target, TolerancedPose)
     if isinstance(target, Pose):
         return target.g
     g = np.eye(4)

@@ -22,7 +22,7 @@ SAMPLE = 0.3
 """Held joints stand at this value [rad, m] while their family is looked for: almost every value shows it."""
 
 
-class FamilyNumbers(NamedTuple):
+class ClosedFormParameters(NamedTuple):
     """A family and its axes with held joints at 0, as the core takes them (twistarm::solved_arm)."""
 
     first: int
@@ -38,7 +38,9 @@ class FamilyNumbers(NamedTuple):
     idle: Array
 
 
-def family_numbers(arm: Arm, chain: Chain, family: Family, held: tuple[int, ...], idle: Set[int]) -> FamilyNumbers:
+def family_numbers(
+    arm: Arm, chain: Chain, family: Family, held: tuple[int, ...], idle: Set[int]
+) -> ClosedFormParameters:
     """The numbers of a family with joints `held`. `idle` joints may have any value in an answer.
 
     The core holds joints at other values in every call, so its axes have these joints at 0.
@@ -52,7 +54,7 @@ def family_numbers(arm: Arm, chain: Chain, family: Family, held: tuple[int, ...]
     # A slide of the group may stand elsewhere among the joints; what turns carries the normal.
     carrier = next((i for i in range(family.first, family.last) if not fitted.axes[i].slides), family.first)
     keeps, kept = _kept(None if fitted.kept is None else fitted.kept.moved(back[carrier]))
-    return FamilyNumbers(
+    return ClosedFormParameters(
         family.first, family.last, keeps, _numbers(at_zero),
         np.array([joint if joint < arm.n else -1 for joint in joints], dtype=np.float64),
         kept, np.array(held, dtype=np.float64), _numbers([chain.axes[i] for i in held]),
@@ -60,7 +62,7 @@ def family_numbers(arm: Arm, chain: Chain, family: Family, held: tuple[int, ...]
     )  # fmt: skip
 
 
-def compiled(arm: Arm, kind: int, numbers: FamilyNumbers) -> ClosedForm | None:
+def compiled(arm: Arm, kind: int, numbers: ClosedFormParameters) -> ClosedForm | None:
     """The family for targets of a `kind` in the core. None where the arm is not in the core."""
     found: ClosedForm | None = None
     if arm._compiled is not None:

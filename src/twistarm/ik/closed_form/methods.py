@@ -23,7 +23,7 @@ from ..targets import AnyTarget, Approach, Pose, Position
 from . import elimination
 from .candidates import candidates
 from .chain import MOST_JOINTS, Chain, chain_for, goal
-from .compiled import SAMPLE, FamilyNumbers, compiled, family_numbers
+from .compiled import SAMPLE, ClosedFormParameters, compiled, family_numbers
 from .elimination import Rooted, eliminated
 from .families import EXACT, Family, FittedFamily, closest_miss, families
 from .in_words import family_in_words, missed_in_words, off_in_words
@@ -61,7 +61,7 @@ class Method:
     rooted: Rooted | None = None
     off: float = 0.0
     reason: str = ""
-    numbers: FamilyNumbers | None = None
+    numbers: ClosedFormParameters | None = None
     compiled: ClosedForm | None = None
 
     @property

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...ik.searches import USUAL
-from ...ik.targets import AnyTarget, Approach, Pose, Position, Task
+from ...ik.targets import AnyTarget, Approach, Pose, Position, TolerancedPose
 from ...ik.task_space import Tolerances
 from ...support.checks import Array
 from .curves import Curve
@@ -38,7 +38,7 @@ class MovingTarget:
         return self.like.at(self.curve(np.array(s)))
 
     def freedom(self, n: int) -> int:
-        """Return how many of n joints the targets leave free; tolerances of a `Task` count as free."""
+        """Return how many of n joints the targets leave free; tolerances of a `TolerancedPose` count as free."""
         tolerances = np.concatenate([self.like._position_tolerance, self.like._rotation_tolerance])
         return max(n - int(np.count_nonzero(tolerances == 0.0)), 0)
 
@@ -68,7 +68,7 @@ class MovingTarget:
 
 def errors_from(like: AnyTarget, ideal: Array, g: Array) -> tuple[Array, Array]:
     """Return the distances (k,) of poses g (k, 4, 4) from targets at `ideal`: [m] and [rad]."""
-    if isinstance(like, Task):
+    if isinstance(like, TolerancedPose):
         both = [
             (t.position_error(one), t.orientation_error(one)) for t, one in zip(map(like.at, ideal), g, strict=True)
         ]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arm.arm import Arm
-from ...ik.targets import AnyTarget, Approach, Pose, Task
+from ...ik.targets import AnyTarget, Approach, Pose, TolerancedPose
 from ...ik.task_space import Tolerances
 from ...support.checks import Array
 from ...theory import rotations
@@ -89,12 +89,12 @@ def _shortest(e: Array, J: Array, damping: Array) -> Array:
 def errors_and_rows(like: AnyTarget, ideal: Array, g: Array, J_b: Array) -> tuple[Array, Array]:
     """Return the errors (k, r) of poses g (k, 4, 4) from targets at `ideal`, and their rows (k, r, n).
 
-    They match the targets' `position_rows` and `rotation_rows`, except for the size of large errors. What a `Task`
-    tolerates is no error and has no rows.
+    They match the targets' `position_rows` and `rotation_rows`, except for the size of large errors. What a
+    `TolerancedPose` tolerates is no error and has no rows.
     """
     turned = np.swapaxes(ideal[:, :3, :3], -1, -2)
     R, offset = g[:, :3, :3], (g[:, :3, 3] - ideal[:, :3, 3])[..., None]
-    if isinstance(like, Task):
+    if isinstance(like, TolerancedPose):
         axes = np.broadcast_to(np.eye(3), R.shape) if like.frame == "base" else turned
         phi = rotations.log(turned @ R)
         back = axes @ np.swapaxes(turned, -1, -2)

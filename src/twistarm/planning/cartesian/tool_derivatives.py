@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arm.arm import Arm
-from ...ik.targets import Position, Task
+from ...ik.targets import Position, TolerancedPose
 from ...limits.joint_limits import JointLimits
 from ...support.checks import Array
 from ..bernstein import bernstein
@@ -86,7 +86,7 @@ def deviation_bend(arm: Arm, moving: MovingTarget, path: JointPath) -> Array:
     motion = ToolDerivatives.along(arm, path)
     curve, w = moving.curve, moving.angle
     position = motion.acceleration + curve.bend
-    if isinstance(moving.like, Task) and moving.like.frame == "target":
+    if isinstance(moving.like, TolerancedPose) and moving.like.frame == "target":
         apart = motion.velocity + curve.length
         offset = np.linalg.norm(arm.fk(path(path.breakpoints))[:, :3, 3] - curve(path.breakpoints)[:, :3, 3], axis=1)
         farthest = np.maximum(offset[:-1], offset[1:]) + apart * np.diff(path.breakpoints)

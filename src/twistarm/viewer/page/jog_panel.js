@@ -15,7 +15,7 @@ export class JogPanel {
     this.on = false;
     this.driven = false;
     this.note = "";
-    this.beyond = "slide";
+    this.on_unreachable = "slide";
     this.free = false;
     this.pad = new JogPad(jog, $("jog-pad"), $("jog-joints"));
     this.gauge = new Gauge($("gauges"));
@@ -33,7 +33,7 @@ export class JogPanel {
     for (const radio of this.axes) radio.addEventListener("change", () => jog.take(radio.value));
     for (const radio of this.choices) {
       radio.addEventListener("change", () => {
-        ask({ type: "beyond", what: radio.value });
+        ask({ type: "on_unreachable", what: radio.value });
         this.showDrive({}); // it is as the process says
       });
     }
@@ -57,14 +57,14 @@ export class JogPanel {
     this.show();
   }
 
-  // What is new of `on`, `note`, `driven`, and of `beyond`, which pages may choose where no other servo drives or it is `free`.
+  // What is new of `on`, `note`, `driven`, and of `on_unreachable`, which pages may choose where no other servo drives or it is `free`.
   showDrive(news) {
     Object.assign(this, news);
     const others = this.driven && !this.on;
     $("drive").checked = this.on;
     $("drive").disabled = others;
     for (const radio of this.choices) {
-      radio.checked = radio.value === this.beyond;
+      radio.checked = radio.value === this.on_unreachable;
       radio.disabled = others && !this.free;
     }
     $("drive-note").textContent = others ? OTHERS : this.on ? this.note : HINT;

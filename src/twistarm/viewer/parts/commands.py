@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from ...arm.arm import Arm
-from ...control.servo.settings import BEYOND, SLIDE, ServoSettings
+from ...control.servo.settings import ON_UNREACHABLE, SLIDE, ServoSettings
 from ...control.stream import Inbox, command_of
 from ...support.errors import InputError
 from ..protocol.messages import Request
@@ -31,13 +31,13 @@ class PageCommands:
         self.arm = arm
         self.inbox = Inbox()
         self.open = self.drive = self.free = False
-        self.beyond = SLIDE
+        self.on_unreachable = SLIDE
         self._jogging: set[str] = set()
 
     def servo_settings(self, settings: ServoSettings) -> Callable[[], ServoSettings]:
-        """A function that returns `settings` with the pages' present `beyond`."""
-        chosen = {beyond: replace(settings, beyond=beyond) for beyond in BEYOND}
-        return lambda: chosen[self.beyond]
+        """A function that returns `settings` with the pages' present `on_unreachable`."""
+        chosen = {on_unreachable: replace(settings, on_unreachable=on_unreachable) for on_unreachable in ON_UNREACHABLE}
+        return lambda: chosen[self.on_unreachable]
 
     def take(self, request: Request, sender: str) -> None:
         """Put a command of the page `sender` into the inbox. Raises InputError for an invalid one."""

@@ -251,8 +251,8 @@ class Server:
         self._apply()
         if request.kind == "servo":
             self.driver.switch(request.fields["on"])
-        elif request.kind == "beyond":
-            self.commands.beyond = request.fields["what"]
+        elif request.kind == "on_unreachable":
+            self.commands.on_unreachable = request.fields["what"]
             self.show_choice()
         elif request.kind == "exact":
             self._draw_exactly(request.fields["on"])
@@ -262,7 +262,7 @@ class Server:
 
     def show_choice(self) -> None:
         """Show the servo's behaviour where the arm cannot follow, and whether pages may choose it."""
-        self.stage.show_choice(self.commands.beyond, self.commands.free)
+        self.stage.show_choice(self.commands.on_unreachable, self.commands.free)
 
     def _draw_exactly(self, exact: bool) -> None:
         if exact != self.scene.exact:

@@ -49,7 +49,7 @@ def _by_field(specification: ArmSpecification, names: tuple[str, ...], joints: s
     by_field: dict[str, dict[str, float]] = {}
     for joint, values in specification.limits.items():
         beyond = specification.other_chain and joint in joints and joint not in names
-        if joint in specification.locked or beyond:
+        if joint in specification.locked_joints or beyond:
             continue
         for field, value in values.items():
             by_field.setdefault(field, {})[joint] = value

@@ -30,7 +30,7 @@ def fitted_poses(arm: Arm, specification: ArmSpecification) -> tuple[dict[str, A
     poses: dict[str, Array] = {}
     noted: list[Finding] = []
     for name, values in specification.poses.items():
-        reason = _contradiction(values, specification.locked) or _of_another_chain(values, arm, specification)
+        reason = _contradiction(values, specification.locked_joints) or _of_another_chain(values, arm, specification)
         if reason:
             place = Place(specification.source, None, "pose", name)
             noted.append(finding("pose-left-out", place, f"{reason}; it is left out", "nothing, where that is meant"))
@@ -41,7 +41,7 @@ def fitted_poses(arm: Arm, specification: ArmSpecification) -> tuple[dict[str, A
 
 def _pose(arm: Arm, name: str, values: Mapping[str, float], specification: ArmSpecification) -> Array:
     place = Place(specification.source)
-    skipped = set(specification.locked)
+    skipped = set(specification.locked_joints)
     if specification.other_chain and arm.description is not None:
         skipped |= set(arm.description.joints) - set(arm.joint_names)
     try:
@@ -53,9 +53,9 @@ def _pose(arm: Arm, name: str, values: Mapping[str, float], specification: ArmSp
     return theta
 
 
-def _contradiction(values: Mapping[str, float], locked: Mapping[str, float]) -> str:
+def _contradiction(values: Mapping[str, float], locked_joints: Mapping[str, float]) -> str:
     """Why a pose cannot be taken with these joints locked; empty if it can."""
-    for joint, value in locked.items():
+    for joint, value in locked_joints.items():
         if abs(values.get(joint, value) - value) > LOCK_TOL:
             return f"it puts {joint} elsewhere than where it is locked"
     return ""
@@ -67,7 +67,7 @@ def _of_another_chain(values: Mapping[str, float], arm: Arm, specification: ArmS
 
 
 def fitted_states(
-    arm: Arm, semantics: Semantics, group: str, locked: Mapping[str, float]
+    arm: Arm, semantics: Semantics, group: str, locked_joints: Mapping[str, float]
 ) -> tuple[dict[str, Array], list[Finding]]:
     """The SRDF's states that give every coordinate; of several with one name that of `group`, else the first.
 
@@ -80,7 +80,7 @@ def fitted_states(
         given = [name for name in arm.joint_names if name in state.values]
         if not given or state.name in states:
             continue
-        code, reason = _unfit(arm, state, locked)
+        code, reason = _unfit(arm, state, locked_joints)
         if reason:
             place = Place(semantics.path.name, None, "group_state", state.name)
             noted.append(finding(code, place, f"{reason}; it is left out", "correct it, where the arm needs it"))
@@ -89,12 +89,12 @@ def fitted_states(
     return states, noted
 
 
-def _unfit(arm: Arm, state: GroupState, locked: Mapping[str, float]) -> tuple[str, str]:
+def _unfit(arm: Arm, state: GroupState, locked_joints: Mapping[str, float]) -> tuple[str, str]:
     """Code and reason why a state does not fit this arm; empty if it does."""
     missing = [name for name in arm.joint_names if name not in state.values]
     if missing:
         return "state-incomplete", f"it says nothing of {listed(missing)}"
-    contradiction = _contradiction(state.values, locked)
+    contradiction = _contradiction(state.values, locked_joints)
     if contradiction:
         return "pose-left-out", contradiction
     theta = _theta(arm, state)
