@@ -44,7 +44,7 @@ def twistarm(robot: dict[str, Any], held: int | None) -> Solve:
 
     def solve(g: np.ndarray, start: np.ndarray, value: float | None) -> np.ndarray:
         given = None if held is None else {arm.joint_names[held]: value}
-        return solve_ik_all(arm, Pose(g), start, given=given).theta
+        return solve_ik_all(arm, Pose(g), start, fixed_joints=given).theta
 
     return solve
 

@@ -63,5 +63,5 @@ with tempfile.TemporaryDirectory() as scratch:
         theta = motion(np.linspace(0.0, motion.duration, 200))
         assert claim(kind, theta, arm.fk(theta)[:, :3, 3])
 
-        page = save_html(arm, folder / f"{kind}.html", motion)
+        page = save_html(arm, folder / f"{kind}.html", trajectory=motion)
         print(f"{kind:<11} {', '.join(arm.joint_names):<16} {worst:.0e} from Pinocchio   {page.name}")

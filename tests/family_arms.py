@@ -82,7 +82,7 @@ def holds(arm, g, theta, found, deeper=3):
     names = {name for joints in found.free for name in joints}
     for name in sorted(names) if deeper else ():
         value = float(theta[arm.joint_names.index(name)])
-        if holds(arm, g, theta, solve_ik_all(arm, Pose(g), theta, given={name: value}), deeper - 1):
+        if holds(arm, g, theta, solve_ik_all(arm, Pose(g), theta, fixed_joints={name: value}), deeper - 1):
             return True
     return False
 

@@ -87,7 +87,7 @@ def test_its_examples_are_what_an_arm_toml_takes(tmp_path: Path) -> None:
     write(tmp_path, two_joints())
     text = draft_arm_file(tmp_path / "arm.urdf", tmp_path).text
     filled = re.sub(r'^# ([\w."]+ = .*|\[.*\])$', r"\1", text, flags=re.M).replace("= ?", "= 2.5")
-    filled = re.sub(r"\[locked\]\na = 0.0\n", "", filled)
+    filled = re.sub(r"\[locked_joints\]\na = 0.0\n", "", filled)
     arm = load_arm(write(tmp_path, filled, "arm.toml"))
     assert arm.tip == "pen"
     assert arm.limits.acceleration.tolist() == [2.5, 2.5]

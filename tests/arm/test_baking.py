@@ -123,7 +123,7 @@ def test_limits_are_taken(rover: Arm, tmp_path: Path) -> None:
 
 
 WISHES = {
-    "base": "shoulder_link", "tip": "forearm", "locked": {"elbow": 1.0}, "srdf": "arm.srdf",
+    "base": "shoulder_link", "tip": "forearm", "locked_joints": {"elbow": 1.0}, "srdf": "arm.srdf",
     "package_dirs": ["."], "xacro_args": {"reach": 1},
 }  # fmt: skip
 

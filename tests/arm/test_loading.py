@@ -102,8 +102,8 @@ BAD_TOML = {
     ),
     "a base without a name": ('source = "arm.urdf"\nbase = ""', "base must not be empty; got ''"),
     "a joint locked out of this world": (
-        'source = "arm.urdf"\nlocked = { a = -1e300 }',
-        "locked.a must be at most 1e+09 in size",
+        'source = "arm.urdf"\nlocked_joints = { a = -1e300 }',
+        "locked_joints.a must be at most 1e+09 in size",
     ),
     "several places of one tool": (
         'source = "arm.urdf"\n[tool]\nname = "t"\nxyz = [[0, 0, 0], [0, 0, 1]]',
@@ -159,9 +159,9 @@ def test_a_locked_joint_stands_still(tmp_path: Path) -> None:
 def test_what_is_locked_outside_its_limits_is_said(tmp_path: Path) -> None:
     arm = load_arm(write(tmp_path, two_joints()), locked_joints={"a": 50})
     assert [finding.code for finding in arm.findings] == ["locked-outside-limits"]
-    with pytest.raises(InputError, match=r"locked\['a'\] must be finite"):
+    with pytest.raises(InputError, match=r"locked_joints\['a'\] must be finite"):
         load_arm(tmp_path / "arm.urdf", locked_joints={"a": np.inf})
-    with pytest.raises(InputError, match=r"locked\['a'\] must be one number"):
+    with pytest.raises(InputError, match=r"locked_joints\['a'\] must be one number"):
         load_arm(tmp_path / "arm.urdf", locked_joints={"a": "x"})  # type: ignore[dict-item]
 
 

@@ -388,7 +388,7 @@ def choose(page: Any, path: Path) -> None:
 
 def test_a_stand_alone_page_has_speed_loop_and_plots(page: Any, arm: Arm, tmp_path: Path) -> None:
     motion = plan_joint(arm, postures(arm, 2), limits={"velocity": 0.5, "acceleration": 1.0})
-    page.goto(save_html(arm, tmp_path / "view.html", motion).as_uri())
+    page.goto(save_html(arm, tmp_path / "view.html", trajectory=motion).as_uri())
     until(page, "globalThis.twistarm?.state.frame?.time > 0")
     assert page.locator("#program").count() == 0
     data = page.evaluate("twistarm.plots.data")

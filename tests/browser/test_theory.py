@@ -332,7 +332,7 @@ def test_numbers_are_asked_for_while_the_panel_is_open(page: Any, viewer: Viewer
 
 def test_the_stand_alone_page(open_page: Opened, tmp_path: Path) -> None:
     trajectory = motion_of(ARM)
-    saved = save_html(ARM, tmp_path / "arm.html", trajectory)
+    saved = save_html(ARM, tmp_path / "arm.html", trajectory=trajectory)
     with open_page() as opened:
         opened.set_viewport_size(SMALL)
         opened.goto(saved.as_uri())

@@ -56,14 +56,14 @@ def test_it_is_a_table_that_can_be_pasted(capsys: Capture, monkeypatch: pytest.M
 
 
 def test_given_joints_stand_where_they_are_told(capsys: Capture) -> None:
-    held = answer(capsys, *AT, "--given", "wrist_pitch=10", "wrist_roll=30")
+    held = answer(capsys, *AT, "--fixed-joint", "wrist_pitch=10", "wrist_roll=30")
     assert held["complete"]
     assert np.allclose(np.array(held["theta"])[:, 3:], np.radians([10, 30]))
 
 
 def test_whole_turns_count_on_request(capsys: Capture) -> None:
     pose = ["ik", "scara", "--all", "--xyz", "0.4", "0.2", "0.2", "--rpy", "0", "0", "30"]
-    alone, copies = (answer(capsys, *pose, *more)["theta"] for more in ([], ["--copies"]))
+    alone, copies = (answer(capsys, *pose, *more)["theta"] for more in ([], ["--include-turns"]))
     assert len(copies) >= len(alone) > 0
     arm = load_arm("scara")
     turns = (np.array(copies)[:, None] - np.array(alone)[None]) / (2.0 * np.pi)

@@ -68,7 +68,7 @@ def test_as_in_python(name: str, real: str, kind: str, compiler: str, tmp_path: 
     numbers = iter(map(float, done.stdout.split()))
     for each in targets:
         found = np.array([[next(numbers) for _ in range(arm.n)] for _ in range(int(next(numbers)))])
-        wanted = solve_ik_all(arm, each, given=given)
+        wanted = solve_ik_all(arm, each, fixed_joints=given)
         assert len(found) == len(wanted)
         apart = np.abs(found[:, None] - wanted.theta[None]).max(axis=2)
         assert (apart.min(axis=0) < close).all()

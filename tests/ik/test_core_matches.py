@@ -70,7 +70,7 @@ def readable(
     with monkeypatch.context() as patch:
         patch.setattr(methods, "_KEPT", type(methods._KEPT)())
         patch.setattr(methods, "compiled", lambda *_: None)
-        return solve_ik_all(arm, target, near, given=given)
+        return solve_ik_all(arm, target, near, fixed_joints=given)
 
 
 def assert_same(arm: Arm, core: AllSolutions, other: AllSolutions) -> None:
@@ -106,7 +106,7 @@ def test_held_joints(monkeypatch: pytest.MonkeyPatch) -> None:
     name = arm.joint_names[6]
     for theta in postures(arm, 6):
         target, given = Pose(arm.fk(theta)), {name: float(theta[6])}
-        core = solve_ik_all(arm, target, given=given)
+        core = solve_ik_all(arm, target, fixed_joints=given)
         assert (core.theta[:, 6] == theta[6]).all()
         assert_same(arm, core, readable(monkeypatch, arm, target, given))
 
@@ -177,7 +177,7 @@ def test_batch_with_a_joint_given() -> None:
     name = arm.joint_names[6]
     theta = np.array(arm.random_theta(13, 5))
     theta[:, 6] = 0.3
-    batch = solve_ik_all_batch(arm, arm.fk(theta), given={name: 0.3})
+    batch = solve_ik_all_batch(arm, arm.fk(theta), fixed_joints={name: 0.3})
     assert (batch.count > 0).all()
     for i in range(5):
         assert (batch[i].theta[:, 6] == 0.3).all()
@@ -191,7 +191,7 @@ def test_every_joint_given(name: str) -> None:
     theta, other = arm.random_theta(15, 2)
     for like in (Pose(arm.fk(theta)), Position(arm.fk(theta)[:3, 3])):
         for given, count in ((theta, 1), (other, 0)):
-            found = solve_ik_all(arm, like, given=dict(zip(arm.joint_names, given.tolist(), strict=True)))
+            found = solve_ik_all(arm, like, fixed_joints=dict(zip(arm.joint_names, given.tolist(), strict=True)))
             assert (len(found), found.complete, found.free) == (count, True, ((),) * count)
             assert (found.theta == given).all()
 

@@ -126,5 +126,7 @@ def test_joints_that_a_target_leaves_open_are_named() -> None:
     held = closed_form_of(arm, Position(g[:3, 3])).held
     assert len(held) == 1, "five joints, three of which a position determines, and a roll that moves nothing"
     assert closed_form_of(arm, Approach(g[:3, 3], g[:3, 2])).held == ()
-    rest = solve_ik_all(arm, Position(g[:3, 3]), given={name: arm.theta_to_dict(arm.ready)[name] for name in held})
+    rest = solve_ik_all(
+        arm, Position(g[:3, 3]), fixed_joints={name: arm.theta_to_dict(arm.ready)[name] for name in held}
+    )
     assert rest.complete

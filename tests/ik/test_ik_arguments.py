@@ -106,7 +106,7 @@ MANY: list[tuple[Any, dict[str, Any], str]] = [
     ([G], {"theta0": with_one(ARM.ready, 1e17)}, "theta0 holds 1e+17 for panda_joint7, beyond 1e+06 rad or m"),
     ([], {"threads": 0}, "threads must be a whole number, at least 1, at most 256"),
     ([], {"threads": 2.0}, "threads must be a whole number"),
-    ([], {"progress": 3}, "progress must be a function of (done, count)"),
+    ([], {"progress": 3}, "progress must be a function of (fraction)"),
     ([], {"position_tol": -1}, "position_tol [m] must be one number, at least 1e-12"),
 ]
 

@@ -101,13 +101,13 @@ def test_a_position_for_six_joints_is_a_few_families():
     arm, rng = load("ur5"), np.random.default_rng(9)
     theta, near = arm.random_theta(rng, 2)
     p = pinocchio_fk(arm, theta)[:3, 3]
-    found = solve_ik_all(arm, Position(p), near, samples=6)
+    found = solve_ik_all(arm, Position(p), near, redundancy_samples=6)
     assert 1 <= len(found) <= 8
     assert sum(map(len, found.members)) > 50
     assert nearest_first(arm, found, near)
     for members in found.members:
         assert all(np.linalg.norm(pinocchio_fk(arm, each)[:3, 3] - p) < 1e-8 for each in members[::20])
-    batch = solve_ik_all_batch(arm, [Position(p)], near, samples=6)
+    batch = solve_ik_all_batch(arm, [Position(p)], near, redundancy_samples=6)
     np.testing.assert_array_equal(batch.theta[0], found.theta)
 
 

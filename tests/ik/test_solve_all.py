@@ -130,7 +130,7 @@ def test_a_folded_scara_turns_about_the_point_it_reaches():
 def test_copies_by_whole_turns_are_counted_on_request():
     arm = family_arm("SCARA, slide last", half_turns=2.0)
     g = pose_of(arm, np.array([0.3, 0.8, -0.4, 0.2]))
-    one, many = solve_ik_all(arm, Pose(g)), solve_ik_all(arm, Pose(g), copies=True)
+    one, many = solve_ik_all(arm, Pose(g)), solve_ik_all(arm, Pose(g), include_turns=True)
     assert len(many) == 8 * len(one)  # three joints, two turns each
     assert all(missed(arm, g, each) < EXACT for each in many)
     share = np.abs(many.theta - arm.ready) / (arm.limits.upper - arm.limits.lower)
@@ -147,7 +147,7 @@ def test_targets_that_leave_something_free():
     so101 = load("so101")
     theta = so101.random_theta(rng)
     p = pose_of(so101, theta)[:3, 3]
-    found = solve_ik_all(so101, Position(p), theta, samples=3)
+    found = solve_ik_all(so101, Position(p), theta, redundancy_samples=3)
     assert not found.complete
     assert len(found)
     for each in found:
@@ -163,7 +163,7 @@ def test_a_search_keeps_the_joints_that_are_given():
     ]  # fmt: skip
     arm = twistarm.arm_from_screws(screws_of(axes), np.eye(4))
     theta = np.array([0.2, -0.4, 0.3, 0.1, 0.8, -0.5, 0.6])
-    found = solve_ik_all(arm, Pose(pose_of(arm, theta)), given={"joint1": 0.2})
+    found = solve_ik_all(arm, Pose(pose_of(arm, theta)), fixed_joints={"joint1": 0.2})
     assert found.method == "search from many starts"
     assert min(apart(arm, each, theta) for each in found) < 1e-6
     assert (found.theta[:, 0] == 0.2).all()
@@ -184,8 +184,8 @@ def test_samples_that_all_miss_are_helped_by_a_search():
     """A narrow range of the joints that are not sampled: few values of the one that is give an answer inside."""
     arm = load("panda")
     for theta in arm.random_theta(5, 6):
-        assert len(solve_ik_all(arm, Pose(pose_of(arm, theta)), samples=1))
-    swept = solve_ik_all(arm, Pose(pose_of(arm, arm.ready)), samples=1)
+        assert len(solve_ik_all(arm, Pose(pose_of(arm, theta)), redundancy_samples=1))
+    swept = solve_ik_all(arm, Pose(pose_of(arm, arm.ready)), redundancy_samples=1)
     assert swept.starts == 2, "theta0's value, and one"
     assert not swept.complete
 
@@ -196,7 +196,7 @@ def test_a_slide_that_changes_places_across_a_given_joint():
     axes += [["R", [0, 0, -1], [0, 0, 0]], ["R", [-1, 0, 0], [0, 0, -0.1]], ["R", [1, 0, 0], [0, 0.55, -0.2]]]
     arm = twistarm.arm_from_screws(screws_of([*axes, ["R", [-1, 0, 0], [0, -0.45, 0.45]]]), np.eye(4))
     theta = np.array([0.026, -0.933, 1.474, -2.486, -2.761, -1.172, -2.58])
-    found = solve_ik_all(arm, Pose(pose_of(arm, theta)), given={"joint4": -2.486, "joint6": -1.172})
+    found = solve_ik_all(arm, Pose(pose_of(arm, theta)), fixed_joints={"joint4": -2.486, "joint6": -1.172})
     assert min(apart(arm, each, theta) for each in found) < 1e-6
 
 
@@ -212,7 +212,7 @@ def test_a_slide_that_changes_places_across_a_given_joint():
 def test_bad_given_values_are_named(given, error, says):
     arm = family_arm("spherical wrist")
     with pytest.raises(error, match=says):
-        solve_ik_all(arm, Pose(arm.home), given=given)
+        solve_ik_all(arm, Pose(arm.home), fixed_joints=given)
 
 
 def test_arms_that_no_joint_makes_mobile_or_whose_axes_coincide():
@@ -238,7 +238,7 @@ def test_time_is_kept(count, seconds):
     told = []
     began = time.monotonic()
     g = arm.fk(arm.random_theta(3))
-    found = solve_ik_all(arm, Pose(g), max_time=seconds, progress=lambda done, of: told.append(done / of))
+    found = solve_ik_all(arm, Pose(g), max_time=seconds, progress=told.append)
     assert time.monotonic() - began < seconds + 2.0
     assert found.timed_out
     assert not found.complete

@@ -37,7 +37,7 @@ def test_a_line_is_bound_by_acceleration_velocity_acceleration(gantry, kind):
 
 
 def test_the_tool_s_speed_a_share_of_speed_and_rest_count(gantry):
-    segments = [LineMove.by([1.0, 0, 0], linear_speed=0.1), Dwell(2.0), JointMove([1.0, 3.0], speed=0.25)]
+    segments = [LineMove.by([1.0, 0, 0], linear_speed=0.1), Dwell(2.0), JointMove([1.0, 3.0], velocity_scaling=0.25)]
     motion = plan(gantry, segments, start=[0, 0], limits=LIMITS, kind="time_optimal")
     found = active_limits(gantry, motion, limits=LIMITS, segments=segments)
     line = [each for each in found if each.end <= motion.times[1] + 0.01]

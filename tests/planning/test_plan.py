@@ -60,7 +60,7 @@ def test_a_tour_keeps_every_limit_and_ends_at_rest(kind):
         LineMove(moved([0.05, 0.0, 0.0], [0.0, 0.0, 0.2]), linear_speed=0.1, label="close gripper"),
         Dwell(0.25, label="wait"),
         ScrewMove.about([0, 0, 1], G[:3, 3], 0.3, 0.05),
-        JointMove({ARM.joint_names[0]: 0.0}, speed=0.5),
+        JointMove({ARM.joint_names[0]: 0.0}, velocity_scaling=0.5),
         JointMove("ready"),
     ]
     motion = plan(ARM, tour, kind=kind)
@@ -273,7 +273,7 @@ def test_what_cannot_be_planned_is_refused(segments, options, error, words):
 
 def test_segments_refuse_what_makes_no_sense():
     for make, words in (
-        (lambda: LineMove(moved([0, 0, 0.1]), speed=2.0), "share of the joints' velocity limits"),
+        (lambda: LineMove(moved([0, 0, 0.1]), velocity_scaling=2.0), "share of the joints' velocity limits"),
         (lambda: LineMove(moved([0, 0, 0.1]), blend=-1.0), "blend must be 0 or more"),
         (lambda: LineMove(moved([0, 0, 0.1]), label="a\nb"), "one line of text"),
         (lambda: ScrewMove.about([0, 0, 0], [0, 0, 0], 1.0), "zero vector"),

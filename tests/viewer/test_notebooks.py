@@ -56,7 +56,7 @@ def test_a_static_frame_holds_the_page_of_what_is_on_show_and_is_shut_in(viewer:
 
 def test_a_page_of_an_arm_without_a_viewer(arm: Arm) -> None:
     motion = swing(arm)
-    shown = frame(Inline.page(page_html(arm, motion), arm.name))
+    shown = frame(Inline.page(page_html(arm, trajectory=motion), arm.name))
     assert stored(shown["srcdoc"])["samples"]["times"][-1] == motion.duration
 
 

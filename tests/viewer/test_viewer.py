@@ -86,7 +86,7 @@ def test_a_trajectory_of_another_arm_is_refused(arm: Arm, viewer: Viewer, tmp_pa
 
 
 def test_the_stand_alone_page_needs_nothing_from_anywhere(arm: Arm, tmp_path: Path) -> None:
-    path = save_html(arm, tmp_path / "view.html", swing(arm))
+    path = save_html(arm, tmp_path / "view.html", trajectory=swing(arm))
     text = path.read_text(encoding="utf-8")
     assert re.search(r"""(?:src|href)=["'](?!data:)""", re.sub(r"<script.*?</script>", "", text, flags=re.S)) is None
     assert text.count("<script") == text.count("</script>") == 4

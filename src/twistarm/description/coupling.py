@@ -35,7 +35,7 @@ def resolve_couplings(description: Description, locked_joints: Mapping[str, floa
                 raise UnknownNameError(f"{what}; lock its coordinates: {listed(parts)}")
             within, listing = f"{description.name}, for locked_joints=", f"{len(moving)} moving joints"
             raise unknown_name("moving joint", name, moving, within=within, listing=listing)
-        as_number(locked_joints[name], f"locked[{name!r}]")
+        as_number(locked_joints[name], f"locked_joints[{name!r}]")
     return {name: _follow(description, name, locked_joints) for name in moving}
 
 

@@ -18,7 +18,7 @@ from .batch import MAX_THREADS, targets_for
 from .certainty import is_exact
 from .closed_form.methods import Method, method_for
 from .request import checked
-from .solve_all import DEFAULT_SAMPLES, given_joints, solve_ik_all
+from .solve_all import DEFAULT_SAMPLES, checked_fixed_joints, solve_ik_all
 from .targets import AnyTarget, Approach, Pose, TargetLike
 from .task_space import Tolerances
 
@@ -117,25 +117,25 @@ def solve_ik_all_batch(
     targets: RealArray | Sequence[TargetLike],
     theta0: ArrayLike | None = None,
     *,
-    given: Mapping[str, float] | None = None,
-    samples: int = DEFAULT_SAMPLES,
-    copies: bool = False,
+    fixed_joints: Mapping[str, float] | None = None,
+    redundancy_samples: int = DEFAULT_SAMPLES,
+    include_turns: bool = False,
     position_tol: float = 1e-9,
     orientation_tol: float = 1e-9,
     threads: int = 1,
 ) -> AllSolutionsBatch:
     """Every configuration of N targets: `solve_ik_all` of each, at the core's speed for families.
 
-    The core needs targets of one kind (and one tool axis), no sampled joint and no copies. Then `threads` share the
-    work. The answer to a target depends on that target alone. Ctrl-C ends it.
+    The core needs targets of one kind (and one tool axis), no sampled joint and not `include_turns`. Then `threads`
+    share the work. The answer to a target depends on that target alone. Ctrl-C ends it.
 
     Args:
         arm: The arm.
         targets: Poses (N, 4, 4), or a sequence of `Pose`, `Position`, `Approach`, `TolerancedPose` and poses (4, 4).
         theta0: Configuration from which distances are counted (n,) or (N, n) [rad, m], by default `arm.ready`.
-        given: {joint: value} [rad, m] of joints to hold there.
-        samples: Number of values of each other joint that is held, in (0, 1000].
-        copies: Whether configurations that differ by whole turns count as different, inside the limits.
+        fixed_joints: {joint: value} [rad, m] of joints to hold there.
+        redundancy_samples: Number of values of each other joint that is held, in (0, 1000].
+        include_turns: Whether configurations that differ by whole turns count as different, inside the limits.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
         threads: Number of threads.
@@ -145,21 +145,28 @@ def solve_ik_all_batch(
         `AllSolutions`.
 
     Raises:
-        InputError: A target (the message says which), theta0, a given value or a number cannot be used.
-        UnknownNameError: `given` names no joint of the arm.
+        InputError: A target (the message says which), theta0, a value of fixed_joints or a number cannot be used.
+        UnknownNameError: `fixed_joints` names no joint of the arm.
         TwistarmError: The arm is not in the compiled core; the message says how to get it.
     """
     require_arm(arm)._core("solve_ik_all_batch")
-    as_flag(copies, "copies")
-    count = as_whole(samples, "samples", 1, 1000)
+    as_flag(include_turns, "include_turns")
+    count = as_whole(redundancy_samples, "redundancy_samples", 1, 1000)
     met = position_tol, orientation_tol
 
     def one(target: TargetLike, start: ArrayLike) -> AllSolutions:
         return solve_ik_all(
-            arm, target, start, given=given, samples=count, copies=copies, position_tol=met[0], orientation_tol=met[1]
+            arm,
+            target,
+            start,
+            fixed_joints=fixed_joints,
+            redundancy_samples=count,
+            include_turns=include_turns,
+            position_tol=met[0],
+            orientation_tol=met[1],
         )
 
-    if isinstance(targets, np.ndarray) and given is None and not copies:
+    if isinstance(targets, np.ndarray) and fixed_joints is None and not include_turns:
         # Poses that are plainly right go straight to the core, which looks at each of them much faster.
         method = method_for(arm, Pose(np.eye(4)))
         plain = method.compiled is not None and not method.swept
@@ -171,12 +178,12 @@ def solve_ik_all_batch(
     request = checked(arm, theta0, None, *met, 1, 0, None, count=len(asked))
     exact = request.tolerances
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
-    stands = given_joints(arm, given)
+    stands = checked_fixed_joints(arm, fixed_joints)
     near = np.array(request.theta0)
     near[..., list(stands)] = list(stands.values())
     kinds = {(type(target), target.axis.tobytes() if isinstance(target, Approach) else b"") for target in asked}
     method = method_for(arm, asked[0] if asked else Pose(np.eye(4)), tuple(stands))
-    if len(kinds) <= 1 and not copies and method.compiled is not None and not method.swept:
+    if len(kinds) <= 1 and not include_turns and method.compiled is not None and not method.swept:
         found = _by_core(arm, method, asked, near, (exact.position, exact.orientation, workers), one)
         assert found is not None, "what was checked is plain"
         return found

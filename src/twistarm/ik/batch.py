@@ -22,8 +22,8 @@ from .request import Request, checked, named
 from .solution import IKResult
 from .targets import AnyTarget, Pose, TargetLike, checked_target, meant_by, target_for, target_of
 
-Progress = Callable[[int, int], object]
-"""Called with how many targets are done, and how many there are."""
+Progress = Callable[[float], object]
+"""Called with the fraction done."""
 
 MAX_THREADS = 256
 
@@ -145,7 +145,7 @@ def solve_ik_batch(
         rng: Seed, or a NumPy Generator.
         posture: Preferred configuration (n,) or (N, n), its name, "theta0", "middle", or None.
         threads: Number of threads.
-        progress: Called some twenty times a second with the number of finished targets and N, or None.
+        progress: Called some twenty times a second with the fraction done, or None.
 
     Returns:
         The `IKBatch`: theta (N, n), errors (N,) [m, rad], `converged` (N,); batch[i] is an `IKResult`.
@@ -158,14 +158,15 @@ def solve_ik_batch(
     how = position_tol, orientation_tol, restarts, rng, max_time
     start = arm.ready if theta0 is None else named(arm, theta0)
     rather = None if posture is None else named(arm, posture, start)
+    counted = partial(_tell, progress, 0, None) if callable(progress) else progress
     # Poses that are plainly right go straight to the core, which looks at each of them much faster.
-    records = chain.solve_batch(Pose.kind, targets, start, *how, rather, threads, progress)
+    records = chain.solve_batch(Pose.kind, targets, start, *how, rather, threads, counted)
     if records is not None:
         return IKBatch(arm, _finished(arm, records, None))
     asked = targets_for(arm, targets)
     request = checked(arm, theta0, posture, *how, count=len(asked))
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
-    require_callback(progress, "progress", "(done, count)")
+    require_callback(progress, "progress", "(fraction)")
     records = _by_core(chain, arm, asked, request, workers, progress)
     return IKBatch(arm, _finished(arm, records, asked), asked)
 
@@ -229,9 +230,9 @@ def _by_core(
     return records
 
 
-def _tell(progress: Progress, before: int, count: int, done: int, _: int) -> None:
-    """Report a part of a batch of `count` targets, after `before` of them."""
-    progress(before + done, count)
+def _tell(progress: Progress, before: int, count: int | None, done: int, of: int) -> None:
+    """Report a part of a batch of `count` targets, after `before` of them; None for the only part."""
+    progress((before + done) / (of if count is None else count))
 
 
 def _part(request: Request, indices: NDArray[np.int64]) -> Request:

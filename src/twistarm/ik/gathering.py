@@ -47,7 +47,7 @@ MOST_COMBINATIONS = 4096
 class Gathering(Asked):
     """One task: a target, tolerances, the configuration to be near, the method and the deadline.
 
-    `progress` gets the number of values and searches done, and their count. `rounded`: the tolerances are those of
+    `progress` gets the fraction of values and searches done. `rounded`: the tolerances are those of
     rounded axes. Such axes may miss the target in directions in which exact ones need not move.
     """
 
@@ -126,10 +126,10 @@ class Gathering(Asked):
         arm = holding(self.arm, self.method.given, self.near)
         return solve_ik(arm, self.target, self.near, **self.tolerances.keywords, max_time=self.deadline.left)
 
-    def told_of(self, done: int, count: int) -> None:
+    def told_of(self, done: float, count: int) -> None:
         """Report the progress to the caller."""
         if self.progress is not None:
-            self.progress(done, count)
+            self.progress(done / count)
 
     def held_values(self, count: int) -> Array:
         """Values (k, h) of the held joints: given ones, theta0's of idle ones, else a grid."""
@@ -163,7 +163,7 @@ class Gathering(Asked):
         `before`: how many values of `progress` are done.
         """
         starts = np.vstack([self.near, self.arm.random_theta(0, count - 1)])
-        return self.from_starts(starts, known, lambda done, _: self.told_of(before + done, before + count))
+        return self.from_starts(starts, known, lambda done: self.told_of(before + done * count, before + count))
 
     def from_starts(
         self, starts: Array, known: list[Root], progress: Progress | None = None

@@ -61,5 +61,5 @@ def searched(
         theta[run], converged[run], exact[run] = found.theta, found.converged, found.converged and not found.rounded
         run += 1
         if progress is not None:
-            progress(run, len(starts))
+            progress(run / len(starts))
     return Searched(theta, converged, exact, run)

@@ -33,9 +33,9 @@ def solve_ik_all(
     target: TargetLike,
     theta0: ArrayLike | None = None,
     *,
-    given: Mapping[str, float] | None = None,
-    samples: int = DEFAULT_SAMPLES,
-    copies: bool = False,
+    fixed_joints: Mapping[str, float] | None = None,
+    redundancy_samples: int = DEFAULT_SAMPLES,
+    include_turns: bool = False,
     closed_form: bool = False,
     position_tol: float = 1e-9,
     orientation_tol: float = 1e-9,
@@ -53,8 +53,8 @@ def solve_ik_all(
 
     A `Pose` takes arms of up to six joints, an `Approach` of up to five, a `Position` of up to three. Arms with fewer
     joints meet the targets that fit them. `explain()` says how far off another is. An arm with too many joints for the
-    target holds some: at the values in `given`, else at `samples` values. A joint that only rolls the tool about an
-    `Approach`'s axis keeps theta0's value.
+    target holds some: at the values in `fixed_joints`, else at `redundancy_samples` values. A joint that only rolls the
+    tool about an `Approach`'s axis keeps theta0's value.
 
     Two answers less than 0.01 rad or m apart are one if the target is also met halfway between them. The answers on one
     connected self-motion are one answer, with a free joint at theta0's value if possible.
@@ -65,37 +65,43 @@ def solve_ik_all(
         arm: The arm.
         target: `Pose`, `Position`, `Approach` or pose (4, 4); a `TolerancedPose` is only searched for.
         theta0: Configuration (n,) [rad, m] from which distances are counted, by default `arm.ready`.
-        given: {joint: value} [rad, m] of joints to hold there.
-        samples: Number of values of each other joint that is held, in (0, 1000]; at most 4,096 combinations.
-        copies: Whether configurations that differ by whole turns count as different, inside the limits.
+        fixed_joints: {joint: value} [rad, m] of joints to hold there.
+        redundancy_samples: Number of values of each other joint that is held, in (0, 1000]; at most 4,096 combinations.
+        include_turns: Whether configurations that differ by whole turns count as different, inside the limits.
         closed_form: Whether to raise NoClosedFormError rather than to search.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
         max_time: Greatest time [s], which a closed form of a microsecond ignores; None for no limit.
-        progress: Called with the number of sampled values and searches that are done, and with their count, or None.
+        progress: Called with the fraction of sampled values and searches that are done, or None.
 
     Returns:
         The `AllSolutions`: theta (k, n), k ≥ 0, and whether these are all. When the time is up it holds what was
         found, with `complete` False and `timed_out` True.
 
     Raises:
-        InputError: The target, theta0, a given value or a number cannot be used.
-        UnknownNameError: `given` names no joint of the arm.
+        InputError: The target, theta0, a value of fixed_joints or a number cannot be used.
+        UnknownNameError: `fixed_joints` names no joint of the arm.
         NoClosedFormError: `closed_form` is set and the arm has none for such a target; the message says why.
     """
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
-    usual = given is None and samples is DEFAULT_SAMPLES and copies is False and max_time is None and progress is None
+    usual = (
+        fixed_joints is None
+        and redundancy_samples is DEFAULT_SAMPLES
+        and include_turns is False
+        and max_time is None
+        and progress is None
+    )
     if usual and type(closed_form) is bool:
         answer = _at_once(require_arm(arm), target, theta0, position_tol, orientation_tol)
         if answer is not None and (len(answer) or (answer.complete and not any(arm.rounding))):
             return answer
     asked = checked_target(require_arm(arm), target)
     request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, max_time)
-    require_callback(progress, "progress", "(done, count)")
-    as_flag(copies, "copies")
+    require_callback(progress, "progress", "(fraction)")
+    as_flag(include_turns, "include_turns")
     as_flag(closed_form, "closed_form")
-    count = as_whole(samples, "samples", 1, 1000)
-    stands = given_joints(arm, given)
+    count = as_whole(redundancy_samples, "redundancy_samples", 1, 1000)
+    stands = checked_fixed_joints(arm, fixed_joints)
     method = method_for(arm, asked, tuple(stands))
     if closed_form and method.family is None:
         miss = f"{closest_miss_of(arm, method)[1]}; elimination solves it numerically, without closed_form=True"
@@ -104,30 +110,30 @@ def solve_ik_all(
     near[list(stands)] = list(stands.values())
     deadline = Deadline.after(request.max_time)
     task = Gathering(arm, asked, request.tolerances, near, method, deadline, progress)
-    return _in_two_passes(task, count, copies) if any(arm.rounding) else _answered(task, count, copies)
+    return _in_two_passes(task, count, include_turns) if any(arm.rounding) else _answered(task, count, include_turns)
 
 
-def _in_two_passes(task: Gathering, count: int, copies: bool) -> AllSolutions:
+def _in_two_passes(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
     """The exact answers, or else those that only rounded axes allow. Each pass is half of the progress."""
-    tell = task.progress or (lambda *_: None)
-    exact = replace(task, progress=lambda done, of: tell(done, 2 * of))
-    answer = _answered(exact, count, copies)
+    tell = task.progress or (lambda _: None)
+    exact = replace(task, progress=lambda done: tell(0.5 * done))
+    answer = _answered(exact, count, include_turns)
     if len(answer) or answer.timed_out:
-        tell(2, 2)
+        tell(1.0)
         return answer
     met = task.tolerances.or_rounding(task.arm.rounding)
-    rounded = replace(task, tolerances=met, rounded=True, progress=lambda done, of: tell(of + done, 2 * of))
-    return _answered(rounded, count, copies)
+    rounded = replace(task, tolerances=met, rounded=True, progress=lambda done: tell(0.5 + 0.5 * done))
+    return _answered(rounded, count, include_turns)
 
 
-def _answered(task: Gathering, count: int, copies: bool) -> AllSolutions:
+def _answered(task: Gathering, count: int, include_turns: bool) -> AllSolutions:
     """The answers of the method, with `count` values of each sampled joint."""
     method, values = task.method, task.held_values(count)
     known = None if method.compiled is None or task.rounded else task.compiled(values)
     if known is not None and not method.swept:
         if known.families:
             known = None  # the core keeps one of all families that move the same joints
-        elif not copies and (known.inside or is_exact(task.tolerances)):
+        elif not include_turns and (known.inside or is_exact(task.tolerances)):
             return AllSolutions(task.arm, known, (), method, task.complete, task.target, task.tolerances)
     if known is None:
         found, starts, hits = task.solved(values)
@@ -150,7 +156,7 @@ def _answered(task: Gathering, count: int, copies: bool) -> AllSolutions:
         if missed or not method.exact or task.rounded:
             starts, hits = starts + run, hits + met
     all_seen = task.brought_inside(families)
-    return task.told(families, copies, (starts, hits), all_seen and not missed)
+    return task.told(families, include_turns, (starts, hits), all_seen and not missed)
 
 
 def _at_once(
@@ -170,21 +176,21 @@ def _at_once(
     return AllSolutions(arm, found, (), method, is_exact(tolerances), asked, tolerances)
 
 
-def given_joints(arm: Arm, given: Mapping[str, float] | None) -> dict[int, float]:
+def checked_fixed_joints(arm: Arm, fixed_joints: Mapping[str, float] | None) -> dict[int, float]:
     """{joint's index: value}, base to tip, with the joints that have limits of one value."""
     stands = {i: float(arm.limits.lower[i]) for i in standing(arm)}
-    if given is None:
+    if fixed_joints is None:
         return stands
-    if not isinstance(given, Mapping):
-        raise InputError(f"given must be a mapping such as {{'elbow': 0.3}}; got {shown(given)}")
-    for name, value in given.items():
+    if not isinstance(fixed_joints, Mapping):
+        raise InputError(f"fixed_joints must be a mapping such as {{'elbow': 0.3}}; got {shown(fixed_joints)}")
+    for name, value in fixed_joints.items():
         if name not in arm.joint_names:
             raise unknown_name("joint", name, arm.joint_names, within=arm.name, listing="arm.joint_names")
-        number = as_number(value, f"given[{name!r}]")
+        number = as_number(value, f"fixed_joints[{name!r}]")
         i = arm.joint_names.index(name)
         if not arm.limits.lower[i] <= number <= arm.limits.upper[i]:
             raise InputError(
-                f"joint {name!r} cannot be given at {quantity(number, arm.units[i])}, outside its limits "
+                f"joint {name!r} cannot be fixed at {quantity(number, arm.units[i])}, outside its limits "
                 f"{quantity(arm.limits.lower[i], arm.units[i])} … {quantity(arm.limits.upper[i], arm.units[i])}"
             )
         stands[i] = number

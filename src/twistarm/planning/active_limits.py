@@ -117,7 +117,7 @@ def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Se
         if not isinstance(move, Move):
             continue
         among = (t >= begin) & (t < end)
-        rates[0][among, : motion.n] /= move.speed
+        rates[0][among, : motion.n] /= move.velocity_scaling
         if move.linear_speed is None and move.angular_speed is None:
             continue
         twist = (arm.body_jacobian(motion(t[among])) @ motion(t[among], 1)[..., None])[..., 0]

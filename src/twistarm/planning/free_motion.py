@@ -100,7 +100,7 @@ def _expanded(
             radius = 0.0 if last else min(ROUNDED * float(steps[k - 1 : k + 1].min()), LARGEST * arm.reach)
             corner = segment.blend if last else rounded * radius
             move = JointMove(
-                theta, blend=corner, speed=segment.speed, linear_speed=segment.linear_speed,
+                theta, blend=corner, velocity_scaling=segment.velocity_scaling, linear_speed=segment.linear_speed,
                 angular_speed=segment.angular_speed, label=segment.label if last else "",
             )  # fmt: skip
             expanded.append(move)

@@ -37,7 +37,7 @@ WHOLE = ("linear_speed", "angular_speed", "position_tol", "orientation_tol")
 
 TOP = ("start", "kind", "degrees", *WHOLE, "unwrap", "limits", "segment")
 KINDS = ("joint", "line", "screw", "arc", "dwell")
-OPTIONS = ("blend", "speed", *WHOLE, "label")
+OPTIONS = ("blend", "velocity_scaling", *WHOLE, "label")
 GOAL = ("xyz", "rpy", "quaternion_wxyz", "direction", "tool_axis", "tolerance", "frame")
 
 ANGLES = ("rpy", "angle", "angular_speed", "orientation_tol")

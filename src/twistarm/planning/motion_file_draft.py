@@ -31,7 +31,7 @@ start = "ready"              # a pose's name, the joints' values, or {{ joint = 
 [[segment]]
 joint = {{ {toml_key(joint)} = {value} }}    # a joint move; joints that are left out stay
 # blend = 0.02               # round the corner to the next segment inside this radius [m]; without it: stop
-# speed = 0.5                # share of the joints' velocity limits
+# velocity_scaling = 0.5     # share of the joints' velocity limits
 label = "close gripper"      # what is due at its end, carried into files
 
 [[segment]]

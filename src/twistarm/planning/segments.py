@@ -45,7 +45,7 @@ class Move(Segment):
 
     blend: radius [m] of the ball about the move's end in which the tool may round the corner; 0 stops there.
 
-    speed: the greatest share, in (0, 1], of the joints' velocity limits.
+    velocity_scaling: the greatest share, in (0, 1], of the joints' velocity limits.
 
     linear_speed, angular_speed: the greatest speeds of the tool's origin [m/s] and rotation [rad/s].
 
@@ -55,7 +55,7 @@ class Move(Segment):
     """
 
     blend: float = 0.0
-    speed: float = 1.0
+    velocity_scaling: float = 1.0
     linear_speed: float | None = None
     angular_speed: float | None = None
     position_tol: float | None = None
@@ -64,11 +64,11 @@ class Move(Segment):
 
     def __post_init__(self) -> None:
         kept: dict[str, Any] = {"blend": as_not_negative(self.blend, "blend"), "label": as_label(self.label)}
-        kept["speed"] = as_positive(self.speed, "speed")
-        if kept["speed"] > 1.0:
+        kept["velocity_scaling"] = as_positive(self.velocity_scaling, "velocity_scaling")
+        if kept["velocity_scaling"] > 1.0:
             raise InputError(
-                f"speed must be a share of the joints' velocity limits, more than 0 and at most 1; got {self.speed:g} "
-                "(linear_speed= takes m/s)"
+                "velocity_scaling must be a share of the joints' velocity limits, more than 0 and at most 1; got "
+                f"{self.velocity_scaling:g} (linear_speed= takes m/s)"
             )
         for name in ("linear_speed", "angular_speed"):
             value = getattr(self, name)

@@ -107,9 +107,9 @@ def _caps(arm: Arm, path: JointPath, move: Move, limits: JointLimits) -> Array:
     """Return the greatest ṡ on each piece (m,) by the move's speeds of joints and tool."""
     cap = np.full(len(path.breakpoints) - 1, np.inf)
     with np.errstate(divide="ignore"):
-        if move.speed < 1.0:
+        if move.velocity_scaling < 1.0:
             _, rates = extremes(derivative(path.coefficients), np.diff(path.breakpoints))
-            cap = move.speed / (np.abs(rates) / limits.velocity).max(axis=(0, 2))
+            cap = move.velocity_scaling / (np.abs(rates) / limits.velocity).max(axis=(0, 2))
         if move.linear_speed is not None or move.angular_speed is not None:
             most = [np.inf if speed is None else speed for speed in (move.linear_speed, move.angular_speed)]
             for speed, greatest in zip(most, greatest_tool_speeds(arm, path, limits, *most), strict=True):

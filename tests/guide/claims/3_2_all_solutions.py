@@ -45,7 +45,7 @@ from twistarm import Approach
 rover = guide.bundled("rover_arm")
 g = rover.fk(rover.ready)
 same_place = Approach(g[:3, 3], g[:3, :3] @ rover.tool_axis)
-flips = solve_ik_all(rover, same_place, rover.ready, given={"wrist_roll": rover.ready[4]})
+flips = solve_ik_all(rover, same_place, rover.ready, fixed_joints={"wrist_roll": rover.ready[4]})
 both = np.array([*flips, *flips.outside])
 assert flips.complete
 assert len(both) == 2

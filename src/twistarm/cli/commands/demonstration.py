@@ -35,7 +35,7 @@ def demo(view: View = True, port: Port = 0, browser: Browser = True) -> None:
     _show_arm(out, arm)
     trajectory = _show_motion(out, arm)
     if not (view and sys.stdout.isatty()):
-        say("", f"written: {save_html(arm, Path('demo.html'), trajectory)} (opens in a browser, offline)")
+        say("", f"written: {save_html(arm, Path('demo.html'), trajectory=trajectory)} (opens in a browser, offline)")
         say(f"written: {trajectory.to_csv('demo.csv')}")
         return
     with Viewer(arm, trajectory(0.0), port=port, open_browser=False, keep=port != 0) as viewer:

@@ -50,16 +50,17 @@ MaxTime = Annotated[
 All = Annotated[
     bool, typer.Option("--all", help="Every configuration that meets the target, the one nearest to --start first.")
 ]
-Given = Annotated[
+FixedJoints = Annotated[
     str | None,
     typer.Option(
+        "--fixed-joint",
         metavar=VALUES,
-        help="With --all: joint=value of joints that are to stand there; the others are solved for. Where there are "
+        help="With --all: joint=value of joints that stay there; the others are solved for. Where there are "
         "more joints than the target determines, some are else held at values over their range.",
     ),
 ]
 Copies = Annotated[
-    bool, typer.Option("--copies", help="With --all: what differs by whole turns of joints counts as different.")
+    bool, typer.Option("--include-turns", help="With --all: what differs by whole turns of joints counts as different.")
 ]
 
 
@@ -76,7 +77,7 @@ def ik(
     columns: Columns = None,
     start: Theta = "ready",
     all_: All = False,
-    given: Given = None,
+    given: FixedJoints = None,
     copies: Copies = False,
     posture: Posture = None,
     position_tol: PositionTol = None,
@@ -94,24 +95,24 @@ def ik(
         raise InputError("--columns names the columns of a file: it goes with --targets")
     _require_fitting(
         all_,
-        {"--given": given, "--copies": copies},
+        {"--fixed-joint": given, "--include-turns": copies},
         {"--posture": posture, "--targets": targets},
     )
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
     how = {"theta0": parse_theta(arm, start, rad), **typed_tolerances(position_tol, orientation_tol, rad)}
     if all_:
-        stands = None if given is None else parse_joints(arm, given, "--given", rad)
+        stands = None if given is None else parse_joints(arm, given, "--fixed-joint", rad)
         target = orientation.at(parse_numbers(str(xyz), 3, "--xyz"))
         with progress_bar("ik") as progress:
             solutions = solve_ik_all(
                 arm,
                 target,
                 **how,
-                given=stands,
-                copies=copies,
+                fixed_joints=stands,
+                include_turns=copies,
                 max_time=max_time,
-                progress=lambda done, count: progress(done / count),
+                progress=progress,
             )
         return tell_all(solutions, outputs, radians=rad, json=json)
     how["posture"] = posture if posture in (None, *POSTURES) else parse_theta(arm, str(posture), rad)
@@ -120,9 +121,7 @@ def ik(
         sheet = read_sheet(targets, columns)
         asked = targets_in(sheet, orientation)
         with progress_bar("ik") as progress:
-            batch = solve_ik_batch(
-                arm, asked, **how, threads=os.cpu_count() or 1, progress=lambda done, count: progress(done / count)
-            )
+            batch = solve_ik_batch(arm, asked, **how, threads=os.cpu_count() or 1, progress=progress)
         return tell_answers(sheet, batch, outputs, radians=rad, json=json)
     solution = solve_ik(arm, orientation.at(parse_numbers(str(xyz), 3, "--xyz")), **how)
     written = outputs.write({"csv": lambda: answers_csv(arm, [1], [solution])})

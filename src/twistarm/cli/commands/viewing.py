@@ -91,7 +91,7 @@ def view(
     if outputs.files:
         start = x if motion is None else motion(0.0)
         contents: dict[str, Callable[[], str | bytes]] = {
-            "html": lambda: page_html(arm, motion, x),
+            "html": lambda: page_html(arm, x, trajectory=motion),
             "png": lambda: png_of(pixels, lambda: of_arm(arm, motion, start)),
         }
         outputs.say(outputs.write(contents))

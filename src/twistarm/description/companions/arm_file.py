@@ -99,7 +99,7 @@ def read_arm_file(path: Path) -> ArmSpecification:
         ignore_packages=_without(content, path),
         limits=_limits(content, path),
         locked_joints={
-            joint: bounded(value, path, f"locked.{joint}")
+            joint: bounded(value, path, f"locked_joints.{joint}")
             for joint, value in table_of(content, "locked_joints", path).items()
         },
         poses={name: numbers_of(table_of(poses, name, path), path, f"poses.{name}") for name in poses},

@@ -334,7 +334,7 @@ if free:
         )
         + "Hold that joint, and the ways are a number again."
     )
-    found = solve_ik_all(own, target, theta, given={free[0]: float(theta[k])})
+    found = solve_ik_all(own, target, theta, fixed_joints={free[0]: float(theta[k])})
 asked = "the position and direction of its tool" if own.n == 5 else "the pose of its tool"
 total = len(found) + len(found.outside)
 guide.predict(
@@ -374,7 +374,7 @@ guide.say("What the solver says of itself:\n\n```text\n" + found.explain() + "\n
 # ## What goes wrong in practice
 #
 # - **Whole turns counted as ways.** 190° and −170° are one posture. Wrap before you compare. Apart from the cable they are
-#   not the same: `solve_ik_all(…, copies=True)` lists both.
+#   not the same: `solve_ik_all(…, include_turns=True)` lists both.
 # - **The first of the list, every time.** Along a path, take the answer nearest to the last one, or the arm changes
 #   elbows on the way.
 # - **Limits forgotten.** A closed form knows no limits. What it returns may be outside all of them.

@@ -37,8 +37,9 @@ POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inli
 def save_html(
     arm: Arm,
     path: str | os.PathLike[str],
-    trajectory: Trajectory | None = None,
     theta: ArrayLike | None = None,
+    *,
+    trajectory: Trajectory | None = None,
 ) -> Path:
     """Write one HTML file that shows `arm` and plays `trajectory`, or shows theta (n,) without one.
 
@@ -48,8 +49,8 @@ def save_html(
     Args:
         arm: The arm.
         path: The file to write.
-        trajectory: A motion that the page plays, or None.
         theta: The configuration to show (n,) [rad, m]; by default the ready pose.
+        trajectory: A motion that the page plays, or None.
 
     Returns:
         The path written.
@@ -59,10 +60,10 @@ def save_html(
         MissingExtraError: Meshcat is not installed.
     """
     target = writable(path)
-    return write_whole(target, page_html(arm, trajectory, theta))
+    return write_whole(target, page_html(arm, theta, trajectory=trajectory))
 
 
-def page_html(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> str:
+def page_html(arm: Arm, theta: ArrayLike | None = None, *, trajectory: Trajectory | None = None) -> str:
     """The page of `save_html` as text: for a notebook (`twistarm.viewer.Inline.page`) or a web server."""
     require_meshcat()
     return stand_alone(of_arm(require_arm(arm), trajectory, theta))

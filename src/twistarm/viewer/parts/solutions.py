@@ -103,7 +103,7 @@ class Solutions:
 def _found(arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float], met: Mapping[str, Any]) -> Answer:
     """All configurations; joints that the target does not determine stay where they are."""
     held = {name: float(start[arm.joint_names.index(name)]) for name in closed_form_of(arm, target).held}
-    return answer_of(solve_ik_all(arm, target, start, given=held, **met), others, _held_in_words(arm, held))
+    return answer_of(solve_ik_all(arm, target, start, fixed_joints=held, **met), others, _held_in_words(arm, held))
 
 
 def answer_of(solutions: AllSolutions, others: Mapping[str, float], more: Sequence[str] = ()) -> Answer:
