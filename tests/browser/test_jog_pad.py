@@ -219,14 +219,14 @@ def test_what_happens_where_the_arm_cannot_follow_is_chosen_there(benches: Bench
     slide, stop = (page.get_by_role("radio", name=name, exact=True) for name in ("slide along", "stop"))
     assert slide.is_checked()
     stop.click()
-    until(page, "document.querySelector('#jog-beyond [value=stop]').checked")
+    until(page, "document.querySelector('#jog-unreachable [value=stop]').checked")
     assert bench.viewer._server.commands.on_unreachable == "stop"
     page.get_by_role("switch", name="Drive").click()
     until(page, "!twistarm.jog.taken && !document.getElementById('drive').checked")
     bench.viewer.show_servo(ServoOutput.stale(np.zeros(bench.arm.n), "by hand"))  # a servo with a will of its own
-    until(page, "document.querySelector('#jog-beyond [value=stop]').disabled")
+    until(page, "document.querySelector('#jog-unreachable [value=stop]').disabled")
     bench.viewer.servo_settings()
-    until(page, "document.querySelector('#jog-beyond [value=slide]:enabled')?.checked")
+    until(page, "document.querySelector('#jog-unreachable [value=slide]:enabled')?.checked")
     bench.viewer.show_servo(None)
     until(page, "!document.getElementById('drive').disabled")
 

@@ -159,17 +159,17 @@ def test_a_package_that_is_not_asked_for_is_said(name: str, text: str, tmp_path:
 @pytest.mark.parametrize("bad", [" ", "a/b", "..", 3, ["a", ""], [["a"]]])
 def test_what_is_no_name_of_a_package_is_refused(bad: object, tmp_path: Path) -> None:
     path = write(tmp_path, ARM)
-    with pytest.raises(InputError, match=r"without (takes|must be a sequence of) names.*; got "):
+    with pytest.raises(InputError, match=r"ignore_packages (takes|must be a sequence of) names.*; got "):
         load_arm(path, ignore_packages=bad)  # type: ignore[arg-type]
 
 
 def test_an_arm_file_says_what_it_does_without(tmp_path: Path) -> None:
     write(tmp_path, as_xacro(INCLUDE + CAMERA), "arm.xacro")
-    path = write(tmp_path, 'source = "arm.xacro"\nwithout = ["realsense2_description"]', "arm.toml")
+    path = write(tmp_path, 'source = "arm.xacro"\nignore_packages = ["realsense2_description"]', "arm.toml")
     assert len(told(load_arm(path))) == 2
     assert assert_arm(tmp_path / "arm.xacro", ignore_packages=["realsense2_description"], samples=3).n == 2
-    bad = write(tmp_path, 'source = "arm.xacro"\nwithout = ["a/b"]', "bad.toml")
-    with pytest.raises(DescriptionError, match=r"bad.toml: without takes names of packages, .*got 'a/b'"):
+    bad = write(tmp_path, 'source = "arm.xacro"\nignore_packages = ["a/b"]', "bad.toml")
+    with pytest.raises(DescriptionError, match=r"bad.toml: ignore_packages takes names of packages, .*got 'a/b'"):
         load_arm(bad)
 
 
@@ -181,7 +181,7 @@ def test_what_to_type_works_when_typed(tmp_path: Path, capsys: pytest.CaptureFix
     typed: list[str] = []
     for _ in range(2):
         assert run(["info", str(path), *typed]) == 2
-        options = re.search("--(xacro|without) .*", capsys.readouterr().err)
+        options = re.search("--(xacro|ignore-package) .*", capsys.readouterr().err)
         assert options
         typed += shlex.split(options.group())
     assert typed == [

@@ -74,8 +74,9 @@ def test_a_signal_ends_it_without_a_word_from_its_first_line_on(module: str, sen
 
 SENT_WHILE_IT_DRAWS = """
 import os, signal, sys
-from twistarm.cli import application, folders
-folders._looked = lambda *_: os.kill(os.getpid(), signal.{sent})
+from twistarm.cli import application
+from twistarm.cli.commands import doctor
+doctor.examine = lambda *_, **__: os.kill(os.getpid(), signal.{sent})
 sys.argv = ["twistarm", "doctor", "."]
 application.program()
 """

@@ -205,7 +205,7 @@ def test_who_may_allow_a_variable(
     assert load_arm(path, tip="tool0").name == "arm"
     assert load_arm(path, tip="tool0", env_vars="CANARY").name == TOKEN
     with pytest.raises(
-        InputError, match="env takes names of environment variables, without their values; got 'CANARY=1'"
+        InputError, match="env_vars takes names of environment variables, without their values; got 'CANARY=1'"
     ):
         load_arm(path, env_vars=["CANARY=1"])
     toml = write(tmp_path, 'source = "arm.xacro"\ntip = "tool0"\nenv = ["CANARY"]', "arm.toml")

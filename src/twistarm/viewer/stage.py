@@ -126,9 +126,9 @@ class Stage(Show):
         """A servo drives the arm, and takes commands of the pages."""
         self.driven = self.jogging = True
 
-    def show_choice(self, beyond: str, free: bool) -> None:
+    def show_choice(self, on_unreachable: str, free: bool) -> None:
         """The servo's behaviour at limits. `free`: a servo of the program follows the pages' choice."""
-        self.drive = {**self.drive, "on_unreachable": beyond, "free": free}
+        self.drive = {**self.drive, "on_unreachable": on_unreachable, "free": free}
 
     def begin_drive(self, note: str) -> None:
         """A servo of the pages drives the arm. `note` lists the assumed limits."""

@@ -40,12 +40,12 @@ ServoController::Return ServoController::on_configure(const State&) {
         RCLCPP_ERROR(node->get_logger(), "interface must be position or velocity; got %s", interface_.c_str());
         return Return::ERROR;
     }
-    const std::string beyond = node->get_parameter("on_unreachable").as_string();
-    if (beyond != "slide" && beyond != "stop") {
-        RCLCPP_ERROR(node->get_logger(), "beyond must be slide or stop; got %s", beyond.c_str());
+    const std::string on_unreachable = node->get_parameter("on_unreachable").as_string();
+    if (on_unreachable != "slide" && on_unreachable != "stop") {
+        RCLCPP_ERROR(node->get_logger(), "on_unreachable must be slide or stop; got %s", on_unreachable.c_str());
         return Return::ERROR;
     }
-    bounds_.stops = beyond == "stop";
+    bounds_.stops = on_unreachable == "stop";
     if (!(settings_.command_timeout > 0.0) || !(settings_.tolerance > 0.0)) {
         RCLCPP_ERROR(node->get_logger(), "command_timeout and tolerance must be positive");
         return Return::ERROR;

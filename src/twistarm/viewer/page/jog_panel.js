@@ -20,7 +20,7 @@ export class JogPanel {
     this.pad = new JogPad(jog, $("jog-pad"), $("jog-joints"));
     this.gauge = new Gauge($("gauges"));
     this.axes = $$('#jog-axes input[type="radio"]');
-    this.choices = $$('#jog-beyond input[type="radio"]');
+    this.choices = $$('#jog-unreachable input[type="radio"]');
     this.messages = {
       drive: (message) => this.showDrive(message),
       servo: ({ driven }) => this.showDrive({ driven }),
@@ -57,7 +57,7 @@ export class JogPanel {
     this.show();
   }
 
-  // What is new of `on`, `note`, `driven`, and of `on_unreachable`, which pages may choose where no other servo drives or it is `free`.
+  // News of `on`, `note`, `driven` and `on_unreachable`. Pages choose the last if no other servo drives, or it is `free`.
   showDrive(news) {
     Object.assign(this, news);
     const others = this.driven && !this.on;

@@ -21,7 +21,7 @@ class PageCommands:
 
     It takes nothing before its first use.
 
-    open: a servo of the program reads it. drive: the pages' servo reads it. beyond: the pages' choice at limits. free:
+    open: a servo of the program reads it. drive: the pages' servo reads it. on_unreachable: the pages' choice at limits. free:
     a servo of the program uses this choice.
 
     A page that jogs must repeat its command. `stop`, a closed page and a malformed message stop the arm.
