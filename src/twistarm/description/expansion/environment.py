@@ -48,5 +48,5 @@ class Environment:
                 f"it asks for the environment variable {name!r}, and was answered as if that were not set: {default!r}"
             )
             yield finding(
-                "environment-kept", Place(self.file.name), what, f"pass {argument('env', [name])} if it may know it"
+                "environment-kept", Place(self.file.name), what, f"pass {argument('env_vars', [name])} if it may know it"
             )

@@ -45,7 +45,7 @@ def explain(error: Exception, expansion: Expansion, place: Place) -> Description
         if isinstance(cause, OSError):
             return refusal("xacro-failed", place, *_missing_file(cause, expansion))
         if isinstance(cause, NotSetError):
-            remedy = f"pass {argument('env', [...])} if it may know it, and set it"
+            remedy = f"pass {argument('env_vars', [...])} if it may know it, and set it"
             return refusal("xacro-failed", place, f"xacro cannot expand it: {cause}", remedy)
     return refusal("xacro-failed", place, *_reworded(text, expansion))
 
@@ -55,7 +55,7 @@ def _missing_package(package: str, wanted: Path, expansion: Expansion, place: Pl
     what = f"package {package!r} not found; searched {expansion.packages.searched()}"
     remedy = (
         f"pass {package_folder('it')}, or where the arm can do without it "
-        f"(a sensor's, a gripper's, a simulator's) {argument('without', [package])}"
+        f"(a sensor's, a gripper's, a simulator's) {argument('ignore_packages', [package])}"
     )
     if near_names := closest(package, expansion.packages.names()):
         remedy = f"correct the name{near_names}, or {remedy}"
