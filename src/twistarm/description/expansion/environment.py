@@ -47,6 +47,5 @@ class Environment:
             what = (
                 f"it asks for the environment variable {name!r}, and was answered as if that were not set: {default!r}"
             )
-            yield finding(
-                "environment-kept", Place(self.file.name), what, f"pass {argument('env_vars', [name])} if it may know it"
-            )
+            remedy = f"pass {argument('env_vars', [name])} if it may know it"
+            yield finding("environment-kept", Place(self.file.name), what, remedy)

@@ -21,8 +21,8 @@ class PageCommands:
 
     It takes nothing before its first use.
 
-    open: a servo of the program reads it. drive: the pages' servo reads it. on_unreachable: the pages' choice at limits. free:
-    a servo of the program uses this choice.
+    open: a servo of the program reads it. drive: the pages' servo reads it. on_unreachable: the pages' choice at
+    limits. free: a servo of the program uses this choice.
 
     A page that jogs must repeat its command. `stop`, a closed page and a malformed message stop the arm.
     """

@@ -23,7 +23,7 @@ from .summary import extra_joints, rest
 from .tool_path import NO_PATH
 
 NO_DRIVE: Message = {"type": "drive", "on": False, "note": "", "on_unreachable": SLIDE, "free": False}
-"""on_unreachable: what a servo does where the arm cannot follow; free: pages may choose it for a servo of the program."""
+"""on_unreachable: what a servo does if the arm cannot follow. free: pages may choose it for a servo of the program."""
 
 
 class Seen(NamedTuple):
