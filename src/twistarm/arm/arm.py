@@ -119,7 +119,10 @@ class Arm:
     def __post_init__(self) -> None:
         for name in ("screws", "home", "tool"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
-        object.__setattr__(self, "coupling", Coupling(frozen(self.coupling[0]), frozen(self.coupling[1])))
+        A, b = (frozen(part) for part in self.coupling)
+        if A.shape != (len(b), len(self.joint_names)) or b.ndim != 1 or self.screws.shape != (6, len(b)):
+            raise InputError(f"coupling must be A (m, n) and b (m,) for screws (6, m); got {A.shape} and {b.shape}")
+        object.__setattr__(self, "coupling", Coupling(A, b))
         object.__setattr__(self, "tip_link", self.tip_link or self.tip)
         object.__setattr__(self, "moving_names", self.moving_names or self._moving_joints())
         states = {name: frozen(theta) for name, theta in self.named_states.items()}

@@ -143,7 +143,7 @@ CODES: dict[str, Code] = {
     # the tool
     "tool-frame-missing": Code("warning", "the tool is the last joint's own frame; nothing says where the arm grips"),
     # bodies
-    "mass-tiny": Code("info", "links weigh next to nothing"),
+    "mass-tiny": Code("info", "links have almost no mass"),
     "mass-implausible": Code("warning", "a link is heavier than any arm's; its mass may be in grams"),
     "inertia-impossible": Code("warning", "no distribution of mass has such an inertia"),
     "inertia-implausible": Code("warning", "an inertia is too large for its mass; its unit may be kg mm² or g mm²"),

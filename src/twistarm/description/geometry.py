@@ -113,7 +113,7 @@ class Geometries:
                 "mesh-missing",
                 None,
                 f"{len(names)} mesh file{'s' * (len(names) > 1)} not found: {listed(names, 2)}; {why}; "
-                "the kinematics is whole",
+                "the kinematics is not affected",
                 f"{remedy}; simple shapes are drawn instead",
             )
 

@@ -172,7 +172,8 @@ class AllSolutions:
         count, beyond = len(self), len(self.outside)
         all_ = "all there are" if self.complete else "there may be more"
         outside = f", {beyond}{' more' * (count > 0)} outside" if beyond else ""
-        sampled = f", {self.hits} of {self.starts} tries met it" if self.starts else ""
+        met = f"{self.hits} of {self.starts}" if self.hits else f"none of {self.starts}"
+        sampled = f", {met} searches met the target" if self.starts else ""
         if not count and self.complete:
             return f"no configuration inside the limits{outside}: that is certain"
         late = "; the time was up before everything had been tried" * self.timed_out

@@ -24,7 +24,7 @@ from ...description.tree import Description
 from ...description.urdf import read_description
 from ...limits.joint_limits import JointLimits
 from ...support.checks import frozen, require_mapping
-from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, listed, shown
+from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
 from ...theory import poe
 from ..arm import Arm, Coupling, Proof
@@ -244,12 +244,21 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
         return ArmSpecification(file, text, name=text, base=base, tip=tip, package_dirs=(share,))
     why = why_no_file(path)
     if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
-        remedy = f"give a URDF or xacro file, an arm.toml or one of {listed(available_arms(), 20)}"
+        near = closest(path.name, _names_beside(path))
+        remedy = f"give a URDF or xacro file, an arm.toml or an arm of the catalogue{near}"
         raise refusal("file-not-found", Place(text[:200]), why, remedy)
     names = available_arms()
     raise UnknownNameError(
         f"no arm {text!r} in the catalogue, nor a file of that name{closest(text, names)} (arms: {', '.join(names)})"
     )
+
+
+def _names_beside(path: Path) -> list[str]:
+    """The files in the folder of `path`; none if there is no such folder."""
+    try:
+        return [each.name for each in path.parent.iterdir()]
+    except (OSError, ValueError):
+        return []
 
 
 def assemble(description: Description, specification: ArmSpecification, changes: Changes) -> Arm:

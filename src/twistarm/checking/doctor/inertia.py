@@ -68,7 +68,7 @@ def check_inertias(description: Description) -> Iterator[Finding]:
     impossible = [body for body in bodies if not body.possible]
     wide = [body for body in solid if body.possible and body.gyration > LARGEST_GYRATION]
     far = [body for body in solid if body.centre > FARTHEST_CENTRE]
-    weightless = "a mass of next to nothing, {mass:g} kg: gravity torques count it as weightless"
+    weightless = "a mass of only {mass:g} kg: gravity torques ignore it"
     troubles = (
         ("mass-tiny", light, weightless, _NO_BODY),
         ("mass-implausible", heavy, "a mass of {mass:g} kg: grams?", _REMEDY),
