@@ -336,7 +336,12 @@ def test_bad_obstacles_and_arms_are_refused(tmp_path: Path) -> None:
     ):
         with pytest.raises(TwistarmError):
             add()
-    for name in (lambda: scene.remove("bll"), lambda: scene.attach("ball", "hnd", theta=[0.0, 0.0])):
+    misspelt = Scene(scene.arm, margin={"hnd": 0.1})
+    for name in (
+        lambda: scene.remove("bll"),
+        lambda: scene.attach("ball", "hnd", theta=[0.0, 0.0]),
+        lambda: misspelt.collides([0.0, 0.0]),
+    ):
         with pytest.raises(UnknownNameError):
             name()
     assert set(scene.obstacles) == {"ball"}

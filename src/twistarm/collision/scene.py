@@ -456,6 +456,9 @@ class Scene:
     @cached_property
     def _checker(self) -> Checker:
         bodies = (*self._links, *self._obstacles.values())
+        for name in () if isinstance(self._margin, float) else self._margin:
+            if name not in self._obstacles:
+                self._description.require_link(name, "margin")
         joints = [self._model.model.frames[self._model.frame_id(body.carrier)].parentJoint for body in bodies]
         pairs = [
             (i, j)
