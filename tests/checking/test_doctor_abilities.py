@@ -78,8 +78,8 @@ NO_YAW = (
     "cannot yaw the tool: with its position held it rolls about its z axis and pitches about one horizontal axis "
     "square to it, and nothing turns it about the third"
 )
-CURVE = "moves its tool on a curve, in one direction at any posture, never along the base's y axis"
-SURFACE = "moves its tool on a surface, in two directions at any posture"
+CURVE = "moves its tool on a curve, in one direction at any configuration, never along the base's y axis"
+SURFACE = "moves its tool on a surface, in two directions at any configuration"
 SPARE = "its 4 joints move the tool in 3 directions only: 1 to spare everywhere"
 
 WORDS = {

@@ -243,7 +243,7 @@ BAD: dict[str, tuple[list[str], str]] = {
     "two kinds of target": ([*IK, "--rpy", "0 0 0", "--direction", "1 0 0"], "not both"),
     "no target": (["ik", "rover_arm"], "xyz"),
     "two sources of targets": ([*IK, "--targets", "t.csv"], "or a file of targets"),
-    "columns of no file": (["fk", "rover_arm", "--columns", "a,b"], "it goes with --postures"),
+    "columns of no file": (["fk", "rover_arm", "--columns", "a,b"], "it goes with --configurations"),
     "an axis that points nowhere": ([*IK, "--axis", "x"], "give a direction too"),
     "an axis by no name": ([*IK, "--direction", "1 0 0", "--axis", "up"], "--axis takes x, y, z"),
     "a waypoint outside the limits": (["plan", "rover_arm", "--to", "0.7 0 0 0 0"], "slide"),

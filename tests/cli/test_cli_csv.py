@@ -1,4 +1,4 @@
-"""`ik --targets` and `fk --postures`: rows of numbers as strangers write them, and back."""
+"""`ik --targets` and `fk --configurations`: rows of numbers as strangers write them, and back."""
 
 from __future__ import annotations
 
@@ -84,9 +84,9 @@ def test_answers_are_postures_and_poses_are_targets(
     monkeypatch.chdir(tmp_path)
     theta = arm.random_theta(2, 30)
     np.savetxt("theta.txt", theta)
-    assert run(["fk", "rover_arm", "--postures", "theta.txt", "-o", "poses.csv"]) == 0
+    assert run(["fk", "rover_arm", "--configurations", "theta.txt", "-o", "poses.csv"]) == 0
     assert run(["ik", "rover_arm", "--targets", "poses.csv", "-o", "theta.csv"]) == 0
-    assert run(["fk", "rover_arm", "--postures", "theta.csv", "--json"]) == 0
+    assert run(["fk", "rover_arm", "--configurations", "theta.csv", "--json"]) == 0
     captured = capsys.readouterr()
     assert captured.err == ""
     poses = json.loads(captured.out[captured.out.index("{") :])["poses"]
@@ -97,13 +97,13 @@ def test_answers_are_postures_and_poses_are_targets(
 def test_joints_may_be_left_out_and_be_in_degrees(tmp_path: Path, capsys: Capture) -> None:
     arm, file = load("rover_arm"), tmp_path / "p.csv"
     file.write_text("wrist_roll [deg],slide_mm\n90,100\n", "utf-8")
-    assert run(["fk", "rover_arm", "--postures", str(file), "--json"]) == 0
+    assert run(["fk", "rover_arm", "--configurations", str(file), "--json"]) == 0
     captured = capsys.readouterr()
     assert captured.err == "note: shoulder, elbow, wrist_pitch as in the pose ready\n"
     (pose,) = json.loads(captured.out)["poses"]
     assert np.allclose(pose["theta"], [0.1, *arm.ready[1:4], np.pi / 2])
     file.write_text("elbow\n90\n", "utf-8")
-    assert run(["fk", "rover_arm", "--postures", str(file)]) == 0
+    assert run(["fk", "rover_arm", "--configurations", str(file)]) == 0
     assert "outside the limits: line 2; angles are rad unless the header says so" in capsys.readouterr().err
 
 
@@ -173,4 +173,4 @@ def test_motions_and_answers_of_joints_named_like_formulas(tmp_path: Path, monke
     (tmp_path / "targets.csv").write_text("x,y,z\n0.1,0.1,0.3\n")
     run(["ik", "arm.urdf", "--targets", "targets.csv", "-o", "answers.csv"])
     assert "'=HYPERLINK(1) [rad]" in (tmp_path / "answers.csv").read_text()
-    assert run(["fk", "arm.urdf", "--postures", "answers.csv"]) == 0
+    assert run(["fk", "arm.urdf", "--configurations", "answers.csv"]) == 0

@@ -78,7 +78,7 @@ READERS: Mapping[str, Reader] = {
     "a golden file": Reader(
         ("check", "arm.urdf", "--samples", "5", "--against", "in.json"), "in.json", lambda: good_json("golden"), "json"
     ),
-    "postures": Reader(("fk", "arm.urdf", "--postures", "in.csv"), "in.csv", _is(ROWS), "csv"),
+    "postures": Reader(("fk", "arm.urdf", "--configurations", "in.csv"), "in.csv", _is(ROWS), "csv"),
     "targets": Reader(("ik", "arm.urdf", "--targets", "in.csv"), "in.csv", _is(TARGETS), "csv"),
     "a motion to play": Reader(
         ("view", "arm.urdf", "--play", "in.csv", "-o", "out.html"), "in.csv", _is(RECORDING), "csv"

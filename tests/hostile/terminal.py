@@ -164,7 +164,7 @@ CARRIERS: Mapping[str, Carrier] = {
         ),
         set(NAMES),
     ),
-    "a column of postures": Carrier(_postures, (("fk", "arm.urdf", "--postures", "in.csv"),), IN_TOML),
+    "a column of postures": Carrier(_postures, (("fk", "arm.urdf", "--configurations", "in.csv"),), IN_TOML),
     "a column of a log": Carrier(_log, (("wiring", "arm.toml", "in.csv"),), IN_TOML),
     "an SRDF": Carrier(_srdf, (("info", "arm.urdf"), ("info", "arm.urdf", "--json")), IN_XML),
     "a file's name": Carrier(

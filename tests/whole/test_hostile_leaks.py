@@ -20,7 +20,7 @@ COMMANDS = {
     "repaired": "doctor ARM --fix -o OUT/repaired.urdf",
     "draft": "init ARM -o BESIDE/arm.toml",
     "answers": "ik ARM --targets OUT/targets.csv -o OUT/answers.csv",
-    "poses": "fk ARM --postures OUT/postures.csv -o OUT/poses.csv",
+    "poses": "fk ARM --configurations OUT/postures.csv -o OUT/poses.csv",
     "info": "info ARM --json",
     "diagnosis": "doctor ARM --json",
     "check": "check ARM --json",

@@ -70,7 +70,7 @@ class Coupling(NamedTuple):
 
 
 class Proof(NamedTuple):
-    """The check at load: the largest differences between screws and Pinocchio over `samples` postures."""
+    """The check at load: the largest differences between screws and Pinocchio over `samples` configurations."""
 
     pose_error: float
     jacobian_error: float
@@ -203,7 +203,7 @@ class Arm:
 
     @cached_property
     def computed_ready(self) -> Array:
-        """A well-conditioned posture (n,) in round numbers, off the limits, the tool in front of and above the base.
+        """A well-conditioned configuration (n,) in round numbers, off the limits, the tool before and above the base.
 
         No two links overlap in it if the description has shapes.
         """

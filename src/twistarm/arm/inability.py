@@ -20,10 +20,10 @@ NO_MOTION = 1e-3
 """A singular value [rad per rad] below this counts as zero. Descriptions write 1.57 for a right angle."""
 
 SAMPLES = 16
-"""Number of random postures. Almost every posture has the largest rank of the arm."""
+"""Number of random configurations. Almost every configuration has the largest rank of the arm."""
 
 BESIDE = 0.05
-"""Distance [scaled rad] from a singular posture at which its missing directions are found."""
+"""Distance [scaled rad] from a singular configuration at which its missing directions are found."""
 
 MOSTLY = 0.5
 """An arm has a direction if it has at least this share of it."""
@@ -39,16 +39,16 @@ class Lack(Enum):
     """Whether an arm has a motion of its tool."""
 
     NONE = "it has it here"
-    HERE = "it has it elsewhere: this posture is singular"
-    EVERYWHERE = "it has it at no posture"
+    HERE = "it has it elsewhere: this configuration is singular"
+    EVERYWHERE = "it has it at no configuration"
 
 
 def lack(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, before: Sequence[int] = ()) -> Lack:
-    """Whether the tool can move along or turn about the unit vector (3,), at theta (n,) or at any posture.
+    """Whether the tool can move along or turn about the unit vector (3,), at theta (n,) or at any configuration.
 
     Only motions that leave the components `before` unchanged count: J_half N, with N the null space of J_before.
     Metres are measured in the reach, in axes of `frame`. An analytic Jacobian has its largest rank almost everywhere.
-    If the rank here is less than at random postures, this posture lacks some directions.
+    If the rank here is less than at random configurations, this configuration lacks some directions.
     """
     span = _span(arm, theta, half, before, frame)[0]
     if _holds(span, direction):
@@ -79,7 +79,7 @@ def must_turn(axis: Array, frame: str) -> str:
 
 
 def singular(what: str, share: float, joint: str | None, axis: str = "") -> str:
-    """The words for a posture near a singularity, with `what` "move" or "turn" and the `share` that is done.
+    """The words for a configuration near a singularity, with `what` "move" or "turn" and the `share` that is done.
 
     `joint` is the joint that would have to move most, if known. `axis` is the lost direction.
     """
@@ -103,7 +103,7 @@ _RANKS: weakref.WeakKeyDictionary[Arm, dict[tuple[object, ...], int]] = weakref.
 
 
 def _rank(arm: Arm, half: Half, before: Sequence[int], frame: str) -> int:
-    """The largest rank of `_span` among random postures, cached with the arm."""
+    """The largest rank of `_span` among random configurations, cached with the arm."""
     kept = _RANKS.setdefault(arm, {})
     key = (half, tuple(before), frame)
     if key not in kept:

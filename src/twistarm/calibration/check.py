@@ -139,7 +139,7 @@ def _explained(
 def _plausible_units(wiring: Wiring) -> list[str]:
     """The `UNITS` in which the measured distances from the base match the arm's; none if they are metres.
 
-    The arm's distances are those of random postures, because the motors' readings may be wrong.
+    The arm's distances are those of random configurations, because the motors' readings may be wrong.
     """
     usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(0, POSTURES))[:, :3, 3])
     measured = _mean_distance(wiring.position)

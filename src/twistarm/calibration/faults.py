@@ -89,7 +89,7 @@ LITTLE_ANGLE, LITTLE_LENGTH = np.radians(15.0), 0.05
 """A motor that moves its joint by less than this [rad, m] has hardly been moved."""
 
 BASE_KNOWN = (
-    "measure the base anew, by the tool in several postures; --base-position-noise (metres) and "
+    "measure the base anew, by the tool in several configurations; --base-position-noise (metres) and "
     "--base-orientation-noise (degrees) say how well it is known, 0 and 0 exactly"
 )
 """Where the base and a motor are not told apart."""

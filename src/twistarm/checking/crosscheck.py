@@ -31,7 +31,7 @@ AS_WRITTEN = "pinocchio as written"
 """The engine that reads the unchanged text."""
 
 WRITTEN_TOL, WRITTEN_SAMPLES = 1e-10, 100
-"""Its parser rounds an axis near x, y or z, and walks all links in Python: of so many postures."""
+"""Its parser rounds an axis near x, y or z, and walks all links in Python: of so many configurations."""
 
 YOURDFPY_TOL = 1e-7
 """yourdfpy's scene graph takes a joint's pose within 1e-8 of the identity, or of the one before, for the same."""
@@ -46,14 +46,14 @@ STEP, SMALLEST_STEP = 1e-3, 1e-7
 """Of the joint that moves most, in rad or m."""
 
 YOURDFPY_SAMPLES, YOURDFPY_STEPS = 200, 100_000
-"""yourdfpy walks from each link to the base, some 4 µs a joint: at most so many postures, and so many steps in all."""
+"""yourdfpy walks from each link to the base, some 4 µs a joint: the most configurations, and the most steps in all."""
 
 YOURDFPY_LINKS, YOURDFPY_TAGS, YOURDFPY_CUBES = 500, 30_000, 20_000_000
 """It keeps a path between any two links, makes a body of each shape, 0.1 ms for a tag of the text, and finds the order
 to multiply a link's joints in with their cube of steps, some 0.1 µs each."""
 
 USUAL_LINKS, USUAL_PRODUCT = 150, 1024
-"""Links of a description, and joints of a chain times its coordinates: of larger ones fewer postures are compared, so
+"""Links of a description, and joints of a chain times coordinates: of larger ones fewer configurations are compared, so
 that it takes as long and as much memory."""
 
 MOST_SAMPLES = 10_000_000
@@ -195,7 +195,7 @@ def _size(arm: Arm) -> float:
 
 
 def _fewer(theta: Array, size: int, usual: int) -> Array:
-    """The first of the postures, as many fewer as `size` exceeds what is usual."""
+    """The first of the configurations, as many fewer as `size` exceeds what is usual."""
     return theta[: max(1, len(theta) * usual // max(size, usual))]
 
 

@@ -106,7 +106,8 @@ def _compare(arm: Arm, golden: dict[str, Any]) -> Difference:
     )
     if max(pose_error, jacobian_error) > 10 * SAME_TOL and not moved:
         moved.append(
-            f"poses differ by up to {pose_error:.2g} and Jacobians by {jacobian_error:.2g} over {len(theta)} postures"
+            f"poses differ by up to {pose_error:.2g} and Jacobians by {jacobian_error:.2g} "
+            f"over {len(theta)} configurations"
         )
     return Difference(arm.name, (*changes, *moved), pose_error, jacobian_error, notes)
 

@@ -126,7 +126,7 @@ CODES: dict[str, Code] = {
     "limit-range-tiny": Code("warning", "a joint's bounds leave it next to no room"),
     "velocity-implausible": Code("warning", "a velocity limit is beyond any arm's; it may be in degrees, mm or inches"),
     "reach-implausible": Code("warning", "the arm is longer than any; its lengths may be in millimetres or inches"),
-    # postures
+    # configurations
     "zero-outside-limits": Code("info", "the arm cannot stand at zero, where many programs start"),
     "home-singular": Code("info", "at zero, or at home, the tool cannot move in every direction that the arm has"),
     "ready-singular": Code("warning", "at the ready pose, where searches start, the tool hardly moves some way"),

@@ -61,7 +61,7 @@ def split_rotation(arm: Arm, target: AnyTarget, theta: Array) -> Split:
     """The rotation error at theta (n,) with the position held, split into what no joint can undo and the rest.
 
     The compiled core splits it (core/include/twistarm/ik/reason.hpp). Rotation rows times the null space of the
-    position rows span what can be undone. At the end of the reach for a rotation, a posture lacks motions of its
+    position rows span what can be undone. At the end of the reach for a rotation, a configuration lacks motions of its
     neighbours. Then the least over these counts. A `TolerancedPose` holds a component from the edge of its tolerance
     on. Without the core both parts are 0.
     """

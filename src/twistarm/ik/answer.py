@@ -26,8 +26,8 @@ class StopReason(Enum):
     A missed position decides alone, so the reason is the same for every kind of target. It is BLOCKED_BY_LIMITS if the
     arm reaches it without its position limits, else OUT_OF_REACH. A missed rotation is BLOCKED_BY_LIMITS if the arm
     meets the whole target without limits. Otherwise the largest part of the missing rotation decides.
-    IMPOSSIBLE_DIRECTION is a turn that this posture and those beside it lack. BLOCKED_BY_LIMITS is what the nearest
-    configuration without limits does not miss. OUT_OF_REACH is the rest.
+    IMPOSSIBLE_DIRECTION is a turn that this configuration and those beside it lack. BLOCKED_BY_LIMITS is what the
+    nearest configuration without limits does not miss. OUT_OF_REACH is the rest.
 
     IN_COLLISION needs a scene: configurations meet the target, and all that were found collide.
     """

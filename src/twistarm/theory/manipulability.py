@@ -1,4 +1,4 @@
-"""Manipulability: how well a posture moves the tool in each direction."""
+"""Manipulability: how well a configuration moves the tool in each direction."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NO_MOTION = 1e-9
 """A singular value this small beside the largest is the rounding of 0."""
 
 BESIDE = 1e-4
-"""How far beside a singular posture one looks for the motions that it lacks [scaled rad]."""
+"""How far beside a singular configuration one looks for the motions that it lacks [scaled rad]."""
 
 SEEN = 1e-3
 """Of that distance: a singular value which is larger there is not the square of it."""
@@ -31,8 +31,8 @@ class Manipulability(Brief):
 
     Singular vectors are unique up to the sign, and for equal values up to a rotation. Here the largest component is
     positive. The axes of equal values are those in their span that are nearest to the tool's axes. Translations along
-    x, y, z come before rotations about x, y, z. The axes of a value 0 begin with the motions that postures beside this
-    one have, to first order. Those that they lack too follow.
+    x, y, z come before rotations about x, y, z. The axes of a value 0 begin with the motions that configurations beside
+    this one have, to first order. Those that they lack too follow.
     """
 
     singular_values: Array
@@ -74,7 +74,7 @@ def manipulability_of(
 ) -> Manipulability:
     """The measure for body Jacobians `J` (..., 6, n).
 
-    `beside` gives the body Jacobians (m, 6, n) at the posture of an index, moved by the scaled steps (m, n).
+    `beside` gives the body Jacobians (m, 6, n) at the configuration of an index, moved by the scaled steps (m, n).
     """
     U, s, Vt = np.linalg.svd(scaled_jacobian(J, prismatic, length), full_matrices=False)
     if s.shape[-1]:

@@ -1,4 +1,4 @@
-"""The ready posture of an arm: one that its description names, else a computed one in round numbers."""
+"""The ready configuration of an arm: one that its description names, else a computed one in round numbers."""
 
 from .bodies import Bodies
 from .merit import Mechanism

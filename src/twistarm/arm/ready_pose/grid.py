@@ -1,4 +1,4 @@
-"""The round values of each coordinate of a computed posture, with their costs."""
+"""The round values of each coordinate of a computed configuration, with their costs."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ BENT, LESS_ROUND, NEAR = 0.25, 0.05, 1.0
 class Grid:
     """Up to k values for n coordinates: `values` and `cost` (n, k), their `count` (n,) and the index of `rest` (n,).
 
-    A posture is a row of n indices. At rest a coordinate is 0 if that is off its bounds. Otherwise it is a round number
-    near the middle of its range.
+    A configuration is a row of n indices. At rest a coordinate is 0 if that is off its bounds. Otherwise it is a round
+    number near the middle of its range.
     """
 
     values: Array

@@ -1,4 +1,4 @@
-"""The merit of a posture: a sum of penalties, 0 at best."""
+"""The merit of a configuration: a sum of penalties, 0 at best."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from .sketch import Sketch, sketched
 from .stance import Stance
 
 DECIMALS = 6
-"""Decimals of compared costs, so that rounding does not choose between equal postures."""
+"""Decimals of compared costs, so that rounding does not choose between equal configurations."""
 
 CROWDED, SLOWED = 4.0, 1.5
 """Costs of strokes that touch, and of each doubling of the condition number."""
 
 MOST = 64
-"""The most postures of a comparison with a computed conditioning: the best by all other costs."""
+"""The most configurations of a comparison with a computed conditioning: the best by all other costs."""
 
 LOST = 1e-3
 """A singular value below this share of the largest counts as zero, because exports round axes."""
 
 HOPELESS = 1e-6
-"""The least σ_k/σ_1, so that other costs decide between singular postures."""
+"""The least σ_k/σ_1, so that other costs decide between singular configurations."""
 
 
 class Mechanism(NamedTuple):
@@ -69,7 +69,7 @@ def _ratios(J: Array) -> Array:
 
 @dataclass(frozen=True)
 class Merit:
-    """The costs of a mechanism's postures on a grid. `ranks` count the directions in which its tool moves."""
+    """The costs of a mechanism's configurations on a grid. `ranks` count the directions in which its tool moves."""
 
     mechanism: Mechanism
     grid: Grid
@@ -101,7 +101,7 @@ class Merit:
 
 
 def merit_of(mechanism: Mechanism, grid: Grid, rows: Rows) -> Merit:
-    """The merit of a mechanism, with the ranks found at the postures of some rows (N, n)."""
+    """The merit of a mechanism, with the ranks found at the configurations of some rows (N, n)."""
     sketch = sketched(mechanism.screws, mechanism.home[:3, 3])
     motions = mechanism.motions(grid.theta(rows))
     placed = sketch.at(motions)

@@ -1,11 +1,11 @@
-"""The named posture of a description to start from."""
+"""The named configuration of a description to start from."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 USUAL_NAMES = ("ready", "home", "default", "rest", "stowed")
-"""Usual names of the ready posture, the most likely first."""
+"""Usual names of the ready configuration, the most likely first."""
 
 
 def named_ready(names: Iterable[str]) -> str | None:

@@ -1,4 +1,4 @@
-"""The posture of least cost: the best of seeded postures, improved step by step."""
+"""The configuration of least cost: the best of seeded configurations, improved step by step."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .grid import Grid, Rows, grid_of
 from .merit import Mechanism, Merit, merit_of
 
 SAMPLES, KNOWING = 192, 24
-"""Number of first postures, and how many of them give the ranks."""
+"""Number of first configurations, and how many of them give the ranks."""
 
 BEST, ROUNDS, BLOCK = 3, 10, 8
 """How many of them are improved, in how many rounds, with how many neighbouring coordinates at a time."""
@@ -26,7 +26,7 @@ TRIES = 8
 """The most neighbours to check for overlapping links, the best first."""
 
 RESTING = 0.45
-"""The share of coordinates that rest in the first postures."""
+"""The share of coordinates that rest in the first configurations."""
 
 STRIDES = (-1, 1, -3, 3, -6, 6)
 """Steps of a coordinate alone; two near each other take single steps together."""
@@ -37,7 +37,7 @@ VERTICAL = 0.999
 """The least |z| of the axis of a base turn, a unit vector."""
 
 USUALLY = 0.9
-"""Links that overlap in this share of postures overlap by their drawing."""
+"""Links that overlap in this share of configurations overlap by their drawing."""
 
 Overlapping = Callable[[Array], frozenset[tuple[str, str]]]
 

@@ -1,7 +1,7 @@
 """Motions that an arm's tool has almost everywhere, and those it never has: ranks and common null spaces.
 
-Statements about "every posture" come from random ones. The ranks of an analytic Jacobian are the largest almost
-everywhere. A direction that is missing at many random postures is missing at all.
+Statements about "every configuration" come from random ones. The ranks of an analytic Jacobian are the largest almost
+everywhere. A direction that is missing at many random configurations is missing at all.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ...support.directions import nearest_axes
 from ...theory.manipulability import scaled_jacobian
 
 SAMPLES = 32
-"""Random postures; the largest rank among them is the arm's."""
+"""Random configurations; the largest rank among them is the arm's."""
 
 TOL = 1e-3
 """Motions below this share of the largest [rad/rad] are none: rpy="1.5708" tilts an axis by 4e-6."""
@@ -64,7 +64,7 @@ class Abilities:
 
 
 def sample_motions(arm: Arm) -> Motions:
-    """The arm's motions at seeded random postures inside its limits."""
+    """The arm's motions at seeded random configurations inside its limits."""
     prismatic = np.array([slides(kind) for kind in arm.joint_types])
     pairs = [arm._fk_and_body_jacobian(theta) for theta in arm.random_theta(0, SAMPLES)]
     R = np.stack([g[:3, :3] for g, _ in pairs])

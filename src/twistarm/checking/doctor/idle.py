@@ -44,6 +44,6 @@ def check_without_effect(arm: Arm, motions: Motions) -> Iterator[Finding]:
             yield finding(
                 "joint-without-effect",
                 place_of(arm.description, arm.name),
-                f"joint {name!r} does not move the tool at any posture: what it turns is turned back",
+                f"joint {name!r} does not move the tool at any configuration: what it turns is turned back",
                 "look at the mimics behind it, or lock it",
             )

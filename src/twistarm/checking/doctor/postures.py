@@ -1,4 +1,4 @@
-"""Singular postures among those that programs start from, and a better one."""
+"""Singular configurations among those that programs start from, and a better one."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...support.checks import Array
 from .wording import place_of, toml_table
 
 SINGULAR = 1e3
-"""A condition number beyond which a posture is singular in practice: one direction a thousand times slower."""
+"""A condition number beyond which a configuration is singular in practice: one direction a thousand times slower."""
 
 POOR = 100.0
 """A ready pose worse than this is worth a word, if there is one that is ten times better."""

@@ -28,7 +28,7 @@ def summary(arm: Arm, able: Abilities) -> str:
 
 
 def check_abilities(arm: Arm, able: Abilities) -> Iterator[Finding]:
-    """What no posture lets this arm do."""
+    """What no configuration lets this arm do."""
     place = place_of(arm.description, arm.name)
     if able.position < 3:
         remedy = "ask only for positions there; solve_ik gives the nearest to any other"
@@ -42,7 +42,7 @@ def check_abilities(arm: Arm, able: Abilities) -> Iterator[Finding]:
         what = (
             f"its {arm.n} joints move the tool in {able.rank} directions only: {arm.n - able.rank} to spare everywhere"
         )
-        yield finding("joints-redundant", place, what, "nothing; many postures meet one target")
+        yield finding("joints-redundant", place, what, "nothing; many configurations meet one target")
 
 
 def cannot_move(able: Abilities) -> str:
@@ -57,7 +57,7 @@ def cannot_move(able: Abilities) -> str:
         return f"moves its tool along {_base(along)} only, to and fro on one line"
     across = f", never along {_base(missing[0])}" if len(missing) else ""
     directions = "one direction" if able.position == 1 else "two directions"
-    return f"moves its tool on {FEWER[able.position]}, in {directions} at any posture{across}"
+    return f"moves its tool on {FEWER[able.position]}, in {directions} at any configuration{across}"
 
 
 def cannot_turn(able: Abilities) -> str:
@@ -84,14 +84,15 @@ def _one_axis(able: Abilities) -> str:
         return f"{axis_in_words(able.turned_tool[0], 'tool')} only"
     if len(able.turned_base):
         return f"{_base(able.turned_base[0])} only"
-    return "one axis only, which changes with the posture"
+    return "one axis only, which changes with the configuration"
 
 
 def _two_axes(able: Abilities) -> str:
     """Two of three rotations: roll is about an axis of the tool, pitch about a horizontal axis."""
     if len(able.turned_tool) != 1:
         known = f", one of them {_base(able.turned_base[0])}" if len(able.turned_base) == 1 else ""
-        return f"with its position held, turns its tool about two axes only{known}; the third changes with the posture"
+        third = "the third changes with the configuration"
+        return f"with its position held, turns its tool about two axes only{known}; {third}"
     fixed = _base(able.turned_base[0]) if len(able.turned_base) == 1 else ""
     if _pitches(able):
         return (

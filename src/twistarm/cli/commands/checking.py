@@ -114,7 +114,7 @@ def check_table(result: CrossCheck) -> Any:
         ]
         for row in result.comparisons
     ]
-    columns = ["quantity", "engines", "worst difference", "allowed", "postures", ""]
+    columns = ["quantity", "engines", "worst difference", "allowed", "configurations", ""]
     return table("", columns, rows, text=columns)
 
 

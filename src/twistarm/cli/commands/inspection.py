@@ -96,7 +96,7 @@ def info_view(arm: Arm, radians: bool) -> Group:
     if arm.proof is not None:
         parts.append(
             f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
-            f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random postures"
+            f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random configurations"
         )
     parts.append(literal(engine_view(arm)))
     parts.append(literal(all_view(arm)))

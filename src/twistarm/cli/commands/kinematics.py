@@ -10,6 +10,7 @@ import typer
 from ...arm.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
+from ..configurations import configurations_in, poses_csv, tell_poses
 from ..csv_rows import Columns, read_sheet
 from ..options import POSTURE, Json, Radians, Theta, takes_arm
 from ..output import (
@@ -26,14 +27,14 @@ from ..output import (
     warn,
 )
 from ..outputs import Force, Output, outputs_of
-from ..postures import poses_csv, postures_in, tell_poses
 from ..typed import parse_theta
 
-Postures = Annotated[
+Configurations = Annotated[
     str | None,
     typer.Option(
         metavar="CSV",
-        help="A posture in each row: a column for each joint [rad, m], `elbow [deg]` for degrees; - is standard input.",
+        help="A configuration in each row, a column for each joint [rad, m], `elbow [deg]` for degrees; - is standard "
+        "input.",
     ),
 ]
 
@@ -50,7 +51,7 @@ class Kind(str, Enum):
 def fk(
     arm: Arm,
     theta: Annotated[str | None, POSTURE] = None,
-    postures: Postures = None,
+    configurations: Configurations = None,
     columns: Columns = None,
     frame: Annotated[str | None, typer.Option(metavar="LINK", help="Another frame than the tip.")] = None,
     output: Output = None,
@@ -59,15 +60,15 @@ def fk(
     json: Json = False,
 ) -> None:
     """Forward kinematics: the pose of the tip, or of another frame, seen from the base."""
-    if columns is not None and postures is None:
-        raise InputError("--columns names the columns of a file: it goes with --postures")
+    if columns is not None and configurations is None:
+        raise InputError("--columns names the columns of a file: it goes with --configurations")
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     name = frame or arm.tip
-    if postures is not None:
+    if configurations is not None:
         if theta is not None:
-            raise InputError("give one --theta, or a file of postures by --postures")
-        sheet = read_sheet(postures, columns)
-        tell_poses(arm, sheet, postures_in(arm, sheet), name, outputs, json=json)
+            raise InputError("give one --theta, or a file of configurations by --configurations")
+        sheet = read_sheet(configurations, columns)
+        tell_poses(arm, sheet, configurations_in(arm, sheet), name, outputs, json=json)
         return
     x = parse_theta(arm, "ready" if theta is None else theta, rad)
     warn_outside(arm, x, rad)

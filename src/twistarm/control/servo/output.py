@@ -38,7 +38,7 @@ class ServoReason(Enum):
     VELOCITY_LIMIT = "slowed by a velocity limit"
     LOWER_LIMIT = "a joint or motor is at its lower position limit, or brakes toward it"
     UPPER_LIMIT = "a joint or motor is at its upper position limit, or brakes toward it"
-    SINGULARITY = "a direction of the command is nearly lost in this posture"
+    SINGULARITY = "a direction of the command is nearly lost in this configuration"
     TURN_LOST = "the tool turns otherwise than commanded, because the arm has too few joints"
     IMPOSSIBLE = "this arm has no such motion"
     STALE = "no usable command or state: coming to rest"

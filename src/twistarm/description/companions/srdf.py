@@ -51,7 +51,7 @@ class EndEffector:
 
 @dataclass(frozen=True)
 class GroupState:
-    """A named posture: {joint: value [rad or m]}, joints with several numbers left out."""
+    """A named configuration: {joint: value [rad or m]}, joints with several numbers left out."""
 
     name: str
     group: str

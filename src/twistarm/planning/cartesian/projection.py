@@ -15,7 +15,7 @@ from .moving_target import errors_from
 STEPS = 12
 
 DAMPING, LEAST_DAMPING = 0.05, 1e-12
-"""Of a step, as part of the squared error and at least: far from targets and near singular postures it is short."""
+"""Of a step, as part of the squared error and at least. Far from targets and near singularities it is short."""
 
 CALM = 1e-6
 """Least damping within tolerances: no joint turns far for what an axis that is off by rounding misses."""

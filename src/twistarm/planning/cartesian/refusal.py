@@ -30,7 +30,7 @@ MORE_ROOM = 0.5
 """So much farther [rad, m] a joint may go to see whether its limit is what blocks."""
 
 SINGULAR = 0.05
-"""A smaller least singular value, metres over the arm's reach, is that of a posture near a singular one."""
+"""A smaller least singular value, metres over the arm's reach, is that of a configuration near a singular one."""
 
 CERTAIN = "; no configuration inside the limits meets it farther on, that is certain"
 """What the closed form shows of some targets."""
@@ -124,7 +124,11 @@ def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str 
             return "out of reach", None, beyond.stop.value
         return "out of reach", None, "the path leaves the arm's reach there"
     if float(arm.manipulability(theta).singular_values[-1]) < SINGULAR:
-        return "singular", None, "the arm comes to a singular posture, and would have to leap to another configuration"
+        return (
+            "singular",
+            None,
+            "the arm comes to a singular configuration, and would have to leap to another configuration",
+        )
     return "limit", None, "the arm would have to leap to another configuration"
 
 

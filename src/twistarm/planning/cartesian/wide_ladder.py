@@ -1,4 +1,4 @@
-"""Wide ladder: curves climbed in many postures at each rung, by an arm with freedom left."""
+"""Wide ladder: curves climbed in many configurations at each rung, by an arm with freedom left."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .nodes import EXACT, LONGEST_JUMP, Blocked, Node, Rungs, cheapest_first, ef
 from .projection import projected
 
 FEWEST = 40
-"""Rungs of the shortest curve: on each the arm may change its posture a little."""
+"""Rungs of the shortest curve: on each the arm may change its configuration a little."""
 
 WIDTH = 100
 """Configurations at each rung."""
@@ -38,8 +38,8 @@ SEED = 0
 def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
     """Return the configurations at the ends of the curves, least joint motion first, or how far they come.
 
-    At each rung a posture goes on near itself, nearer to the middle of the joints, or at random. `WIDTH` of them stay
-    that are apart, each with its least joint motion.
+    At each rung a configuration goes on near itself, nearer to the middle of the joints, or at random. `WIDTH` of them
+    stay that are apart, each with its least joint motion.
     """
     rng = np.random.default_rng(SEED)
     rungs, nodes = Rungs(roots, FEWEST), list(roots)

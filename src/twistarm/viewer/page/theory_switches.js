@@ -84,7 +84,7 @@ export class Switches {
     $("dexterity").hidden = !this.boxes.get("workspace").firstChild.checked;
     $("dexterity-bar").style.background = `linear-gradient(to right, ${COLOURS.join(", ")})`;
     $("dexterity-best").textContent = short(best);
-    $("dexterity-words").textContent = `Dexterity of ${count.toLocaleString("en")} random postures: 1/condition of Jᵇ, metres in the `
+    $("dexterity-words").textContent = `Dexterity of ${count.toLocaleString("en")} random configurations: 1/condition of Jᵇ, metres in the `
       + `reach, in the ${directions} direction${directions === 1 ? "" : "s"} this arm has. 1 would move alike in all, 0 lacks one.`;
   }
 }

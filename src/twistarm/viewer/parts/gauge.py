@@ -25,7 +25,7 @@ LEAST = {"rad": np.pi / 36, "m": 0.01}
 """Near in any case [rad, m]: 5°, 1 cm."""
 
 SAMPLES = 16
-"""Random postures among which one moves the tool in every direction that the arm has."""
+"""Random configurations among which one moves the tool in every direction that the arm has."""
 
 DIRECTIONS = ("along x", "along y", "along z", "about x", "about y", "about z")
 

@@ -32,7 +32,7 @@ STRAIGHT = "straight in joint space between the poses: the tool's way is a curve
 SPLINES = ("cubic", "quintic", "time_optimal", "trapezoid")
 """Kinds that lead through joint moves alone without a stop; trapezoid stops at each pose."""
 
-WHY = {"limit": "a leap would follow", "singular": "singular posture", "out of reach": "out of reach"}
+WHY = {"limit": "a leap would follow", "singular": "singular configuration", "out of reach": "out of reach"}
 """In a few words, by the reason of a PathError."""
 
 MOST_GHOSTS = 12

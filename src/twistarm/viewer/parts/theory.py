@@ -27,7 +27,7 @@ ANGULAR = 0.13
 
 
 class Theory(Part):
-    """What the posture comes to, computed only while some page shows something of it."""
+    """What the configuration comes to, computed only while some page shows something of it."""
 
     def __init__(self, arm: Arm) -> None:
         self._axes: Message = {"type": "axes", **axes(arm)}

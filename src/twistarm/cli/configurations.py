@@ -1,4 +1,4 @@
-"""Postures in a CSV file for `fk`, and the poses that they give."""
+"""Configurations in a CSV file for `fk`, and the poses that they give."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .output import console, note, number, pose_json, print_json, say, table, wa
 from .outputs import Outputs
 
 
-def postures_in(arm: Arm, sheet: Sheet) -> Array:
+def configurations_in(arm: Arm, sheet: Sheet) -> Array:
     """theta (N, n) of a CSV's rows: a column for each joint, by names or base to tip [rad, m].
 
     Joints without a column take their value in ready, with a note.
