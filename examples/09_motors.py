@@ -55,7 +55,7 @@ assert (output.status, output.joint) == (ServoStatus.SLOWED_LIMIT, "left")
 assert np.isclose(output.scale, 90 / 144)
 print(f"{output.explain()}: {output.scale:.1%} of the jog")
 
-# The right encoder counts backwards. Fifteen configurations, with the tool measured to a millimetre, show which one it is.
+# The right encoder counts backwards. Fifteen configurations, with the tool measured to a millimetre, show which one.
 rng = np.random.default_rng(0)
 theta = arm.random_theta(rng, 15)
 measured = arm.fk(theta)
