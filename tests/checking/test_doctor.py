@@ -87,7 +87,7 @@ REAL = {
     "kortex_description/robots/kinova.urdf.xacro": (
         {
             "xacro_args": {"name": "gen3", "arm": "gen3", "gripper": "robotiq_2f_85"},
-            "without": "robotiq_description",
+            "ignore_packages": "robotiq_description",
         },
         {"package-left-out"},
     ),

@@ -131,9 +131,9 @@ def _read_again(arm: Arm, path: Path, packages: Mapping[str, Path], arguments: M
     tool = table.get("tool", {})
     g_tip_tool = reader.placed(tool.get("xyz", np.zeros(3)), tool.get("rpy", np.zeros(3)))
     problems = [] if table or "limits" in arguments else _other_bounds(arm, robot)
-    problems += _other_torques(arm, robot, table.get("locked", {}))
+    problems += _other_torques(arm, robot, table.get("locked_joints", {}))
     for theta in arm.random_theta(np.random.default_rng(2), 3):
-        values = {**arm.theta_to_dict(theta), **table.get("locked", {})}
+        values = {**arm.theta_to_dict(theta), **table.get("locked_joints", {})}
         expected = reader.pose(robot, values, arm.base, arm.tip_link) @ g_tip_tool
         size = 1 + np.abs(expected[:3, 3]).max() + np.abs(arm.home[:3, 3]).max() + arm.reach
         error = np.abs(arm.fk(theta) - expected).max()

@@ -148,6 +148,6 @@ def test_the_course_names_every_lesson_once_and_every_section() -> None:
 def test_paths_of_an_arm_mean_the_same_from_anywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.urdf").write_text("")
-    made = as_keywords("mine.urdf", {"srdf": Path("a.srdf"), "tip": None, "without": ("x",)})
-    assert made == {"source": str(tmp_path / "mine.urdf"), "srdf": str(tmp_path / "a.srdf"), "without": ["x"]}
+    made = as_keywords("mine.urdf", {"srdf": Path("a.srdf"), "tip": None, "ignore_packages": ("x",)})
+    assert made == {"source": str(tmp_path / "mine.urdf"), "srdf": str(tmp_path / "a.srdf"), "ignore_packages": ["x"]}
     assert as_keywords("scara", {}) == {"source": "scara"}

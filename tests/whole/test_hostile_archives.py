@@ -188,9 +188,9 @@ def test_a_variable_that_nobody_allows_counts_as_not_set(
     text, noted = unset
     if "optenv" in asking:
         assert noted[0].startswith("environment-kept: it asks for the environment variable 'CANARY', and was answered")
-        assert noted[0].endswith("pass env=['CANARY'] if it may know it")
+        assert noted[0].endswith("pass env_vars=['CANARY'] if it may know it")
     else:
-        assert "environment variable 'CANARY' is not set for it; pass env=[...] if it may know it" in text
+        assert "environment variable 'CANARY' is not set for it; pass env_vars=[...] if it may know it" in text
     text, noted = asked(("CANARY",))
     assert f'{TOKEN}"' in text
     assert not any("'CANARY'" in one for one in noted)

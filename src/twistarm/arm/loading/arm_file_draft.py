@@ -85,7 +85,7 @@ def draft_arm_file(
         _ends(description, arm, base),
         _beside(description, where, srdf),
         _package_dirs(folders, where),
-        [f"without = [{', '.join(map(toml_text, absent))}]"] if absent else [],
+        [f"ignore_packages = [{', '.join(map(toml_text, absent))}]"] if absent else [],
         _tool(),
         _xacro_args(declared, arguments),
         _limits(description, arm),
