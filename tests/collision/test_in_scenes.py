@@ -14,6 +14,7 @@ from twistarm import (
     FreeMove,
     InputError,
     JointMove,
+    LimitError,
     LineMove,
     PathError,
     Position,
@@ -121,6 +122,20 @@ def test_a_free_move_goes_round(tmp_path: Path) -> None:
     assert motion.waypoints[0].tolist() == [-1.0, 0.0]
     assert motion.waypoints[-1] == pytest.approx([-1.0, 0.0])
     assert "there" in [label for _, label in motion.labels] or "there" in str(motion.labels)
+
+
+def test_free_moves_are_planned_every_time(tmp_path: Path) -> None:
+    """After a move with a blend, and straight ones, whose timing keeps to the proven way."""
+    arm = load_arm("rover_arm", limits={"acceleration": 5.0})
+    scene = Scene(arm)
+    motion = plan(arm, [JointMove(arm.ready + 0.05, blend=0.01), FreeMove("ready")], scene=scene)
+    assert motion.waypoints[-1] == pytest.approx(arm.ready)
+    ends = free_configurations(scene, 40, 9)
+    for start, goal in zip(ends[::2], ends[1::2], strict=True):
+        if scene.is_free(start, goal):
+            plan(arm, FreeMove(goal), start=start, scene=scene)
+    with pytest.raises(LimitError):
+        plan(arm, FreeMove(arm.ready + 9.0), scene=scene)
 
 
 @pytest.mark.parametrize(

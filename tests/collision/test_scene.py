@@ -289,7 +289,7 @@ def test_moveit_scenes_are_read(tmp_path: Path, name: str, text: str) -> None:
         ("scene.toml", '[[box]]\nname = "t"\n', "box 1: it needs 'size'"),
         ("scene.toml", '[[bax]]\nname = "t"\n', "unknown entry 'bax'"),
         ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 2]\n', "size must have shape"),
-        ("scene.toml", '[[sphere]]\nname = "t"\nradius = nan\n', "size"),
+        ("scene.toml", '[[sphere]]\nname = "t"\nradius = nan\n', "radius must be finite"),
         ("scene.toml", '[[sphere]]\nname = "t"\nradius = 0\n', "size"),
         ("scene.toml", '[[sphere]]\nname = "hand"\nradius = 1\n', "already called 'hand'"),
         ("scene.toml", '[[sphere]]\nname = "t"\nradius = 1\non = "hnd"\n', "hnd"),
@@ -297,7 +297,7 @@ def test_moveit_scenes_are_read(tmp_path: Path, name: str, text: str) -> None:
         ("scene.toml", 'arm = "another"\n', "is for the arm 'another'"),
         ("scene.toml", 'allow = ["hand"]\n', "allow"),
         ("scene.toml", "box = 3\n", "box"),
-        ("scene.yaml", "world: {collision_objects: [{id: a, meshes: [1]}]}", "has a mesh"),
+        ("scene.yaml", "world: {collision_objects: [{id: a, meshes: [1]}]}", "has meshes"),
         ("scene.yaml", "world: {collision_objects: [{id: a, primitives: [{type: cone, dimensions: [1]}]}]}", "cone"),
         ("scene.yaml", "world: {collision_objects: [3]}", "collision object 1"),
         ("scene.yaml", "[1, 2]", "at the top"),
@@ -315,6 +315,54 @@ def test_a_scene_file_that_cannot_be_used_is_named_with_the_entry(
         Scene.load(arm, tmp_path / name)
     assert name in str(refused.value)
     assert said in str(refused.value)
+
+
+def test_a_plane_keeps_its_margin_in_batches_and_no_link_carries_it(tmp_path: Path) -> None:
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]), margin=0.1)
+    scene.add_plane()
+    x = np.column_stack([np.zeros(41), np.linspace(0.102, 0.302, 41)])
+    assert scene.collides(x).tolist() == (x[:, 1] < 0.2).tolist()
+    with pytest.raises(InputError, match="plane"):
+        scene.attach("ground", theta=[0.0, 1.0])
+
+
+def test_a_pair_that_theta_cannot_move_is_not_checked(tmp_path: Path) -> None:
+    """A passive wheel beside the base, in the ground."""
+    more = link("wheel", SHAPES["sphere"]), joint("w", "continuous", "base", "wheel", "0 1 0", "3 0 0")
+    scene = Scene(slider(tmp_path, SHAPES["sphere"], *more))
+    scene.add_plane()
+    assert not scene.collides([0.0, 1.0])
+    assert scene.is_free([0.0, 1.0], [1.0, 0.2])
+    assert not scene.is_free([0.0, 1.0], [1.0, 0.05])
+
+
+def test_what_is_allowed_goes_with_its_obstacle(tmp_path: Path) -> None:
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]), margin={"ball": 0.01})
+    for allowed in (True, False):
+        scene.add_sphere("ball", 0.1)
+        if allowed:
+            scene.allow("ball", "hand", "it rolls")
+            assert scene.allowed["ball", "hand"] == "it rolls"
+        assert scene.collides([0.0, 0.0]) is not allowed
+        scene.remove("ball")
+        assert not scene.collides([0.0, 0.0])
+
+
+def test_the_fingers_may_touch_what_the_hand_holds() -> None:
+    arm = load_arm("rover_arm")
+    scene = Scene(arm)
+    scene.add_sphere("stone", 0.03, arm.fk(arm.ready)[:3, 3])
+    scene.attach("stone", theta=arm.ready)
+    assert not scene.collides(arm.ready)
+
+
+@pytest.mark.parametrize(
+    ("breakpoints", "coefficients"),
+    [([0.0, 1.0], np.full((2, 1, 2), np.nan)), ([0.0, 1.0], np.zeros((2, 3, 2))), ([1.0, 0.0], np.zeros((2, 1, 2)))],
+)
+def test_a_motion_that_is_none_is_refused(tmp_path: Path, breakpoints: list[float], coefficients: np.ndarray) -> None:
+    with pytest.raises(InputError):
+        Scene(slider(tmp_path, SHAPES["sphere"])).first_collision(breakpoints, coefficients)
 
 
 def test_bad_obstacles_and_arms_are_refused(tmp_path: Path) -> None:

@@ -85,14 +85,13 @@ class Checker:
         return own
 
     def _pool(self, threads: int) -> Any:
-        """The managers of a batch on this many threads."""
+        """The data of a batch on this many threads."""
         if getattr(self._local, "threads", 0) != threads:
-            kind = self._pin.BroadPhaseManagerPool_DynamicAABBTreeCollisionManager
-            self._local.pool, self._local.threads = kind(self._model.model, self._geometry, threads), threads
+            # Pools of broadphase managers do not widen half-spaces by a margin.
+            self._local.pool = self._pin.GeometryPool(self._model.model, self._geometry, threads)
+            self._local.threads = threads
             for data in self._local.pool.getGeometryDatas():
                 self._ask(data)
-            for manager in self._local.pool.getBroadPhaseManagers():
-                manager.update(True)
         return self._local.pool
 
     def _ask(self, geometry: Any) -> None:

@@ -21,7 +21,9 @@ from ..support.checks import (
     Given,
     Row,
     as_flag,
+    as_floats,
     as_not_negative,
+    as_number,
     as_pose,
     as_positive,
     as_theta,
@@ -37,7 +39,7 @@ from .allowed_pairs import Pair, allowed_pairs, sorted_pair
 from .bodies import Body, Shapes, in_words
 from .checker import Checker
 from .scene_file import SceneFile, read_scene
-from .swept import Sweep, taylor
+from .swept import Sweep, pair_speeds, taylor
 
 NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
 """How many numbers the size of an obstacle has."""
@@ -132,6 +134,7 @@ class Scene:
         self._obstacles: dict[str, Body] = {}
         self._touching: dict[str, frozenset[str]] = {}
         self._allowed_too: dict[Pair, str] = {}
+        self._known_obstacles: set[str] = set()
 
     @classmethod
     def load(
@@ -185,14 +188,23 @@ class Scene:
             finding("collision-shapes", place, f"{kind}: {listed(names)}", "check them in the view, layer Collision")
             for kind, names in in_words(self._links).items()
         ]
+        bare = [name for name in self._description.links if name not in {body.name for body in self._links}]
+        if bare:
+            what = f"no shape, so never in collision: {listed(bare)}"
+            found.append(finding("collision-shapes", place, what, "write collision shapes into the description"))
         for link, why in self._unreadable.items():
             remedy = "mend the file, or give the link a box or cylinder as collision shape"
             found.append(finding("collision-mesh-unreadable", place, f"a mesh of {link} is left out: {why}", remedy))
         return tuple(found)
 
-    @cached_property
+    @property
     def allowed(self) -> Mapping[Pair, str]:
-        """Sorted pairs of links that are not checked, and why: "SRDF", "Adjacent", "Default", "Always" or "Never"."""
+        """Sorted pairs that are not checked, and why: "SRDF", "Adjacent", "Default", "Always", "Never", or a reason."""
+        return {**self._robots_pairs, **self._allowed_too}
+
+    @cached_property
+    def _robots_pairs(self) -> Mapping[Pair, str]:
+        """The pairs of links that the robot's SRDF, or the rules of `allowed_pairs`, exempt."""
         if self.arm.disabled_collisions:
             return dict.fromkeys(sorted(self.arm.disabled_collisions), "SRDF")
         return allowed_pairs(self.arm, self._model, self._description, self._links, progress=self._progress)
@@ -264,7 +276,8 @@ class Scene:
             pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
             scale: A factor, or one for each axis.
         """
-        self._add(name, "mesh", np.broadcast_to(np.asarray(scale, dtype=np.float64), 3), pose, as_path(path))
+        factors = [as_number(scale, "scale")] * 3 if np.ndim(scale) == 0 else as_vector(scale, "scale")
+        self._add(name, "mesh", factors, pose, as_path(path))
 
     def allow(self, first: str, second: str, reason: str = "User") -> None:
         """Do not check a pair of links or obstacles any more.
@@ -285,6 +298,7 @@ class Scene:
         self._require_obstacle(name)
         del self._obstacles[name]
         self._touching.pop(name, None)
+        self._allowed_too = {pair: why for pair, why in self._allowed_too.items() if name not in pair}
         self._changed()
 
     def attach(self, name: str, link: str | None = None, *, theta: ArrayLike, touching: Iterable[str] = ()) -> None:
@@ -339,7 +353,7 @@ class Scene:
 
     def distance(self, theta: ArrayLike) -> Distance:
         """The nearest pair at theta (n,), margins not counted."""
-        x = self.arm.theta_from(theta)
+        x = self._one(theta)
         metres = self._checker.distances(self._model.q(x))
         if not len(metres):
             return Distance(np.inf, (), np.empty((0, 3)))
@@ -349,7 +363,7 @@ class Scene:
 
     def contacts(self, theta: ArrayLike) -> tuple[Contact, ...]:
         """The pairs that collide at theta (n,), the deepest first."""
-        q = self._model.q(self.arm.theta_from(theta))
+        q = self._model.q(self._one(theta))
         hit = self._checker.overlapping(q)
         if not hit:
             return ()
@@ -370,7 +384,12 @@ class Scene:
             breakpoints: (s + 1,) [s].
             coefficients: (degree + 1, s, n), highest power first.
         """
-        times, pieces = np.asarray(breakpoints, dtype=np.float64), np.asarray(coefficients, dtype=np.float64)
+        times, pieces = as_floats(breakpoints, "breakpoints"), as_floats(coefficients, "coefficients")
+        if times.ndim != 1 or pieces.shape[1:] != (len(times) - 1, self.arm.n) or (np.diff(times) < 0.0).any():
+            raise InputError(
+                f"breakpoints must be (s + 1,) that increase, coefficients (degree + 1, s, {self.arm.n}); "
+                f"got {times.shape} and {pieces.shape}"
+            )
         for k, (begin, end) in enumerate(pairwise(times)):
             found = self._sweep.along(pieces[:, k], end - begin)
             if found is not None:
@@ -385,7 +404,7 @@ class Scene:
             one: A configuration (n,), or the name of one.
             other: Another.
         """
-        return self._sweep.straight(self.arm.theta_from(one), self.arm.theta_from(other))
+        return self._sweep.straight(self._one(one), self._one(other))
 
     @property
     def largest_margin(self) -> float:
@@ -402,15 +421,28 @@ class Scene:
     def _fill(self, content: SceneFile) -> None:
         """Add what a file holds."""
         for entry in content.entries:
-            self._add(entry.name, entry.kind, entry.size, entry.pose, entry.mesh)
+            self._add(entry.name, entry.kind, entry.size, entry.pose, entry.mesh, self._fixed(entry.frame))
             if entry.on:
                 self._hold(entry.name, self._description.require_link(entry.on, "link"), entry.pose, entry.touching)
         if content.matrix:
-            self.__dict__["allowed"] = {}
+            self.__dict__["_robots_pairs"] = {}
         for first, second in content.allowed:
             self.allow(first, second, "File")
 
-    def _add(self, name: str, kind: str, size: Row, pose: Given | None, mesh: Path | None = None) -> None:
+    def _fixed(self, frame: str | None) -> str:
+        """The link in whose frame a file gives a pose: the base for None, the root for "" and "world"."""
+        if frame is None:
+            return self.arm.base
+        if frame in ("", "world"):
+            return self._description.root
+        link = self._description.require_link(frame, "frame_id")
+        if self._joint_of(link):
+            raise InputError(f"frame_id {frame!r} moves with the arm; give the pose in {self._description.root!r}")
+        return link
+
+    def _add(
+        self, name: str, kind: str, size: Row, pose: Given | None, mesh: Path | None = None, frame: str = ""
+    ) -> None:
         if not isinstance(name, str) or not name:
             raise InputError(f"name must be a text that is not empty; got {name!r}")
         if name in self._obstacles or name in self._description.links:
@@ -423,18 +455,24 @@ class Scene:
                 shape = shapes.half_space()
             else:
                 shape = shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)
-        self._obstacles[name] = Body(name, self.arm.base, shape, _as_place(pose), kind, obstacle=True)
+        self._obstacles[name] = Body(name, frame or self.arm.base, shape, _as_place(pose), kind, obstacle=True)
+        self._known_obstacles.add(name)
         self._changed()
 
     def _hold(self, name: str, carrier: str, pose: Array, touching: Iterable[str]) -> None:
         """Put an obstacle on a link, at `pose` (4, 4) in its frame."""
+        if self._obstacles[name].kind == "plane":
+            raise InputError(f"{name!r} is a plane without end, which no link can carry; attach a box instead")
         touched = require_names(touching, "touching")
         for other in touched:
             self._description.require_link(other, "touching")
         self._obstacles[name] = replace(self._obstacles[name], carrier=carrier, pose=pose)
-        beyond = {link for joint in self._description.joints.values() if joint.parent == carrier
-                  for link in self._description.beyond(joint.name)}  # fmt: skip
-        self._touching[name] = frozenset({carrier, *beyond, *touched})
+        body = {link for link in self._description.links if self._joint_of(link) == self._joint_of(carrier)}
+        children = [joint.name for joint in self._description.joints.values() if joint.parent in body and joint.moving]
+        beyond = (
+            {link for joint in children for link in self._description.beyond(joint)} if self._joint_of(carrier) else ()
+        )
+        self._touching[name] = frozenset({*body, *beyond, *touched})
         self._changed()
 
     def _changed(self) -> None:
@@ -442,7 +480,7 @@ class Scene:
             self.__dict__.pop(name, None)
 
     def _require_obstacle(self, name: str) -> Body:
-        if name not in self._obstacles:
+        if not isinstance(name, str) or name not in self._obstacles:
             raise unknown_name("obstacle", name, self._obstacles, within="the scene", listing="obstacles")
         return self._obstacles[name]
 
@@ -450,22 +488,36 @@ class Scene:
         """The base's pose (4, 4) in Pinocchio's world."""
         return self._model.link_pose(self._model.q(theta), self._description.root, self.arm.base)
 
+    def _one(self, theta: ArrayLike) -> Array:
+        """One configuration (n,), from numbers or a name."""
+        x = self.arm.theta_from(theta)
+        if x.ndim != 1:
+            raise InputError(f"theta must be one configuration ({self.arm.n},); got {x.shape}")
+        return x
+
     def _relative(self, theta: ArrayLike, frame: str, link: str) -> Array:
-        return self._model.link_pose(self._model.q(self.arm.theta_from(theta)), frame, link)
+        return self._model.link_pose(self._model.q(self._one(theta)), frame, link)
 
     @cached_property
     def _checker(self) -> Checker:
         bodies = (*self._links, *self._obstacles.values())
         for name in () if isinstance(self._margin, float) else self._margin:
-            if name not in self._obstacles:
+            if name not in self._known_obstacles:
                 self._description.require_link(name, "margin")
-        joints = [self._model.model.frames[self._model.frame_id(body.carrier)].parentJoint for body in bodies]
+        joints = [self._joint_of(body.carrier) for body in bodies]
         pairs = [
             (i, j)
             for i, j in combinations(range(len(bodies)), 2)
             if joints[i] != joints[j] and not self._exempt(bodies[i], bodies[j])
         ]
+        # theta moves neither body of some pairs against the other, such as a passive wheel and the ground.
+        speeds = pair_speeds(self._model, Checker(self._model, bodies, pairs, [0.0] * len(pairs)))
+        pairs = [pair for pair, row in zip(pairs, speeds, strict=True) if row.any()]
         return Checker(self._model, bodies, pairs, [self._margin_of(bodies[i], bodies[j]) for i, j in pairs])
+
+    def _joint_of(self, link: str) -> int:
+        """The joint that carries a link, by Pinocchio's number; 0 for the world."""
+        return int(self._model.model.frames[self._model.frame_id(link)].parentJoint)
 
     @cached_property
     def _sweep(self) -> Sweep:
@@ -477,7 +529,7 @@ class Scene:
             return True
         if one.obstacle or other.obstacle:
             return other.name in self._touching.get(one.name, ()) or one.name in self._touching.get(other.name, ())
-        return pair in self.allowed
+        return pair in self._robots_pairs
 
     def _margin_of(self, one: Body, other: Body) -> float:
         if isinstance(self._margin, float):

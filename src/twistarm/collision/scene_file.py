@@ -13,7 +13,7 @@ import numpy as np
 from ..description.companions.toml_entries import parse_toml
 from ..description.document import read_text
 from ..description.yaml_reading import parse_yaml
-from ..support.checks import Array, as_flag, as_vector, require_mapping
+from ..support.checks import Array, as_flag, as_number, as_vector, require_mapping, require_names
 from ..support.errors import InputError, TwistarmError, closest, listed
 from ..support.files import read_bounded
 from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw
@@ -31,7 +31,10 @@ TOP = ("arm", "degrees", "ground", "margin", "allow", *SIZES, "plane", "mesh")
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """An obstacle of a file: its kind, its size [m] or mesh file with scale, its pose (4, 4) on the link `on`."""
+    """An obstacle of a file: its kind, its size [m] or mesh file with scale, its pose (4, 4) on the link `on`.
+
+    Otherwise the pose is in `frame`: None for the base, "" for the root.
+    """
 
     name: str
     kind: str
@@ -39,6 +42,7 @@ class Entry:
     pose: Array
     mesh: Path | None = None
     on: str = ""
+    frame: str | None = None
     touching: tuple[str, ...] = ()
 
 
@@ -81,7 +85,7 @@ def _toml(path: Path) -> SceneFile:
         margin = content.get("margin")
         allowed = tuple(_pair(pair) for pair in content.get("allow", ()))
         arm = content.get("arm", "")
-    entries = [Entry("ground", "plane", (), np.eye(4))] if content.get("ground", False) else []
+    entries = [Entry("ground", "plane", (), np.eye(4))] if as_flag(content.get("ground", False), "ground") else []
     for kind in (*SIZES, "plane", "mesh"):
         tables = content.get(kind, [])
         for i, table in enumerate(tables if isinstance(tables, list) else [tables]):
@@ -99,11 +103,16 @@ def _entry(kind: str, value: Any, angle: float, folder: Path) -> Entry:
         raise InputError(f"it needs {listed(missing)}")
     mesh = folder / table["file"] if kind == "mesh" else None
     if kind == "mesh":
-        size = tuple(map(float, np.broadcast_to(np.asarray(table.get("scale", 1.0), dtype=np.float64), 3)))
+        scale = table.get("scale", 1.0)
+        size = tuple(as_vector(scale, "scale") if isinstance(scale, list) else [as_number(scale, "scale")] * 3)
+    elif kind == "box":
+        size = tuple(as_vector(table["size"], "size"))
     else:
-        size = tuple(float(x) for name in own for x in np.ravel(np.asarray(table[name], dtype=np.float64)))
-    touching = tuple(table.get("touching", ()))
-    return Entry(table["name"], kind, size, _pose(table, angle), mesh, table.get("on", ""), touching)
+        size = tuple(as_number(table[name], name) for name in own)
+    touching = require_names(table.get("touching", ()), "touching")
+    if touching and "on" not in table:
+        raise InputError("touching names links that touch a carried object; give on, too")
+    return Entry(table["name"], kind, size, _pose(table, angle), mesh, table.get("on", ""), touching=touching)
 
 
 def _pose(table: Mapping[str, Any], angle: float) -> Array:
@@ -132,6 +141,8 @@ def _planning_scene(path: Path) -> SceneFile:
     with _at(path, "at the top"):
         scene = content.get("planning_scene", content)
         free, state = (scene.get("world") or {}).get("collision_objects") or (), scene.get("robot_state") or {}
+        if not {"world", "robot_state", "allowed_collision_matrix"} & set(scene):
+            raise InputError("it has no world, robot_state or allowed_collision_matrix: is it a planning scene?")
         matrix = scene.get("allowed_collision_matrix") or {}
         pairs = _matrix_pairs(matrix)
     entries: list[Entry] = []
@@ -141,20 +152,22 @@ def _planning_scene(path: Path) -> SceneFile:
     for i, item in enumerate(state.get("attached_collision_objects") or ()):
         with _at(path, f"attached object {i + 1}"):
             link, touching = item["link_name"], tuple(item.get("touch_links") or ())
-            entries += [replace(entry, on=link, touching=touching) for entry in _objects(item["object"])]
+            entries += [replace(entry, on=link, frame=None, touching=touching) for entry in _objects(item["object"])]
     return SceneFile("", tuple(entries), pairs, matrix=bool(matrix))
 
 
 def _objects(item: Mapping[str, Any]) -> Iterator[Entry]:
     """The primitives of a moveit_msgs/CollisionObject."""
-    if item.get("meshes"):
-        raise InputError(f"{item.get('id')!r} has a mesh: write it to a file and name it in a scene.toml")
+    for other in ("meshes", "planes"):
+        if item.get(other):
+            raise InputError(f"{item.get('id')!r} has {other}: write them into a scene.toml, a mesh as its file")
     whole = _message_pose(item["pose"]) if item.get("pose") else np.eye(4)
+    frame = str((item.get("header") or {}).get("frame_id", ""))
     shapes, poses = item.get("primitives") or (), item.get("primitive_poses") or ()
     for k, shape in enumerate(shapes):
         kind, size = _solid(shape["type"], [float(x) for x in shape["dimensions"]])
         pose = whole @ _message_pose(poses[k]) if k < len(poses) else whole
-        yield Entry(_numbered(str(item["id"]), k, len(shapes)), kind, size, pose)
+        yield Entry(_numbered(str(item["id"]), k, len(shapes)), kind, size, pose, frame=frame)
 
 
 SOLIDS = {1: "box", 2: "sphere", 3: "cylinder"}
@@ -213,7 +226,7 @@ def _text_object(name: str, lines: Iterator[str]) -> list[Entry]:
         g = np.eye(4)
         g[:3, 3], g[:3, :3] = _numbers(lines), from_xyzw(_numbers(lines))
         next(lines)  # the colour
-        entries.append(Entry(_numbered(name, k, count), kind, tuple(size), whole @ g))
+        entries.append(Entry(_numbered(name, k, count), kind, tuple(size), whole @ g, frame=""))
     if posed:  # subframes: a name, a position and a rotation each
         for _ in range(3 * int(_numbers(lines)[0])):
             next(lines)

@@ -106,7 +106,8 @@ def pair_speeds(model: PinocchioModel, checker: Checker) -> Array:
     by_q = np.zeros((len(by_joint), model.model.nq))
     for j in range(1, count):
         by_q[:, model.model.idx_qs[j]] = by_joint[:, j]
-    rows: Array = by_q @ np.abs(model.dq_dtheta)
+    driven = model.dq_dtheta.any(axis=1)
+    rows: Array = by_q[:, driven] @ np.abs(model.dq_dtheta[driven])
     return rows
 
 
@@ -125,6 +126,8 @@ def _speeds(model: PinocchioModel, body: Body) -> Array:
     A joint turns a point on a radius of at most the lengths between them. A slide between adds its farthest position.
     """
     frame = model.model.frames[model.frame_id(body.carrier)]
+    if not frame.parentJoint:
+        return np.zeros(model.model.njoints)
     body.shape.computeLocalAABB()
     centre = frame.placement.act(body.pose[:3, :3] @ body.shape.aabb_center + body.pose[:3, 3])
     radius = float(np.linalg.norm(centre)) + float(body.shape.aabb_radius)
@@ -135,8 +138,8 @@ def _speeds(model: PinocchioModel, body: Body) -> Array:
         speeds[joint] = 1.0 if slides else radius
         if slides:
             k = model.model.idx_qs[joint]
-            ends = np.abs([model.model.lowerPositionLimit[k], model.model.upperPositionLimit[k]]).max()
-            radius += float(min(ends, FARTHEST))
+            lower, upper = model.model.lowerPositionLimit[k], model.model.upperPositionLimit[k]
+            radius += float(min(max(abs(lower), abs(upper)), FARTHEST)) if lower < upper else FARTHEST
         radius += float(np.linalg.norm(model.model.jointPlacements[joint].translation))
         joint = int(model.model.parents[joint])
     return speeds

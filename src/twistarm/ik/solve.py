@@ -45,7 +45,7 @@ def solve_ik(
 
     A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 
-    With a `scene` the answer collides with nothing: the nearest such configuration that is found. `stop` is
+    With a `scene` an answer that meets the target collides with nothing. It is the nearest such one found. `stop` is
     IN_COLLISION if every configuration found collides, and `contacts` are the pairs.
 
     A target that cannot be met is no error. The solution is then the nearest configuration: the least position error

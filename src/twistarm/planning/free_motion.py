@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,8 +16,9 @@ from ..support.checks import Array
 from ..support.errors import NotConvergedError
 from .cartesian.refusal import PathError
 from .free_path import free_path
-from .segments import FreeMove, JointMove, Segment, place
+from .segments import FreeMove, Move, Segment, place
 from .trajectory import Trajectory
+from .within import require_waypoints
 
 ROUNDED, LARGEST = 0.45, 0.1
 """Radius of a rounded corner: as a part of the way to the nearer neighbour, and at most in reaches of the arm."""
@@ -57,9 +59,13 @@ def _ways(
             continue
         if known < i:
             before, _ = _expanded(arm, segments[:i], ways, rounded=False)
+            if isinstance(before[-1], Move):  # the way round begins at its end, so nothing is rounded there
+                before[-1] = segments[i - 1] = replace(before[-1], blend=0.0)
             at = plan(before).waypoints[-1]
         try:
-            way = free_path(scene, at, _goal(scene, arm, segment, at), limits, max_time)
+            goal = _goal(scene, arm, segment, at)
+            require_waypoints(goal[None], limits, arm.joint_names, arm.units, place(i, segment))
+            way = free_path(scene, at, goal, limits, max_time)
         except PathError as error:
             raise PathError(f"{place(i, segment)}: {error}") from error
         ways.append(way)
@@ -99,7 +105,7 @@ def _expanded(
             last = k == len(way) - 1
             radius = 0.0 if last else min(ROUNDED * float(steps[k - 1 : k + 1].min()), LARGEST * arm.reach)
             corner = segment.blend if last else rounded * radius
-            move = JointMove(
+            move = FreeMove(
                 theta, blend=corner, velocity_scaling=segment.velocity_scaling, linear_speed=segment.linear_speed,
                 angular_speed=segment.angular_speed, label=segment.label if last else "",
             )  # fmt: skip

@@ -35,7 +35,7 @@ def free_path(scene: Scene, start: Array, goal: Array, limits: JointLimits, max_
 
     A straight way is taken if it is free. Otherwise RRT-Connect (Kuffner & LaValle, ICRA 2000) plans on states with a
     clearance, and OMPL's simplifier shortens the path. `Scene.is_free` then proves it. If that fails, the search is
-    repeated with smaller steps. Equal calls in fresh processes give equal paths.
+    repeated with smaller steps.
 
     Raises:
         PathError: Start or goal collides, or no way was found in `max_time` [s].

@@ -74,7 +74,7 @@ def plan(
 
     Args:
         arm: The arm.
-        segments: `JointMove`, `LineMove`, `ScrewMove`, `ArcMove` and `Dwell`, one or more.
+        segments: `JointMove`, `FreeMove`, `LineMove`, `ScrewMove`, `ArcMove` and `Dwell`, one or more.
         start: Configuration (n,) [rad, m], {joint: value} or the name of one; by default `arm.ready`.
         limits: By default those of the arm; a `JointLimits`, or changes to the arm's such as {"acceleration": 3.0}.
         kind: "s_curve", "time_optimal" or "quintic".
@@ -89,8 +89,8 @@ def plan(
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
-        The `Trajectory`. Its waypoints are the start and the end of every segment, its labels those of the segments.
-        Its `notes` name usual limits used for missing ones, shorter ways by whole turns, and curves that do not move.
+        The `Trajectory`. Its waypoints are the start and the end of every segment, and the corners of free moves. Its
+        labels are those of the segments. Its `notes` name usual limits used for missing ones, shorter ways by whole turns, and curves that do not move.
 
     Raises:
         PathError: A curve cannot be followed; the message says how far it can, why no farther and what would help. Or
@@ -178,7 +178,8 @@ def as_segments(
     for i, segment in enumerate(given):
         if not isinstance(segment, SEGMENTS):
             raise InputError(
-                f"segment {i + 1} must be a JointMove, LineMove, ScrewMove, ArcMove or Dwell; got {shown(segment)}"
+                f"segment {i + 1} must be a JointMove, FreeMove, LineMove, ScrewMove, ArcMove or Dwell; "
+                f"got {shown(segment)}"
             )
         if isinstance(segment, Move):
             taken = {name: value for name, value in whole.items() if getattr(segment, name) is None}
@@ -227,7 +228,9 @@ def _timed(arm: Arm, legs: list[Leg], limits: JointLimits, kind: str) -> Timed:
         return Timed(legs, np.array([0.0, stay]), theta[None, None], np.array([stay]))
     path, ends, ceiling = path_along(arm, legs, limits)
     bounds = PathBounds(limits, arm.actuators, ceiling)
-    if kind == "s_curve" and ceiling is None and path.coefficients.shape[:2] == (2, 1):
+    # A double-S for each joint leaves the straight line, which a free move was proven along.
+    straight = isinstance(segment, FreeMove)
+    if kind == "s_curve" and ceiling is None and not straight and path.coefficients.shape[:2] == (2, 1):
         breakpoints, coefficients = double_s(path.start, path.end, bounds)
         return Timed(legs, breakpoints, coefficients, breakpoints[-1:])
     law = LAWS[kind](path, bounds)

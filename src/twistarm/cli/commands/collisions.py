@@ -12,7 +12,7 @@ from ...arm.arm import Arm
 from ...collision import Scene
 from ...collision.survey import Survey, srdf_text, survey
 from ..options import Json, Radians, takes_arm
-from ..output import console, finding_json, print_json, progress_bar, say, table, theta_values
+from ..output import console, finding_json, literal, print_json, progress_bar, say, table, theta_values
 from ..outputs import Force, Output, outputs_of
 from ..wording import in_options
 
@@ -80,4 +80,5 @@ def _print(scene: Scene, found: Survey, radians: bool) -> None:
         console().print(
             table("pairs that collide", ["pair", "share", "for example at"], rows, text=["pair", "for example at"])
         )
-    say(*(in_options(str(finding)) for finding in scene.findings))
+    for found_one in scene.findings:
+        console().print(literal(in_options(str(found_one))))
