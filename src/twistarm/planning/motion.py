@@ -90,7 +90,8 @@ def plan(
 
     Returns:
         The `Trajectory`. Its waypoints are the start and the end of every segment, and the corners of free moves. Its
-        labels are those of the segments. Its `notes` name usual limits used for missing ones, shorter ways by whole turns, and curves that do not move.
+        labels are those of the segments. Its `notes` name usual limits used for missing ones, shorter ways by whole
+        turns, and curves that do not move.
 
     Raises:
         PathError: A curve cannot be followed; the message says how far it can, why no farther and what would help. Or
