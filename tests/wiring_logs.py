@@ -61,13 +61,25 @@ def planted(names: Sequence[str], seed: int, *, fault: str, poses: bool, base: t
     seen[:, :3, 3] += rng.normal(scale=position, size=(len(theta), 3))
     seen[:, :3, :3] = seen[:, :3, :3] @ exp(rng.normal(scale=angle, size=(len(theta), 3)))
     computed = arm.fk(motors.to_theta(motors.from_counts(counts)))
-    miss = float(np.sqrt(((computed - g)[:, :3, 3] ** 2).sum(axis=-1).mean())) / 0.002
+    off = computed[:, :3, 3] - g[:, :3, 3]
+    if any(base) and not poses:
+        off = without_base(computed[:, :3, 3], g[:, :3, 3])
+    miss = float(np.sqrt((off**2).sum(axis=-1).mean())) / 0.002
     if poses:
         turned = ((computed - g)[:, :3, :3] ** 2).sum(axis=(1, 2)).mean()
         miss += float(np.sqrt(turned / 2)) / np.radians(1.0)
     blamed = {"none": (), "swapped": (motors.names[i], motors.names[j])}.get(fault, (motors.names[i],))
     words = f"{arm.name} {fault} {blamed} rows {len(theta)} noise {1000 * position:.1f} mm"
     return Planted(arm, WiringLog(motors.names, counts, seen if poses else seen[:, :3, 3]), fault, blamed, miss, words)
+
+
+def without_base(points: Array, measured: Array) -> Array:
+    """What is left of points − measured (K, 3) when the base may stand anywhere: the best rigid fit (Kabsch 1976)."""
+    a, b = points - points.mean(axis=0), measured - measured.mean(axis=0)
+    U, _, Vt = np.linalg.svd(a.T @ b)
+    turn = U @ np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ Vt))]) @ Vt
+    rest: Array = a @ turn - b
+    return rest
 
 
 def geared(arm: Arm, rng: np.random.Generator) -> Arm:
