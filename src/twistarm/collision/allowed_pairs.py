@@ -52,16 +52,16 @@ def allowed_pairs(
     """
     links = list(dict.fromkeys(body.name for body in bodies))
     every = [sorted_pair(a, b) for a, b in combinations(links, 2)]
-    reasons = dict.fromkeys(_adjacent(description, set(links)), "Adjacent")
+    reasons = dict.fromkeys(sorted(_adjacent(description, set(links))), "Adjacent")
     draw = _Sampler(arm, model, description)
 
     def left() -> list[Pair]:
         return [pair for pair in every if pair not in reasons]
 
     rest = [draw.zero, model.q(arm.ready)]
-    reasons |= dict.fromkeys(_seen(model, bodies, left(), rest), "Default")
+    reasons |= dict.fromkeys(sorted(_seen(model, bodies, left(), rest)), "Default")
     counts = _seen(model, bodies, left(), draw(TRIALS))
-    reasons |= {pair: "Always" for pair, count in counts.items() if count >= ALWAYS * TRIALS}
+    reasons |= {pair: "Always" for pair, count in sorted(counts.items()) if count >= ALWAYS * TRIALS}
     unseen = set(left()) - set(counts)
     for done in range(0, samples, TRIALS):
         if progress is not None:

@@ -17,6 +17,9 @@ FINE = 2.5e-4
 LEVELS = tuple(FINE * 8.0**k for k in range(1, 5))
 """Clearances [m] that are checked: 2, 16, 128 and 1,024 mm."""
 
+FARTHEST = 100.0
+"""How far [m] a slide without limits is taken to go."""
+
 LEAST_SHARE = 0.02
 """The least share of a clearance that a pair is given."""
 
@@ -143,7 +146,3 @@ def _speeds(model: PinocchioModel, body: Body) -> Array:
         radius += float(np.linalg.norm(model.model.jointPlacements[joint].translation))
         joint = int(model.model.parents[joint])
     return speeds
-
-
-FARTHEST = 100.0
-"""How far [m] a slide without limits is taken to go."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -65,8 +64,10 @@ def _as_json(scene: Scene, found: Survey) -> dict[str, Any]:
 
 
 def _print(scene: Scene, found: Survey, radians: bool) -> None:
-    reasons = ", ".join(f"{count} {reason}" for reason, count in Counter(scene.allowed.values()).items())
-    say(f"{scene.arm.name}: {len(scene.allowed)} pairs of links are not checked ({reasons or 'none'})")
+    say(f"{scene.arm.name}: {len(scene.allowed)} pairs of links are not checked")
+    for reason in dict.fromkeys(scene.allowed.values()):
+        pairs = [f"{a} – {b}" for (a, b), why in scene.allowed.items() if why == reason]
+        console().print(literal(f"{reason}: {', '.join(pairs)}"))
     say(f"collides in {100.0 * found.share:.1f} % of {found.samples} random configurations")
     rows = [
         [
