@@ -11,6 +11,7 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...arm.inability import ANGULAR, LINEAR, Lack, cannot_move, cannot_turn, lack, must_turn, position_limit, singular
+from ...collision import Contact
 from ...support.checks import Array, frozen
 from ...support.display import Brief
 from ...support.vector_words import ALONG_AXIS, direction_in_words
@@ -28,6 +29,8 @@ class ServoStatus(Enum):
     HALTED_LIMIT = "halted by a position limit"
     IMPOSSIBLE_DIRECTION = "this arm has no such motion"
     STALE = "no usable command or state: coming to rest"
+    SLOWED_COLLISION = "slowed near a collision"
+    HALTED_COLLISION = "halted before a collision"
 
 
 class ServoReason(Enum):
@@ -42,6 +45,7 @@ class ServoReason(Enum):
     TURN_LOST = "the tool turns otherwise than commanded, because the arm has too few joints"
     IMPOSSIBLE = "this arm has no such motion"
     STALE = "no usable command or state: coming to rest"
+    COLLISION = "two bodies of the scene come near each other"
 
 
 _OF_STATUS = {
@@ -57,6 +61,7 @@ _OF_CAUSE = {
     Cause.LOWER: (ServoStatus.SLOWED_LIMIT, ServoReason.LOWER_LIMIT),
     Cause.UPPER: (ServoStatus.SLOWED_LIMIT, ServoReason.UPPER_LIMIT),
     Cause.UNUSABLE: (ServoStatus.STALE, ServoReason.STALE),
+    Cause.NEAR: (ServoStatus.SLOWED_COLLISION, ServoReason.COLLISION),
 }
 """The status of a step, and the reason that its cause gives."""
 
@@ -98,6 +103,8 @@ class ServoOutput(Brief):
 
     joint: the joint or motor most concerned by a limit or a singularity, or None.
 
+    contact: the pair of bodies that slows or halts the arm, with its distance and margin [m], or None.
+
     remaining: the distance of a `PoseCommand` from its pose, [m] and [rad]; zeros for other commands.
     """
 
@@ -110,6 +117,7 @@ class ServoOutput(Brief):
     remaining: tuple[float, float]
     _why: str | Cause = field(repr=False)
     _asked: Asked | None = field(default=None, repr=False)
+    contact: Contact | None = None
 
     @property
     def reason(self) -> ServoReason:
@@ -142,6 +150,8 @@ class ServoOutput(Brief):
             if self.status is ServoStatus.HALTED_LIMIT:
                 return f"{self.joint} is at its {side} position limit"
             return f"slowed by {position_limit(side, str(self.joint))}"
+        if self.contact is not None:
+            return f"{self.status.value}: {self.contact}"
         if self._why is Cause.VELOCITY:
             return f"slowed by the velocity limit of {self.joint}"
         complete = self._why is Cause.NONE and self._missing_share < WORTH_SAYING
@@ -180,24 +190,26 @@ class ServoOutput(Brief):
         return cls(theta_dot, ServoStatus.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), reason)
 
     @classmethod
-    def of(cls, answer: Answer, bounds: Bounds, asked: Asked) -> ServoOutput:
+    def of(cls, answer: Answer, bounds: Bounds, asked: Asked, contact: Contact | None = None) -> ServoOutput:
         """The output for an answer of the compiled step.
 
         Args:
             answer: The step's answer as plain numbers.
             bounds: The arm's bounds.
             asked: The arm, the configuration and the command of the step.
+            contact: The pair of bodies that holds the arm.
 
         Returns:
             The output, with status, joint and reason.
         """
         cause, row = answer.cause, answer.row
-        status = ServoStatus.HALTED_LIMIT if answer.halted else _OF_CAUSE[cause][0]
+        halted = ServoStatus.HALTED_COLLISION if contact else ServoStatus.HALTED_LIMIT
+        status = halted if answer.halted else _OF_CAUSE[cause][0]
         names = asked.arm.joint_names if cause is Cause.SINGULARITY else bounds.motion.names
-        joint = names[row] if row >= 0 else None
+        joint = names[row] if row >= 0 and contact is None else None
         lost, remaining = (answer.lost, answer.lost_share), answer.remaining
-        output = cls(answer.theta_dot, status, answer.scale, *lost, joint, remaining, cause, asked)
-        if joint is not None or answer.lost_share <= ALL or output._missing_share <= ALL:
+        output = cls(answer.theta_dot, status, answer.scale, *lost, joint, remaining, cause, asked, contact)
+        if contact is not None or joint is not None or answer.lost_share <= ALL or output._missing_share <= ALL:
             return output
         found, why = _missing(asked, answer.lost, joint, 0.0)
         nowhere = found is Lack.EVERYWHERE

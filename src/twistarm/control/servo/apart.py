@@ -1,0 +1,86 @@
+"""Keeps the bodies of a scene apart: near pairs become rows of the servo's law, and each step leaves room to stop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ...collision import Contact, Scene
+from ...support.checks import Array
+from .answer import Answer, Cause
+from .bounds import Bounds
+
+Ask = Callable[[Array | None], Answer]
+
+SPARE = 3e-4
+"""The servo aims at so much more than the margin [m], for what a linear step cannot see."""
+
+ROUNDED = 1e-6
+"""How far [m] below its margin a pair may come by rounding."""
+
+SEEN = 5e-5
+"""A pair that comes nearer than its aim by more [m] was not seen by the rows before."""
+
+MOST, ROUNDS = 8, 4
+"""The rows of near pairs at the start, and how often others are added."""
+
+
+def apart(
+    ask: Ask, rest: Callable[[], Answer], theta: Array, bounds: Bounds, scene: Scene
+) -> tuple[Answer, Contact | None]:
+    """The answer of a step from theta (n,) that brings no pair nearer than its margin, and the pair that holds it.
+
+    `ask` steps with rows (k, n + 1) of near pairs or None, `rest` steps toward rest. A pair that is nearer than its
+    margin already comes no nearer. Every pair is measured where the arm would stand after a straight stop. Where
+    another point of a body comes too near there, it becomes a row and the step is made anew. If that does not end, the
+    arm comes to rest.
+    """
+    pairs = scene.near_pairs
+    answer = ask(None)
+    # The law slows a pair that has less room than a stop in twice its time takes.
+    time = 3.0 * answer.period + 2.0 * _stopping_time(bounds, answer.theta_dot)
+    near = pairs.near(theta, np.abs(time * answer.theta_dot))
+    if not len(near.pairs):
+        return answer, None
+    margins, speeds = pairs.least[near.pairs], pairs.speeds[near.pairs]
+    room = near.distances - margins - SPARE
+    aim, floor = np.minimum(room, 0.0) + margins + SPARE - SEEN, np.minimum(near.distances, margins) - ROUNDED
+    owner = np.argsort(room)[:MOST]
+    rows = _rows(near.approach[owner], room[owner])
+    for rounds in range(ROUNDS + 1):
+        answer = ask(rows)
+        way = answer.theta + 0.5 * _stopping_time(bounds, answer.theta_dot) * answer.theta_dot - theta
+        risky = np.flatnonzero(near.distances - speeds @ np.abs(way) < aim)
+        if not len(risky):
+            break
+        there = pairs.measured(theta + way, near.pairs[risky])
+        unseen = there.distances < aim[risky]
+        if not unseen.any():
+            break
+        if rounds == ROUNDS:
+            below = there.distances - floor[risky]
+            if below.min() < 0.0:
+                still = rest()
+                answer = replace(still, cause=Cause.NEAR, row=0, scale=0.0, halted=not still.theta_dot.any())
+                owner = risky[[below.argmin()]]
+            break
+        left = there.distances - margins[risky] - SPARE + there.approach @ way
+        rows = np.vstack([_rows(there.approach[unseen], left[unseen]), rows])
+        owner = np.concatenate([risky[unseen], owner])
+    if answer.cause is not Cause.NEAR:
+        return answer, None
+    k = owner[answer.row]
+    return answer, scene.contact(int(near.pairs[k]), float(near.distances[k]))
+
+
+def _rows(approach: Array, room: Array) -> Array:
+    """Rows (k, n + 1) for the law. A pair without room moves apart slowly."""
+    return np.concatenate([approach, np.maximum(room, -SPARE)[:, None]], axis=1)
+
+
+def _stopping_time(bounds: Bounds, theta_dot: Array) -> float:
+    """How long a straight stop takes [s]."""
+    motion = bounds.motion
+    return float((np.abs(motion.C @ theta_dot) / motion.limits.acceleration).max())
