@@ -110,12 +110,13 @@ bool Servo::read(int kind, unsigned flags, nb::handle numbers, Command& command)
 
 bool Servo::read(nb::handle near, Near& pairs) const {
     const Numbers given(near);
-    if (!given.plain() || given.dimensions() != 2 || given.shape(1) != n_ + 1 || !moderate(given)) return false;
+    if (!given.plain() || given.dimensions() != 2 || given.shape(1) != n_ + 2 || !moderate(given)) return false;
     pairs.count = static_cast<int>(std::min<std::size_t>(given.shape(0), twistarm::most_half_spaces));
     for (int i = 0; i < pairs.count; ++i) {
-        const double* const row = given.data() + static_cast<std::size_t>(i) * (n_ + 1);
+        const double* const row = given.data() + static_cast<std::size_t>(i) * (n_ + 2);
         std::copy(row, row + n_, pairs.rows[i]);
         pairs.room[i] = row[n_];
+        pairs.time[i] = row[n_ + 1];
     }
     return true;
 }
@@ -144,7 +145,7 @@ nb::object Servo::step(nb::handle theta, nb::handle theta_dot, nb::handle held, 
         twistarm::servo_step(chain_, bounds_, command, dt, state, out);
     } else {
         Near pairs;
-        require(read(near, pairs), "near must be float64 (k, n + 1)");
+        require(read(near, pairs), "near must be float64 (k, n + 2)");
         twistarm::servo_step(chain_, bounds_, command, dt, state, out, &pairs);
     }
     nb::object kept = nb::none();

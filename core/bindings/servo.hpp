@@ -16,7 +16,7 @@ public:
           nb::handle upper, nb::handle velocity, nb::handle acceleration, nb::handle unit, nb::handle ready,
           double length, double below, double damping, bool stops);
 
-    // near: None, or (k, n + 1) for k near pairs of bodies: how joints bring them closer, and the room that they have.
+    // near: None, or (k, n + 2) for k near pairs of bodies: how joints bring them closer, their room and their time.
     // Answers None, or (theta, theta_dot, held or None, cause, row, scale, lost, halted, position and angle that remain, period).
     nb::object step(nb::handle theta, nb::handle theta_dot, nb::handle held, int kind, unsigned flags,
                     nb::handle numbers, double dt, double period, nb::handle near) const;

@@ -234,6 +234,6 @@ class Servo:
     ) -> tuple[Array, Array, Array | None, int, int, float, Array, float, bool, float, float, float] | None:
         """theta, theta_dot, held, cause, row, scale, lost, its share, halted, position and angle that remain, period.
 
-        kind 0 for no command, else with flags and numbers as in control/servo/command.py. near (k, n + 1): how joints
-        bring k pairs of bodies closer, and the room of each pair; at most 16 count.
+        kind 0 for no command, else with flags and numbers as in control/servo/command.py. near (k, n + 2): how joints
+        bring k pairs of bodies closer, the room of each pair and its time; at most 16 count.
         """

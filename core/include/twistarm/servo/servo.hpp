@@ -43,10 +43,10 @@ template <class T, int N> struct servo_state {
 };
 
 /// Pairs of bodies that come near each other: pair i approaches by rows[i] · rates [m/s], and may by room[i] [m] yet;
-/// a room below 0 moves it apart.
+/// a room below 0 moves it apart. It may take its room within time[i] [s], 0: as a joint takes that to its limit.
 template <class T, int N> struct near_pairs {
     int count;
-    T rows[most_half_spaces][capacity(N)], room[most_half_spaces];
+    T rows[most_half_spaces][capacity(N)], room[most_half_spaces], time[most_half_spaces];
 };
 
 /// row: of the limits or near pairs that cause it, or the joint that a singularity concerns, −1 for none. At an even speed the tool moves
@@ -67,7 +67,7 @@ template <class T> constexpr T look_ahead = T(0.01);   // how far ahead a course
 template <class T> constexpr T period_time = T(8);     // how slowly the period follows what steps take [s]
 template <class T> constexpr T astray_by = T(2e-4);    // an error of what is held at which half of the rest is done [scaled]
 template <class T> constexpr T one_round = T(2);         // a change of rates is at most so many times what the first round shows
-template <class T> constexpr T near_enough = T(sizeof(T) == 8 ? 1e-6 : 1e-5);  // a pair may come so much nearer in a step [m]
+template <class T> constexpr T near_enough = T(3e-4);  // a pair may come so much nearer while the arm stops [m]
 constexpr int slowings = 4;            // how often it is looked whether joints that take over for others are too fast
 
 inline bool is_position(servo_cause cause) {
@@ -90,7 +90,7 @@ servo_bounds<T, N> with_near(const servo_bounds<T, N>& bounds, const near_pairs<
             motion.c[r] -= near.rows[i][k] * theta[k];
         }
         motion.lower[r] = -detail::infinite<T>;
-        // With it, rates that only round towards the other body do not stop the arm.
+        // The law keeps a pair to its room. What the witness points turn on the way does not stop the arm.
         motion.upper[r] = greatest(near.room[i], T(0)) + near_enough<T>;
         motion.velocity[r] = motion.acceleration[r] = detail::infinite<T>;
     }
@@ -239,11 +239,15 @@ template <class T, int N, int M> struct servo {
     int n() const { return arm.coordinates(); }
     int first_near() const { return bounds.motion.motors - near_count; }
 
+    T most_apart(const position_bounds<T, N>& room, int i) const {
+        return near->room[i] / (near->time[i] > T(0) ? near->time[i] : room.time);
+    }
+
     /// What near pairs let the scaled rates be: they come closer no faster than lets them stop as joints do.
     void keep_apart(const position_bounds<T, N>& room, half_spaces<T, capacity(N)>& rows) const {
         rows.count = near_count;
         for (int i = 0; i < near_count; ++i) {
-            rows.most[i] = near->room[i] / room.time;
+            rows.most[i] = most_apart(room, i);
             rows.on[i] = false;
             for (int k = 0; k < n(); ++k) rows.normal[i][k] = near->rows[i][k] * bounds.unit[k];
         }
@@ -253,8 +257,7 @@ template <class T, int N, int M> struct servo {
     T too_close(const position_bounds<T, N>& room, const T* rates, int& worst) const {
         T largest = T(0);
         for (int i = 0; i < near_count; ++i) {
-            const T most = near->room[i] / room.time;
-            const T beyond = bounds.motion.rate(first_near() + i, rates) - most;
+            const T beyond = bounds.motion.rate(first_near() + i, rates) - most_apart(room, i);
             if (!(beyond > largest)) continue;
             largest = beyond;
             worst = i;
@@ -505,7 +508,7 @@ template <class T, int N, int M> struct servo {
         }
         const T too_fast = too_close(room, rates, closest) / bounds.length;
         if (too_fast > T(noticed) * size) {
-            const T left = greatest(near->room[closest], T(0)) / room.time / bounds.length;
+            const T left = greatest(most_apart(room, closest), T(0)) / bounds.length;
             if ((bounds.stops ? too_fast / (left + T(no_room) * size) : too_fast) > worst) {
                 joint = -1;
                 blame(servo_cause::near, first_near() + closest);

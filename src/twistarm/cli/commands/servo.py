@@ -5,12 +5,14 @@ from __future__ import annotations
 import sys
 from contextlib import ExitStack
 from dataclasses import replace
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line
+from ...collision import Scene
 from ...control.servo import ServoSettings
 from ...control.servo.settings import ON_UNREACHABLE, SLIDE
 from ...control.stream import Source, UdpSource, run
@@ -22,7 +24,7 @@ from ...support.errors import InputError
 from ...viewer import Viewer
 from ..asked_motion import capped
 from ..options import Json, Radians, Theta, takes_arm
-from ..output import console, print_json
+from ..output import console, print_json, progress_bar
 from ..robot import Hertz, Robot, Tolerance, address, require_inside, require_positive, takes_robot
 from ..servo_report import report_json, report_table
 from ..typed import parse_theta
@@ -37,6 +39,9 @@ Margin = Annotated[float, typer.Option(help="Distance kept from position limits 
 OnUnreachable = Annotated[
     str,
     typer.Option(metavar="slide|stop", help="Where the arm cannot follow: slide along, or stop on the course."),
+]
+Avoid = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Keep links and these obstacles apart: a scene.toml, or MoveIt's.")
 ]
 Duration = Annotated[float | None, typer.Option(help="End after so many seconds; else Ctrl-C ends it.")]
 
@@ -56,6 +61,7 @@ def servo(
     tolerance: Tolerance = TOLERANCE,
     margin: Margin = 0.0,
     on_unreachable: OnUnreachable = SLIDE,
+    avoid: Avoid = None,
     duration: Duration = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
@@ -74,6 +80,7 @@ def servo(
     x = parse_theta(arm, theta, rad)
     require_inside(arm, x, rad)
     driven = replace(arm, limits=capped(arm, {"velocity": velocity, "acceleration": acceleration}))
+    scene = None if avoid is None else _scene_of(driven, avoid)
     admitted = robot.admitted()
     with ExitStack() as stack:
         sink, feedback = robot.joints(driven, x, admitted, stack)
@@ -83,13 +90,20 @@ def servo(
         report = run(
             driven, source, sink, feedback, rate=rate, command_timeout=command_timeout,
             feedback_timeout=robot.feedback_timeout, tolerance=tolerance, settings=viewer.servo_settings(settings),
-            velocity_mode=robot.velocity_mode, duration=duration, on_cycle=viewer.show_servo,
+            scene=scene, velocity_mode=robot.velocity_mode, duration=duration, on_cycle=viewer.show_servo,
         )  # fmt: skip
     if json:
         print_json(report_json(arm, report))
     else:
         console().print(report_table(arm, report))
     return 0 if report.ok else 1
+
+
+def _scene_of(arm: Arm, file: Path) -> Scene:
+    with progress_bar("allowed pairs") as progress:
+        scene = Scene.load(arm, file, progress=progress)
+        scene.allowed  # noqa: B018  (found here, under its bar)
+    return scene
 
 
 def source_of(

@@ -21,18 +21,18 @@ ROUNDED = 1e-6
 """How far [m] below its margin a pair may come by rounding."""
 
 SEEN = 5e-5
-"""A pair that comes nearer than its aim by more [m] was not seen by the rows before."""
+"""Pairs that come nearer than their aim by more [m] were not seen by the rows before."""
 
 MOST, ROUNDS = 8, 4
 """The rows of near pairs at the start, and how often others are added."""
 
 
 def apart(
-    ask: Ask, rest: Callable[[], Answer], theta: Array, bounds: Bounds, scene: Scene
+    ask: Ask, rest: Callable[[], Answer], theta: Array, dt: float, bounds: Bounds, scene: Scene
 ) -> tuple[Answer, Contact | None]:
     """The answer of a step from theta (n,) that brings no pair nearer than its margin, and the pair that holds it.
 
-    `ask` steps with rows (k, n + 1) of near pairs or None, `rest` steps toward rest. A pair that is nearer than its
+    `ask` steps with rows (k, n + 2) of near pairs or None, `rest` steps toward rest. A pair that is nearer than its
     margin already comes no nearer. Every pair is measured where the arm would stand after a straight stop. Where
     another point of a body comes too near there, it becomes a row and the step is made anew. If that does not end, the
     arm comes to rest.
@@ -46,38 +46,47 @@ def apart(
         return answer, None
     margins, speeds = pairs.least[near.pairs], pairs.speeds[near.pairs]
     room = near.distances - margins - SPARE
-    aim, floor = np.minimum(room, 0.0) + margins + SPARE - SEEN, np.minimum(near.distances, margins) - ROUNDED
+    floor = np.minimum(near.distances, margins) - ROUNDED
+    aim = floor + np.clip(near.distances - margins, 0.0, SPARE - SEEN)
     owner = np.argsort(room)[:MOST]
-    rows = _rows(near.approach[owner], room[owner])
+    rows = _rows(near.approach[owner], room[owner], 0.0)
     for rounds in range(ROUNDS + 1):
         answer = ask(rows)
-        way = answer.theta + 0.5 * _stopping_time(bounds, answer.theta_dot) * answer.theta_dot - theta
+        time = dt + 0.5 * _stopping_time(bounds, answer.theta_dot)
+        way = time * answer.theta_dot
         risky = np.flatnonzero(near.distances - speeds @ np.abs(way) < aim)
         if not len(risky):
             break
-        there = pairs.measured(theta + way, near.pairs[risky])
-        unseen = there.distances < aim[risky]
-        if not unseen.any():
+        # Where it is after the step, on its way to a stop and after it.
+        times = dt, 0.5 * (dt + time), time
+        there = [pairs.measured(theta + at * answer.theta_dot, near.pairs[risky]) for at in times]
+        distances = np.array([each.distances for each in there])
+        unseen = np.flatnonzero((distances < aim[risky]).any(axis=0))
+        if not len(unseen):
             break
         if rounds == ROUNDS:
-            below = there.distances - floor[risky]
+            below = distances.min(axis=0) - floor[risky]
             if below.min() < 0.0:
                 still = rest()
                 answer = replace(still, cause=Cause.NEAR, row=0, scale=0.0, halted=not still.theta_dot.any())
                 owner = risky[[below.argmin()]]
             break
-        left = there.distances - margins[risky] - SPARE + there.approach @ way
-        rows = np.vstack([_rows(there.approach[unseen], left[unseen]), rows])
-        owner = np.concatenate([risky[unseen], owner])
+        for each, at in zip(there, times, strict=True):
+            new = np.flatnonzero(each.distances < aim[risky])
+            left = each.distances[new] - aim[risky[new]] + at * each.approach[new] @ answer.theta_dot
+            rows = np.concatenate([_rows(each.approach[new], left, at), rows])
+            owner = np.concatenate([risky[new], owner])
     if answer.cause is not Cause.NEAR:
         return answer, None
     k = owner[answer.row]
     return answer, scene.contact(int(near.pairs[k]), float(near.distances[k]))
 
 
-def _rows(approach: Array, room: Array) -> Array:
-    """Rows (k, n + 1) for the law. A pair without room moves apart slowly."""
-    return np.concatenate([approach, np.maximum(room, -SPARE)[:, None]], axis=1)
+def _rows(approach: Array, room: Array, time: float) -> Array:
+    """Rows (k, n + 2) for the law: a pair takes its room within `time` [s]. One without room moves apart slowly."""
+    rows = np.full((len(room), approach.shape[1] + 2), time)
+    rows[:, :-2], rows[:, -2] = approach, np.maximum(room, -SPARE)
+    return rows
 
 
 def _stopping_time(bounds: Bounds, theta_dot: Array) -> float:

@@ -81,6 +81,7 @@ def servo_step(
                 lambda near: _answer(arm, bounds, state, checked, step, near),
                 lambda: _answer(arm, bounds, state, None, step),
                 np.asarray(state.theta),
+                step,
                 bounds,
                 scene,
             )

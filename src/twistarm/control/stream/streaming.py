@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
+from ...collision import Scene
 from ...support.checks import Array, as_positive, require, require_callback, require_method
 from ...support.errors import InputError, shown
 from ..servo import AnyCommand, ServoSettings, servo_step
@@ -42,6 +43,7 @@ class Streaming(Cycles[Cycle]):
         feedback_timeout: float = FEEDBACK_TIMEOUT,
         tolerance: ArrayLike = TOLERANCE,
         settings: ServoSettings | None = None,
+        scene: Scene | None = None,
         velocity_mode: bool = False,
         interlock: Interlock | None = None,
     ) -> None:
@@ -51,6 +53,10 @@ class Streaming(Cycles[Cycle]):
             velocity_mode=velocity_mode, interlock=interlock,
         )  # fmt: skip
         self.source = require_method(source, "source", "read")
+        self.scene = scene
+        if scene is not None:
+            require(scene, Scene, "scene", "as Scene(arm) is").require_arm(self.arm)
+            scene.near_pairs  # noqa: B018  (what takes long is done before the loop)
         self.command_timeout = as_positive(command_timeout, "command_timeout")
         self._interlock(self.source)
         self._released = inf
@@ -105,7 +111,9 @@ class Streaming(Cycles[Cycle]):
             return self._braked(now, reason)
         assert self.state is not None  # whoever steps has asked
         dt = self._elapsed(now)
-        state, output = servo_step(self._commanded_arm, self.state, command, dt, settings=self.settings)
+        state, output = servo_step(
+            self._commanded_arm, self.state, command, dt, settings=self.settings, scene=self.scene
+        )
         return self._moved(state, output, now, follow=True)
 
     def _restart_at_rest(self, theta: Array | None, now: float, released: bool) -> None:
@@ -135,6 +143,7 @@ def run(
     feedback_timeout: float = FEEDBACK_TIMEOUT,
     tolerance: ArrayLike = TOLERANCE,
     settings: ServoSettings | Callable[[], ServoSettings] | None = None,
+    scene: Scene | None = None,
     velocity_mode: bool = False,
     interlock: Interlock | None = None,
     handle_signals: bool = True,
@@ -178,6 +187,7 @@ def run(
         tolerance: Greatest distance of a joint from what was commanded, one number or (n,) [rad, m].
         settings: Settings of the servo, or a function of nothing that returns them before every cycle, and ends the
             stream where it returns anything else; None for the usual ones.
+        scene: The bodies that the servo keeps apart, or None.
         velocity_mode: Whether the robot takes rates alone.
         interlock: The switch that allows motion, or None.
         handle_signals: Whether SIGTERM and SIGHUP end the stream as Ctrl-C does, in the main thread and where the
@@ -200,7 +210,7 @@ def run(
     current = _current(settings)
     streaming = Streaming(
         arm, source, sink, feedback, rate=rate, command_timeout=command_timeout, feedback_timeout=feedback_timeout,
-        tolerance=tolerance, settings=current(), velocity_mode=velocity_mode, interlock=interlock,
+        tolerance=tolerance, settings=current(), scene=scene, velocity_mode=velocity_mode, interlock=interlock,
     )  # fmt: skip
 
     def take_settings() -> None:
