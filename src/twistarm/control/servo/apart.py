@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...collision import Contact, Scene
 from ...support.checks import Array
@@ -28,17 +29,17 @@ MOST, ROUNDS = 8, 4
 
 
 def apart(
-    ask: Ask, rest: Callable[[], Answer], theta: Array, dt: float, bounds: Bounds, scene: Scene
+    ask: Ask, rest: Callable[[], Answer], start: ArrayLike, dt: float, bounds: Bounds, scene: Scene
 ) -> tuple[Answer, Contact | None]:
-    """The answer of a step from theta (n,) that brings no pair nearer than its margin, and the pair that holds it.
+    """The answer of a step from `start` (n,) that brings no pair nearer than its margin, and the pair that holds it.
 
     `ask` steps with rows (k, n + 2) of near pairs or None, `rest` steps toward rest. A pair that is nearer than its
-    margin already comes no nearer. Every pair is measured where the arm would stand after a straight stop. Where
-    another point of a body comes too near there, it becomes a row and the step is made anew. If that does not end, the
-    arm comes to rest.
+    margin already comes no nearer. Near pairs are measured where the arm will be after the step, and where it would
+    stand after a straight stop. A pair that would come too near becomes another row, and the step is made anew. If that
+    does not suffice, the arm comes to rest.
     """
-    pairs = scene.near_pairs
-    answer = ask(None)
+    pairs, answer = scene.near_pairs, ask(None)  # which raises an error for a state that cannot be used
+    theta = np.asarray(start, dtype=np.float64)
     # The law slows a pair that has less room than a stop in twice its time takes.
     time = 3.0 * answer.period + 2.0 * _stopping_time(bounds, answer.theta_dot)
     near = pairs.near(theta, np.abs(time * answer.theta_dot))
@@ -68,8 +69,8 @@ def apart(
             below = distances.min(axis=0) - floor[risky]
             if below.min() < 0.0:
                 still = rest()
-                answer = replace(still, cause=Cause.NEAR, row=0, scale=0.0, halted=not still.theta_dot.any())
-                owner = risky[[below.argmin()]]
+                halted, owner = not still.theta_dot.any(), risky[[below.argmin()]]
+                answer = replace(still, cause=Cause.NEAR, row=0, scale=0.0, halted=halted, held=answer.held)
             break
         for each, at in zip(there, times, strict=True):
             new = np.flatnonzero(each.distances < aim[risky])

@@ -80,7 +80,7 @@ def servo_step(
             answer, contact = apart(
                 lambda near: _answer(arm, bounds, state, checked, step, near),
                 lambda: _answer(arm, bounds, state, None, step),
-                np.asarray(state.theta),
+                state.theta,
                 step,
                 bounds,
                 scene,
