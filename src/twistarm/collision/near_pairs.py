@@ -99,6 +99,19 @@ class NearPairs(Checker):
         """These pairs (k,) at theta (n,)."""
         return self._measured(self._placed(theta), pairs)
 
+    def distances_of(self, theta: Array, pairs: Indices) -> list[float]:
+        """The distances [m] of these pairs (k,) at theta (n,), without their directions.
+
+        Args:
+            theta: The configuration (n,).
+            pairs: Which pairs.
+        """
+        geometry, pin = self._own()[1], self._pin
+        pin.updateGeometryPlacements(
+            self._model.model, self._model.data, self._geometry, geometry, self._model.q(theta)
+        )
+        return [pin.computeDistance(self._geometry, geometry, k).min_distance for k in pairs.tolist()]
+
     def _placed(self, theta: Array) -> Any:
         """Pinocchio's data at theta, with the Jacobians and all bodies in their places."""
         data, geometry, _ = self._own()

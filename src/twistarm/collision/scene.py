@@ -418,10 +418,6 @@ class Scene:
         checker = self._checker
         return NearPairs(self._model, checker.bodies, checker.pairs, checker.margins)
 
-    def contact(self, k: int, distance: float) -> Contact:
-        """Pair k of `near_pairs` at this distance [m]."""
-        return Contact(self._names(k), distance, self._checker.margins[k])
-
     def checks(self, clearance: float) -> Callable[[Array], bool]:
         """A quick check of one configuration (n,): whether every pair keeps its margin and this clearance [m]."""
         checker, q = self._sweep.checker(clearance), self._model.q

@@ -41,46 +41,45 @@ def apart(
     pairs, answer = scene.near_pairs, ask(None)  # which raises an error for a state that cannot be used
     theta = np.asarray(start, dtype=np.float64)
     # The law slows a pair that has less room than a stop in twice its time takes.
-    time = 3.0 * answer.period + 2.0 * _stopping_time(bounds, answer.theta_dot)
+    time = 3.0 * answer.period + 2.0 * bounds.stopping_time(answer.theta_dot)
     near = pairs.near(theta, np.abs(time * answer.theta_dot))
     if not len(near.pairs):
         return answer, None
     margins, speeds = pairs.least[near.pairs], pairs.speeds[near.pairs]
     room = near.distances - margins - SPARE
     floor = np.minimum(near.distances, margins) - ROUNDED
-    aim = floor + np.clip(near.distances - margins, 0.0, SPARE - SEEN)
-    owner = np.argsort(room)[:MOST]
+    aim = floor + np.minimum(np.maximum(near.distances - margins, 0.0), SPARE - SEEN)
+    owner = room.argsort()[:MOST]
     rows = _rows(near.approach[owner], room[owner], 0.0)
     for rounds in range(ROUNDS + 1):
         answer = ask(rows)
-        time = dt + 0.5 * _stopping_time(bounds, answer.theta_dot)
-        way = time * answer.theta_dot
-        risky = np.flatnonzero(near.distances - speeds @ np.abs(way) < aim)
+        time = dt + 0.5 * bounds.stopping_time(answer.theta_dot)
+        risky = np.flatnonzero(near.distances - speeds @ np.abs(time * answer.theta_dot) < aim)
         if not len(risky):
             break
         # Where it is after the step, on its way to a stop and after it.
         times = dt, 0.5 * (dt + time), time
-        there = [pairs.measured(theta + at * answer.theta_dot, near.pairs[risky]) for at in times]
-        distances = np.array([each.distances for each in there])
-        unseen = np.flatnonzero((distances < aim[risky]).any(axis=0))
-        if not len(unseen):
+        there = np.array([pairs.distances_of(theta + at * answer.theta_dot, near.pairs[risky]) for at in times])
+        unseen = there < aim[risky]
+        if not unseen.any():
             break
         if rounds == ROUNDS:
-            below = distances.min(axis=0) - floor[risky]
+            below = there.min(axis=0) - floor[risky]
             if below.min() < 0.0:
                 still = rest()
                 halted, owner = not still.theta_dot.any(), risky[[below.argmin()]]
                 answer = replace(still, cause=Cause.NEAR, row=0, scale=0.0, halted=halted, held=answer.held)
             break
-        for each, at in zip(there, times, strict=True):
-            new = np.flatnonzero(each.distances < aim[risky])
-            left = each.distances[new] - aim[risky[new]] + at * each.approach[new] @ answer.theta_dot
-            rows = np.concatenate([_rows(each.approach[new], left, at), rows])
-            owner = np.concatenate([risky[new], owner])
+        for too_near, at in zip(unseen, times, strict=True):
+            new = risky[too_near]
+            seen = pairs.measured(theta + at * answer.theta_dot, near.pairs[new])
+            left = seen.distances - aim[new] + at * seen.approach @ answer.theta_dot
+            rows, owner = np.concatenate([_rows(seen.approach, left, at), rows]), np.concatenate([new, owner])
     if answer.cause is not Cause.NEAR:
         return answer, None
     k = owner[answer.row]
-    return answer, scene.contact(int(near.pairs[k]), float(near.distances[k]))
+    first, second = (pairs.bodies[body].name for body in pairs.pairs[near.pairs[k]])
+    return answer, Contact((first, second), float(near.distances[k]), float(margins[k]))
 
 
 def _rows(approach: Array, room: Array, time: float) -> Array:
@@ -88,9 +87,3 @@ def _rows(approach: Array, room: Array, time: float) -> Array:
     rows = np.full((len(room), approach.shape[1] + 2), time)
     rows[:, :-2], rows[:, -2] = approach, np.maximum(room, -SPARE)
     return rows
-
-
-def _stopping_time(bounds: Bounds, theta_dot: Array) -> float:
-    """How long a straight stop takes [s]."""
-    motion = bounds.motion
-    return float((np.abs(motion.C @ theta_dot) / motion.limits.acceleration).max())
