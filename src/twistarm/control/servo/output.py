@@ -5,19 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ...arm.arm import Arm
 from ...arm.inability import ANGULAR, LINEAR, Lack, cannot_move, cannot_turn, lack, must_turn, position_limit, singular
-from ...collision import Contact
 from ...support.checks import Array, frozen
 from ...support.display import Brief
 from ...support.vector_words import ALONG_AXIS, direction_in_words
 from .answer import Answer, Cause
 from .bounds import Bounds
 from .command import BASE, AnyCommand, TwistCommand
+
+if TYPE_CHECKING:
+    from ...collision import Contact
 
 
 class ServoStatus(Enum):
@@ -78,12 +80,13 @@ _NOTHING_LOST = frozen(np.zeros(6))
 
 
 class Asked(NamedTuple):
-    """A command to an arm at theta (n,), and whether the arm stops where it cannot follow."""
+    """A command to an arm at theta (n,), whether the arm stops where it cannot follow, and the pair that holds it."""
 
     arm: Arm
     theta: Array
     command: AnyCommand | None
     stops: bool = False
+    contact: Contact | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -103,8 +106,6 @@ class ServoOutput(Brief):
 
     joint: the joint or motor most concerned by a limit or a singularity, or None.
 
-    contact: the pair of bodies that slows or halts the arm, with its distance and margin [m], or None.
-
     remaining: the distance of a `PoseCommand` from its pose, [m] and [rad]; zeros for other commands.
     """
 
@@ -117,7 +118,11 @@ class ServoOutput(Brief):
     remaining: tuple[float, float]
     _why: str | Cause = field(repr=False)
     _asked: Asked | None = field(default=None, repr=False)
-    contact: Contact | None = None
+
+    @property
+    def contact(self) -> Contact | None:
+        """The pair of bodies that slows or halts the arm, with its distance and margin [m], or None."""
+        return self._asked.contact if self._asked else None
 
     @property
     def reason(self) -> ServoReason:
@@ -190,26 +195,26 @@ class ServoOutput(Brief):
         return cls(theta_dot, ServoStatus.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), reason)
 
     @classmethod
-    def of(cls, answer: Answer, bounds: Bounds, asked: Asked, contact: Contact | None = None) -> ServoOutput:
+    def of(cls, answer: Answer, bounds: Bounds, asked: Asked) -> ServoOutput:
         """The output for an answer of the compiled step.
 
         Args:
             answer: The step's answer as plain numbers.
             bounds: The arm's bounds.
-            asked: The arm, the configuration and the command of the step.
-            contact: The pair of bodies that holds the arm.
+            asked: The arm, the configuration and the command of the step, and the pair of bodies that holds the arm.
 
         Returns:
             The output, with status, joint and reason.
         """
         cause, row = answer.cause, answer.row
-        halted = ServoStatus.HALTED_COLLISION if contact else ServoStatus.HALTED_LIMIT
-        status = halted if answer.halted else _OF_CAUSE[cause][0]
+        status = _OF_CAUSE[cause][0]
+        if answer.halted:
+            status = ServoStatus.HALTED_COLLISION if cause is Cause.NEAR else ServoStatus.HALTED_LIMIT
         names = asked.arm.joint_names if cause is Cause.SINGULARITY else bounds.motion.names
-        joint = names[row] if row >= 0 and contact is None else None
+        joint = names[row] if row >= 0 and cause is not Cause.NEAR else None
         lost, remaining = (answer.lost, answer.lost_share), answer.remaining
-        output = cls(answer.theta_dot, status, answer.scale, *lost, joint, remaining, cause, asked, contact)
-        if contact is not None or joint is not None or answer.lost_share <= ALL or output._missing_share <= ALL:
+        output = cls(answer.theta_dot, status, answer.scale, *lost, joint, remaining, cause, asked)
+        if joint is not None or answer.lost_share <= ALL or output._missing_share <= ALL or cause is Cause.NEAR:
             return output
         found, why = _missing(asked, answer.lost, joint, 0.0)
         nowhere = found is Lack.EVERYWHERE

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...arm.arm import Arm, require_arm
-from ...collision import Scene
 from ...support.checks import Array, as_pose, frozen, require
 from ...support.errors import InputError, shown
 from .answer import Answer, Cause
-from .apart import apart
 from .bounds import Bounds, bounds_of
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
 from .output import Asked, ServoOutput
 from .settings import ServoSettings
 from .state import MOST, ServoState
+
+if TYPE_CHECKING:
+    from ...collision import Contact, Scene
 
 COMMANDS = (TwistCommand, JogCommand, PoseCommand)
 _DEFAULT = ServoSettings()
@@ -67,7 +68,7 @@ def servo_step(
     require(state, ServoState, "state", "as ServoState.at(arm, theta) makes it")
     bounds = bounds_of(require_arm(arm), require(settings, ServoSettings, "settings", "as ServoSettings() is"))
     if scene is not None:
-        require(scene, Scene, "scene", "as Scene(arm) is").require_arm(arm)
+        require_scene(arm, scene)
     step = _seconds(dt)
     if not 0.0 < step <= settings.max_dt:
         return _refused(arm, state, f"dt must be more than 0 and at most {settings.max_dt:g} s; got {shown(dt)}")
@@ -77,20 +78,32 @@ def servo_step(
         if scene is None or checked is None:
             answer = _answer(arm, bounds, state, checked, step)
         else:
-            answer, contact = apart(
-                lambda near: _answer(arm, bounds, state, checked, step, near),
-                lambda: _answer(arm, bounds, state, None, step),
-                state.theta,
-                step,
-                bounds,
-                scene,
-            )
+            answer, contact = _apart(arm, bounds, state, checked, step, scene)
     except InputError as error:
         return _refused(arm, state, f"the state cannot be used: {error}")
     after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked), answer.period)
     if checked is None:
         return after, ServoOutput.stale(after.theta_dot, reason)
-    return after, ServoOutput.of(answer, bounds, Asked(arm, state.theta, checked, bounds.stops), contact)
+    return after, ServoOutput.of(answer, bounds, Asked(arm, state.theta, checked, bounds.stops, contact))
+
+
+def require_scene(arm: Arm, scene: Scene) -> None:
+    """Raise InputError if `scene` is no `Scene` of this arm."""
+    from ...collision import Scene
+
+    require(scene, Scene, "scene", "as Scene(arm) is").require_arm(arm)
+
+
+def _apart(
+    arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand, dt: float, scene: Scene
+) -> tuple[Answer, Contact | None]:
+    """The answer that keeps the bodies of a scene apart, and the pair that holds the arm."""
+    from .apart import apart
+
+    def ask(near: Array | None) -> Answer:
+        return _answer(arm, bounds, state, command, dt, near)
+
+    return apart(ask, lambda: _answer(arm, bounds, state, None, dt), state.theta, dt, bounds, scene)
 
 
 def _seconds(dt: Any) -> float:

@@ -5,22 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable
 from inspect import signature
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
-from ...collision import Scene
 from ...support.checks import Array, as_positive, require, require_callback, require_method
 from ...support.errors import InputError, shown
 from ..servo import AnyCommand, ServoSettings, servo_step
+from ..servo.step import require_scene
 from .cycles import Cycle, Cycles, call_device
 from .driving import drive
 from .interlock import Interlock
 from .links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .protocols import Clock, Feedback, Reading, Setpoint, Sink, Source
 from .report import Ending, StreamReport
+
+if TYPE_CHECKING:
+    from ...collision import Scene
 
 TOLERANCE = 0.2
 """How far a joint may be from where it was commanded to be [rad, m]."""
@@ -55,7 +58,7 @@ class Streaming(Cycles[Cycle]):
         self.source = require_method(source, "source", "read")
         self.scene = scene
         if scene is not None:
-            require(scene, Scene, "scene", "as Scene(arm) is").require_arm(self.arm)
+            require_scene(self.arm, scene)
             scene.near_pairs  # noqa: B018  (what takes long is done before the loop)
         self.command_timeout = as_positive(command_timeout, "command_timeout")
         self._interlock(self.source)
