@@ -119,12 +119,14 @@ def toward_an_obstacle(arm, scene, rng, plane):
 
 @pytest.mark.parametrize("name", ["ur5", "rover_arm", "panda"])
 def test_held_twists_toward_obstacles_stay_apart_and_do_not_shake(name):
-    arm, rng, held = servo_arm(name), np.random.default_rng(5), 0
+    arm, rng, held = servo_arm(name), np.random.default_rng(0), 0
     scene = Scene(arm, margin=MARGIN)
     for plane in (True, False, False):
         theta, command = toward_an_obstacle(arm, scene, rng, plane)
         states, _ = driven(arm, ServoState.at(arm, theta), command, 800, scene)
-        distances = [scene.distance(state.theta).metres for state in states[::4]]
+        turning = TwistCommand([*command.twist[:3], *rng.normal(size=3)], "base")
+        spun, _ = driven(arm, states[0], turning, 200, scene)
+        distances = [scene.distance(state.theta).metres for state in states[::4] + spun]
         assert min(distances) >= MARGIN - SHORT, (plane, theta, command)
         assert turns(np.array([state.theta_dot for state in states]))[0] < REVERSALS, (plane, theta, command)
         held += min(distances) < MARGIN + SHORT
@@ -133,15 +135,14 @@ def test_held_twists_toward_obstacles_stay_apart_and_do_not_shake(name):
 
 def test_bodies_that_are_far_change_nothing(slides):
     arm, scene = slides
-    begin = ServoState.at(arm, [0.0, 0.0]), twist(-0.1, 0.05)
-    one, other = (driven(arm, *begin, 50, given)[0][-1] for given in (scene, None))
+    start, way = ServoState.at(arm, [0.0, 0.0]), twist(-0.1, 0.05)
+    one, other = (driven(arm, start, way, 50, given)[0][-1] for given in (scene, None))
     assert np.array_equal([one.theta, one.theta_dot], [other.theta, other.theta_dot])
 
 
 def test_a_stream_keeps_apart_and_refuses_the_scene_of_another_arm(slides):
     arm, scene = slides
-    clock, other = FakeClock(), load_arm("ur5")
-    robot = Robot([0.5, 0.0], clock)
+    robot, other = Robot([0.5, 0.0], clock := FakeClock()), load_arm("ur5")
     assert run(arm, Says(JogCommand([0.3, 0.0])), robot, robot, duration=4.0, clock=clock, scene=scene).ok
     assert 0.9 - MARGIN - 3 * SHORT <= robot.theta[0] <= 0.9 - MARGIN
     with pytest.raises(InputError, match="scene is one of slides"):
