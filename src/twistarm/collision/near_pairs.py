@@ -134,4 +134,4 @@ class NearPairs(Checker):
     def _ask(self, geometry: Any) -> None:
         super()._ask(geometry)
         for request in geometry.distanceRequests:
-            request.gjk_tolerance = TOLERANCE
+            request.gjk_tolerance, request.enable_contact = TOLERANCE, True
