@@ -14,7 +14,7 @@ from ..support.checks import Array
 from ..support.errors import missing_extra
 from .cartesian.refusal import PathError
 
-CLEARANCE = 0.005
+CLEARANCE = 0.004
 """How far [m] states keep from everything, so that the ways between them do too; less where start or goal is nearer."""
 
 STEPS = (0.1, 0.05, 0.02, 0.01, 0.005)
@@ -26,8 +26,8 @@ UNLIMITED = 2.0 * np.pi
 REACH = 1.0
 """The longest way [rad, m] that a tree grows at once."""
 
-SHORTENING = 0.3
-"""The greatest part of the time that has gone by which is spent on shortening."""
+SHORTCUTS = 50
+"""Random shortcuts that are tried on a path."""
 
 
 def free_path(scene: Scene, start: Array, goal: Array, limits: JointLimits, max_time: float, seed: int = 0) -> Array:
@@ -93,8 +93,12 @@ class _Search:
         setup.solve(ends - began)
         if not setup.haveExactSolutionPath():
             return None
-        setup.simplifySolution(max(0.02, min(SHORTENING * (time.monotonic() - began), ends - time.monotonic())))
         found = setup.getSolutionPath()
+        simplifier = geometric.PathSimplifier(setup.getSpaceInformation())
+        simplifier.ropeShortcutPath(found)
+        simplifier.reduceVertices(found)
+        simplifier.partialShortcutPath(found, SHORTCUTS, SHORTCUTS)
+        simplifier.reduceVertices(found)
         path = np.array([self._numbers(found.getState(k)) for k in range(found.getStateCount())])
         path[0], path[-1] = self._start, self._goal
         return path
