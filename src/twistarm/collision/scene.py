@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, pairwise
@@ -29,6 +30,7 @@ from ..support.checks import (
     as_theta,
     as_vector,
     as_whole,
+    require,
     require_callback,
     require_mapping,
     require_names,
@@ -39,7 +41,7 @@ from .allowed_pairs import Pair, allowed_pairs, sorted_pair
 from .bodies import Body, Shapes, in_words
 from .checker import Checker
 from .scene_file import SceneFile, read_scene
-from .swept import Sweep, pair_speeds, taylor
+from .swept import FINE, Sweep, pair_speeds, taylor
 
 NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
 """How many numbers the size of an obstacle has."""
@@ -202,6 +204,10 @@ class Scene:
         """Sorted pairs that are not checked, and why: "SRDF", "Adjacent", "Default", "Always", "Never", or a reason."""
         return {**self._robots_pairs, **self._allowed_too}
 
+    def find_allowed_pairs(self) -> None:
+        """Find the allowed pairs now, with `progress`, and not at the first question."""
+        self.allowed  # noqa: B018
+
     @cached_property
     def _robots_pairs(self) -> Mapping[Pair, str]:
         """The pairs of links that the robot's SRDF, or the rules of `allowed_pairs`, exempt."""
@@ -329,11 +335,6 @@ class Scene:
         self._touching.pop(name, None)
         self._changed()
 
-    def require_arm(self, arm: Arm) -> None:
-        """Raise InputError if `arm` is of another description, or has other coordinates."""
-        if arm.description is not self._description or arm.joint_names != self.arm.joint_names:
-            raise InputError(f"scene is one of {self.arm.name}, not of this {arm.name}: make it with Scene(arm)")
-
     # -- questions -----------------------------------------------------------------------------------------------
 
     def collides(self, theta: ArrayLike, *, threads: int = 1) -> Any:
@@ -405,6 +406,22 @@ class Scene:
             other: Another.
         """
         return self._sweep.straight(self._one(one), self._one(other))
+
+    def leaving(self, theta: Array) -> Scene:
+        """The scene for a motion from theta (n,): pairs that collide there count only if they come 0.5 mm nearer.
+
+        It is the same scene if nothing collides there.
+        """
+        near = {contact.links: contact.distance for contact in self.contacts(theta)}
+        if not near:
+            return self
+        other = copy(self)
+        other._changed()
+        margins = [
+            min(margin, near.get(self._names(k), np.inf) - 2.0 * FINE) for k, margin in enumerate(self._checker.margins)
+        ]
+        other.__dict__["_checker"] = Checker(self._model, self._checker.bodies, self._checker.pairs, margins)
+        return other
 
     @property
     def largest_margin(self) -> float:
@@ -539,6 +556,14 @@ class Scene:
     def _names(self, k: int) -> tuple[str, str]:
         i, j = self._checker.pairs[k]
         return self._checker.bodies[i].name, self._checker.bodies[j].name
+
+
+def require_scene(scene: Any, arm: Arm) -> Scene:
+    """The scene. InputError if it is none, or of an arm of another description or with other coordinates."""
+    require(scene, Scene, "scene", "Scene(arm)")
+    if require_arm(arm).description is not scene._description or arm.joint_names != scene.arm.joint_names:
+        raise InputError(f"scene is one of {scene.arm.name}, not of this {arm.name}: make it with Scene(arm)")
+    return scene  # type: ignore[no-any-return]
 
 
 def _as_place(pose: Given | None) -> Array:

@@ -75,7 +75,7 @@ class Sweep:
 
         def around(t: float, half: float) -> tuple[Array, Array]:
             about = taylor(piece, t)
-            return about[-1], half**orders @ np.abs(about[:-1])
+            return about[-1], np.float_power(half, orders) @ np.abs(about[:-1])
 
         return self.first(around, duration)
 

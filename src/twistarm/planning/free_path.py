@@ -10,6 +10,7 @@ import numpy as np
 
 from ..collision import Scene
 from ..limits.joint_limits import JointLimits
+from ..support.caller_words import argument
 from ..support.checks import Array
 from ..support.errors import missing_extra
 from .cartesian.refusal import PathError
@@ -56,7 +57,9 @@ def free_path(scene: Scene, start: Array, goal: Array, limits: JointLimits, max_
             break
         if all(scene.is_free(one, other) for one, other in pairwise(path)):
             return path
-    raise PathError(f"no way round was found in {max_time:g} s; give a longer max_time, or another goal")
+    raise PathError(
+        f"no way round was found in {max_time:g} s; give another goal, or a longer {argument('max_time', ...)}"
+    )
 
 
 class _Search:
