@@ -44,7 +44,8 @@ class Checker:
         if not self.pairs:
             return False
         data, _, manager = self._own()
-        return bool(self._pin.computeCollisions(self._model.model, data, manager, q, True))
+        found: bool = self._pin.computeCollisions(self._model.model, data, manager, q, True)
+        return found
 
     def batch(self, Q: Array, threads: int) -> Array:
         """`collides` of each row of Q (N, nq), on this many threads: (N,) of bool."""
