@@ -28,6 +28,7 @@ from twistarm import (
     solve_ik_all,
     solve_ik_batch,
 )
+from twistarm.testing import assert_free
 
 
 def beside_a_plate(name: str) -> tuple[Arm, Scene]:
@@ -202,6 +203,22 @@ def test_a_motion_through_waypoints_is_proven(tmp_path: Path) -> None:
     plan_joint(arm, [[1.0, 1.5], [0.0, 1.6], [-1.0, 1.5]], scene=scene)
     with pytest.raises(PathError, match="waypoint 0 to 1"):
         plan_joint(arm, [[1.0, 1.5], [0.0, 0.9], [-1.0, 1.5]], scene=scene)
+
+
+def test_assert_free_names_time_and_pair(tmp_path: Path) -> None:
+    """The hand, of radius 0.1, comes from x = 1 to the face of the wall at 0.1 after 0.8 of 1 m."""
+    arm = slider(tmp_path, SHAPES["sphere"])
+    (tmp_path / "scene.toml").write_text('[[box]]\nname = "wall"\nsize = [0.2, 2, 4]\nxyz = [0, 0, -1]', "utf-8")
+    for x, free in ((0.3, True), (0.15, False)):
+        motion = plan_joint(arm, [[1.0, 0.0], [x, 0.0]])
+        motion.to_csv(tmp_path / "motion.csv")
+        for each in (motion, tmp_path / "motion.csv"):
+            assert_free(arm, each)
+            if free:
+                assert_free(arm, each, tmp_path / "scene.toml")
+            else:
+                with pytest.raises(AssertionError, match=r"slider: it collides .* hand and wall"):
+                    assert_free(arm, each, tmp_path / "scene.toml")
 
 
 def test_unwrap_chooses_the_goal_of_a_free_move_by_whole_turns() -> None:
