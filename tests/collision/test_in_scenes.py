@@ -102,6 +102,8 @@ def test_a_scene_of_another_arm_is_refused(tmp_path: Path) -> None:
         solve_ik(other, Position([0.5, 0.0, 0.5]), scene=scene)
     with pytest.raises(InputError, match="scene"):
         plan(other, JointMove("ready"), scene=scene)
+    twice = load_arm("ur5"), load_arm("ur5")
+    assert solve_ik(twice[0], twice[0].home, scene=Scene(twice[1])).converged
 
 
 @pytest.mark.parametrize("name", ["ur5", "rover_arm", "panda"])

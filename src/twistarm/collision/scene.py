@@ -28,7 +28,6 @@ from ..support.checks import (
     as_number,
     as_pose,
     as_positive,
-    as_theta,
     as_vector,
     as_whole,
     require,
@@ -48,6 +47,16 @@ NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh
 """How many numbers the size of an obstacle has."""
 
 
+def in_millimetres(metres: float) -> str:
+    """The size of a distance [m] in mm, short distances to 0.1 mm."""
+    size = 1000.0 * abs(metres)
+    return f"{size:.0f} mm" if size >= 10.0 else f"{size:.1g} mm" if size >= 0.05 else "less than 0.1 mm"
+
+
+LARGEST = 1e4
+"""The largest size of an obstacle [m]."""
+
+
 @dataclass(frozen=True)
 class Distance:
     """The nearest pair of bodies: `metres` apart, negative by the depth of an overlap.
@@ -63,10 +72,8 @@ class Distance:
     def __str__(self) -> str:
         if not self.links:
             return "nothing to collide with"
-        apart = f"{1000.0 * abs(self.metres):.0f} mm"
-        return (
-            f"{self.links[0]} and {self.links[1]}: {f'{apart} apart' if self.metres >= 0.0 else f'overlap by {apart}'}"
-        )
+        where, apart = f"{self.links[0]} and {self.links[1]}", in_millimetres(self.metres)
+        return f"{where}: {apart} apart" if self.metres >= 0.0 else f"{where} overlap by {apart}"
 
 
 @dataclass(frozen=True)
@@ -80,8 +87,8 @@ class Contact:
     def __str__(self) -> str:
         where = f"{self.links[0]} and {self.links[1]}"
         if self.distance < 0.0:
-            return f"{where} overlap by {1000.0 * -self.distance:.0f} mm"
-        return f"{where}: {1000.0 * self.distance:.0f} mm apart, {1000.0 * self.margin:.0f} mm asked"
+            return f"{where} overlap by {in_millimetres(self.distance)}"
+        return f"{where}: {in_millimetres(self.distance)} apart, {in_millimetres(self.margin)} asked"
 
 
 @dataclass(frozen=True, eq=False)
@@ -351,7 +358,7 @@ class Scene:
         plain = type(theta) is np.ndarray and theta.dtype == np.float64 and theta.shape == self._shape
         if plain and isfinite(theta.dot(theta)):  # type: ignore[union-attr]
             return self._checker.collides(self._model.q(theta))  # type: ignore[arg-type]
-        x = as_theta(theta, self.arm.n, "theta", self.arm.joint_names)
+        x = self.arm.theta_from(theta)
         if x.ndim == 1:
             return self._checker.collides(self._model.q(x))
         Q = np.array([self._model.q(row) for row in x.reshape(-1, self.arm.n)]).reshape(-1, self._model.model.nq)
@@ -443,7 +450,10 @@ class Scene:
     def _fill(self, content: SceneFile) -> None:
         """Add what a file holds."""
         for entry in content.entries:
-            self._add(entry.name, entry.kind, entry.size, entry.pose, entry.mesh, self._fixed(entry.frame))
+            try:
+                self._add(entry.name, entry.kind, entry.size, entry.pose, entry.mesh, self._fixed(entry.frame))
+            except InputError as error:
+                raise InputError(f"{entry.kind} {entry.name!r}: {error}") from error
             if entry.on:
                 self._hold(entry.name, self._description.require_link(entry.on, "link"), entry.pose, entry.touching)
         if content.matrix:
@@ -471,7 +481,9 @@ class Scene:
             what = "an obstacle" if name in self._obstacles else "a link"
             raise InputError(f"name: {what} is already called {name!r}; choose another name, or remove it first")
         what = "scale" if kind == "mesh" else "size"
-        sizes = tuple(as_positive(number, what) for number in as_vector(size, what, NUMBERS[kind]))
+        sizes = tuple(as_positive(float(number), what) for number in as_vector(size, what, NUMBERS[kind]))
+        if max(sizes, default=0.0) > LARGEST:
+            raise InputError(f"{what} must be at most {LARGEST:g} m; got {max(sizes):g}")
         with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
             if kind == "plane":
                 shape = shapes.half_space()
@@ -503,7 +515,13 @@ class Scene:
 
     def _require_obstacle(self, name: str) -> Body:
         if not isinstance(name, str) or name not in self._obstacles:
-            raise unknown_name("obstacle", name, self._obstacles, within="the scene", listing="obstacles")
+            raise unknown_name(
+                "obstacle",
+                name,
+                self._obstacles,
+                within="the scene",
+                listing=f"obstacles: {listed(self._obstacles) or 'none'}",
+            )
         return self._obstacles[name]
 
     def _base(self, theta: Array) -> Array:
@@ -566,7 +584,9 @@ class Scene:
 def require_scene(scene: Any, arm: Arm) -> Scene:
     """The scene. InputError if it is none, or of an arm of another description or with other coordinates."""
     require(scene, Scene, "scene", "Scene(arm)")
-    if require_arm(arm).description is not scene._description or arm.joint_names != scene.arm.joint_names:
+    known, description = scene.arm, require_arm(arm).description
+    same = description is not None and description.text == scene._description.text
+    if not same or arm.joint_names != known.joint_names or arm.couplings != known.couplings:
         raise InputError(f"scene is one of {scene.arm.name}, not of this {arm.name}: make it with Scene(arm)")
     return scene  # type: ignore[no-any-return]
 
