@@ -96,7 +96,8 @@ class Checker:
         return self._local.pool
 
     def _ask(self, geometry: Any) -> None:
-        """Set the margins."""
-        for k, margin in enumerate(self.margins):
+        """Set the margins and the tolerance: the usual one misses about one collision of hulls in 10,000."""
+        for margin, request in zip(self.margins, geometry.collisionRequests, strict=True):
+            request.gjk_tolerance = TOLERANCE
             if margin:
-                geometry.collisionRequests[k].security_margin = margin
+                request.security_margin = margin
