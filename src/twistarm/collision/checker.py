@@ -66,7 +66,7 @@ class Checker:
         """The distance [m] of each pair at q (nq,), negative by the depth of an overlap."""
         data, geometry, _ = self._own()
         for request in geometry.distanceRequests:
-            request.gjk_tolerance = TOLERANCE
+            request.gjk_tolerance, request.enable_contact = TOLERANCE, True
         self._pin.computeDistances(self._model.model, data, self._geometry, geometry, q)
         return np.array([result.min_distance for result in geometry.distanceResults])
 
@@ -96,7 +96,10 @@ class Checker:
         return self._local.pool
 
     def _ask(self, geometry: Any) -> None:
-        """Set the margins and the tolerance: the usual one misses about one collision of hulls in 10,000."""
+        """Set margins and accuracy.
+
+        With the usual tolerance, or without contacts, GJK misses about one collision of hulls or cylinders in 10,000.
+        """
         for margin, request in zip(self.margins, geometry.collisionRequests, strict=True):
             request.gjk_tolerance = TOLERANCE
             if margin:
