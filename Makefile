@@ -52,6 +52,7 @@ bench: $(VENV)/dev
 	$(BIN)/python -m benchmarks.timing
 	$(BIN)/python -m benchmarks.servo
 	$(BIN)/python -m benchmarks.streaming
+	$(BIN)/python -m benchmarks.obstacles
 	$(BIN)/python -m benchmarks.viewer
 
 lint: $(VENV)/dev lint-page

@@ -1,14 +1,18 @@
-"""For a team's own tests: the cross-check and the golden file as one assertion."""
+"""Assertions for a team's own tests: an arm that is as it was, and a motion that collides with nothing."""
 
 from __future__ import annotations
 
 import os
 from typing import Any
 
-from .arm.arm import Arm
+from .arm.arm import Arm, require_arm
 from .arm.loading.load import load_arm
 from .checking.crosscheck import crosscheck, require_yourdfpy
 from .checking.difference import compare
+from .collision import Scene, require_scene
+from .planning import Trajectory, load_trajectory
+from .planning.in_scene import first_collision
+from .support.checks import require
 
 
 def assert_arm(
@@ -52,3 +56,35 @@ def assert_arm(
     if problems:
         raise AssertionError(f"{arm.name}: " + "; ".join(problems))
     return arm
+
+
+def assert_free(
+    arm: Arm, trajectory: Trajectory | str | os.PathLike[str], scene: Scene | str | os.PathLike[str] | None = None
+) -> None:
+    """Assert that a motion collides with nothing, without gaps between samples.
+
+    In a test::
+
+        def test_our_routine():
+            assert_free(load_arm("arm/rover.urdf.xacro"), "arm/stow.csv", "arm/chassis.toml")
+
+    Args:
+        arm: The arm.
+        trajectory: A `Trajectory`, or a file that `load_trajectory` reads.
+        scene: A `Scene` of the arm or a scene file; None for the robot alone.
+
+    Raises:
+        AssertionError: The motion collides; the message gives the time, the pair and the depth.
+        InputError: The motion or the scene is of another arm.
+    """
+    __tracebackhide__ = True
+    if scene is None:
+        scene = Scene(require_arm(arm))
+    elif isinstance(scene, (str, os.PathLike)):
+        scene = Scene.load(arm, scene)
+    if isinstance(trajectory, (str, os.PathLike)):
+        trajectory = load_trajectory(arm, trajectory)
+    motion = require(trajectory, Trajectory, "trajectory", "from plan, plan_joint or load_trajectory")
+    hit = first_collision(require_scene(scene, arm), motion)
+    if hit is not None:
+        raise AssertionError(f"{arm.name}: {hit}")

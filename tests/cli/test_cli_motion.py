@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from test_cli import Capture, answer, error_of
-from twistarm import load_arm, load_motion
+from twistarm import Scene, load_arm, load_motion, load_trajectory
 from twistarm.cli.application import run
 
 
@@ -31,8 +31,26 @@ def test_the_file_that_init_writes_is_planned(capsys: Capture, tmp_path: Path) -
     assert answer(capsys, "follow", "rover_arm", str(file), "--no-browser")["duration"] == planned["duration"]
     assert run(["view", "rover_arm", "--play", str(file), "-o", str(tmp_path / "view.html")]) == 0
     text = file.read_text("utf-8").replace("# [", "[").replace("# line", "line").replace("# screw", "screw")
+    text = text.replace("# free", "free")
     file.write_text(text.replace("# arc", "arc").replace("# acceleration", "acceleration"), "utf-8")
-    assert len(load_motion(file, arm).segments) == 7
+    assert len(load_motion(file, arm).segments) == 8
+
+
+def test_avoid_goes_round_the_obstacles_of_a_scene(capsys: Capture, tmp_path: Path) -> None:
+    """From above a table to below it, by option and by file; joint moves there collide."""
+    pytest.importorskip("ompl")
+    scene, motion = tmp_path / "scene.toml", tmp_path / "m.toml"
+    scene.write_text("[[box]]\nname = 'table'\nsize = [0.4, 1.0, 0.04]\nxyz = [0.8, 0.0, 0.3]", "utf-8")
+    motion.write_text("scene = 'scene.toml'\n[[segment]]\nfree = { xyz = [0.75, 0.1, 0.2] }", "utf-8")
+    arm = load_arm("rover_arm")
+    for typed in (["--xyz", "0.75 0.1 0.2", "--avoid", str(scene)], [str(motion)]):
+        planned = answer(capsys, "plan", "rover_arm", *typed, "-o", str(tmp_path / "m.csv"), "--force")
+        np.testing.assert_allclose(arm.fk(planned["waypoints"][-1])[:3, 3], [0.75, 0.1, 0.2], atol=1e-6)
+        way = load_trajectory(arm, tmp_path / "m.csv")
+        assert not Scene.load(arm, scene).collides(way(np.linspace(0.0, way.duration, 2000))).any()
+    motion.write_text(motion.read_text("utf-8").replace("free", "joint"), "utf-8")
+    assert run(["plan", "rover_arm", str(motion)]) == 1
+    assert "segment 1 (JointMove): it collides" in capsys.readouterr().err
 
 
 def test_a_line_is_planned_to_a_typed_position(capsys: Capture) -> None:

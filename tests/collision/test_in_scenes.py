@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -22,8 +23,12 @@ from twistarm import (
     StopReason,
     load_arm,
     plan,
+    plan_joint,
     solve_ik,
+    solve_ik_all,
+    solve_ik_batch,
 )
+from twistarm.testing import assert_free
 
 
 def beside_a_plate(name: str) -> tuple[Arm, Scene]:
@@ -52,6 +57,24 @@ def test_a_target_that_some_free_configuration_meets_gets_a_free_one(name: str, 
         assert not scene.collides(found.theta)
         avoided += any("collides" in note for note in found.notes)
     assert avoided or whole
+    asked = targets if whole else [Position(g[:3, 3]) for g in targets]
+    batch = solve_ik_batch(arm, asked, scene=scene, threads=2)
+    assert batch.converged.all()
+    assert not scene.collides(batch.theta).any()
+
+
+def test_all_configurations_are_marked() -> None:
+    """The tool points down 10 cm above the base plane: with the elbow below, the arm goes through it."""
+    arm = load_arm("ur5")
+    scene = Scene(arm)
+    scene.add_plane("ground")
+    scene.allow("ground", "base_link")
+    g = np.diag([1.0, -1.0, -1.0, 1.0])
+    g[:3, 3] = 0.5, 0.1, 0.1
+    found = solve_ik_all(arm, g, scene=scene)
+    assert found.colliding.tolist() == [scene.collides(theta) for theta in found.theta]
+    assert 0 < found.colliding.sum() < len(found)
+    assert f"{found.colliding.sum()} of them in collision" in found.explain()
 
 
 def test_a_target_inside_an_obstacle_names_the_pair_and_the_depth(tmp_path: Path) -> None:
@@ -65,6 +88,11 @@ def test_a_target_inside_an_obstacle_names_the_pair_and_the_depth(tmp_path: Path
     assert found.contacts[0].distance == pytest.approx(-0.6, abs=1e-4)
     assert "hand and wall overlap by 600 mm" in found.explain()
     assert solve_ik(arm, Position([0.5, 0.0, 0.0]), scene=scene).converged
+    batch = solve_ik_batch(arm, [Position([0.5, 0.0, 0.0]), Position([1.5, 0.0, 0.0])], scene=scene)
+    assert batch.converged.tolist() == [True, False]
+    assert (batch.stop[1], batch[-1].contacts) == (StopReason.IN_COLLISION, found.contacts)
+    for kept, answer in ((pickle.loads(pickle.dumps(found)), found), (pickle.loads(pickle.dumps(batch))[1], batch[1])):
+        assert (kept.stop, kept.contacts) == (answer.stop, answer.contacts)
 
 
 def test_a_scene_of_another_arm_is_refused(tmp_path: Path) -> None:
@@ -74,6 +102,8 @@ def test_a_scene_of_another_arm_is_refused(tmp_path: Path) -> None:
         solve_ik(other, Position([0.5, 0.0, 0.5]), scene=scene)
     with pytest.raises(InputError, match="scene"):
         plan(other, JointMove("ready"), scene=scene)
+    twice = load_arm("ur5"), load_arm("ur5")
+    assert solve_ik(twice[0], twice[0].home, scene=Scene(twice[1])).converged
 
 
 @pytest.mark.parametrize("name", ["ur5", "rover_arm", "panda"])
@@ -92,7 +122,7 @@ def test_the_first_collision_of_a_motion_is_that_of_dense_samples(name: str) -> 
             hits += 1
             assert found.time == pytest.approx(t[colliding.argmax()], abs=5e-3)
             assert found.contacts
-            with pytest.raises(PathError, match=r"segment 1 \(JointMove\) collides"):
+            with pytest.raises(PathError, match=r"segment 1 \(JointMove\): it collides"):
                 plan(arm, JointMove(goal), start=start, scene=scene)
     assert hits
 
@@ -139,17 +169,67 @@ def test_free_moves_are_planned_every_time(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("start", "goal", "said"),
-    [([0.0, 0.0], [1.0, 0.0], "start collides: "), ([1.0, 0.0], [0.0, 0.0], "goal collides: ")],
+    ("segments", "said"),
+    [
+        ([FreeMove([0.0, 0.0])], r"segment 1 .*goal collides: hand and wall overlap by 200 mm"),
+        ([FreeMove([1.5, 0.0]), JointMove([0.0, 0.0])], r"segment 2 \(JointMove\): it collides .* hand and wall"),
+        ([FreeMove([1.5, 0.0]), FreeMove([9.0, 0.0])], "segment 2 "),
+    ],
 )
-def test_a_free_move_from_or_to_a_collision_names_the_pair(
-    tmp_path: Path, start: list[float], goal: list[float], said: str
-) -> None:
+def test_a_refusal_names_segment_and_pair(tmp_path: Path, segments: list[JointMove], said: str) -> None:
     arm = slider(tmp_path, SHAPES["sphere"])
     scene = Scene(arm)
     scene.add_box("wall", (0.2, 2.0, 4.0), (0.0, 0.0, -1.0))
-    with pytest.raises(PathError, match=f"{said}hand and wall overlap by 200 mm"):
-        plan(arm, FreeMove(goal), start=start, scene=scene)
+    with pytest.raises((PathError, LimitError), match=said):
+        plan(arm, segments, start=[1.0, 0.0], scene=scene)
+
+
+def test_a_start_in_collision_may_be_left_but_not_deeper(tmp_path: Path) -> None:
+    """The hand, a sphere of radius 0.1, overlaps the wall's face at x = 0.1 by 0.05; the wall's middle is at 0."""
+    arm = slider(tmp_path, SHAPES["sphere"])
+    scene = Scene(arm, margin=0.01)
+    scene.add_box("wall", (0.2, 2.0, 4.0), (0.0, 0.0, -1.0))
+    for away in (FreeMove([1.0, 0.0]), JointMove([0.3, 0.5])):
+        assert plan(arm, away, start=[0.15, 0.0], scene=scene).waypoints[-1, 0] == pytest.approx(away.to[0])
+    with pytest.raises(PathError, match="it collides"):
+        plan(arm, JointMove([-1.0, 0.0]), start=[0.15, 0.0], scene=scene)
+    with pytest.raises(PathError, match="ends in collision"):
+        plan(arm, JointMove([0.16, 0.0]), start=[0.15, 0.0], scene=scene)
+
+
+def test_a_motion_through_waypoints_is_proven(tmp_path: Path) -> None:
+    """The spline through x = 1, 0, −1 at z = 1.5, 1.6, 1.5 passes over the wall, whose top is at z = 1; at 0.9 not."""
+    arm = slider(tmp_path, SHAPES["sphere"])
+    scene = Scene(arm)
+    scene.add_box("wall", (0.2, 2.0, 4.0), (0.0, 0.0, -1.0))
+    plan_joint(arm, [[1.0, 1.5], [0.0, 1.6], [-1.0, 1.5]], scene=scene)
+    with pytest.raises(PathError, match="waypoint 0 to 1"):
+        plan_joint(arm, [[1.0, 1.5], [0.0, 0.9], [-1.0, 1.5]], scene=scene)
+
+
+def test_assert_free_names_time_and_pair(tmp_path: Path) -> None:
+    """The hand, of radius 0.1, comes from x = 1 to the face of the wall at 0.1 after 0.8 of 1 m."""
+    arm = slider(tmp_path, SHAPES["sphere"])
+    (tmp_path / "scene.toml").write_text('[[box]]\nname = "wall"\nsize = [0.2, 2, 4]\nxyz = [0, 0, -1]', "utf-8")
+    for x, free in ((0.3, True), (0.15, False)):
+        motion = plan_joint(arm, [[1.0, 0.0], [x, 0.0]])
+        motion.to_csv(tmp_path / "motion.csv")
+        for each in (motion, tmp_path / "motion.csv"):
+            assert_free(arm, each)
+            if free:
+                assert_free(arm, each, tmp_path / "scene.toml")
+            else:
+                with pytest.raises(AssertionError, match=r"slider: it collides .* hand and wall"):
+                    assert_free(arm, each, tmp_path / "scene.toml")
+
+
+def test_unwrap_chooses_the_goal_of_a_free_move_by_whole_turns() -> None:
+    """3.0 beyond −3.0 is nearer by 0.28 rad than 6.0."""
+    arm = load_arm("ur5")
+    goal = np.array([-3.0, -1.5, 0.5, -1.5, 0.5, 0.0])
+    start = goal + [6.0, 0, 0, 0, 0, 0]
+    motion = plan(arm, FreeMove(goal), start=start, scene=Scene(arm), unwrap=True)
+    assert motion.waypoints[-1, 0] == pytest.approx(-3.0 + 2.0 * np.pi)
 
 
 def test_a_free_move_without_a_way_ends_in_time(tmp_path: Path) -> None:

@@ -101,19 +101,25 @@ def _all_table(solutions: AllSolutions, radians: bool) -> Grid:
     """A row for each configuration, nearest first."""
     arm, count = solutions.arm, len(solutions)
     moving = any(solutions.free)
+    hits = solutions.colliding
     rows = [
-        [i + 1, *shown(arm, theta, radians, digits=3), *([", ".join(free)] if moving else [])]
-        for i, (theta, free) in enumerate(zip(solutions.theta[:ROWS_SHOWN], solutions.free, strict=False))
+        [
+            i + 1,
+            *shown(arm, theta, radians, digits=3),
+            *([", ".join(solutions.free[i])] if moving else []),
+            *(["yes" if hits[i] else ""] if hits.any() else []),
+        ]
+        for i, theta in enumerate(solutions.theta[:ROWS_SHOWN])
     ]
     heads = [f"{name} {unit}" for name, unit in zip(arm.joint_names, units(arm, radians), strict=True)]
     more = f", the {ROWS_SHOWN} nearest of them (-o FILE.csv has all)" if count > ROWS_SHOWN else ", nearest first"
     title = f"{arm.name}: {count} configuration{'s' * (count != 1)}{more if count > 1 else ''}"
-    last = ["may go on moving"] if moving else []
+    last = ["may go on moving"] * moving + ["collides"] * bool(hits.any())
     return table(title, ["", *heads, *last], rows, text=last)
 
 
 def _all_json(solutions: AllSolutions) -> dict[str, Any]:
-    fields = ("theta", "free", "outside", "complete", "timed_out", "method", "family", "starts", "hits")
+    fields = ("theta", "free", "colliding", "outside", "complete", "timed_out", "method", "family", "starts", "hits")
     return {
         "arm": solutions.arm.name,
         "joint_names": solutions.arm.joint_names,

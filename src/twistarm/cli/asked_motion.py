@@ -5,23 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..arm.arm import Arm
 from ..arm.usual_limits import with_defaults
 from ..limits.joint_limits import JointLimits
-from ..planning import JointMove, LineMove, MotionFile, Trajectory, load_motion, load_trajectory
+from ..planning import FreeMove, JointMove, LineMove, MotionFile, Trajectory, load_motion, load_trajectory
 from ..planning import plan as plan_segments
 from ..planning.motion import LAWS, as_segments
 from ..planning.segments import Segment
 from ..planning.spans import Progress
 from ..support.checks import Array, as_not_negative, as_positive
 from ..support.errors import InputError
+from .avoiding import avoided
 from .output import progress_bar
 from .targets import Target, typed_orientation
 from .typed import parse_numbers, parse_theta
+
+if TYPE_CHECKING:
+    from ..collision import Scene
 
 Caps = Mapping[str, float | None]
 """The greatest velocity and acceleration of any joint, as typed."""
@@ -44,6 +48,8 @@ class Asked:
     kind: str | None = None
     tolerances: Mapping[str, Any] = field(default_factory=dict)
     unwrap: bool = False
+    scene: Scene | None = None
+    max_time: float = 5.0
 
     def require_fitting(self, *, by_file: bool, by_joints: bool, goals: int) -> None:
         """Raise InputError for an option that has no effect beside the others."""
@@ -86,18 +92,21 @@ class Asked:
         speed = content.linear_speed if self.linear_speed is None else self.linear_speed
         met = {"position_tol": content.position_tol, "orientation_tol": content.orientation_tol, **self.tolerances}
         segments = as_segments(content.segments, speed, content.angular_speed, **met)
+        scene = self.scene or avoided(self.arm, None if content.scene is None else str(content.scene))
         how: Any = {"kind": self.kind or content.kind or "s_curve", "unwrap": self.unwrap or content.unwrap}
+        how |= {"scene": scene, "max_time": self.max_time}
         return plan_segments(self.arm, segments, start=start, limits=limits, progress=progress, **how), segments
 
     def through(self, goals: Sequence[Any], limits: JointLimits, progress: Progress) -> Planned:
         """A motion by the same kind of move to each goal."""
-        move = LineMove if self.line else JointMove
+        move = LineMove if self.line else JointMove if self.scene is None else FreeMove
         blends = [self.blend or 0.0] * (len(goals) - 1) + [0.0]
         segments: list[Segment] = [
             move(goal, linear_speed=self.linear_speed, blend=blend, **self.tolerances)
             for goal, blend in zip(goals, blends, strict=True)
         ]
         how: Any = {"kind": self.kind or "s_curve", "unwrap": self.unwrap, "start": self.poses(())[0]}
+        how |= {"scene": self.scene, "max_time": self.max_time}
         return plan_segments(self.arm, segments, limits=limits, progress=progress, **how), segments
 
 

@@ -28,6 +28,8 @@ _OPTIONS = {
     "stop_at_waypoints": ("--stop", ""),
     "approach": ("--approach", ""),
     "unwrap": ("--unwrap", ""),
+    "scene": ("--avoid", "SCENE"),
+    "max_time": ("--max-time", "S"),
     "position_tol": ("--position-tol", "M"),
     "orientation_tol": ("--orientation-tol", "ANGLE"),
 }

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, pairwise
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -26,9 +28,9 @@ from ..support.checks import (
     as_number,
     as_pose,
     as_positive,
-    as_theta,
     as_vector,
     as_whole,
+    require,
     require_callback,
     require_mapping,
     require_names,
@@ -40,10 +42,20 @@ from .bodies import Body, Shapes, in_words
 from .checker import Checker
 from .near_pairs import NearPairs
 from .scene_file import SceneFile, read_scene
-from .swept import Sweep, pair_speeds, taylor
+from .swept import FINE, Sweep, pair_speeds, taylor
 
 NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
 """How many numbers the size of an obstacle has."""
+
+
+def in_millimetres(metres: float) -> str:
+    """The size of a distance [m] in mm, short distances to 0.1 mm."""
+    size = 1000.0 * abs(metres)
+    return f"{size:.0f} mm" if size >= 10.0 else f"{size:.1g} mm" if size >= 0.05 else "less than 0.1 mm"
+
+
+LARGEST = 1e4
+"""The largest size of an obstacle [m]."""
 
 
 @dataclass(frozen=True)
@@ -61,10 +73,8 @@ class Distance:
     def __str__(self) -> str:
         if not self.links:
             return "nothing to collide with"
-        apart = f"{1000.0 * abs(self.metres):.0f} mm"
-        return (
-            f"{self.links[0]} and {self.links[1]}: {f'{apart} apart' if self.metres >= 0.0 else f'overlap by {apart}'}"
-        )
+        where, apart = f"{self.links[0]} and {self.links[1]}", in_millimetres(self.metres)
+        return f"{where}: {apart} apart" if self.metres >= 0.0 else f"{where} overlap by {apart}"
 
 
 @dataclass(frozen=True)
@@ -78,8 +88,8 @@ class Contact:
     def __str__(self) -> str:
         where = f"{self.links[0]} and {self.links[1]}"
         if self.distance < 0.0:
-            return f"{where} overlap by {1000.0 * -self.distance:.0f} mm"
-        return f"{where}: {1000.0 * self.distance:.0f} mm apart, {1000.0 * self.margin:.0f} mm asked"
+            return f"{where} overlap by {in_millimetres(self.distance)}"
+        return f"{where}: {in_millimetres(self.distance)} apart, {in_millimetres(self.margin)} asked"
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +135,7 @@ class Scene:
         if description is None:
             raise InputError(f"{arm.name} has no description, so no shapes: load it from its URDF or xacro file")
         self.arm = arm
-        self._description, self._model = description, arm.pinocchio
+        self._description, self._model, self._shape = description, arm.pinocchio, (arm.n,)
         self._margin = _margins(margin)
         self._exact = as_flag(exact, "exact")
         self._progress = require_callback(progress, "progress", "(fraction)")
@@ -202,6 +212,10 @@ class Scene:
     def allowed(self) -> Mapping[Pair, str]:
         """Sorted pairs that are not checked, and why: "SRDF", "Adjacent", "Default", "Always", "Never", or a reason."""
         return {**self._robots_pairs, **self._allowed_too}
+
+    def find_allowed_pairs(self) -> None:
+        """Find the allowed pairs now, with `progress`, and not at the first question."""
+        self.allowed  # noqa: B018
 
     @cached_property
     def _robots_pairs(self) -> Mapping[Pair, str]:
@@ -330,11 +344,6 @@ class Scene:
         self._touching.pop(name, None)
         self._changed()
 
-    def require_arm(self, arm: Arm) -> None:
-        """Raise InputError if `arm` is of another description, or has other coordinates."""
-        if arm.description is not self._description or arm.joint_names != self.arm.joint_names:
-            raise InputError(f"scene is one of {self.arm.name}, not of this {arm.name}: make it with Scene(arm)")
-
     # -- questions -----------------------------------------------------------------------------------------------
 
     def collides(self, theta: ArrayLike, *, threads: int = 1) -> Any:
@@ -346,7 +355,11 @@ class Scene:
             theta: Configurations (..., n) [rad, m].
             threads: How many threads share a batch.
         """
-        x = as_theta(theta, self.arm.n, "theta", self.arm.joint_names)
+        # One array that is plainly right skips the checks, which take longer than the collisions.
+        plain = type(theta) is np.ndarray and theta.dtype == np.float64 and theta.shape == self._shape
+        if plain and isfinite(theta.dot(theta)):  # type: ignore[union-attr]
+            return self._checker.collides(self._model.q(theta))  # type: ignore[arg-type]
+        x = self.arm.theta_from(theta)
         if x.ndim == 1:
             return self._checker.collides(self._model.q(x))
         Q = np.array([self._model.q(row) for row in x.reshape(-1, self.arm.n)]).reshape(-1, self._model.model.nq)
@@ -407,6 +420,22 @@ class Scene:
         """
         return self._sweep.straight(self._one(one), self._one(other))
 
+    def leaving(self, theta: Array) -> Scene:
+        """The scene for a motion from theta (n,): pairs that collide there count only if they come 0.5 mm nearer.
+
+        It is the same scene if nothing collides there.
+        """
+        near = {contact.links: contact.distance for contact in self.contacts(theta)}
+        if not near:
+            return self
+        other = copy(self)
+        other._changed()
+        margins = [
+            min(margin, near.get(self._names(k), np.inf) - 2.0 * FINE) for k, margin in enumerate(self._checker.margins)
+        ]
+        other.__dict__["_checker"] = Checker(self._model, self._checker.bodies, self._checker.pairs, margins)
+        return other
+
     @property
     def largest_margin(self) -> float:
         """The largest margin of a pair [m]."""
@@ -428,7 +457,10 @@ class Scene:
     def _fill(self, content: SceneFile) -> None:
         """Add what a file holds."""
         for entry in content.entries:
-            self._add(entry.name, entry.kind, entry.size, entry.pose, entry.mesh, self._fixed(entry.frame))
+            try:
+                self._add(entry.name, entry.kind, entry.size, entry.pose, entry.mesh, self._fixed(entry.frame))
+            except InputError as error:
+                raise InputError(f"{entry.kind} {entry.name!r}: {error}") from error
             if entry.on:
                 self._hold(entry.name, self._description.require_link(entry.on, "link"), entry.pose, entry.touching)
         if content.matrix:
@@ -456,7 +488,9 @@ class Scene:
             what = "an obstacle" if name in self._obstacles else "a link"
             raise InputError(f"name: {what} is already called {name!r}; choose another name, or remove it first")
         what = "scale" if kind == "mesh" else "size"
-        sizes = tuple(as_positive(number, what) for number in as_vector(size, what, NUMBERS[kind]))
+        sizes = tuple(as_positive(float(number), what) for number in as_vector(size, what, NUMBERS[kind]))
+        if max(sizes, default=0.0) > LARGEST:
+            raise InputError(f"{what} must be at most {LARGEST:g} m; got {max(sizes):g}")
         with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
             if kind == "plane":
                 shape = shapes.half_space()
@@ -488,7 +522,13 @@ class Scene:
 
     def _require_obstacle(self, name: str) -> Body:
         if not isinstance(name, str) or name not in self._obstacles:
-            raise unknown_name("obstacle", name, self._obstacles, within="the scene", listing="obstacles")
+            raise unknown_name(
+                "obstacle",
+                name,
+                self._obstacles,
+                within="the scene",
+                listing=f"obstacles: {listed(self._obstacles) or 'none'}",
+            )
         return self._obstacles[name]
 
     def _base(self, theta: Array) -> Array:
@@ -546,6 +586,16 @@ class Scene:
     def _names(self, k: int) -> tuple[str, str]:
         i, j = self._checker.pairs[k]
         return self._checker.bodies[i].name, self._checker.bodies[j].name
+
+
+def require_scene(scene: Any, arm: Arm) -> Scene:
+    """The scene. InputError if it is none, or of an arm of another description or with other coordinates."""
+    require(scene, Scene, "scene", "Scene(arm)")
+    known, description = scene.arm, require_arm(arm).description
+    same = description is not None and description.text == scene._description.text
+    if not same or arm.joint_names != known.joint_names or arm.couplings != known.couplings:
+        raise InputError(f"scene is one of {scene.arm.name}, not of this {arm.name}: make it with Scene(arm)")
+    return scene  # type: ignore[no-any-return]
 
 
 def _as_place(pose: Given | None) -> Array:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
+from math import comb
 
 import numpy as np
 
@@ -14,8 +16,8 @@ from .checker import Checker
 FINE = 2.5e-4
 """Half the way [m] between two checks where something is near: nothing thicker than 0.5 mm fits between them."""
 
-LEVELS = tuple(FINE * 8.0**k for k in range(1, 5))
-"""Clearances [m] that are checked: 2, 16, 128 and 1,024 mm."""
+LEVELS = tuple(FINE * 4.0**k for k in range(1, 6))
+"""Clearances [m] that are checked: 1, 4, 16, 64 and 256 mm."""
 
 FARTHEST = 100.0
 """How far [m] a slide without limits is taken to go."""
@@ -23,7 +25,7 @@ FARTHEST = 100.0
 LEAST_SHARE = 0.02
 """The least share of a clearance that a pair is given."""
 
-Positions = Callable[[float], Array]
+Around = Callable[[float, float], tuple[Array, Array]]
 
 
 class Sweep:
@@ -43,10 +45,10 @@ class Sweep:
         self._shares = np.maximum(total / max(total.max(initial=0.0), 1e-12), LEAST_SHARE)
         self._speeds = np.unique(np.round(speeds / self._shares[:, None], 9), axis=0)
 
-    def first(self, positions: Positions, bound: Callable[[float, float], Array], end: float) -> float | None:
+    def first(self, around: Around, end: float) -> float | None:
         """The first time in [0, end] at which something collides; None if nothing does.
 
-        `positions(t)` gives theta (n,); `bound(t, h)` bounds how far each joint is from it within [t − h, t + h].
+        `around(t, h)` gives theta(t) (n,), and a bound (n,) of how far each joint is from it within [t − h, t + h].
         """
         if not len(self._speeds):
             return None
@@ -54,8 +56,9 @@ class Sweep:
         while waiting:
             begin, stop = waiting.pop()
             middle, half = 0.5 * (begin + stop), 0.5 * (stop - begin)
-            way = float((self._speeds @ bound(middle, half)).max())
-            q = self._model.q(positions(middle))
+            theta, bound = around(middle, half)
+            way = float((self._speeds @ bound).max())
+            q = self._model.q(theta)
             if way <= FINE:
                 if self.checker(0.0).collides(q):
                     return middle
@@ -67,12 +70,19 @@ class Sweep:
 
     def along(self, piece: Array, duration: float) -> float | None:
         """`first` of a polynomial (degree + 1, n), highest power first."""
-        return self.first(lambda t: taylor(piece, t)[-1], lambda t, h: moved(piece, t, h), duration)
+        piece = piece[np.argmax(piece.any(axis=1)) :]  # without leading zeros
+        orders = np.arange(len(piece) - 1, 0, -1)
+
+        def around(t: float, half: float) -> tuple[Array, Array]:
+            about = taylor(piece, t)
+            return about[-1], np.float_power(half, orders) @ np.abs(about[:-1])
+
+        return self.first(around, duration)
 
     def straight(self, one: Array, other: Array) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another is free."""
-        way = np.abs(other - one)
-        return self.first(lambda t: one + t * (other - one), lambda _, half: half * way, 1.0) is None
+        way = other - one
+        return self.first(lambda t, half: (one + t * way, half * np.abs(way)), 1.0) is None
 
     def checker(self, clearance: float) -> Checker:
         """The checker whose margins are larger by `clearance` [m] for the fastest pairs, and less for others."""
@@ -84,18 +94,17 @@ class Sweep:
 
 def taylor(piece: Array, at: float) -> Array:
     """The coefficients (degree + 1, n) of a polynomial about `at`, highest power first: the last row is its value."""
-    c, degree = piece.copy(), len(piece) - 1
-    for i in range(degree):
-        for j in range(1, degree + 1 - i):
-            c[j] += c[j - 1] * at
-    return c
+    binomials, powers = _shifts(len(piece))
+    shifted: Array = (binomials * at**powers) @ piece
+    return shifted
 
 
-def moved(piece: Array, at: float, half: float) -> Array:
-    """Bounds (n,) of how far a polynomial is from its value at `at` within `half` of it."""
-    c = np.abs(taylor(piece, at)[:-1])
-    ways: Array = (c * half ** np.arange(len(c), 0, -1.0)[:, None]).sum(axis=0)
-    return ways
+@cache
+def _shifts(count: int) -> tuple[Array, Array]:
+    """Binomial coefficients (count, count) and powers of `at` that shift a polynomial of `count` coefficients."""
+    order = np.arange(count - 1, -1, -1)
+    binomials = np.array([[float(comb(j, i)) for j in order] for i in order])
+    return binomials, np.maximum(order[None] - order[:, None], 0)
 
 
 def pair_speeds(model: PinocchioModel, checker: Checker) -> Array:

@@ -140,7 +140,8 @@ class Description:
         """`link` itself, or an UnknownNameError with the closest names."""
         if link not in self.links:
             listing = f"{len(self.links)} links: {listed(self.links)}"
-            raise unknown_name(f"link for {role}=", link, self.links, within=self.name, listing=listing)
+            what = "link" if role == "link" else f"link for {role}="
+            raise unknown_name(what, link, self.links, within=self.name, listing=listing)
         return link
 
     def chain(self, base: str, tip: str) -> tuple[Joint, ...]:

@@ -64,6 +64,7 @@ class AllSolutions:
     _tolerances: Tolerances
     _timed_out: bool = False
     _rounded: bool = False
+    _colliding: NDArray[np.bool_] | None = None
 
     @property
     def arm(self) -> Arm:
@@ -98,6 +99,11 @@ class AllSolutions:
         names = self._arm.joint_names
         moving = self._found.moves[: self._found.inside]
         return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in moving)
+
+    @property
+    def colliding(self) -> NDArray[np.bool_]:
+        """(k,): which of theta collide with the scene of the call; none without a scene."""
+        return np.zeros(len(self), dtype=bool) if self._colliding is None else self._colliding.copy()
 
     @property
     def members(self) -> tuple[Array, ...]:
@@ -178,7 +184,9 @@ class AllSolutions:
             return f"no configuration inside the limits{outside}: that is certain"
         late = "; the time was up before everything had been tried" * self.timed_out
         what = f"{count} configuration{'s' * (count != 1)} inside the limits"
-        return f"{what}{self._families(count)}{outside}; {all_}{sampled}{late}"
+        hits = int(self.colliding.sum())
+        collide = "" if self._colliding is None else f", {hits or 'none'} of them in collision"
+        return f"{what}{collide}{self._families(count)}{outside}; {all_}{sampled}{late}"
 
     def _families(self, count: int) -> str:
         """How many of them are continuous families, and what moves in these."""

@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm import engine
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, as_whole, frozen, made_by, require_callback
+from ..support.checks import Array, RealArray, as_positive, as_whole, frozen, made_by, require_callback
 from ..support.errors import InputError, shown
 from .answer import FIELDS, NOT_FINISHED, STOPS, Records, StopReason, answer_in, write_answer
 from .certainty import settled
+from .deadline import Deadline
 from .ranges import joint_ranges
 from .request import Request, checked, named
 from .solution import IKResult
+from .solve import solve_ik
 from .targets import AnyTarget, Pose, TargetLike, checked_target, meant_by, target_for, target_of
+
+if TYPE_CHECKING:
+    from ..collision import Contact, Scene
 
 Progress = Callable[[float], object]
 """Called with the fraction done."""
@@ -39,6 +44,8 @@ class IKBatch:
     arm: Arm
     records: Records = field(repr=False)
     given: tuple[AnyTarget, ...] | None = field(default=None, repr=False)
+    contacts: Mapping[int, tuple[Contact, ...]] = field(default_factory=dict, repr=False)
+    """The pairs that collide, by the row, where every configuration found collides with the scene."""
 
     def __post_init__(self) -> None:
         self.records.flags.writeable = False
@@ -88,12 +95,14 @@ class IKBatch:
     def stop(self) -> NDArray[np.object_]:
         """(N,) of `StopReason`."""
         reasons: NDArray[np.object_] = np.array(STOPS, dtype=object)[self._read("stop")]
+        reasons[list(self.contacts)] = StopReason.IN_COLLISION
         return reasons
 
     @property
     def converged(self) -> NDArray[np.bool_]:
-        """(N,): which targets are met to the tolerances."""
+        """(N,): which targets are met to the tolerances, and free of collisions with the scene."""
         met: NDArray[np.bool_] = self._read("stop") == STOPS.index(StopReason.CONVERGED)
+        met[list(self.contacts)] = False
         return met
 
     def _read(self, name: str) -> NDArray[Any]:
@@ -111,7 +120,8 @@ class IKBatch:
 
     def __getitem__(self, index: int) -> IKResult:
         i = operator.index(index)
-        return IKResult(self.arm, answer_in(self.records, i), None if self.given is None else self.given[i])
+        target = None if self.given is None else self.given[i]
+        return IKResult(self.arm, answer_in(self.records, i), target, self.contacts.get(i % len(self), ()))
 
 
 def solve_ik_batch(
@@ -125,6 +135,7 @@ def solve_ik_batch(
     max_time: float | None = None,
     rng: int | np.random.Generator = 0,
     posture: ArrayLike | str | None = None,
+    scene: Scene | None = None,
     threads: int = 1,
     progress: Progress | None = None,
 ) -> IKBatch:
@@ -144,6 +155,7 @@ def solve_ik_batch(
         max_time: Greatest time of the whole batch [s]; None for no limit.
         rng: Seed, or a NumPy Generator.
         posture: Preferred configuration (n,) or (N, n), its name, "theta0", "middle", or None.
+        scene: A `Scene` of this arm, or None. An answer that collides is replaced as in `solve_ik`.
         threads: Number of threads.
         progress: Called some twenty times a second with the fraction done, or None.
 
@@ -154,6 +166,22 @@ def solve_ik_batch(
         InputError: A target (the message says which), a start, a posture or a number cannot be used.
         TwistarmError: The arm is not in the compiled core; the message says how to get it.
     """
+    if scene is not None:
+        from ..collision import require_scene
+        from .collision_free import free_batch
+
+        require_scene(scene, arm)
+        ends = Deadline.after(np.inf if max_time is None else as_positive(max_time, "max_time"))
+        batch = solve_ik_batch(
+            arm, targets, theta0, position_tol=position_tol, orientation_tol=orientation_tol, restarts=restarts,
+            max_time=max_time, rng=rng, posture=posture, threads=threads, progress=progress,
+        )  # fmt: skip
+
+        def again(first: IKResult, start: Array) -> IKResult:
+            met = first.tolerances
+            return solve_ik(arm, first.target, start, position_tol=met.position, orientation_tol=met.orientation)
+
+        return free_batch(batch, scene, again, ends, threads)
     chain = require_arm(arm)._core("solve_ik_batch")
     how = position_tol, orientation_tol, restarts, rng, max_time
     start = arm.ready if theta0 is None else named(arm, theta0)

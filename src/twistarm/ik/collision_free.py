@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from .batch import solve_ik_batch
+from .answer import write_answer
+from .deadline import Deadline
 from .ranges import joint_ranges
 from .solution import IKResult
 
 if TYPE_CHECKING:
-    from ..collision import Scene
+    from ..collision import Contact, Scene
+    from .batch import IKBatch
 
 SPREADS = (0.3, 1.0, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
 """Widths [rad, m] about theta0 of the starts of each round of searches; inf for starts in the whole range."""
@@ -47,15 +51,38 @@ def collision_free(
     return first
 
 
+def free_batch(
+    batch: IKBatch, scene: Scene, solve: Callable[[IKResult, Array], IKResult], deadline: Deadline, threads: int
+) -> IKBatch:
+    """The batch with free answers in place of those that collide, and the contacts where none was found.
+
+    `solve(result, theta)` solves the target of a result from another start.
+    """
+    arm, records = batch.arm, batch.records.copy()
+    met = np.flatnonzero(batch.converged)
+    contacts: dict[int, tuple[Contact, ...]] = {}
+    for i in met[scene.collides(batch.theta[met], threads=threads)].tolist():
+        first = batch[i]
+        found = collision_free(arm, scene, first, partial(solve, first), deadline.left)
+        if found.contacts:
+            contacts[i] = found.contacts
+        else:
+            write_answer(records, i, found._answer)
+    return replace(batch, records=records, contacts=contacts)
+
+
 def _rounds(arm: Arm, first: IKResult, start: Array) -> Iterator[Array]:
     """Configurations (k, n) that meet the target, several at a time."""
-    tolerances = first.tolerances
-    asked: dict[str, Any] = {"position_tol": tolerances.position, "orientation_tol": tolerances.orientation}
+    met, chain, target = first.tolerances, arm._core("solve_ik with a scene"), first.target
+    numbers = np.repeat(target.numbers[None], SEARCHES, axis=0)
     rng, ranges = np.random.default_rng(0), joint_ranges(arm)
     for spread in SPREADS:
         starts = arm.random_theta(rng, SEARCHES)
         if np.isfinite(spread):
             starts = np.array([ranges.inside(start + rng.normal(0.0, spread, arm.n)) for _ in range(SEARCHES)])
-        found = solve_ik_batch(arm, [first.target] * SEARCHES, starts, restarts=1, **asked)
-        met = found.theta[found.converged]
-        yield np.array([ranges.wrapped(theta, start) for theta in met]).reshape(-1, arm.n)
+        found = chain.solve_batch(
+            target.kind, numbers, starts, met.position, met.orientation, 1, 0, None, None, 1, None
+        )  # fmt: skip
+        assert found is not None, "the target and the starts are plain"
+        theta = found["theta"][found["stop"] == 0]
+        yield np.array([ranges.wrapped(each, start) for each in theta]).reshape(-1, arm.n)

@@ -194,12 +194,13 @@ class IKResult:
         return f"another branch: {why}; {moves}"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (self._arm, [getattr(self._answer, name) for name in FIELDS], self._target)
+        answer = [getattr(self._answer, name) for name in FIELDS]
+        return _restored, (self._arm, answer, self._target, self._contacts, self._avoided)
 
     def __repr__(self) -> str:
         off = {"position_error": self.position_error, "orientation_error": self.orientation_error}
         return told("IKResult", {"stop": self.stop, "theta": self.theta, **off, "method": self.method})
 
 
-def _restored(arm: Arm, fields: list[Any], target: AnyTarget | None) -> IKResult:
-    return IKResult(arm, Answer(*fields), target)
+def _restored(arm: Arm, fields: list[Any], *known: Any) -> IKResult:
+    return IKResult(arm, Answer(*fields), *known)

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import require
 from . import textbook
 from .certainty import settled
 from .request import checked, named
@@ -95,10 +94,10 @@ def solve_ik(
 
 def _avoiding(arm: Arm, scene: Scene, target: TargetLike, theta0: ArrayLike | None, *asked: Any) -> IKResult:
     """`solve_ik` with a scene."""
-    from ..collision import Scene
+    from ..collision import require_scene
     from .collision_free import collision_free
 
-    require(scene, Scene, "scene", "Scene(arm)").require_arm(require_arm(arm))
+    require_scene(scene, arm)
     position_tol, orientation_tol, restarts, max_time, rng, posture = asked
 
     def solve(start: ArrayLike | None, posture: ArrayLike | str | None = None) -> IKResult:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,6 +26,9 @@ from .solve import as_given
 from .targets import Approach, Pose, TargetLike, checked_target
 from .task_space import Tolerances
 
+if TYPE_CHECKING:
+    from ..collision import Scene
+
 DEFAULT_SAMPLES = 32
 
 
@@ -40,6 +44,7 @@ def solve_ik_all(
     position_tol: float = 1e-9,
     orientation_tol: float = 1e-9,
     max_time: float | None = None,
+    scene: Scene | None = None,
     progress: Progress | None = None,
 ) -> AllSolutions:
     """Every configuration inside the limits that meets `target`, verified, nearest to `theta0` first.
@@ -72,6 +77,7 @@ def solve_ik_all(
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
         max_time: Greatest time [s], which a closed form of a microsecond ignores; None for no limit.
+        scene: A `Scene` of this arm, or None. `colliding` then marks the configurations that collide.
         progress: Called with the fraction of sampled values and searches that are done, or None.
 
     Returns:
@@ -83,6 +89,16 @@ def solve_ik_all(
         UnknownNameError: `fixed_joints` names no joint of the arm.
         NoClosedFormError: `closed_form` is set and the arm has none for such a target; the message says why.
     """
+    if scene is not None:
+        from ..collision import require_scene
+
+        require_scene(scene, arm)
+        found = solve_ik_all(
+            arm, target, theta0, fixed_joints=fixed_joints, redundancy_samples=redundancy_samples,
+            include_turns=include_turns, closed_form=closed_form, position_tol=position_tol,
+            orientation_tol=orientation_tol, max_time=max_time, progress=progress,
+        )  # fmt: skip
+        return replace(found, _colliding=scene.collides(found.theta))
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
     usual = (
         fixed_joints is None

@@ -10,45 +10,62 @@ import numpy as np
 from ..arm.arm import Arm
 from ..collision import Scene
 from ..ik import solve_ik
+from ..ik.explain import in_one_line
 from ..ik.targets import KINDS
-from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import NotConvergedError
 from .cartesian.refusal import PathError
 from .free_path import free_path
+from .goals import Goals
+from .in_scene import first_collision
 from .segments import FreeMove, Move, Segment, place
 from .trajectory import Trajectory
-from .within import require_waypoints
+from .unwrapping import unwrapped
 
 ROUNDED, LARGEST = 0.45, 0.1
 """Radius of a rounded corner: as a part of the way to the nearer neighbour, and at most in reaches of the arm."""
 
-Planner = Callable[[Sequence[Segment]], Trajectory]
-"""Plans segments from the start of the motion."""
+Planner = Callable[[Sequence[Segment], Sequence[int]], Trajectory]
+"""Plans segments from the start of the motion. The numbers tell which segments of the caller they belong to."""
 
 
 def planned_in(
-    scene: Scene, arm: Arm, segments: list[Segment], origin: Array, limits: JointLimits, max_time: float, plan: Planner
+    scene: Scene, arm: Arm, segments: list[Segment], origin: Array, goals: Goals, max_time: float, plan: Planner
 ) -> Trajectory:
     """The motion of `plan` through `segments`, every `FreeMove` replaced by joint moves round obstacles.
 
-    Corners are rounded if the motion stays free then. Raises PathError, with time, segment and pair, for a collision.
+    Corners are rounded if the motion stays free then. A start in collision may be left: its pairs may come no nearer.
+    Raises PathError, with time, segment and pair, for a collision.
     """
-    ways = _ways(scene, arm, segments, origin, limits, max_time, plan)
+    around = scene.leaving(origin)
+    ways = _ways(around, arm, segments, origin, goals, max_time, plan)
     for rounded in (True, False):
-        expanded, numbers = _expanded(arm, segments, ways, rounded)
-        motion = plan(expanded)
-        hit = scene.first_collision(motion.breakpoints, motion.coefficients)
+        motion = _through(arm, segments, ways, plan, rounded=rounded)
+        hit = first_collision(around, motion)
         if hit is None:
-            return motion
-        k = int(np.clip(np.searchsorted(motion.times, hit.time, side="right") - 1, 0, len(numbers) - 1))
-        said = f"{place(numbers[k], segments[numbers[k]])} collides {hit.time:.2f} s after the start"
-        pairs = ", ".join(map(str, hit.contacts[:2])) or "a near miss"
-    raise PathError(f"{said}: {pairs}; let it go round with FreeMove, or choose another goal")
+            break
+    if hit is not None:
+        raise PathError(
+            f"{hit}; let it go round with FreeMove, or choose another goal", theta=hit.theta, reason="collision",
+            segment=hit.leg, place=place(hit.leg, segments[hit.leg]),
+        )  # fmt: skip
+    if around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):
+        raise PathError(f"the motion ends in collision, as it began: {contacts[0]}", reason="collision")
+    return motion
+
+
+def _through(
+    arm: Arm, segments: Sequence[Segment], ways: Sequence[Array], plan: Planner, *, rounded: bool
+) -> Trajectory:
+    """The motion along the ways. Its waypoints are the ends of the segments, without the corners of free moves."""
+    expanded, numbers = _expanded(arm, segments, ways, rounded)
+    motion = plan(expanded, numbers)
+    ends = [0, *(k for k in range(1, len(numbers) + 1) if k == len(numbers) or numbers[k] != numbers[k - 1])]
+    return replace(motion, waypoints=motion.waypoints[ends], times=motion.times[ends])
 
 
 def _ways(
-    scene: Scene, arm: Arm, segments: list[Segment], origin: Array, limits: JointLimits, max_time: float, plan: Planner
+    scene: Scene, arm: Arm, segments: list[Segment], origin: Array, goals: Goals, max_time: float, plan: Planner
 ) -> list[Array]:
     """For each segment the waypoints (k, n) of its way round, start and goal included; (0, n) if it is no free move."""
     ways: list[Array] = []
@@ -58,34 +75,28 @@ def _ways(
             ways.append(np.empty((0, arm.n)))
             continue
         if known < i:
-            before, _ = _expanded(arm, segments[:i], ways, rounded=False)
-            if isinstance(before[-1], Move):  # the way round begins at its end, so nothing is rounded there
-                before[-1] = segments[i - 1] = replace(before[-1], blend=0.0)
-            at = plan(before).waypoints[-1]
+            before = segments[i - 1]
+            if isinstance(before, Move):  # the way round begins at its end, so nothing is rounded there
+                segments[i - 1] = replace(before, blend=0.0)
+            at = _through(arm, segments[:i], ways, plan, rounded=False).waypoints[-1]
+        goal = _goal(scene, segment, at, goals, place(i, segment))
         try:
-            goal = _goal(scene, arm, segment, at)
-            require_waypoints(goal[None], limits, arm.joint_names, arm.units, place(i, segment))
-            way = free_path(scene, at, goal, limits, max_time)
+            way = free_path(scene, at, goal, goals.limits, max_time)
         except PathError as error:
-            raise PathError(f"{place(i, segment)}: {error}") from error
+            raise PathError(str(error), theta=at, reason="collision", segment=i, place=place(i, segment)) from error
         ways.append(way)
         at, known = way[-1], i + 1
     return ways
 
 
-def _goal(scene: Scene, arm: Arm, segment: FreeMove, at: Array) -> Array:
+def _goal(scene: Scene, segment: FreeMove, at: Array, goals: Goals, where: str) -> Array:
     """The configuration (n,) at which a free move ends: that of its target nearest to `at` that is free."""
-    goal = segment.to
-    if not isinstance(goal, KINDS):
-        return arm.theta_from(goal)
-    found = solve_ik(
-        arm, goal, at, scene=scene, position_tol=segment.position_tol or 1e-6,
-        orientation_tol=segment.orientation_tol or 1e-6,
-    )  # fmt: skip
-    try:
-        return found.require()
-    except NotConvergedError as error:
-        raise PathError(str(error)) from error
+    if not isinstance(segment.to, KINDS):
+        return unwrapped(goals.arm, goals.configuration(segment, at, where), at, where, goals.unwrap)[0]
+    found = solve_ik(goals.arm, segment.to, at, scene=scene, **goals.tolerances(segment).keywords)
+    if not found.converged:
+        raise NotConvergedError(f"{where}: {in_one_line(found)}", found)
+    return found.theta
 
 
 def _expanded(

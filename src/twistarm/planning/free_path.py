@@ -10,11 +10,12 @@ import numpy as np
 
 from ..collision import Scene
 from ..limits.joint_limits import JointLimits
+from ..support.caller_words import argument
 from ..support.checks import Array
 from ..support.errors import missing_extra
 from .cartesian.refusal import PathError
 
-CLEARANCE = 0.005
+CLEARANCE = 0.004
 """How far [m] states keep from everything, so that the ways between them do too; less where start or goal is nearer."""
 
 STEPS = (0.1, 0.05, 0.02, 0.01, 0.005)
@@ -26,8 +27,8 @@ UNLIMITED = 2.0 * np.pi
 REACH = 1.0
 """The longest way [rad, m] that a tree grows at once."""
 
-SHORTENING = 0.3
-"""The greatest part of the time that has gone by which is spent on shortening."""
+SHORTCUTS = 50
+"""Random shortcuts that are tried on a path."""
 
 
 def free_path(scene: Scene, start: Array, goal: Array, limits: JointLimits, max_time: float, seed: int = 0) -> Array:
@@ -56,7 +57,9 @@ def free_path(scene: Scene, start: Array, goal: Array, limits: JointLimits, max_
             break
         if all(scene.is_free(one, other) for one, other in pairwise(path)):
             return path
-    raise PathError(f"no way round was found in {max_time:g} s; give a longer max_time, or another goal")
+    raise PathError(
+        f"no way round was found in {max_time:g} s; give another goal, or a longer {argument('max_time', ...)}"
+    )
 
 
 class _Search:
@@ -93,8 +96,12 @@ class _Search:
         setup.solve(ends - began)
         if not setup.haveExactSolutionPath():
             return None
-        setup.simplifySolution(max(0.02, min(SHORTENING * (time.monotonic() - began), ends - time.monotonic())))
         found = setup.getSolutionPath()
+        simplifier = geometric.PathSimplifier(setup.getSpaceInformation())
+        simplifier.ropeShortcutPath(found)
+        simplifier.reduceVertices(found)
+        simplifier.partialShortcutPath(found, SHORTCUTS, SHORTCUTS)
+        simplifier.reduceVertices(found)
         path = np.array([self._numbers(found.getState(k)) for k in range(found.getStateCount())])
         path[0], path[-1] = self._start, self._goal
         return path

@@ -29,10 +29,14 @@ CURVED = (LineMove, ScrewMove, ArcMove)
 
 @dataclass(frozen=True, eq=False)
 class Goals:
-    """The ends of an arm's moves. `where` names a segment in errors."""
+    """The ends of an arm's moves. `where` names a segment in errors.
+
+    With `unwrap`, joints go to configurations by the shorter way, by whole turns.
+    """
 
     arm: Arm
     limits: JointLimits
+    unwrap: bool = False
 
     def tolerances(self, move: JointMove | Curved) -> Tolerances:
         """Return how far off the targets of a move still count as met."""

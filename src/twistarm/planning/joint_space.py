@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,6 +38,9 @@ from .unwrapping import unwrapped
 from .waypoint_laws import Motion, double_s_rests, fastest_along_spline, fastest_rests
 from .waypoint_smoothing import smoothed
 from .within import require_rates, require_waypoints
+
+if TYPE_CHECKING:
+    from ..collision import Scene
 
 Kind = Literal["cubic", "quintic", "trapezoid", "time_optimal", "s_curve"]
 KINDS: tuple[Kind, ...] = ("cubic", "quintic", "trapezoid", "time_optimal", "s_curve")
@@ -84,6 +87,7 @@ def plan_joint(
     orientation_tol: float | None = None,
     unwrap: bool = False,
     smooth: float | None = None,
+    scene: Scene | None = None,
     progress: Progress | None = None,
 ) -> Trajectory:
     """Plan a motion through `waypoints`, from rest to rest, inside the joint limits.
@@ -134,6 +138,7 @@ def plan_joint(
         smooth: How far [rad, m] each joint may leave recorded waypoints, such as 0.01 for two decimals. Third
             differences become as small as that allows, and a stay is passed once. The first and the last waypoint are
             kept. None: all are passed exactly.
+        scene: A `Scene` of the arm, or None. The motion is then proven free of collisions, without gaps.
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
@@ -145,6 +150,7 @@ def plan_joint(
         InputError: An argument does not fit the arm.
         UnknownNameError: No such pose or joint.
         NotConvergedError: A target is not met; the message names the waypoint and explains why.
+        PathError: The motion collides; the message gives time and pair.
     """
     require_choice(kind, KINDS, "kind")
     as_flag(stop_at_waypoints, "stop_at_waypoints")
@@ -162,6 +168,10 @@ def plan_joint(
         require_rates(motion, bounds)
         if arm.actuators is not None:
             require_rates(motion.to_motors(), arm.actuators.limits, "motor")
+    if scene is not None:
+        from .in_scene import require_free
+
+        require_free(scene, arm, motion)
     if progress is not None:
         progress(1.0)
     return motion

@@ -11,9 +11,11 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
-from ..support.checks import Array, Row, as_flag, as_positive, require, require_callback, require_choice
+from ..support.caller_words import argument
+from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
 from ..support.errors import InputError, shown
 from .cartesian.refusal import PathError
+from .goals import Goals
 from .joint_path import JointPath
 from .joint_space import completed
 from .piecewise import side_by_side
@@ -89,9 +91,9 @@ def plan(
         progress: Called with the fraction done, in (0, 1], or None.
 
     Returns:
-        The `Trajectory`. Its waypoints are the start and the end of every segment, and the corners of free moves. Its
-        labels are those of the segments. Its `notes` name usual limits used for missing ones, shorter ways by whole
-        turns, and curves that do not move.
+        The `Trajectory`. Its waypoints are the start and the end of every segment, its labels those of the
+            segments. Its `notes` name usual limits used for missing ones, shorter ways by whole turns, and curves that
+            do not move.
 
     Raises:
         PathError: A curve cannot be followed; the message says how far it can, why no farther and what would help. Or
@@ -102,7 +104,7 @@ def plan(
         UnknownNameError: No such configuration or joint.
     """
     require_choice(kind, tuple(LAWS), "kind")
-    require_callback(progress, "progress", "(fraction)")
+    progress = _rising(require_callback(progress, "progress", "(fraction)"))
     moves = as_segments(segments, linear_speed, angular_speed, position_tol, orientation_tol)
     bounds, notes = completed(require_arm(arm), limits)
     planned = _with_ranges(arm, bounds)
@@ -113,19 +115,20 @@ def plan(
 
     turning = as_flag(unwrap, "unwrap")
 
-    def planned_through(segments: Sequence[Segment]) -> Trajectory:
-        legs, said = _legs(planned, list(segments), origin, bounds, turning, progress)
+    def planned_through(segments: Sequence[Segment], numbers: Sequence[int] | None = None) -> Trajectory:
+        legs, said = _legs(planned, list(segments), origin, bounds, turning, progress, numbers)
         timed = [each for run in runs(legs) for each in _fastest(planned, run, bounds, kind)]
         return _assembled(arm, origin, timed, (*notes, *said))
 
     if scene is not None:
-        from ..collision import Scene
+        from ..collision import require_scene
         from .free_motion import planned_in
 
-        require(scene, Scene, "scene", "Scene(arm)").require_arm(arm)
-        motion = planned_in(scene, planned, moves, origin, bounds, as_positive(max_time, "max_time"), planned_through)
+        require_scene(scene, arm)
+        goals = Goals(planned, bounds, turning)
+        motion = planned_in(scene, planned, moves, origin, goals, as_positive(max_time, "max_time"), planned_through)
     elif any(isinstance(move, FreeMove) for move in moves):
-        raise InputError("a FreeMove needs the obstacles: give scene=Scene(arm)")
+        raise InputError(f"a FreeMove needs a scene, which may be the arm alone: give {argument('scene', ...)}")
     else:
         motion = planned_through(moves)
     if progress is not None:
@@ -133,23 +136,42 @@ def plan(
     return motion
 
 
+def _rising(progress: Progress | None) -> Progress | None:
+    """Return the callback without fractions that fall: motions with free moves are planned several times."""
+    most = 0.0
+
+    def report(fraction: float) -> None:
+        nonlocal most
+        if progress is not None and fraction > most:
+            most = fraction
+            progress(fraction)
+
+    return report if progress is not None else None
+
+
 def _legs(
-    arm: Arm, moves: list[Segment], origin: Array, limits: JointLimits, unwrap: bool, progress: Progress | None
+    arm: Arm,
+    moves: list[Segment],
+    origin: Array,
+    limits: JointLimits,
+    unwrap: bool,
+    progress: Progress | None,
+    numbers: Sequence[int] | None,
 ) -> tuple[list[Leg], list[str]]:
     """Return the legs from `origin` (n,) on, and notes. Axes that are off by rounding may widen the tolerances."""
 
-    def told(done: int) -> None:
+    def report(done: int) -> None:
         if progress is not None:
             progress(0.9 * done / len(moves))
 
-    router = Router(arm, moves, limits, told, unwrap)
+    router = Router(arm, moves, limits, report, unwrap, numbers)
     try:
         return router.legs(origin), router.notes
     except PathError:
         wider = but_for_rounding(arm, moves)
         if not wider:
             raise
-    router = Router(arm, wider, limits, told, unwrap)
+    router = Router(arm, wider, limits, report, unwrap, numbers)
     return router.legs(origin), [*router.notes, ROUNDED]
 
 

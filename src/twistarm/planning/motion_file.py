@@ -30,13 +30,13 @@ from ..support.errors import InputError, TwistarmError, closest, listed, shown
 from ..support.files import as_path
 from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
-from .segments import ArcMove, Dwell, Goal, JointMove, LineMove, ScrewMove, Segment
+from .segments import ArcMove, Dwell, FreeMove, Goal, JointMove, LineMove, ScrewMove, Segment
 
 WHOLE = ("linear_speed", "angular_speed", "position_tol", "orientation_tol")
 """What holds for every segment that does not say it itself."""
 
-TOP = ("start", "kind", "degrees", *WHOLE, "unwrap", "limits", "segment")
-KINDS = ("joint", "line", "screw", "arc", "dwell")
+TOP = ("start", "kind", "degrees", *WHOLE, "unwrap", "scene", "limits", "segment")
+KINDS = ("joint", "free", "line", "screw", "arc", "dwell")
 OPTIONS = ("blend", "velocity_scaling", *WHOLE, "label")
 GOAL = ("xyz", "rpy", "quaternion_wxyz", "direction", "tool_axis", "tolerance", "frame")
 
@@ -46,7 +46,7 @@ ANGLES = ("rpy", "angle", "angular_speed", "orientation_tol")
 
 @dataclass(frozen=True)
 class MotionFile:
-    """The content of a motion.toml: arguments of `plan`, None for a default."""
+    """The content of a motion.toml: arguments of `plan`, None for a default. `scene` is the path of a scene file."""
 
     segments: tuple[Segment, ...]
     start: Goal | None = None
@@ -57,13 +57,14 @@ class MotionFile:
     position_tol: float | None = None
     orientation_tol: float | None = None
     unwrap: bool = False
+    scene: Path | None = None
 
 
 def load_motion(path: str | os.PathLike[str], arm: Arm) -> MotionFile:
     """Read a motion.toml for an arm.
 
-    Lengths are metres and angles radians, or degrees after `degrees = true`. Each `[[segment]]` has a joint, line,
-    screw, arc or dwell, and options of `Move`.
+    Lengths are metres and angles radians, or degrees after `degrees = true`. Each `[[segment]]` has a joint, free,
+    line, screw, arc or dwell, and options of `Move`. `scene` names a scene file, seen from the folder of this one.
 
     Args:
         path: The file.
@@ -98,14 +99,15 @@ class _Reader:
                 name: as_positive(self._number(self.content, name), name) for name in WHOLE if name in self.content
             }
             unwrap = as_flag(self.content.get("unwrap", False), "unwrap")
+            scene = self._scene(self.content["scene"]) if "scene" in self.content else None
             entries = self.content.get("segment", [])
             if not isinstance(entries, list) or not entries:
-                raise InputError("there is no segment: write [[segment]] and under it joint, line, screw, arc or dwell")
+                raise InputError(f"there is no segment: write [[segment]] and under it one of {', '.join(KINDS)}")
         segments = []
         for i, entry in enumerate(entries):
             with self._at(f"segment {i + 1}"):
                 segments.append(self._segment(entry))
-        return MotionFile(tuple(segments), start, kind, limits, **whole, unwrap=unwrap)
+        return MotionFile(tuple(segments), start, kind, limits, **whole, unwrap=unwrap, scene=scene)
 
     @contextmanager
     def _at(self, place: str) -> Iterator[None]:
@@ -128,6 +130,9 @@ class _Reader:
 
     def _joint(self, value: Any, options: dict[str, Any]) -> Segment:
         return JointMove(self._goal(value), **options)
+
+    def _free(self, value: Any, options: dict[str, Any]) -> Segment:
+        return FreeMove(self._goal(value), **options)
 
     def _line(self, value: Any, options: dict[str, Any]) -> Segment:
         if table := _described(value, ("by",), ("frame", "constrain")):
@@ -156,6 +161,11 @@ class _Reader:
     def _dwell(self, value: Any, options: dict[str, Any]) -> Segment:
         _only(options, ("label",))
         return Dwell(as_not_negative(self._number({"dwell": value}, "dwell"), "dwell"), **options)
+
+    def _scene(self, value: Any) -> Path:
+        if not isinstance(value, str) or not value:
+            raise InputError(f'scene must name a file, such as "scene.toml"; got {shown(value)}')
+        return self.file.parent / value
 
     def _start(self, value: Any) -> Goal:
         """Read a configuration; a target is refused."""

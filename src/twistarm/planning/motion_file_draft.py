@@ -24,6 +24,7 @@ start = "ready"              # a pose's name, the joints' values, or {{ joint = 
 # linear_speed = 0.2           # m/s, for segments that give none; angular_speed is in rad/s
 # unwrap = true              # continuous joints go to configurations by the shorter way
 # position_tol = 1e-4        # m that the tool may be off its targets and lines; orientation_tol is in rad
+# scene = "scene.toml"       # obstacles: the motion must not collide with them, nor the arm with itself
 
 # [limits]                   # in place of the arm's own
 # acceleration = 3.0
@@ -36,6 +37,9 @@ label = "close gripper"      # what is due at its end, carried into files
 
 [[segment]]
 dwell = 0.5                  # s
+
+# [[segment]]                # round the obstacles of `scene`; to the goals of a joint move
+# free = "ready"
 
 # [[segment]]                # the tool along a straight line: 5 cm along its own z axis
 # line = {{ by = [0.0, 0.0, 0.05], frame = "tool" }}

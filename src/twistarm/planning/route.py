@@ -66,7 +66,10 @@ class _BlockedError(Exception):
 
 
 class Router:
-    """Finds the legs of a motion. It calls `done(k)` when k segments have theirs."""
+    """Finds the legs of a motion. It calls `done(k)` when k segments have theirs.
+
+    `numbers` are the indices of the segments in the caller's motion, where several may belong to one of the caller's.
+    """
 
     def __init__(
         self,
@@ -75,10 +78,12 @@ class Router:
         limits: JointLimits,
         done: Callable[[int], object],
         unwrap: bool = False,
+        numbers: Sequence[int] | None = None,
     ) -> None:
-        self.arm, self.segments, self.limits, self.done, self.unwrap = arm, segments, limits, done, unwrap
+        self.arm, self.segments, self.limits, self.done = arm, segments, limits, done
+        self.numbers = range(len(segments)) if numbers is None else numbers
         self.notes: list[str] = []
-        self.goals = Goals(arm, limits)
+        self.goals = Goals(arm, limits, unwrap)
 
     def legs(self, origin: Array) -> list[Leg]:
         """Return the legs from `origin` (n,) on. Raises PathError, LimitError or NotConvergedError if none exist."""
@@ -88,7 +93,7 @@ class Router:
             legs += self._next(len(legs), theta)
             theta = legs[-1].end
             self.done(len(legs))
-        still = (leg.index for leg in legs if leg.path is None and isinstance(leg.segment, CURVED))
+        still = (i for i, leg in enumerate(legs) if leg.path is None and isinstance(leg.segment, CURVED))
         self.notes += [f"{self._place(i)}: it ends where it begins, and the arm stays" for i in still]
         return legs
 
@@ -101,7 +106,7 @@ class Router:
         while after < len(self.segments) and not isinstance(self.segments[after], JointMove):
             after += 1
         if isinstance(segment, Dwell):
-            return [Leg(i, segment, theta, None)]
+            return [self._leg(i, theta, None)]
         if not isinstance(segment, JointMove):
             return self._run(range(i, after), theta[None], theta)[1]
         if isinstance(segment.to, KINDS) and after > i + 1:
@@ -110,16 +115,16 @@ class Router:
                 start, legs = self._run(range(i + 1, after), starts, theta)
                 return [self._straight(i, theta, start), *legs]
         end = self.goals.configuration(segment, theta, self._place(i))
-        end, said = unwrapped(self.arm, end, theta, self._place(i), self.unwrap)
+        end, said = unwrapped(self.arm, end, theta, self._place(i), self.goals.unwrap)
         met = self.goals.tolerances(segment)
         self.notes += [*said, *rounding_note(self.arm, segment.to, end, self._place(i), met)]
         return [self._straight(i, theta, end)]
 
     def _straight(self, i: int, start: Array, end: Array) -> Leg:
         if not np.abs(end - start).any():
-            return Leg(i, self.segments[i], end, None)
+            return self._leg(i, end, None)
         path = JointPath(np.array([0.0, 1.0]), np.stack([end - start, start])[:, None])
-        return Leg(i, self.segments[i], end, path)
+        return self._leg(i, end, path)
 
     def _run(self, run: range, starts: Array, theta: Array) -> tuple[Array, list[Leg]]:
         """Return which of `starts` (b, n), nearest first, begins a run of curves and dwells, and its legs.
@@ -138,7 +143,7 @@ class Router:
                     continue
             farthest = max(errors, key=lambda error: error.reached)
             tried = len(starts) > 1 and farthest.index == run[0]
-            where = farthest.index, self._place(farthest.index)
+            where = self.numbers[farthest.index], self._place(farthest.index)
             raise refusal(self.arm, self.limits, farthest.blocked, *where, others=not tried)
 
     def _nearest(self, run: range, starts: Array, theta: Array, options: dict[int, int]) -> tuple[Array, list[Leg]]:
@@ -209,14 +214,17 @@ class Router:
         legs: list[Leg] = []
         for k in run:
             if k not in more:
-                legs.append(Leg(k, self.segments[k], theta, None))
+                legs.append(self._leg(k, theta, None))
                 continue
             result = follow(self.arm, curves.pop(0), even=even)
             if isinstance(result, Blocked):
                 return _BlockedError(k, result, more[k])
             theta = result.path.end
-            legs.append(Leg(k, self.segments[k], theta, result.path))
+            legs.append(self._leg(k, theta, result.path))
         return start, legs
 
+    def _leg(self, i: int, end: Array, path: JointPath | None) -> Leg:
+        return Leg(self.numbers[i], self.segments[i], end, path)
+
     def _place(self, i: int) -> str:
-        return place(i, self.segments[i])
+        return place(self.numbers[i], self.segments[i])

@@ -41,7 +41,7 @@ def collisions(
             made = Scene(arm, margin=margin, progress=progress)
         else:
             made = Scene.load(arm, scene, margin=asked, progress=progress)
-        made.allowed  # noqa: B018  (found here, under its bar)
+        made.find_allowed_pairs()
     with progress_bar("configurations") as progress:
         found = survey(made, samples, progress=progress)
     written = outputs.write({"srdf": lambda: srdf_text(made)})

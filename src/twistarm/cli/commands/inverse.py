@@ -11,6 +11,7 @@ from ...arm.arm import Arm
 from ...ik import POSTURES, IKResult, solve_ik, solve_ik_all, solve_ik_batch
 from ...support.errors import InputError
 from ..answers import answers_csv, tell_all, tell_answers
+from ..avoiding import Avoid, avoided
 from ..csv_rows import Columns, read_sheet
 from ..options import Json, Radians, Theta, takes_arm
 from ..output import console, pose_json, print_json, progress_bar, say, shown, table, theta_typed, units
@@ -83,6 +84,7 @@ def ik(
     position_tol: PositionTol = None,
     orientation_tol: OrientationTol = None,
     max_time: MaxTime = None,
+    avoid: Avoid = None,
     output: Output = None,
     force: Force = False,
     rad: Radians = False,
@@ -101,6 +103,7 @@ def ik(
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
     how = {"theta0": parse_theta(arm, start, rad), **typed_tolerances(position_tol, orientation_tol, rad)}
+    how["scene"] = avoided(arm, avoid)
     if all_:
         stands = None if given is None else parse_joints(arm, given, "--fixed-joint", rad)
         target = orientation.at(parse_numbers(str(xyz), 3, "--xyz"))

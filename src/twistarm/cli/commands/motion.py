@@ -21,6 +21,7 @@ from ...planning.files.joint_trajectory import json_text, yaml_text
 from ...support.checks import as_positive
 from ...support.errors import InputError
 from ..asked_motion import Asked, capped, typed_targets
+from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units
 from ..outputs import STDOUT, Force, Format, outputs_of
@@ -124,6 +125,10 @@ Smooth = Annotated[
         "--rad; a slide by as many m as rad].",
     ),
 ]
+MaxTime = Annotated[
+    float,
+    typer.Option("--max-time", metavar="S", help="With --avoid: give up the way to a goal after so many seconds."),
+]
 Counts = Annotated[
     bool, typer.Option("--counts", help="Write what the motors' drives count alone, for firmware that knows no joints.")
 ]
@@ -151,6 +156,8 @@ def plan(
     stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
     unwrap: Unwrap = False,
     smooth: Smooth = None,
+    avoid: Avoid = None,
+    max_time: MaxTime = 5.0,
     output: Output = None,
     form: Format = None,
     force: Force = False,
@@ -163,11 +170,13 @@ def plan(
     if [motion is not None, bool(to), bool(xyz)].count(True) != 1:
         raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
     as_positive(dt, "--dt")
-    if smooth is not None and (line or not to):
+    as_positive(max_time, "--max-time")
+    if smooth is not None and (line or not to or avoid):
         raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
     met = typed_tolerances(position_tol, orientation_tol, rad)
-    asked = Asked(arm, start, rad, line, stop, blend, linear_speed, None if kind is None else kind.value, met, unwrap)
-    asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line), goals=len(to or xyz or ()))
+    scene, law = avoided(arm, avoid), None if kind is None else kind.value
+    asked = Asked(arm, start, rad, line, stop, blend, linear_speed, law, met, unwrap, scene, max_time)
+    asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line or scene), goals=len(to or xyz or ()))
     targets = typed_targets(xyz or (), rpy or (), direction or (), axis, rad)
     file = None if motion is None else load_motion(motion, arm)
     given = capped(arm, {"velocity": velocity, "acceleration": acceleration}, {} if file is None else file.limits)
@@ -184,7 +193,7 @@ def plan(
     with progress_bar("planning") as progress:
         if file is not None:
             planned, segments = asked.of_file(file, limits, progress)
-        elif xyz or line:
+        elif xyz or line or scene:
             planned, segments = asked.through(targets or asked.poses(to)[1:], limits, progress)
         else:
             how: Any = asked.kind or "cubic"

@@ -5,14 +5,12 @@ from __future__ import annotations
 import sys
 from contextlib import ExitStack
 from dataclasses import replace
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line
-from ...collision import Scene
 from ...control.servo import ServoSettings
 from ...control.servo.settings import ON_UNREACHABLE, SLIDE
 from ...control.stream import Source, UdpSource, run
@@ -23,8 +21,9 @@ from ...support.checks import as_not_negative, require_choice
 from ...support.errors import InputError
 from ...viewer import Viewer
 from ..asked_motion import capped
+from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, Theta, takes_arm
-from ..output import console, print_json, progress_bar
+from ..output import console, print_json
 from ..robot import Hertz, Robot, Tolerance, address, require_inside, require_positive, takes_robot
 from ..servo_report import report_json, report_table
 from ..typed import parse_theta
@@ -39,9 +38,6 @@ Margin = Annotated[float, typer.Option(help="Distance kept from position limits 
 OnUnreachable = Annotated[
     str,
     typer.Option(metavar="slide|stop", help="Where the arm cannot follow: slide along, or stop on the course."),
-]
-Avoid = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Keep links and these obstacles apart: a scene.toml, or MoveIt's.")
 ]
 Duration = Annotated[float | None, typer.Option(help="End after so many seconds; else Ctrl-C ends it.")]
 
@@ -80,7 +76,7 @@ def servo(
     x = parse_theta(arm, theta, rad)
     require_inside(arm, x, rad)
     driven = replace(arm, limits=capped(arm, {"velocity": velocity, "acceleration": acceleration}))
-    scene = None if avoid is None else _scene_of(driven, avoid)
+    scene = avoided(driven, avoid)
     admitted = robot.admitted()
     with ExitStack() as stack:
         sink, feedback = robot.joints(driven, x, admitted, stack)
@@ -97,13 +93,6 @@ def servo(
     else:
         console().print(report_table(arm, report))
     return 0 if report.ok else 1
-
-
-def _scene_of(arm: Arm, file: Path) -> Scene:
-    with progress_bar("allowed pairs") as progress:
-        scene = Scene.load(arm, file, progress=progress)
-        scene.allowed  # noqa: B018  (found here, under its bar)
-    return scene
 
 
 def source_of(

@@ -68,7 +68,7 @@ def servo_step(
     require(state, ServoState, "state", "as ServoState.at(arm, theta) makes it")
     bounds = bounds_of(require_arm(arm), require(settings, ServoSettings, "settings", "as ServoSettings() is"))
     if scene is not None:
-        require_scene(arm, scene)
+        _require_scene(scene, arm)
     step = _seconds(dt)
     if not 0.0 < step <= settings.max_dt:
         return _refused(arm, state, f"dt must be more than 0 and at most {settings.max_dt:g} s; got {shown(dt)}")
@@ -87,11 +87,10 @@ def servo_step(
     return after, ServoOutput.of(answer, bounds, Asked(arm, state.theta, checked, bounds.stops, contact))
 
 
-def require_scene(arm: Arm, scene: Scene) -> None:
-    """Raise InputError if `scene` is no `Scene` of this arm."""
-    from ...collision import Scene
+def _require_scene(scene: Scene, arm: Arm) -> None:
+    from ...collision import require_scene  # late, because it imports much
 
-    require(scene, Scene, "scene", "as Scene(arm) is").require_arm(arm)
+    require_scene(scene, arm)
 
 
 def _apart(

@@ -14,7 +14,6 @@ from ...arm.arm import Arm
 from ...support.checks import Array, as_positive, require, require_callback, require_method
 from ...support.errors import InputError, shown
 from ..servo import AnyCommand, ServoSettings, servo_step
-from ..servo.step import require_scene
 from .cycles import Cycle, Cycles, call_device
 from .driving import drive
 from .interlock import Interlock
@@ -58,8 +57,9 @@ class Streaming(Cycles[Cycle]):
         self.source = require_method(source, "source", "read")
         self.scene = scene
         if scene is not None:
-            require_scene(self.arm, scene)
-            scene.near_pairs  # noqa: B018  (what takes long is done before the loop)
+            from ...collision import require_scene
+
+            require_scene(scene, self.arm).near_pairs  # noqa: B018  (what takes long is done before the loop)
         self.command_timeout = as_positive(command_timeout, "command_timeout")
         self._interlock(self.source)
         self._released = inf
