@@ -73,5 +73,5 @@ NB_MODULE(_core, module) {
         .def(nb::init<nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle,
                       nb::handle, nb::handle, nb::handle, double, double, double, bool>())
         .def("step", &bindings::Servo::step, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg(), nb::arg(),
-             nb::arg().none(), nb::arg(), nb::arg());
+             nb::arg().none(), nb::arg(), nb::arg(), nb::arg().none());
 }

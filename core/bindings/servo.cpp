@@ -1,5 +1,6 @@
 #include "servo.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace bindings {
@@ -107,6 +108,19 @@ bool Servo::read(int kind, unsigned flags, nb::handle numbers, Command& command)
     return false;
 }
 
+bool Servo::read(nb::handle near, Near& pairs) const {
+    const Numbers given(near);
+    if (!given.plain() || given.dimensions() != 2 || given.shape(1) != n_ + 2 || !moderate(given)) return false;
+    pairs.count = static_cast<int>(std::min<std::size_t>(given.shape(0), twistarm::most_half_spaces));
+    for (int i = 0; i < pairs.count; ++i) {
+        const double* const row = given.data() + static_cast<std::size_t>(i) * (n_ + 2);
+        std::copy(row, row + n_, pairs.rows[i]);
+        pairs.room[i] = row[n_];
+        pairs.time[i] = row[n_ + 1];
+    }
+    return true;
+}
+
 // An array that cannot be written to.
 nb::object Servo::row(const double* values, std::size_t count) const {
     nb::object array = NumPy::get().empty(count == 6 ? six_ : theta_shape_);
@@ -117,7 +131,7 @@ nb::object Servo::row(const double* values, std::size_t count) const {
 }
 
 nb::object Servo::step(nb::handle theta, nb::handle theta_dot, nb::handle held, int kind, unsigned flags,
-                       nb::handle numbers, double dt, double period) const {
+                       nb::handle numbers, double dt, double period, nb::handle near) const {
     State state{};
     Command command{};
     state.period = period;
@@ -127,7 +141,13 @@ nb::object Servo::step(nb::handle theta, nb::handle theta_dot, nb::handle held, 
     state.holding_base_axes = command.base_axes;
     for (int k = 0; k < 6; ++k) state.holding[k] = !held.is_none() && command.held[k];
     twistarm::servo_output<double> out;
-    twistarm::servo_step(chain_, bounds_, command, dt, state, out);
+    if (near.is_none()) {
+        twistarm::servo_step(chain_, bounds_, command, dt, state, out);
+    } else {
+        Near pairs;
+        require(read(near, pairs), "near must be float64 (k, n + 2)");
+        twistarm::servo_step(chain_, bounds_, command, dt, state, out, &pairs);
+    }
     nb::object kept = nb::none();
     if (holds) {
         kept = NumPy::get().empty(pose_);

@@ -16,16 +16,19 @@ public:
           nb::handle upper, nb::handle velocity, nb::handle acceleration, nb::handle unit, nb::handle ready,
           double length, double below, double damping, bool stops);
 
-    // None, or (theta, theta_dot, held or None, cause, row, scale, lost, halted, position and angle that remain, period).
+    // near: None, or (k, n + 2) for k near pairs of bodies: how joints bring them closer, their room and their time.
+    // Answers None, or (theta, theta_dot, held or None, cause, row, scale, lost, halted, position and angle that remain, period).
     nb::object step(nb::handle theta, nb::handle theta_dot, nb::handle held, int kind, unsigned flags,
-                    nb::handle numbers, double dt, double period) const;
+                    nb::handle numbers, double dt, double period, nb::handle near) const;
 
 private:
     using State = twistarm::servo_state<double, twistarm::dynamic>;
     using Command = twistarm::servo_command<double, twistarm::dynamic>;
+    using Near = twistarm::near_pairs<double, twistarm::dynamic>;
 
     bool read(nb::handle theta, nb::handle theta_dot, nb::handle held, State& state) const;
     bool read(int kind, unsigned flags, nb::handle numbers, Command& command) const;
+    bool read(nb::handle near, Near& pairs) const;
     nb::object row(const double* values, std::size_t count) const;
 
     twistarm::chain<double, twistarm::dynamic, twistarm::dynamic> chain_;

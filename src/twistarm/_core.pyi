@@ -229,9 +229,11 @@ class Servo:
         numbers: object,
         dt: float,
         period: float,
+        near: Array | None,
         /,
     ) -> tuple[Array, Array, Array | None, int, int, float, Array, float, bool, float, float, float] | None:
         """theta, theta_dot, held, cause, row, scale, lost, its share, halted, position and angle that remain, period.
 
-        kind 0 for no command, else with flags and numbers as in control/servo/command.py.
+        kind 0 for no command, else with flags and numbers as in control/servo/command.py. near (k, n + 2): how joints
+        bring k pairs of bodies closer, the room of each pair and its time; at most 16 count.
         """

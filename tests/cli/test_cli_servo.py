@@ -88,6 +88,15 @@ def test_it_runs_in_the_view_and_reports_as_json(capsys: Capture) -> None:
     assert re.fullmatch(r"rover_arm at http://127\.0\.0\.1:\d+/\S+/  \(Ctrl-C ends it\)\n", err)
 
 
+def test_it_avoids_what_a_scene_file_holds_and_refuses_that_of_another_arm(tmp_path: Path, capsys: Capture) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text('arm = "scara"\nmargin = 0.01\n[[sphere]]\nname = "ball"\nradius = 0.1\nxyz = [2.0, 0.0, 0.0]\n')
+    options = ["--avoid", str(file), "--duration", "0.2", "--no-browser"]
+    assert "at rest" in printed(capsys, "servo", "scara", *options)
+    assert run(["servo", "rover_arm", *options]) != 0
+    assert "is for the arm 'scara'" in " ".join(capsys.readouterr().err.split())
+
+
 def test_limits_that_nobody_gave_are_said_and_the_report_is_a_table(tmp_path: Path, capsys: Capture) -> None:
     path = tmp_path / "free.urdf"
     path.write_text(FREE)

@@ -110,7 +110,7 @@ class Wrong:
         for module in ("streaming", "cycles"):
             monkeypatch.setattr(f"twistarm.control.stream.{module}.servo_step", self)
 
-    def __call__(self, arm, state, command, dt, *, settings):
+    def __call__(self, arm, state, command, dt, *, settings, scene=None):
         self.count += 1
         state, output = servo_step(arm, state, command, dt, settings=settings)
         if not self.first <= self.count < self.first + self.steps:

@@ -40,6 +40,7 @@ from ..support.files import as_path
 from .allowed_pairs import Pair, allowed_pairs, sorted_pair
 from .bodies import Body, Shapes, in_words
 from .checker import Checker
+from .near_pairs import NearPairs
 from .scene_file import SceneFile, read_scene
 from .swept import FINE, Sweep, pair_speeds, taylor
 
@@ -440,6 +441,12 @@ class Scene:
         """The largest margin of a pair [m]."""
         return max(self._checker.margins, default=0.0)
 
+    @cached_property
+    def near_pairs(self) -> NearPairs:
+        """What finds the pairs that are near at a configuration."""
+        checker = self._checker
+        return NearPairs(self._model, checker.bodies, checker.pairs, checker.margins)
+
     def checks(self, clearance: float) -> Callable[[Array], bool]:
         """A quick check of one configuration (n,): whether every pair keeps its margin and this clearance [m]."""
         checker, q = self._sweep.checker(clearance), self._model.q
@@ -510,7 +517,7 @@ class Scene:
         self._changed()
 
     def _changed(self) -> None:
-        for name in ("_checker", "_sweep"):
+        for name in ("_checker", "_sweep", "near_pairs"):
             self.__dict__.pop(name, None)
 
     def _require_obstacle(self, name: str) -> Body:

@@ -111,7 +111,7 @@ def pair_speeds(model: PinocchioModel, checker: Checker) -> Array:
     """Bounds (pairs, n) of how fast any two points of a pair approach, by each coordinate alone at rate 1."""
     count = model.model.njoints
     speeds = np.array([_speeds(model, body) for body in checker.bodies]).reshape(-1, count)
-    carried = np.array([[j in _ancestors(model, body) for j in range(count)] for body in checker.bodies])
+    carried = np.array([[j in ancestors(model, body) for j in range(count)] for body in checker.bodies])
     first, second = np.array(checker.pairs, dtype=int).reshape(-1, 2).T
     # A joint that carries both moves neither against the other.
     by_joint = np.where(carried[second], 0.0, speeds[first]) + np.where(carried[first], 0.0, speeds[second])
@@ -123,7 +123,7 @@ def pair_speeds(model: PinocchioModel, checker: Checker) -> Array:
     return rows
 
 
-def _ancestors(model: PinocchioModel, body: Body) -> set[int]:
+def ancestors(model: PinocchioModel, body: Body) -> set[int]:
     """The joints that carry a body, by Pinocchio's numbers."""
     joint, carrying = model.model.frames[model.frame_id(body.carrier)].parentJoint, set()
     while joint > 0:

@@ -19,7 +19,7 @@
 // tests/reference/servo/rates.py.
 #pragma once
 
-#include "../numeric/box.hpp"
+#include "../numeric/half_spaces.hpp"
 #include "../kinematics/kinematics.hpp"
 #include "../kinematics/motion_limits.hpp"
 #include "../kinematics/singular_directions.hpp"
@@ -471,23 +471,27 @@ template <class T, int N, int M> struct rate_solver {
     /// The rates x within the bounds for what is asked, and where they stand. Sums of squares, each level weighed by its
     /// last norm until that stands: E. Weiszfeld, Tôhoku Math. J. 43, 1937. (Rounds that go on as the last two went take
     /// half as many, but where they end jumps from step to step, and the arm shook.)
-    void operator()(const T* asked, const T* lower, const T* upper, sides<most>& at, T* x) const {
+    void operator()(const T* asked, const T* lower, const T* upper, sides<most>& at, T* x,
+                    half_spaces<T, most>* near = nullptr) const {
         for (int k = 0; k < n(); ++k) {
             x[k] = clamped(T(0), lower[k], upper[k]);
             at[k] = 0;
         }
-        go_on(asked, lower, upper, most_rounds, at, x);
+        for (int i = 0; near != nullptr && i < near->count; ++i) near->on[i] = false;
+        go_on(asked, lower, upper, most_rounds, at, x, near);
     }
 
-    /// At most so many rounds from the rates x.
-    void go_on(const T* asked, const T* lower, const T* upper, int rounds, sides<most>& at, T* x) const {
+    /// At most so many rounds from the rates x. near: what the rates are to keep beside their bounds.
+    void go_on(const T* asked, const T* lower, const T* upper, int rounds, sides<most>& at, T* x,
+               half_spaces<T, most>* near = nullptr) const {
         const T tip = rounded_off<T> * norm(asked, 6);
         if (!(tip * tip > T(0))) return;  // nothing, or so little that its square is
         for (int round = 0; round < rounds; ++round) {
             T H[most][most], r[most], before[most], change = T(0), size = T(0);
             weigh(asked, x, tip, H, r);
             for (int k = 0; k < n(); ++k) before[k] = x[k];
-            least_in_box(H, r, lower, upper, n(), at, x);
+            if (near == nullptr) least_in_box(H, r, lower, upper, n(), at, x);
+            else least_within(H, r, lower, upper, n(), *near, at, x);
             for (int k = 0; k < n(); ++k) {
                 change = greatest(change, absolute(x[k] - before[k]));
                 size = greatest(size, absolute(x[k]));

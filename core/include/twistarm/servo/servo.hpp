@@ -21,7 +21,7 @@ enum class servo_kind { none = 0, jog = 1, twist = 2, pose = 3 };
 
 /// What holds the arm back most.
 /// unusable: the command, dt or the state is not finite, or dt not positive; the arm comes to rest, with a bad dt or state at once.
-enum class servo_cause { none = 0, singularity = 1, velocity = 2, lower = 3, upper = 4, unusable = 5 };
+enum class servo_cause { none = 0, singularity = 1, velocity = 2, lower = 3, upper = 4, unusable = 5, near = 6 };
 
 /// What to do: joint rates; a twist (v, w) in tool axes or (dp/dt, ω) in base axes, some components held; or a pose.
 ///
@@ -42,7 +42,14 @@ template <class T, int N> struct servo_state {
     frame<T> held;
 };
 
-/// row: of the limits that cause it, or the joint that a singularity concerns, −1 for none. At an even speed the tool moves
+/// Pairs of bodies that come near each other: pair i approaches by rows[i] · rates [m/s], and may by room[i] [m] yet;
+/// a room below 0 moves it apart. It may take its room within time[i] [s], 0: as a joint takes that to its limit.
+template <class T, int N> struct near_pairs {
+    int count;
+    T rows[most_half_spaces][capacity(N)], room[most_half_spaces], time[most_half_spaces];
+};
+
+/// row: of the limits or near pairs that cause it, or the joint that a singularity concerns, −1 for none. At an even speed the tool moves
 /// by scale · (asked − lost); lost_share: |lost| / |asked|, scaled. remaining: how far a pose to reach is [m, rad].
 template <class T> struct servo_output {
     servo_cause cause;
@@ -60,9 +67,36 @@ template <class T> constexpr T look_ahead = T(0.01);   // how far ahead a course
 template <class T> constexpr T period_time = T(8);     // how slowly the period follows what steps take [s]
 template <class T> constexpr T astray_by = T(2e-4);    // an error of what is held at which half of the rest is done [scaled]
 template <class T> constexpr T one_round = T(2);         // a change of rates is at most so many times what the first round shows
+template <class T> constexpr T near_enough = T(3e-4);  // a pair may come so much nearer while the arm stops [m]
 constexpr int slowings = 4;            // how often it is looked whether joints that take over for others are too fast
 
-inline bool is_position(servo_cause cause) { return cause == servo_cause::lower || cause == servo_cause::upper; }
+inline bool is_position(servo_cause cause) {
+    return cause == servo_cause::lower || cause == servo_cause::upper || cause == servo_cause::near;
+}
+
+/// The bounds of an arm with near pairs as further motors' rows, which no motor limits but by position.
+template <class T, int N>
+servo_bounds<T, N> with_near(const servo_bounds<T, N>& bounds, const near_pairs<T, N>& near, int count, const T* theta) {
+    servo_bounds<T, N> all = bounds;
+    motion_limits<T, N>& motion = all.motion;
+    T* const limits[] = {motion.lower, motion.upper, motion.velocity, motion.acceleration};
+    for (T* const each : limits)
+        for (int r = motion.rows() - 1; r >= motion.motors; --r) each[r + count] = each[r];
+    for (int i = 0; i < count; ++i) {
+        const int r = motion.motors + i;
+        motion.c[r] = T(0);
+        for (int k = 0; k < motion.coordinates; ++k) {
+            motion.C[r][k] = near.rows[i][k];
+            motion.c[r] -= near.rows[i][k] * theta[k];
+        }
+        motion.lower[r] = -detail::infinite<T>;
+        // The law keeps a pair to its room. What the witness points turn on the way does not stop the arm.
+        motion.upper[r] = greatest(near.room[i], T(0)) + near_enough<T>;
+        motion.velocity[r] = motion.acceleration[r] = detail::infinite<T>;
+    }
+    motion.motors += count;
+    return all;
+}
 
 /// log R (3,), |log R| ≤ π, by way of the quaternion.
 template <class T> void rotation_vector(const frame<T>& g, T out[3]) {
@@ -133,10 +167,10 @@ inline servo_levels levels_of(const bool* held) {
 /// The rates between which a stop that takes twice as long as one from `rates` ends inside the limits: to keep to a bound
 /// that falls with the distance takes half of the acceleration.
 template <class T, int N> struct position_bounds {
-    T least[capacity(N)], most[capacity(N)];
+    T least[capacity(N)], most[capacity(N)], time;
 
     position_bounds(const motion_limits<T, N>& motion, const T* theta, const T* rates, T dt, T period, bool gently) {
-        const T time = greatest(steps_damped<T> * period, dt) + (gently ? T(2) : T(1)) * stopping_time(motion, rates);
+        time = greatest(steps_damped<T> * period, dt) + (gently ? T(2) : T(1)) * stopping_time(motion, rates);
         for (int k = 0; k < motion.coordinates; ++k) {
             most[k] = greatest(motion.upper[motion.motors + k] - theta[k], T(0)) / time;
             least[k] = -greatest(theta[k] - motion.lower[motion.motors + k], T(0)) / time;
@@ -199,8 +233,37 @@ template <class T, int N, int M> struct servo {
     const servo_command<T, N>& command;
     servo_output<T>& out;
     T dt;
+    const near_pairs<T, N>* near;
+    int near_count;  // the last of the motors' rows
 
     int n() const { return arm.coordinates(); }
+    int first_near() const { return bounds.motion.motors - near_count; }
+
+    T most_apart(const position_bounds<T, N>& room, int i) const {
+        return near->room[i] / (near->time[i] > T(0) ? near->time[i] : room.time);
+    }
+
+    /// What near pairs let the scaled rates be: they come closer no faster than lets them stop as joints do.
+    void keep_apart(const position_bounds<T, N>& room, half_spaces<T, capacity(N)>& rows) const {
+        rows.count = near_count;
+        for (int i = 0; i < near_count; ++i) {
+            rows.most[i] = most_apart(room, i);
+            rows.on[i] = false;
+            for (int k = 0; k < n(); ++k) rows.normal[i][k] = near->rows[i][k] * bounds.unit[k];
+        }
+    }
+
+    /// By how much the worst near pair comes closer too fast at these rates, and which it is.
+    T too_close(const position_bounds<T, N>& room, const T* rates, int& worst) const {
+        T largest = T(0);
+        for (int i = 0; i < near_count; ++i) {
+            const T beyond = bounds.motion.rate(first_near() + i, rates) - most_apart(room, i);
+            if (!(beyond > largest)) continue;
+            largest = beyond;
+            worst = i;
+        }
+        return largest;
+    }
 
     /// The rates that the limits let the arm have, and where they lead.
     void move(T* rates) {
@@ -209,7 +272,10 @@ template <class T, int N, int M> struct servo {
         for (int k = 0; k < n(); ++k) wanted[k] = rates[k];
         const int row = keep_within(motion, state.theta, state.theta_dot, dt, rates);
         if (row >= 0 && !is_position(out.cause))
-            blame(motion.rate(row, wanted) > T(0) ? servo_cause::upper : servo_cause::lower, row);
+            blame(row >= first_near() && row < motion.motors ? servo_cause::near
+                  : motion.rate(row, wanted) > T(0)          ? servo_cause::upper
+                                                             : servo_cause::lower,
+                  row);
         for (int k = 0; k < n(); ++k) {
             // Rounding may not carry a joint beyond its limit; one that was outside stays no farther out than it was.
             const T upper = greatest(motion.upper[motion.motors + k], state.theta[k]);
@@ -229,12 +295,35 @@ template <class T, int N, int M> struct servo {
         if (room.over(rates, n(), joint) > nothing<T>)
             blame(rates[joint] > T(0) ? servo_cause::upper : servo_cause::lower, bounds.motion.motors + joint);
         for (int k = 0; k < n(); ++k) rates[k] = clamped(rates[k], room.least[k], room.most[k]);
+        if (too_close(room, rates, joint) > nothing<T>) {
+            blame(servo_cause::near, first_near() + joint);
+            jog_apart(room, rates);
+        }
         const T size = norm(command.rates, n());
         move(rates);
         out.halted = is_position(out.cause) && norm(state.theta_dot, n()) <= T(halted_below) * share * size;
         T beside[capacity(N)] = {};
         for (int k = 0; k < n(); ++k) beside[k] = state.theta_dot[k] - command.rates[k];
         set_scale(norm(beside, n()), norm(state.theta_dot, n()), size, size);
+    }
+
+    /// The rates nearest to those of a jog that keep near pairs apart: each joint at most as fast, and none backwards.
+    void jog_apart(const position_bounds<T, N>& room, T* rates) const {
+        constexpr int most = capacity(N);
+        T H[most][most], wanted[most], lower[most], upper[most], x[most];
+        sides<most> at;
+        half_spaces<T, most> rows;
+        keep_apart(room, rows);
+        for (int a = 0; a < n(); ++a) {
+            for (int b = 0; b < n(); ++b) H[a][b] = T(a == b ? 1 : 0);
+            wanted[a] = rates[a] / bounds.unit[a];
+            lower[a] = least(wanted[a], T(0));
+            upper[a] = greatest(wanted[a], T(0));
+            x[a] = T(0);
+            at[a] = 0;
+        }
+        least_within(H, wanted, lower, upper, n(), rows, at, x);
+        for (int k = 0; k < n(); ++k) rates[k] = x[k] * bounds.unit[k];
     }
 
     /// 1 − |done − reachable| over the longer of the two, at least 0: 1 where all of it is done and nothing beside it.
@@ -376,7 +465,9 @@ template <class T, int N, int M> struct servo {
         } else if (share < T(1)) blame(servo_cause::velocity, row);
         for (int k = 0; k < n(); ++k) rates[k] *= share;
         const position_bounds<T, N> room(bounds.motion, state.theta, rates, dt, state.period, solver.levels.firm);
-        if (!(share < T(1)) && !bounds.stops && !(room.over(rates, n(), worst) > nothing<T>)) return share;
+        if (!(share < T(1)) && !bounds.stops && !(room.over(rates, n(), worst) > nothing<T>) &&
+            !(too_close(room, rates, worst) > nothing<T>))
+            return share;
         for (int round = 1; round <= slowings; ++round) {
             within(solver, asked, share, room, round == slowings, rates);
             const T slower = velocity_share(bounds.motion, rates, row);
@@ -393,14 +484,16 @@ template <class T, int N, int M> struct servo {
                 bool velocities, T* rates) {
         const T* const fastest = bounds.motion.velocity + bounds.motion.motors;
         T lower[capacity(N)], upper[capacity(N)], scaled[6], x[capacity(N)], end[capacity(N)], worst = T(-1);
-        int joint = -1;
+        int joint = -1, closest = -1;
         sides<capacity(N)> at;
+        half_spaces<T, capacity(N)> rows, *const apart = near_count > 0 ? &rows : nullptr;
+        if (apart != nullptr) keep_apart(room, rows);
         for (int i = 0; i < 6; ++i) scaled[i] = share * asked[i];
         for (int k = 0; k < n(); ++k) {
             lower[k] = (velocities ? greatest(room.least[k], -fastest[k]) : room.least[k]) / bounds.unit[k];
             upper[k] = (velocities ? least(room.most[k], fastest[k]) : room.most[k]) / bounds.unit[k];
         }
-        solver(scaled, lower, upper, at, x);
+        solver(scaled, lower, upper, at, x, apart);
         const T size = norm(scaled, 6);
         for (int k = 0; k < n(); ++k) {
             end[k] = at[k] < 0 ? room.least[k] : room.most[k];
@@ -413,8 +506,16 @@ template <class T, int N, int M> struct servo {
             joint = k;
             blame(at[k] > 0 ? servo_cause::upper : servo_cause::lower, bounds.motion.motors + k);
         }
+        const T too_fast = too_close(room, rates, closest) / bounds.length;
+        if (too_fast > T(noticed) * size) {
+            const T left = greatest(most_apart(room, closest), T(0)) / bounds.length;
+            if ((bounds.stops ? too_fast / (left + T(no_room) * size) : too_fast) > worst) {
+                joint = -1;
+                blame(servo_cause::near, first_near() + closest);
+            }
+        }
         if (bounds.stops) {
-            hold_course(solver, scaled, lower, upper, at, x);
+            hold_course(solver, scaled, lower, upper, at, x, apart);
             // Nobody is at a limit: one would have to be too fast for the course.
             if (joint >= 0 && absolute(end[joint]) / bounds.unit[joint] > T(no_room) * size &&
                 norm(x, n()) <= T(halted_below) * size)
@@ -464,11 +565,11 @@ template <class T, int N, int M> struct servo {
 
     /// Slows what is asked until the rates x do it without leaving its course: by halves, the largest share that does.
     void hold_course(const rate_solver<T, N, M>& solver, const T* asked, const T* lower, const T* upper,
-                     sides<capacity(N)>& at, T* x) {
+                     sides<capacity(N)>& at, T* x, half_spaces<T, capacity(N)>* apart) {
         T kept = T(0), slower[6], step = followed(solver, asked, lower, upper, x);
         for (bool first = true; step > T(1e-6); first = false) {
             for (int i = 0; i < 6; ++i) slower[i] = (kept + step) * asked[i];
-            solver(slower, lower, upper, at, x);
+            solver(slower, lower, upper, at, x, apart);
             if (solver.keeps_course(slower, x)) {
                 if (first) return;
                 kept += step;
@@ -476,7 +577,7 @@ template <class T, int N, int M> struct servo {
             step = T(0.5) * step;
         }
         for (int i = 0; i < 6; ++i) slower[i] = kept * asked[i];
-        solver(slower, lower, upper, at, x);
+        solver(slower, lower, upper, at, x, apart);
     }
 
     void reach(rate_solver<T, N, M>& solver, const T* asked) {
@@ -507,6 +608,41 @@ template <class T, int N, int M> struct servo {
             out.cause = servo_cause::singularity;
     }
 };
+
+template <class T, int N, int M>
+void step_in(const chain<T, N, M>& arm, const servo_bounds<T, N>& bounds, const servo_command<T, N>& command, T dt,
+             servo_state<T, N>& state, servo_output<T>& out, const near_pairs<T, N>* near, int pairs) {
+    const int n = arm.coordinates();
+    out = servo_output<T>{};
+    out.row = -1;
+    out.scale = T(1);
+    if (!(dt > T(0)) || !usable(dt) || !usable(state.theta, n) || !usable(state.theta_dot, n) ||
+        !usable_hold(state, command)) {
+        out.cause = servo_cause::unusable;
+        out.scale = T(0);
+        for (int k = 0; k < n; ++k) state.theta_dot[k] = T(0);
+        let_go(state);
+        return;
+    }
+    state.period = period_after(state.period, dt);
+    servo<T, N, M> step{arm, bounds, state, command, out, dt, near, pairs};
+    const bool follows = usable(command, n);
+    if (command.kind == servo_kind::none || !follows) {
+        T rest[capacity(N)];
+        for (int k = 0; k < n; ++k) rest[k] = T(0);
+        let_go(state);
+        step.move(rest);
+        if (follows) return;
+        out.cause = servo_cause::unusable;
+        out.row = -1;
+        out.scale = T(0);
+    } else if (command.kind == servo_kind::jog) {
+        let_go(state);
+        step.jog();
+    } else {
+        step.follow();
+    }
+}
 }  // namespace servo_detail
 
 /// One step: the state after dt [s] under the command, and what became of the command.
@@ -514,39 +650,20 @@ template <class T, int N, int M> struct servo {
 /// The state's theta_dot are the rates for the coming dt. Without a command (servo_kind::none) the arm comes to rest; with
 /// one that is not finite or beyond 1e6 too, and with a dt that is not positive or a state that is neither it stands at
 /// once where it is: servo_cause::unusable.
+/// Pairs of `near` come no closer than their room; without a command nothing looks at them.
 template <class T, int N, int M>
 void servo_step(const chain<T, N, M>& arm, const servo_bounds<T, N>& bounds, const servo_command<T, N>& command, T dt,
-                servo_state<T, N>& state, servo_output<T>& out) {
-    const int n = arm.coordinates();
-    out = servo_output<T>{};
-    out.row = -1;
-    out.scale = T(1);
-    if (!(dt > T(0)) || !servo_detail::usable(dt) || !servo_detail::usable(state.theta, n) ||
-        !servo_detail::usable(state.theta_dot, n) || !servo_detail::usable_hold(state, command)) {
-        out.cause = servo_cause::unusable;
-        out.scale = T(0);
-        for (int k = 0; k < n; ++k) state.theta_dot[k] = T(0);
-        servo_detail::let_go(state);
+                servo_state<T, N>& state, servo_output<T>& out, const near_pairs<T, N>* near = nullptr) {
+    const int motors = bounds.motion.motors;
+    const int pairs = near == nullptr || command.kind == servo_kind::none ? 0 : least(near->count, most_joints - motors);
+    if (pairs > 0) {
+        const servo_bounds<T, N> all = servo_detail::with_near(bounds, *near, pairs, state.theta);
+        servo_detail::step_in(arm, all, command, dt, state, out, near, pairs);
+        if (out.cause == servo_cause::singularity || out.row < motors) return;
+        out.row -= out.cause == servo_cause::near ? motors : pairs;
         return;
     }
-    state.period = servo_detail::period_after(state.period, dt);
-    servo_detail::servo<T, N, M> step{arm, bounds, state, command, out, dt};
-    const bool follows = servo_detail::usable(command, n);
-    if (command.kind == servo_kind::none || !follows) {
-        T rest[capacity(N)];
-        for (int k = 0; k < n; ++k) rest[k] = T(0);
-        servo_detail::let_go(state);
-        step.move(rest);
-        if (follows) return;
-        out.cause = servo_cause::unusable;
-        out.row = -1;
-        out.scale = T(0);
-    } else if (command.kind == servo_kind::jog) {
-        servo_detail::let_go(state);
-        step.jog();
-    } else {
-        step.follow();
-    }
+    servo_detail::step_in(arm, bounds, command, dt, state, out, near, 0);
 }
 
 TWISTARM_END

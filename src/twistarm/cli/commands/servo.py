@@ -21,6 +21,7 @@ from ...support.checks import as_not_negative, require_choice
 from ...support.errors import InputError
 from ...viewer import Viewer
 from ..asked_motion import capped
+from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, Theta, takes_arm
 from ..output import console, print_json
 from ..robot import Hertz, Robot, Tolerance, address, require_inside, require_positive, takes_robot
@@ -56,6 +57,7 @@ def servo(
     tolerance: Tolerance = TOLERANCE,
     margin: Margin = 0.0,
     on_unreachable: OnUnreachable = SLIDE,
+    avoid: Avoid = None,
     duration: Duration = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
@@ -74,6 +76,7 @@ def servo(
     x = parse_theta(arm, theta, rad)
     require_inside(arm, x, rad)
     driven = replace(arm, limits=capped(arm, {"velocity": velocity, "acceleration": acceleration}))
+    scene = avoided(driven, avoid)
     admitted = robot.admitted()
     with ExitStack() as stack:
         sink, feedback = robot.joints(driven, x, admitted, stack)
@@ -83,7 +86,7 @@ def servo(
         report = run(
             driven, source, sink, feedback, rate=rate, command_timeout=command_timeout,
             feedback_timeout=robot.feedback_timeout, tolerance=tolerance, settings=viewer.servo_settings(settings),
-            velocity_mode=robot.velocity_mode, duration=duration, on_cycle=viewer.show_servo,
+            scene=scene, velocity_mode=robot.velocity_mode, duration=duration, on_cycle=viewer.show_servo,
         )  # fmt: skip
     if json:
         print_json(report_json(arm, report))

@@ -19,13 +19,14 @@ class Cause(IntEnum):
     LOWER = 3
     UPPER = 4
     UNUSABLE = 5
+    NEAR = 6
 
 
 @dataclass(eq=False)
 class Answer:
     """theta, theta_dot (n,): the state after the step. period [s]: the mean step time after this one.
 
-    row: the row of `Bounds.motion` at its limit, or the joint of a singularity; −1 for none.
+    row: the row of `Bounds.motion` at its limit, the row of near pairs, or the joint of a singularity; −1 for none.
     """
 
     theta: Array

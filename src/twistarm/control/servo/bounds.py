@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import weakref
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -36,6 +37,14 @@ class Bounds:
     def n(self) -> int:
         """Degrees of freedom."""
         return len(self.unit)
+
+    def stopping_time(self, theta_dot: Array) -> float:
+        """How long a straight stop from these rates (n,) takes [s]."""
+        return float(np.abs(self._slowness @ theta_dot).max())
+
+    @cached_property
+    def _slowness(self) -> Array:
+        return self.motion.C / self.motion.limits.acceleration[:, None]
 
 
 _KEPT: weakref.WeakKeyDictionary[Arm, dict[ServoSettings, Bounds]] = weakref.WeakKeyDictionary()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from .answer import Answer, Cause
 from .bounds import Bounds
 from .command import BASE, AnyCommand, TwistCommand
 
+if TYPE_CHECKING:
+    from ...collision import Contact
+
 
 class ServoStatus(Enum):
     """How a step went; the gravest that holds."""
@@ -28,6 +31,8 @@ class ServoStatus(Enum):
     HALTED_LIMIT = "halted by a position limit"
     IMPOSSIBLE_DIRECTION = "this arm has no such motion"
     STALE = "no usable command or state: coming to rest"
+    SLOWED_COLLISION = "slowed near a collision"
+    HALTED_COLLISION = "halted before a collision"
 
 
 class ServoReason(Enum):
@@ -42,6 +47,7 @@ class ServoReason(Enum):
     TURN_LOST = "the tool turns otherwise than commanded, because the arm has too few joints"
     IMPOSSIBLE = "this arm has no such motion"
     STALE = "no usable command or state: coming to rest"
+    COLLISION = "two bodies of the scene come near each other"
 
 
 _OF_STATUS = {
@@ -57,6 +63,7 @@ _OF_CAUSE = {
     Cause.LOWER: (ServoStatus.SLOWED_LIMIT, ServoReason.LOWER_LIMIT),
     Cause.UPPER: (ServoStatus.SLOWED_LIMIT, ServoReason.UPPER_LIMIT),
     Cause.UNUSABLE: (ServoStatus.STALE, ServoReason.STALE),
+    Cause.NEAR: (ServoStatus.SLOWED_COLLISION, ServoReason.COLLISION),
 }
 """The status of a step, and the reason that its cause gives."""
 
@@ -73,12 +80,13 @@ _NOTHING_LOST = frozen(np.zeros(6))
 
 
 class Asked(NamedTuple):
-    """A command to an arm at theta (n,), and whether the arm stops where it cannot follow."""
+    """A command to an arm at theta (n,), whether the arm stops where it cannot follow, and the pair that holds it."""
 
     arm: Arm
     theta: Array
     command: AnyCommand | None
     stops: bool = False
+    contact: Contact | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -112,6 +120,11 @@ class ServoOutput(Brief):
     _asked: Asked | None = field(default=None, repr=False)
 
     @property
+    def contact(self) -> Contact | None:
+        """The pair of bodies that slows or halts the arm, with its distance and margin [m], or None."""
+        return self._asked.contact if self._asked else None
+
+    @property
     def reason(self) -> ServoReason:
         """A code for why the arm rests or does less than commanded. It changes only with the cause."""
         if self.status in _OF_STATUS:
@@ -142,6 +155,8 @@ class ServoOutput(Brief):
             if self.status is ServoStatus.HALTED_LIMIT:
                 return f"{self.joint} is at its {side} position limit"
             return f"slowed by {position_limit(side, str(self.joint))}"
+        if self.contact is not None:
+            return f"{self.status.value}: {self.contact}"
         if self._why is Cause.VELOCITY:
             return f"slowed by the velocity limit of {self.joint}"
         complete = self._why is Cause.NONE and self._missing_share < WORTH_SAYING
@@ -186,18 +201,20 @@ class ServoOutput(Brief):
         Args:
             answer: The step's answer as plain numbers.
             bounds: The arm's bounds.
-            asked: The arm, the configuration and the command of the step.
+            asked: The arm, the configuration and the command of the step, and the pair of bodies that holds the arm.
 
         Returns:
             The output, with status, joint and reason.
         """
         cause, row = answer.cause, answer.row
-        status = ServoStatus.HALTED_LIMIT if answer.halted else _OF_CAUSE[cause][0]
+        status = _OF_CAUSE[cause][0]
+        if answer.halted:
+            status = ServoStatus.HALTED_COLLISION if cause is Cause.NEAR else ServoStatus.HALTED_LIMIT
         names = asked.arm.joint_names if cause is Cause.SINGULARITY else bounds.motion.names
-        joint = names[row] if row >= 0 else None
+        joint = names[row] if row >= 0 and cause is not Cause.NEAR else None
         lost, remaining = (answer.lost, answer.lost_share), answer.remaining
         output = cls(answer.theta_dot, status, answer.scale, *lost, joint, remaining, cause, asked)
-        if joint is not None or answer.lost_share <= ALL or output._missing_share <= ALL:
+        if joint is not None or answer.lost_share <= ALL or output._missing_share <= ALL or cause is Cause.NEAR:
             return output
         found, why = _missing(asked, answer.lost, joint, 0.0)
         nowhere = found is Lack.EVERYWHERE

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...arm.arm import Arm, require_arm
-from ...support.checks import as_pose, frozen, require
+from ...support.checks import Array, as_pose, frozen, require
 from ...support.errors import InputError, shown
 from .answer import Answer, Cause
 from .bounds import Bounds, bounds_of
@@ -16,13 +16,22 @@ from .output import Asked, ServoOutput
 from .settings import ServoSettings
 from .state import MOST, ServoState
 
+if TYPE_CHECKING:
+    from ...collision import Contact, Scene
+
 COMMANDS = (TwistCommand, JogCommand, PoseCommand)
 _DEFAULT = ServoSettings()
 _CAUSES = tuple(Cause)
 
 
 def servo_step(
-    arm: Arm, state: ServoState, command: CommandLike, dt: float, *, settings: ServoSettings = _DEFAULT
+    arm: Arm,
+    state: ServoState,
+    command: CommandLike,
+    dt: float,
+    *,
+    settings: ServoSettings = _DEFAULT,
+    scene: Scene | None = None,
 ) -> tuple[ServoState, ServoOutput]:
     """One step of the servo: the state after `dt` [s] under `command`, and the joint rates that lead there.
 
@@ -47,28 +56,53 @@ def servo_step(
             axes; None is no command.
         dt: The length of the step [s], in (0, settings.max_dt].
         settings: Margins, thresholds and the length that compares metres with radians.
+        scene: Keeps the pairs of bodies of a scene apart (docs/servo.md); None to check nothing.
 
     Returns:
         The state after the step and the `ServoOutput`: rates (n,) [rad/s, m/s], status, reason, and what was lost.
 
     Raises:
-        InputError: The arm, the state or the settings are of another type.
+        InputError: The arm, the state, the settings or the scene are of another type, or the scene is of another arm.
         TwistarmError: There is no compiled core, or the arm has more than 32 joints or motors.
     """
     require(state, ServoState, "state", "as ServoState.at(arm, theta) makes it")
     bounds = bounds_of(require_arm(arm), require(settings, ServoSettings, "settings", "as ServoSettings() is"))
+    if scene is not None:
+        _require_scene(scene, arm)
     step = _seconds(dt)
     if not 0.0 < step <= settings.max_dt:
         return _refused(arm, state, f"dt must be more than 0 and at most {settings.max_dt:g} s; got {shown(dt)}")
     checked, reason = _usable(arm, command)
+    contact = None
     try:
-        answer = _answer(arm, bounds, state, checked, step)
+        if scene is None or checked is None:
+            answer = _answer(arm, bounds, state, checked, step)
+        else:
+            answer, contact = _apart(arm, bounds, state, checked, step, scene)
     except InputError as error:
         return _refused(arm, state, f"the state cannot be used: {error}")
     after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked), answer.period)
     if checked is None:
         return after, ServoOutput.stale(after.theta_dot, reason)
-    return after, ServoOutput.of(answer, bounds, Asked(arm, state.theta, checked, bounds.stops))
+    return after, ServoOutput.of(answer, bounds, Asked(arm, state.theta, checked, bounds.stops, contact))
+
+
+def _require_scene(scene: Scene, arm: Arm) -> None:
+    from ...collision import require_scene  # late, because it imports much
+
+    require_scene(scene, arm)
+
+
+def _apart(
+    arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand, dt: float, scene: Scene
+) -> tuple[Answer, Contact | None]:
+    """The answer that keeps the bodies of a scene apart, and the pair that holds the arm."""
+    from .apart import apart
+
+    def ask(near: Array | None) -> Answer:
+        return _answer(arm, bounds, state, command, dt, near)
+
+    return apart(ask, lambda: _answer(arm, bounds, state, None, dt), state.theta, dt, bounds, scene)
 
 
 def _seconds(dt: Any) -> float:
@@ -91,17 +125,19 @@ def _usable(arm: Arm, command: Any) -> tuple[AnyCommand | None, str]:
     return command, ""
 
 
-def _answer(arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | None, dt: float) -> Answer:
+def _answer(
+    arm: Arm, bounds: Bounds, state: ServoState, command: AnyCommand | None, dt: float, near: Array | None = None
+) -> Answer:
     holding = _holding(command)
     held = state.held if holding is not None and type(state.holding) is int and state.holding == holding else None
     kind, flags, numbers = (0, 0, None) if command is None else (command.kind, command.flags, command.numbers)
     found = None
     if type(state.period) is float:
-        found = bounds.compiled.step(state.theta, state.theta_dot, held, kind, flags, numbers, dt, state.period)
+        found = bounds.compiled.step(state.theta, state.theta_dot, held, kind, flags, numbers, dt, state.period, near)
     if found is None:  # not plain float64: converted, or refused
         clean = _clean(arm, state)
         held = None if held is None else clean.held
-        found = bounds.compiled.step(clean.theta, clean.theta_dot, held, kind, flags, numbers, dt, clean.period)
+        found = bounds.compiled.step(clean.theta, clean.theta_dot, held, kind, flags, numbers, dt, clean.period, near)
         assert found is not None, "what was refused has been cleaned"
     theta, theta_dot, kept, cause, row, scale, lost, lost_share, halted, position, angle, period = found
     remaining = position, angle

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from inspect import signature
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +20,9 @@ from .interlock import Interlock
 from .links.inbox import COMMAND_TIMEOUT, FEEDBACK_TIMEOUT
 from .protocols import Clock, Feedback, Reading, Setpoint, Sink, Source
 from .report import Ending, StreamReport
+
+if TYPE_CHECKING:
+    from ...collision import Scene
 
 TOLERANCE = 0.2
 """How far a joint may be from where it was commanded to be [rad, m]."""
@@ -42,6 +45,7 @@ class Streaming(Cycles[Cycle]):
         feedback_timeout: float = FEEDBACK_TIMEOUT,
         tolerance: ArrayLike = TOLERANCE,
         settings: ServoSettings | None = None,
+        scene: Scene | None = None,
         velocity_mode: bool = False,
         interlock: Interlock | None = None,
     ) -> None:
@@ -51,6 +55,11 @@ class Streaming(Cycles[Cycle]):
             velocity_mode=velocity_mode, interlock=interlock,
         )  # fmt: skip
         self.source = require_method(source, "source", "read")
+        self.scene = scene
+        if scene is not None:
+            from ...collision import require_scene
+
+            require_scene(scene, self.arm).near_pairs  # noqa: B018  (what takes long is done before the loop)
         self.command_timeout = as_positive(command_timeout, "command_timeout")
         self._interlock(self.source)
         self._released = inf
@@ -105,7 +114,9 @@ class Streaming(Cycles[Cycle]):
             return self._braked(now, reason)
         assert self.state is not None  # whoever steps has asked
         dt = self._elapsed(now)
-        state, output = servo_step(self._commanded_arm, self.state, command, dt, settings=self.settings)
+        state, output = servo_step(
+            self._commanded_arm, self.state, command, dt, settings=self.settings, scene=self.scene
+        )
         return self._moved(state, output, now, follow=True)
 
     def _restart_at_rest(self, theta: Array | None, now: float, released: bool) -> None:
@@ -135,6 +146,7 @@ def run(
     feedback_timeout: float = FEEDBACK_TIMEOUT,
     tolerance: ArrayLike = TOLERANCE,
     settings: ServoSettings | Callable[[], ServoSettings] | None = None,
+    scene: Scene | None = None,
     velocity_mode: bool = False,
     interlock: Interlock | None = None,
     handle_signals: bool = True,
@@ -178,6 +190,7 @@ def run(
         tolerance: Greatest distance of a joint from what was commanded, one number or (n,) [rad, m].
         settings: Settings of the servo, or a function of nothing that returns them before every cycle, and ends the
             stream where it returns anything else; None for the usual ones.
+        scene: The bodies that the servo keeps apart, or None.
         velocity_mode: Whether the robot takes rates alone.
         interlock: The switch that allows motion, or None.
         handle_signals: Whether SIGTERM and SIGHUP end the stream as Ctrl-C does, in the main thread and where the
@@ -200,7 +213,7 @@ def run(
     current = _current(settings)
     streaming = Streaming(
         arm, source, sink, feedback, rate=rate, command_timeout=command_timeout, feedback_timeout=feedback_timeout,
-        tolerance=tolerance, settings=current(), velocity_mode=velocity_mode, interlock=interlock,
+        tolerance=tolerance, settings=current(), scene=scene, velocity_mode=velocity_mode, interlock=interlock,
     )  # fmt: skip
 
     def take_settings() -> None:
