@@ -19,8 +19,7 @@ RED = """Object.entries(twistarm.parts.links.nodes).filter(([, path]) => {
   twistarm.view.node(path).traverse(({ material }) => {
     if (material?.isMeshLambertMaterial) colours.push(material.color.getHexString());
   });
-  const warn = getComputedStyle(document.documentElement).getPropertyValue("--warn").trim().slice(1);
-  return colours.length > 0 && colours.every((colour) => colour === warn);
+  return colours.length > 0 && colours.every((colour) => colour === "d32f2f");
 }).map(([name]) => name)"""
 
 

@@ -11,6 +11,7 @@ const SHAPE = 0.28; // opacities
 const OBSTACLE = 0.92;
 const WOOD = 0xb89a6a;
 const SHADE = 0x35b5e8;
+const RED = 0xd32f2f; // in both themes
 const PLANE = 6; // the side of a plane as it is drawn, beside the arm's radius
 const THIN = 0.006; // the line between the nearest pair, beside the arm's radius
 const UP = new THREE.Vector3(0, 1, 0); // along which three.js's cylinders stand
@@ -38,7 +39,8 @@ export class Collision {
 
   hello({ links }) {
     this.links = links;
-    $("show-collision").parentElement.hidden = Object.keys(links).length === 0; // an arm without shapes
+    const bare = Object.keys(links).length === 0; // an arm without shapes
+    for (const each of [$("show-collision").parentElement, $("tab-scene")]) each.hidden = bare;
     this.view.node("/collision").add(this.nearest);
     this.tell({ links: [], words: [], nearest: null });
   }
@@ -55,7 +57,8 @@ export class Collision {
       const old = before.find(({ name, key }) => kind === "obstacles" && name === body.name && key === keyOf(body));
       return { ...body, key: keyOf(body), mesh: old?.mesh ?? this.made(body, kind === "shapes") };
     });
-    for (const { mesh } of before.filter((old) => !this[kind].some(({ mesh }) => mesh === old.mesh))) {
+    for (const { mesh } of before) {
+      if (this[kind].some((kept) => kept.mesh === mesh)) continue;
       mesh.removeFromParent();
       dispose(mesh);
     }
@@ -103,11 +106,11 @@ export class Collision {
 
   // Red where something collides, else as it was.
   paint() {
-    const warn = coloured("--warn");
+    const red = new THREE.Color(RED);
     for (const [name, path] of Object.entries(this.links)) {
-      this.view.node(path).traverse(({ material }) => material?.isMeshLambertMaterial && tint(material, this.hit.has(name) ? warn : null));
+      this.view.node(path).traverse(({ material }) => material?.isMeshLambertMaterial && tint(material, this.hit.has(name) ? red : null));
     }
-    for (const { name, mesh } of [...this.shapes, ...this.obstacles]) tint(mesh.material, this.hit.has(name) ? warn : null);
+    for (const { name, mesh } of [...this.shapes, ...this.obstacles]) tint(mesh.material, this.hit.has(name) ? red : null);
     this.view.viewer.set_dirty();
   }
 
@@ -122,8 +125,7 @@ export class Collision {
       const line = new THREE.Mesh(new THREE.CylinderGeometry(thick, thick, from.distanceTo(to), 12), material);
       line.position.lerpVectors(from, to, 0.5);
       line.quaternion.setFromUnitVectors(UP, to.clone().sub(from).normalize());
-      const ends = [from, to].map((at) => Object.assign(new THREE.Mesh(new THREE.SphereGeometry(2 * thick, 16, 10), material)));
-      ends.forEach((end, i) => end.position.copy([from, to][i]));
+      const ends = [from, to].map(({ x, y, z }) => new THREE.Mesh(new THREE.SphereGeometry(2 * thick, 16, 10).translate(x, y, z), material));
       this.nearest.add(...[line, ...ends].map((part) => Object.assign(part, { renderOrder: 5 })));
       const far = `${(1000 * Math.abs(nearest.metres)).toFixed(Math.abs(nearest.metres) < 0.01 ? 1 : 0)} mm`;
       const text = element("span", nearest.metres < 0 ? "overlap" : "", nearest.metres < 0 ? `overlap ${far}` : far);

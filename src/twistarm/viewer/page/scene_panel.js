@@ -23,9 +23,9 @@ export class ScenePanel {
     this.boxes = [];
     this.gizmo = new Gizmo(page.view, {
       begin: () => { this.start = this.pose(); },
-      move: (pose) => this.put({ pose }),
+      move: (pose) => this.put(pose),
       end: () => {},
-      cancel: () => this.put({ pose: this.start }),
+      cancel: () => this.put(this.start),
       snap: () => $("target-snap").checked,
     });
     this.messages = {
@@ -145,12 +145,12 @@ export class ScenePanel {
     const numbers = this.numbers();
     numbers[i] = value;
     const sizes = numbers.length - PLACE.length;
-    this.put({ size: sizes > 0 ? numbers.slice(0, sizes) : undefined, pose: turned(numbers.slice(sizes)) });
+    this.put(turned(numbers.slice(sizes)), sizes > 0 ? numbers.slice(0, sizes) : undefined);
   }
 
-  put({ size, pose }) {
-    const { name, kind, size: before } = this.find();
-    this.ask(name, kind, size ?? before, pose);
+  put(pose, size = this.find().size) {
+    const { name, kind } = this.find();
+    this.ask(name, kind, size, pose);
   }
 
   ask(name, kind, size, { position, quaternion }) {
