@@ -14,6 +14,7 @@ from recorded_poses import ask, done, said
 from test_viewer_server import get
 from twistarm import Arm, InputError, Scene, UnknownNameError, arm_from_screws, load_arm, plan_joint
 from twistarm.viewer import Viewer
+from twistarm.viewer.parts import collisions
 from twistarm.viewer.stage import Stage
 from twistarm.viewer.state_transfer import carry
 
@@ -120,15 +121,19 @@ def test_the_band_of_a_motion_holds_its_samples_that_collide() -> None:
     assert said(stage, "colliding")["band"] != band
 
 
-def test_a_collision_between_two_samples_is_found() -> None:
+def test_a_collision_between_two_samples_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(collisions, "SAMPLES", 2)
     scene = Scene(ARM)
     stage = ready(scene)
-    motion = plan_joint(ARM, [ARM.ready, ARM.ready + [0.4, 0.0, 0.0, 0.0, 0.0]], kind="trapezoid")
-    tool = ARM.fk(motion(0.5 * motion.duration))[:3, 3]
-    scene.add_box("plate", (0.3, 0.0002, 0.3), tool + [0.0, 0.2 * 0.4, 0.0])
+    motion = plan_joint(ARM, [ARM.ready, ARM.ready + [0.4, 0.0, 0.0, 0.0, 0.0]])
+    scene.add_sphere("stone", 0.01, ARM.fk(motion(0.5 * motion.duration))[:3, 3])
     stage.load(motion, 1.0, False, 0.0)
     done(stage.collisions.due(stage))
-    assert said(stage, "colliding")["band"]
+    ((start, end),) = said(stage, "colliding")["band"]
+    assert 0.1 < start == end <= 0.5
+    stage.load(plan_joint(ARM, [ARM.ready, ARM.ready + 0.01]), 1.0, False, 0.0)
+    assert stage.collisions.due(stage) is not None
+    assert said(stage, "colliding")["band"] == [], "what is not known of the new motion is not told"
 
 
 def test_recorded_poses_and_other_configurations_in_collision_are_told() -> None:
@@ -159,6 +164,9 @@ def test_obstacles_are_added_moved_sized_removed_and_saved(tmp_path: Path) -> No
     assert not told["saved"]
     assert [obstacle["name"] for obstacle in told["obstacles"]] == ["table", "ball"]
     assert told["obstacles"][0]["size"] == [0.5, 1.0, 0.04]
+    scene.add_capsule("pill", 0.1, 0.4)
+    assert said(stage, "obstacles")["obstacles"][2]["size"] == [0.1, 0.4]
+    scene.remove("pill")
     assert told["obstacles"][0]["matrix"][12:15] == [0.9, 0.0, 0.3]
     for bad, words in (
         (("ball", "box", [1.0, 1.0, 1.0]), "'ball' is a sphere"),
