@@ -11,6 +11,7 @@ from twistarm import Arm, DescriptionError, InputError, TwistarmError, UnknownNa
 from twistarm.collision import Scene
 from twistarm.collision.survey import srdf_text, survey
 from twistarm.description.companions.srdf import read_srdf
+from twistarm.theory.rotations import from_rpy
 
 SHAPES = {
     "sphere": '<sphere radius="0.1"/>',
@@ -315,6 +316,72 @@ def test_a_scene_file_that_cannot_be_used_is_named_with_the_entry(
         Scene.load(arm, tmp_path / name)
     assert name in str(refused.value)
     assert said in str(refused.value)
+
+
+def test_a_scene_that_is_saved_is_read_again_as_it_was(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    arm = load_arm("rover_arm")
+    trimesh.creation.box((0.1, 0.2, 0.3)).export(tmp_path / "stone.stl")
+    scene = Scene(arm, margin={"upper_arm": 0.01, "box": 0.02})
+    g = np.eye(4)
+    g[:3, :3], g[:3, 3] = from_rpy([0.3, -0.8, 2.0]), [1.0, 0.2, 0.1]
+    scene.add_box("box", (0.1, 0.2, 0.3), g)
+    scene.add_sphere('a "ball"', 0.1, arm.fk(arm.ready)[:3, 3])
+    scene.add_cylinder("post", 0.05, 0.4, (2.0, 0.0, 0.0))
+    scene.add_capsule("pill", 0.05, 0.4, (0.0, 2.0, 0.0))
+    scene.add_plane(pose=(0.0, 0.0, -1.0))
+    scene.add_mesh("stone", tmp_path / "stone.stl", g, scale=2.0)
+    scene.attach('a "ball"', theta=arm.ready, touching=["upper_arm"])
+    scene.allow("upper_arm", "post")
+    scene.add_sphere("gone", 0.1)
+    scene.remove("gone")
+    (tmp_path / "below").mkdir()
+    again = Scene.load(arm, scene.save(tmp_path / "below" / "scene.toml"))
+    assert again.file == scene.file
+    assert set(again.obstacles) == set(scene.obstacles)
+    for name, body in scene.obstacles.items():
+        other = again.obstacles[name]
+        assert (other.kind, other.carrier, other.size) == (body.kind, body.carrier, pytest.approx(body.size))
+        assert np.abs(other.pose - body.pose).max() < 1e-8
+    assert {entry.touching for entry in again.content().entries} == {
+        entry.touching for entry in scene.content().entries
+    }
+    assert again.allowed.keys() == scene.allowed.keys()
+    thetas = arm.random_theta(0, 200)
+    assert np.array_equal(again.collides(thetas), scene.collides(thetas))
+    assert again.for_arm(load_arm("rover_arm")).obstacles.keys() == scene.obstacles.keys()
+
+
+def test_a_saved_matrix_of_a_planning_scene_stays_whole(tmp_path: Path) -> None:
+    arm = slider(tmp_path, SHAPES["sphere"])
+    (tmp_path / "scene.yaml").write_text(YAML.replace("true", "false"))
+    scene = Scene.load(arm, tmp_path / "scene.yaml")
+    again = Scene.load(arm, scene.save(tmp_path / "scene.toml"))
+    assert again.allowed == scene.allowed == {}
+
+
+def test_no_other_file_is_lost_to_a_scene(tmp_path: Path) -> None:
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    (tmp_path / "arm.toml").write_text('[arm]\nbase = "base"\n')
+    for name, words in (("arm.toml", "no scene.toml is there"), ("a.yaml", "end with .toml"), ("no/a.toml", "folder")):
+        with pytest.raises(InputError, match=words):
+            scene.save(tmp_path / name)
+    assert (tmp_path / "arm.toml").read_text().startswith("[arm]")
+
+
+def test_an_obstacle_is_moved_and_sized_until_a_link_holds_it(tmp_path: Path) -> None:
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    scene.add_box("wall", (1.0, 2.0, 2.0), (9.0, 0.0, 0.0))
+    assert scene.distance([0.5, 0.0]).metres == pytest.approx(7.9, abs=1e-6)
+    scene.move("wall", (1.5, 0.0, 0.0))
+    assert scene.distance([0.5, 0.0]).metres == pytest.approx(0.4, abs=1e-6)
+    scene.resize("wall", (0.4, 2.0, 2.0))
+    assert scene.distance([0.5, 0.0]).metres == pytest.approx(0.7, abs=1e-6)
+    with pytest.raises(InputError, match="size"):
+        scene.resize("wall", (0.4, 2.0, 0.0))
+    scene.attach("wall", "hand", theta=[0.0, 0.0])
+    with pytest.raises(InputError, match="detach it"):
+        scene.move("wall", (0.0, 0.0, 0.0))
 
 
 def test_a_plane_keeps_its_margin_in_batches_and_no_link_carries_it(tmp_path: Path) -> None:

@@ -84,6 +84,9 @@ POSTURE = typer.Option(
     "as in ready, or a pose's name (ready, zero).",
 )
 Theta = Annotated[str, POSTURE]
+SceneFile = Annotated[
+    Path | None, typer.Option("--scene", metavar="FILE", help="Obstacles: a scene.toml, or MoveIt's scene.")
+]
 
 
 def replaced(

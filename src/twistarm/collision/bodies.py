@@ -28,7 +28,8 @@ MOST_TRIANGLES = 200_000
 class Body:
     """A shape of the collision library, with its pose (4, 4) in the frame of the link `carrier`.
 
-    `name` is the link's or the obstacle's. `kind` tells how the shape was made.
+    `name` is the link's or the obstacle's. `kind` tells how the shape was made. An obstacle has the numbers of its size
+    [m], and a mesh its file.
     """
 
     name: str
@@ -37,6 +38,8 @@ class Body:
     pose: Array
     kind: str
     obstacle: bool = False
+    size: tuple[float, ...] = ()
+    mesh: Path | None = None
 
 
 class Shapes:
@@ -145,6 +148,25 @@ def _along(end: Array) -> Array:
     x /= np.linalg.norm(x)
     g[:3, :3], g[:3, 3] = np.column_stack([x, np.cross(z, x), z]), 0.5 * end
     return g
+
+
+def outline(shape: Any) -> dict[str, Any]:
+    """The kind of a shape with its size [m], or with points (N, 3) and triangles (F, 3), for drawing."""
+    kind = type(shape).__name__.lower()
+    if kind == "box":
+        return {"kind": kind, "size": (2.0 * shape.halfSide).tolist()}
+    if kind == "sphere":
+        return {"kind": kind, "size": [shape.radius]}
+    if kind in ("cylinder", "capsule"):
+        return {"kind": kind, "size": [shape.radius, 2.0 * shape.halfLength]}
+    if kind == "halfspace":
+        return {"kind": "plane", "size": []}
+    if kind == "convex":
+        points, faces = shape.points(), [shape.polygons(i) for i in range(shape.num_polygons)]
+    else:
+        points, faces = shape.vertices(), [shape.tri_indices(i) for i in range(shape.num_tris)]
+    corners = np.array([[face[0], face[1], face[2]] for face in faces])
+    return {"kind": "mesh", "size": [], "points": points, "faces": corners}
 
 
 def in_words(bodies: tuple[Body, ...]) -> Mapping[str, list[str]]:

@@ -10,7 +10,7 @@ from functools import cached_property
 from itertools import combinations, pairwise
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,13 +36,15 @@ from ..support.checks import (
     require_names,
 )
 from ..support.errors import InputError, TwistarmError, listed, unknown_name
-from ..support.files import as_path
+from ..support.files import as_path, writable, write_whole
 from .allowed_pairs import Pair, allowed_pairs, sorted_pair
 from .bodies import Body, Shapes, in_words
 from .checker import Checker
 from .near_pairs import NearPairs
-from .scene_file import SceneFile, read_scene
+from .scene_file import Entry, SceneFile, read_scene, scene_text
 from .swept import FINE, Sweep, pair_speeds, taylor
+
+T = TypeVar("T")
 
 NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
 """How many numbers the size of an obstacle has."""
@@ -109,6 +111,8 @@ class Scene:
 
     `allowed` are the pairs of links that are not checked, with their reasons: the SRDF's, or those of
     `collision.allowed_pairs`. Obstacles are checked against every link that can move relative to them.
+
+    `file` is the file that the scene was loaded from or saved to, or None.
     """
 
     def __init__(
@@ -146,6 +150,9 @@ class Scene:
         self._touching: dict[str, frozenset[str]] = {}
         self._allowed_too: dict[Pair, str] = {}
         self._known_obstacles: set[str] = set()
+        self._made: dict[str, Any] = {}  # the checker and the sweep of the present bodies
+        self._loaded = SceneFile("", ())
+        self.file: Path | None = None
 
     @classmethod
     def load(
@@ -182,6 +189,63 @@ class Scene:
             scene._fill(content)
         except TwistarmError as error:
             raise InputError(f"{file}: {error}") from error
+        scene.file = file
+        return scene
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the obstacles, margins and pairs that may touch as a scene.toml, whole or not at all.
+
+        Comments of a file that is replaced are lost. Meshes are named relative to the file.
+
+        Args:
+            path: A file that ends in .toml. An existing one must be a scene.toml.
+
+        Returns:
+            The path written.
+
+        Raises:
+            InputError: It cannot be written, or another kind of file is there.
+        """
+        target = writable(path, over_description=True)
+        if target.suffix.lower() != ".toml":
+            raise InputError(f"cannot write {target}: the name of a scene must end with .toml")
+        if target.exists():
+            try:
+                read_scene(target)
+            except TwistarmError as error:
+                raise InputError(f"cannot write {target}: no scene.toml is there; give another name") from error
+        self.file = write_whole(target, scene_text(self.content(), target.parent), over_description=True)
+        return self.file
+
+    def content(self) -> SceneFile:
+        """What a file of this scene holds, with poses in the base frame or in that of the link that holds an object."""
+        entries = []
+        for name, body in self._obstacles.items():
+            on = body.carrier if name in self._touching else ""
+            pose = body.pose
+            if not on and body.carrier != self.arm.base:
+                pose = self._relative(self.arm.ready, self.arm.base, body.carrier) @ pose
+            touching = tuple(sorted(self._touching.get(name, ())))
+            entries.append(Entry(name, body.kind, body.size, pose, body.mesh, on, touching=touching))
+        margin = self._margin
+        if not isinstance(margin, float):
+            known = {*self._obstacles, *self._description.links}
+            margin = {name: metres for name, metres in margin.items() if name in known}
+        return replace(self._loaded, entries=tuple(entries), allowed=tuple(self._allowed_too), margin=margin)
+
+    def for_arm(self, arm: Arm, *, progress: Callable[[float], object] | None = None) -> Scene:
+        """The same obstacles, margins and pairs for another arm.
+
+        Args:
+            arm: An arm with a description.
+            progress: Called with the fraction done while allowed pairs are found.
+
+        Raises:
+            InputError: The arm lacks a link that the scene names.
+        """
+        scene = Scene(arm, margin=self._margin, exact=self._exact, progress=progress)
+        scene._fill(self.content())
+        scene.file = self.file
         return scene
 
     def __repr__(self) -> str:
@@ -223,6 +287,11 @@ class Scene:
         if self.arm.disabled_collisions:
             return dict.fromkeys(sorted(self.arm.disabled_collisions), "SRDF")
         return allowed_pairs(self.arm, self._model, self._description, self._links, progress=self._progress)
+
+    @property
+    def links(self) -> tuple[Body, ...]:
+        """The bodies of the robot's links."""
+        return self._links
 
     @property
     def obstacles(self) -> Mapping[str, Body]:
@@ -308,6 +377,31 @@ class Scene:
         self._allowed_too[sorted_pair(first, second)] = reason
         self._changed()
 
+    def move(self, name: str, pose: Given) -> None:
+        """Put an obstacle at another pose (4, 4) or position (3,) in the base frame.
+
+        Args:
+            name: An obstacle that no link holds.
+            pose: Its pose, or its position without a rotation.
+        """
+        body = self._require_obstacle(name)
+        if name in self._touching:
+            raise InputError(f"{body.carrier} holds {name!r}: detach it before you move it")
+        self._obstacles[name] = replace(body, carrier=self.arm.base, pose=_as_place(pose))
+        self._changed()
+
+    def resize(self, name: str, size: Row) -> None:
+        """Give an obstacle another size.
+
+        Args:
+            name: The obstacle.
+            size: The numbers of its kind [m], in the order of the `add_…` method; of a mesh its scale.
+        """
+        body = self._require_obstacle(name)
+        shape, sizes = self._shaped(body.kind, size, body.mesh)
+        self._obstacles[name] = replace(body, shape=shape, size=sizes)
+        self._changed()
+
     def remove(self, name: str) -> None:
         """Remove an obstacle or attached object."""
         self._require_obstacle(name)
@@ -368,24 +462,25 @@ class Scene:
     def distance(self, theta: ArrayLike) -> Distance:
         """The nearest pair at theta (n,), margins not counted."""
         x = self._one(theta)
-        metres = self._checker.distances(self._model.q(x))
+        checker = self._checker
+        metres = checker.distances(self._model.q(x))
         if not len(metres):
             return Distance(np.inf, (), np.empty((0, 3)))
         k = int(metres.argmin())
-        points = (self._checker.points(k) - self._base(x)[:3, 3]) @ self._base(x)[:3, :3]
-        return Distance(float(metres[k]), self._names(k), points)
+        points = (checker.points(k) - self._base(x)[:3, 3]) @ self._base(x)[:3, :3]
+        return Distance(float(metres[k]), _names(checker, k), points)
 
     def contacts(self, theta: ArrayLike) -> tuple[Contact, ...]:
         """The pairs that collide at theta (n,), the deepest first."""
-        q = self._model.q(self._one(theta))
-        hit = self._checker.overlapping(q)
+        q, checker = self._model.q(self._one(theta)), self._checker
+        hit = checker.overlapping(q)
         if not hit:
             return ()
-        metres = self._checker.distances(q)
+        metres = checker.distances(q)
         worst: dict[tuple[str, str], Contact] = {}
         for k in sorted(hit, key=lambda k: metres[k]):
-            first, second = self._names(k)
-            worst.setdefault((first, second), Contact((first, second), float(metres[k]), self._checker.margins[k]))
+            first, second = _names(checker, k)
+            worst.setdefault((first, second), Contact((first, second), float(metres[k]), checker.margins[k]))
         return tuple(worst.values())
 
     def first_collision(self, breakpoints: Given, coefficients: Given) -> Collision | None:
@@ -428,12 +523,11 @@ class Scene:
         near = {contact.links: contact.distance for contact in self.contacts(theta)}
         if not near:
             return self
-        other = copy(self)
-        other._changed()
+        other, checker = copy(self), self._checker
         margins = [
-            min(margin, near.get(self._names(k), np.inf) - 2.0 * FINE) for k, margin in enumerate(self._checker.margins)
+            min(margin, near.get(_names(checker, k), np.inf) - 2.0 * FINE) for k, margin in enumerate(checker.margins)
         ]
-        other.__dict__["_checker"] = Checker(self._model, self._checker.bodies, self._checker.pairs, margins)
+        other._made = {"_make_checker": Checker(self._model, checker.bodies, checker.pairs, margins)}
         return other
 
     @property
@@ -441,9 +535,12 @@ class Scene:
         """The largest margin of a pair [m]."""
         return max(self._checker.margins, default=0.0)
 
-    @cached_property
+    @property
     def near_pairs(self) -> NearPairs:
         """What finds the pairs that are near at a configuration."""
+        return self._kept(self._make_near_pairs)
+
+    def _make_near_pairs(self) -> NearPairs:
         checker = self._checker
         return NearPairs(self._model, checker.bodies, checker.pairs, checker.margins)
 
@@ -456,6 +553,7 @@ class Scene:
 
     def _fill(self, content: SceneFile) -> None:
         """Add what a file holds."""
+        self._loaded = replace(content, entries=())
         for entry in content.entries:
             try:
                 self._add(entry.name, entry.kind, entry.size, entry.pose, entry.mesh, self._fixed(entry.frame))
@@ -487,18 +585,21 @@ class Scene:
         if name in self._obstacles or name in self._description.links:
             what = "an obstacle" if name in self._obstacles else "a link"
             raise InputError(f"name: {what} is already called {name!r}; choose another name, or remove it first")
+        shape, sizes = self._shaped(kind, size, mesh)
+        self._obstacles[name] = Body(name, frame or self.arm.base, shape, _as_place(pose), kind, True, sizes, mesh)
+        self._known_obstacles.add(name)
+        self._changed()
+
+    def _shaped(self, kind: str, size: Row, mesh: Path | None) -> tuple[Any, tuple[float, ...]]:
+        """The shape of an obstacle, and the numbers of its size."""
         what = "scale" if kind == "mesh" else "size"
         sizes = tuple(as_positive(float(number), what) for number in as_vector(size, what, NUMBERS[kind]))
         if max(sizes, default=0.0) > LARGEST:
             raise InputError(f"{what} must be at most {LARGEST:g} m; got {max(sizes):g}")
         with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
             if kind == "plane":
-                shape = shapes.half_space()
-            else:
-                shape = shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)
-        self._obstacles[name] = Body(name, frame or self.arm.base, shape, _as_place(pose), kind, obstacle=True)
-        self._known_obstacles.add(name)
-        self._changed()
+                return shapes.half_space(), sizes
+            return (shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)), sizes
 
     def _hold(self, name: str, carrier: str, pose: Array, touching: Iterable[str]) -> None:
         """Put an obstacle on a link, at `pose` (4, 4) in its frame."""
@@ -517,8 +618,16 @@ class Scene:
         self._changed()
 
     def _changed(self) -> None:
-        for name in ("_checker", "_sweep", "near_pairs"):
-            self.__dict__.pop(name, None)
+        # Another thread may still be making a checker of the bodies before: it goes into the mapping before.
+        self._made = {}
+
+    def _kept(self, make: Callable[[], T]) -> T:
+        """What `make` makes of the present bodies, made once."""
+        made = self._made
+        if make.__name__ not in made:
+            made[make.__name__] = make()
+        kept: T = made[make.__name__]
+        return kept
 
     def _require_obstacle(self, name: str) -> Body:
         if not isinstance(name, str) or name not in self._obstacles:
@@ -545,8 +654,11 @@ class Scene:
     def _relative(self, theta: ArrayLike, frame: str, link: str) -> Array:
         return self._model.link_pose(self._model.q(self._one(theta)), frame, link)
 
-    @cached_property
+    @property
     def _checker(self) -> Checker:
+        return self._kept(self._make_checker)
+
+    def _make_checker(self) -> Checker:
         bodies = (*self._links, *self._obstacles.values())
         for name in () if isinstance(self._margin, float) else self._margin:
             if name not in self._known_obstacles:
@@ -566,8 +678,11 @@ class Scene:
         """The joint that carries a link, by Pinocchio's number; 0 for the world."""
         return int(self._model.model.frames[self._model.frame_id(link)].parentJoint)
 
-    @cached_property
+    @property
     def _sweep(self) -> Sweep:
+        return self._kept(self._make_sweep)
+
+    def _make_sweep(self) -> Sweep:
         return Sweep(self._checker, self._model)
 
     def _exempt(self, one: Body, other: Body) -> bool:
@@ -583,9 +698,10 @@ class Scene:
             return self._margin
         return max(self._margin.get(one.name, 0.0), self._margin.get(other.name, 0.0))
 
-    def _names(self, k: int) -> tuple[str, str]:
-        i, j = self._checker.pairs[k]
-        return self._checker.bodies[i].name, self._checker.bodies[j].name
+
+def _names(checker: Checker, k: int) -> tuple[str, str]:
+    i, j = checker.pairs[k]
+    return checker.bodies[i].name, checker.bodies[j].name
 
 
 def require_scene(scene: Any, arm: Arm) -> Scene:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,12 +12,13 @@ from typing import Any
 import numpy as np
 
 from ..description.companions.toml_entries import parse_toml
+from ..description.companions.toml_text import toml_key, toml_text
 from ..description.document import read_text
 from ..description.yaml_reading import parse_yaml
 from ..support.checks import Array, as_flag, as_number, as_vector, require_mapping, require_names
 from ..support.errors import InputError, TwistarmError, closest, listed
 from ..support.files import read_bounded
-from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw
+from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw, to_rpy
 
 MOST_BYTES = 4_000_000
 """The largest planning scene."""
@@ -26,7 +28,7 @@ MOST_NODES = 200_000
 
 SIZES = {"box": ("size",), "sphere": ("radius",), "cylinder": ("radius", "length"), "capsule": ("radius", "length")}
 PLACE = ("name", "xyz", "rpy", "quaternion_wxyz", "on", "touching")
-TOP = ("arm", "degrees", "ground", "margin", "allow", *SIZES, "plane", "mesh")
+TOP = ("arm", "degrees", "ground", "margin", "allow", "allow_only", *SIZES, "plane", "mesh")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,13 +87,16 @@ def _toml(path: Path) -> SceneFile:
         margin = content.get("margin")
         allowed = tuple(_pair(pair) for pair in content.get("allow", ()))
         arm = content.get("arm", "")
+        if not isinstance(arm, str):
+            raise InputError(f"arm must be the name of an arm; got {arm!r}")
+        only = as_flag(content.get("allow_only", False), "allow_only")
     entries = [Entry("ground", "plane", (), np.eye(4))] if as_flag(content.get("ground", False), "ground") else []
     for kind in (*SIZES, "plane", "mesh"):
         tables = content.get(kind, [])
         for i, table in enumerate(tables if isinstance(tables, list) else [tables]):
             with _at(path, f"{kind} {i + 1}"):
                 entries.append(_entry(kind, table, angle, path.parent))
-    return SceneFile(arm, tuple(entries), allowed, margin)
+    return SceneFile(arm, tuple(entries), allowed, margin, only)
 
 
 def _entry(kind: str, value: Any, angle: float, folder: Path) -> Entry:
@@ -131,6 +136,43 @@ def _pair(value: Any) -> tuple[str, str]:
     if not (isinstance(value, list) and len(value) == 2 and all(isinstance(name, str) for name in value)):
         raise InputError(f'allow must be a list of pairs such as ["forearm", "table"]; got {value!r}')
     return value[0], value[1]
+
+
+def scene_text(content: SceneFile, folder: Path) -> str:
+    """The content as a scene.toml that will be in `folder`, lengths and angles with nine decimals."""
+    margin = content.margin
+    lines = [f"arm = {toml_text(content.arm)}"] if content.arm else []
+    if isinstance(margin, Mapping):
+        lines.append(f"margin = {{ {', '.join(f'{toml_key(name)} = {m!r}' for name, m in margin.items())} }}")
+    elif margin:
+        lines.append(f"margin = {margin!r}")
+    lines.append("degrees = true")
+    if content.matrix:
+        lines.append("allow_only = true")
+    if content.allowed:
+        lines += ["allow = [", *(f"    {_listed(pair)}," for pair in content.allowed), "]"]
+    for entry in content.entries:
+        lines += ["", f"[[{entry.kind}]]", f"name = {toml_text(entry.name)}"]
+        if entry.mesh is not None:
+            lines += [f"file = {toml_text(Path(os.path.relpath(entry.mesh, folder)).as_posix())}"]
+            lines += [f"scale = {_rounded(entry.size)}"]
+        elif entry.kind == "box":
+            lines.append(f"size = {_rounded(entry.size)}")
+        else:
+            own = SIZES.get(entry.kind, ())
+            lines += [f"{name} = {number!r}" for name, number in zip(own, entry.size, strict=True)]
+        lines += [f"xyz = {_rounded(entry.pose[:3, 3])}", f"rpy = {_rounded(np.degrees(to_rpy(entry.pose[:3, :3])))}"]
+        if entry.on:
+            lines += [f"on = {toml_text(entry.on)}", f"touching = {_listed(entry.touching)}"]
+    return "\n".join([*lines, ""])
+
+
+def _rounded(numbers: Iterable[float]) -> str:
+    return f"[{', '.join(repr(round(float(number), 9) + 0.0) for number in numbers)}]"
+
+
+def _listed(names: Iterable[str]) -> str:
+    return f"[{', '.join(map(toml_text, names))}]"
 
 
 # -- MoveIt ------------------------------------------------------------------------------------------------------

@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm
+from ..collision import Scene
 from ..limits.joint_units import unit_of
 from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
+from .parts.collisions import Collisions
 from .parts.findings import loaded
 from .parts.gauge import Gauge
 from .parts.history import History
@@ -37,14 +39,19 @@ from .scene.placement import Placement
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")
 """Requests that move the arm: not under a servo's hands."""
 
-LAYERS = {"screws": True, "frames": True, "path": True, **dict.fromkeys((*SHOWN, "labels", "workspace"), False)}
+LAYERS = {
+    "screws": True,
+    "frames": True,
+    "path": True,
+    **dict.fromkeys((*SHOWN, "labels", "workspace", "collision"), False),
+}
 """What can be switched on and off, and how it begins."""
 
 
 class Stage(Show):
     """The state that all pages show, with their requests and messages."""
 
-    def __init__(self, arm: Arm, theta: ArrayLike | None = None) -> None:
+    def __init__(self, arm: Arm, theta: ArrayLike | None = None, scene: Scene | None = None) -> None:
         super().__init__(arm, theta)
         self._placement = Placement(arm)
         self.visible = dict(LAYERS)
@@ -52,6 +59,7 @@ class Stage(Show):
         self.program = Program(arm, self.poses)
         self.workspace = Workspace()
         self.solutions = Solutions()
+        self.collisions = Collisions(scene, self.solutions)
         self.history = History()
         self.parts: tuple[Part, ...] = (
             Player(),
@@ -63,6 +71,7 @@ class Stage(Show):
             self.history,
             Plots(),
             self.solutions,
+            self.collisions,
         )
         self.left: tuple[LeftOut, ...] = ()
         self.jogging = False

@@ -23,10 +23,11 @@ def carry(old: Stage, new: Stage) -> list[str]:
 
     Returns the changes and omissions in words.
 
-    Common joints keep their values, or their limits. New joints take the ready pose. Layers stay. Poses and the motion
-    stay if they fit the arm; omitted poses return with an arm that allows them.
+    Common joints keep their values, or their limits. New joints take the ready pose. Layers and obstacles stay. Poses
+    and the motion stay if they fit the arm; omitted poses return with an arm that allows them.
     """
     new.visible, new.tolerances = old.visible, old.tolerances
+    new.collisions.follow(old.collisions)
     return [*_posture(old, new), *_poses(old, new), *_motion(old, new)]
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
+from ..collision import Scene, require_scene
 from ..control.servo import ServoOutput, ServoSettings
 from ..control.stream import Cycle, Inbox
 from ..ik import AllSolutions
@@ -30,7 +31,7 @@ from .parts.limit_checks import check_trajectory, checked_theta
 from .parts.servo_words import servo_words
 from .parts.solutions import answer_of
 from .parts.tool_path import NO_PATH, tool_path
-from .scene.arm_scene import Scene
+from .scene.arm_scene import Scene as ArmScene
 from .scene.drawing import require_meshcat
 from .server.memory import Memory
 from .server.watching import Watch
@@ -51,6 +52,9 @@ class Viewer(Closeable):
     keep: store the recorded poses of this port for the next view at that port. Without `theta` the arm then returns to
     its last configuration. `notes` lists what could not be stored or used.
 
+    scene: obstacles and collision checks. The pages change this scene, so `solve_ik` and `plan` see their obstacles.
+    Without one, the pages make a scene when the layer Collision is first switched on.
+
     The view is a context manager. Every method may be called from any thread. Methods that move or show something
     return at once. `theta` and `recorded` wait at most a frame. `save_html`, `save_png` and `inline(static=True)` wait
     for the file and the meshes, `close` for the end.
@@ -68,11 +72,14 @@ class Viewer(Closeable):
         port: int = 0,
         open_browser: bool = True,
         keep: bool = False,
+        scene: Scene | None = None,
     ) -> None:
         require_meshcat()
         from .server.server import Server
 
         require_arm(arm)
+        if scene is not None:
+            require_scene(scene, arm)
         if not isinstance(host, str):
             raise InputError(f"host must be the name or address of an interface; got {shown(host)}")
         if as_flag(keep, "keep") and port == 0:
@@ -81,7 +88,7 @@ class Viewer(Closeable):
         self._watches: list[Watch] = []
         self._closed = threading.Event()
         memory = Memory(port) if keep else None
-        self._server = Server(Stage(arm, theta), Scene(arm), host, port, memory, stands=theta is not None)
+        self._server = Server(Stage(arm, theta, scene), ArmScene(arm), host, port, memory, stands=theta is not None)
         self.notes: tuple[str, ...] = () if memory is None else tuple(memory.notes)
         self._server.start()
         if open_browser:
@@ -108,6 +115,11 @@ class Viewer(Closeable):
     def arm(self) -> Arm:
         """The arm on show."""
         return self._server.stage.arm
+
+    @property
+    def scene(self) -> Scene | None:
+        """The scene on show, with the obstacles of the pages. None before there is one."""
+        return self._server.ask(lambda stage: stage.collisions.scene)
 
     @property
     def theta(self) -> Array:

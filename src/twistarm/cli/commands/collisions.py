@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -10,14 +9,11 @@ import typer
 from ...arm.arm import Arm
 from ...collision import Scene
 from ...collision.survey import Survey, srdf_text, survey
-from ..options import Json, Radians, takes_arm
+from ..options import Json, Radians, SceneFile, takes_arm
 from ..output import console, finding_json, literal, print_json, progress_bar, say, table, theta_values
 from ..outputs import Force, Output, outputs_of
 from ..wording import in_options
 
-SceneFile = Annotated[
-    Path | None, typer.Option("--scene", metavar="FILE", help="Obstacles: a scene.toml, or MoveIt's scene.")
-]
 Margin = Annotated[float, typer.Option("--margin", min=0.0, help="Distance [m] below which a pair collides.")]
 Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configurations to check.")]
 

@@ -13,13 +13,14 @@ from typing import Annotated, Any, TextIO
 import typer
 
 from ...arm.loading.load import load_arm
+from ...collision import Scene
 from ...support.errors import InputError
 from ...viewer import Viewer, page_html
 from ...viewer.files.scene_snapshot import of_arm
 from ...viewer.files.screenshot import png_of
 from ...viewer.server.watching import loaded
 from ..asked_motion import motion_of_file
-from ..options import POSTURE, Radians, takes_source
+from ..options import POSTURE, Radians, SceneFile, takes_source
 from ..output import say, warn
 from ..outputs import Force, Format, outputs_of
 from ..typed import parse_theta
@@ -69,6 +70,7 @@ def view(
     browser: Browser = True,
     watch: Watch = False,
     play: Play = None,
+    scene: SceneFile = None,
     output: Output = None,
     form: Format = None,
     force: Force = False,
@@ -86,6 +88,8 @@ def view(
     if x is not None:
         warn_outside(arm, x, rad)
     motion = None if play is None else motion_of_file(arm, play, {})[1]
+    if outputs.files and scene is not None:
+        raise InputError("--scene is for a page that is served: it does not go with -o FILE")
     if outputs.files and watch:
         raise InputError("--watch is for a page that is served: it does not go with -o FILE")
     if outputs.files:
@@ -96,8 +100,10 @@ def view(
         }
         outputs.say(outputs.write(contents))
         return
+    obstacles = None if scene is None else Scene.load(arm, scene)
     with ExitStack() as stack:
-        viewer = stack.enter_context(Viewer(arm, x, host=host, port=port, open_browser=False, keep=port != 0))
+        viewer = Viewer(arm, x, host=host, port=port, open_browser=False, keep=port != 0, scene=obstacles)
+        stack.enter_context(viewer)
         if motion is not None:
             viewer.show_path(motion)
             viewer.play(motion)

@@ -41,7 +41,7 @@ function shade(table, share) {
   return table[low].clone().lerp(table[low + 1], place - low).toArray();
 }
 
-function bytes(text) {
+export function bytes(text) {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 }
 

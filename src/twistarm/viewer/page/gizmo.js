@@ -24,7 +24,6 @@ export class Gizmo {
     this.group.add(...this.handles.map(({ group }) => group));
     this.caster = new THREE.Raycaster();
     view.viewer.scene.add(this.group, this.tether);
-    view.handles = this;
     this.scale();
     this.listen(view.viewer.dom_element);
   }
@@ -120,7 +119,8 @@ export class Gizmo {
   }
 
   grab(event) {
-    const handle = event.button === 0 && event.isPrimary && !this.motion ? this.hit(event) : null;
+    const free = this.view.viewer.controls.enabled; // no other handles are held
+    const handle = event.button === 0 && event.isPrimary && free && !this.motion ? this.hit(event) : null;
     if (!handle) return;
     const { camera, controls } = this.view.viewer;
     this.controls = controls;

@@ -4,6 +4,7 @@
 // hello(message) for an arm that is new to the page, placed(frame) after the arm has moved, offline() when the process
 // has gone.
 
+import { Collision } from "./collision.js";
 import { copyTheta } from "./copying.js";
 import { Cube } from "./cube.js";
 import { $ } from "./element.js";
@@ -26,6 +27,7 @@ import { Presets } from "./presets.js";
 import { Program } from "./program.js";
 import { Progress } from "./progress.js";
 import { violation } from "./schema.js";
+import { ScenePanel } from "./scene_panel.js";
 import { Share } from "./share.js";
 import { Sight } from "./sight.js";
 import { easeSoftware } from "./software.js";
@@ -69,6 +71,7 @@ const jog = new Jog({
 
 const keepers = () => ({ ...parts, view, panel }); // of how the page stands
 const page = { view, panel, jog, state, ask, keepers };
+const collision = new Collision(page);
 const parts = {
   tabs: new Tabs(),
   sight: new Sight((side) => presets.go(side), (on) => ask({ type: "exact", on })),
@@ -93,6 +96,8 @@ const parts = {
   }),
   plots: new Plots((time) => ask({ type: "seek", time })),
   theory: new Theory(page),
+  collision,
+  scene: new ScenePanel(page, collision),
   share: new Share(page),
   work: new Work(),
   progress: new Progress((text) => panel.showStatus(text), look),
@@ -136,6 +141,7 @@ function takeBack() {
   if (!said.visible) return;
   panel.showVisible(said.visible);
   parts.theory.switches.show(said.visible);
+  collision.reveal(said.visible.collision);
 }
 
 // What was refused goes back to where it stands.
@@ -208,4 +214,4 @@ const link = new Link({
   },
 });
 
-globalThis.twistarm = { presets, cube, view, panel, findings, highlight, jog, link, state, parts };
+globalThis.twistarm = { presets, cube, view, panel, collision, findings, highlight, jog, link, state, parts };

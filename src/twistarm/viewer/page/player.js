@@ -1,6 +1,6 @@
 // The player below the view: play, pause, scrub, speed, again and again.
 
-import { $ } from "./element.js";
+import { $, element } from "./element.js";
 
 export class Player {
   // `act` holds play(), pause(), seek(time), pace(speed, loop).
@@ -10,7 +10,7 @@ export class Player {
     this.time = this.duration = 0; // of the trajectory, s; the scrubber runs from 0 to 1
     this.other = new Option(); // a speed that is none of the list's
     this.pressed = this.sought = false; // the scrubber: under a hand, and ahead of what is on show
-    this.messages = { player: (message) => this.show(message), servo: ({ driven }) => this.disable(driven) };
+    this.messages = { player: (message) => this.show(message), servo: ({ driven }) => this.disable(driven), colliding: ({ band }) => this.mark(band) };
     $("play").addEventListener("click", () => (this.running ? act.pause() : act.play()));
     this.listen();
     for (const id of ["speed", "loop"]) {
@@ -76,6 +76,16 @@ export class Player {
     const text = `${this.time.toFixed(2)} / ${this.duration.toFixed(2)} s`;
     $("time").textContent = text;
     $("scrub").setAttribute("aria-valuetext", text);
+  }
+
+  // Where the motion collides, in shares of its duration.
+  mark(band) {
+    $("scrub").title = band.length > 0 ? "The motion collides where the band is red" : "";
+    $("band").replaceChildren(...band.map(([from, to]) => {
+      const part = element("span");
+      Object.assign(part.style, { left: `${100 * from}%`, width: `${100 * (to - from)}%` });
+      return part;
+    }));
   }
 
   offline() {

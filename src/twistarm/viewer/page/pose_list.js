@@ -76,6 +76,13 @@ export class PoseList {
     }
   }
 
+  collide(ids) {
+    for (const [id, { item }] of this.rows) {
+      item.classList.toggle("collides", ids.includes(id));
+      item.title = ids.includes(id) ? "In collision" : "";
+    }
+  }
+
   disable(driven) {
     this.driven = driven;
     for (const row of this.rows.values()) row.go.disabled = driven;

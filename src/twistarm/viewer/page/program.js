@@ -30,6 +30,7 @@ export class Program {
     this.messages = {
       program: (message) => this.show(message),
       player: (message) => this.load(message),
+      colliding: ({ poses }) => this.list.collide(poses),
       servo: ({ driven }) => this.disable(driven),
       error: () => this.fail(),
     };

@@ -21,10 +21,12 @@ export class Solutions {
     this.at = null;
     this.stands = null;
     this.asked = false;
+    this.hit = []; // the places of those that collide
     this.differ = false; // whether other joints may go on moving in some of them
     this.messages = {
       solutions: (message) => this.show(message),
       solution: ({ at, stands }) => this.choose(at, stands),
+      colliding: ({ solutions }) => this.collide(solutions),
       servo: ({ driven }) => ($("solutions-all").disabled = driven),
     };
     page.view.onDrawn.push(() => this.draw()); // what they are copies of has changed
@@ -79,8 +81,14 @@ export class Solutions {
     for (const id of ["solution-next", "solution-previous"]) $(id).disabled = length === 0 || (length === 1 && at === 0);
     $("solutions").dataset.beyond = beyond.length > 0;
     $("solution-words").textContent = beyond.length > 0 ? `outside the limits: ${beyond.join(", ")}; the arm stays`
+      : this.hit.includes(at) ? "in collision"
       : free.length > 0 && this.differ ? `one of a family: ${free.join(", ")} may go on moving` : "";
     this.draw();
+  }
+
+  collide(places) {
+    this.hit = places;
+    this.choose(this.at, this.stands);
   }
 
   draw() {
@@ -90,7 +98,7 @@ export class Solutions {
     for (const [i, transforms] of shown.entries()) {
       if (i === this.stands) continue; // the arm itself
       const beyond = this.places[i].beyond.length > 0;
-      const { colour, opacity } = beyond ? BEYOND : INSIDE;
+      const { colour, opacity } = beyond || this.hit.includes(i) ? BEYOND : INSIDE;
       const arm = new ArmCopy(this.page.view, colour, i === this.at ? CHOSEN : opacity, i);
       arm.stand(transforms);
       this.page.view.node("/solutions").add(arm.group);

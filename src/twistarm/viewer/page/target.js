@@ -37,6 +37,7 @@ export class Target {
       cancel: () => this.cancel(),
       snap: () => $("target-snap").checked,
     });
+    page.view.handles = this.gizmo;
     this.boxes = new PoseBoxes({
       send: (numbers) => this.type(numbers),
       complain: (text, box) => page.panel.complain(text, box),

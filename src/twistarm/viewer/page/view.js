@@ -155,7 +155,7 @@ export class View {
     scene.updateMatrixWorld(true);
     const arm = corners(this.node("/arm"));
     // The tool and its way may lie away from what is drawn.
-    const beside = ["/frames/space", "/frames/tool", "/path"].flatMap((path) => corners(this.node(path)));
+    const beside = ["/frames/space", "/frames/tool", "/path", "/obstacles"].flatMap((path) => corners(this.node(path)));
     const all = [...(arm.length ? arm : NOTHING), ...beside];
     const box = new THREE.Box3().setFromPoints(all);
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
@@ -165,7 +165,7 @@ export class View {
     this.aim(center);
     Object.assign(camera, { fov: 32, near: this.radius / 50, far: this.radius * 100 });
     camera.updateProjectionMatrix();
-    const seen = ["/arm", "/frames", "/path", "/screws", "/solutions"].flatMap((path) => corners(this.node(path), true));
+    const seen = ["/arm", "/frames", "/path", "/screws", "/solutions", "/obstacles"].flatMap((path) => corners(this.node(path), true));
     const towards = new THREE.Vector3(x, z, -y).normalize();
     const frame = (more) => framed([...(seen.length ? seen : all), ...more], towards, camera, covered(dom_element));
     // Handles keep their size on the screen: from farther away they reach farther.

@@ -95,6 +95,11 @@ class Solutions:
         self._at, self._where = place, show.seen().theta
         self._stands = place if inside else self._stands
 
+    @property
+    def theta(self) -> Array | None:
+        """The configurations (k, n) that are held; None without any."""
+        return None if self._answer is None else self._answer.theta
+
     def release(self) -> None:
         """Let the configurations go."""
         self._answer = self._at = self._stands = self._where = None

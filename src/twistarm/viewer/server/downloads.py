@@ -6,8 +6,10 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...collision.scene_file import scene_text
 from ...planning.files.c_header import header_text
 from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text, yaml_text
@@ -60,8 +62,16 @@ def _page(stage: Stage, scene: Scene) -> Callable[[], str]:
     return partial(stand_alone, on_show(stage, scene))
 
 
+def _scene(stage: Stage, scene: Scene) -> Callable[[], str]:
+    made = stage.collisions.scene
+    if made is None:
+        raise InputError("there is no scene yet: switch the layer Collision on first")
+    return partial(scene_text, made.content(), Path.cwd())
+
+
 DOWNLOADS: Mapping[str, Download] = {
     "arm.html": Download("text/html; charset=utf-8", ".html", _page),
+    "scene.toml": Download("application/toml", "_scene.toml", _scene),
     "motion.csv": Download("text/csv; charset=utf-8", "_motion.csv", partial(_motion, csv_text)),
     "motion.json": Download("application/json", "_motion.json", partial(_motion, json_text)),
     "motion.yaml": Download("application/yaml", "_motion.yaml", partial(_motion, yaml_text)),

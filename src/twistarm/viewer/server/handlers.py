@@ -195,6 +195,7 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
         self.begin(self.server.state())
         self.server.clients[self] = None
         self._sender = asyncio.get_running_loop().create_task(self._send())
+        self.server.publish()
 
     def begin(self, texts: Mapping[str, str]) -> None:
         """Send the whole state, because the page knows nothing of this arm. Waiting answers stay."""

@@ -286,6 +286,8 @@ class Server:
         """Send the latest changes to every page, and keep a motion going."""
         if self.clients:
             self._tell_news()
+            if not self.scene.left and (job := self.stage.collisions.due(self.stage)) is not None:
+                self._workers.submit(job)
         self._keep_poses()
         if self.stage.moving and (self._player is None or self._player.done()):
             self._player = self._loop.create_task(self._play())

@@ -1,0 +1,167 @@
+// Collisions: the shapes that are checked, the obstacles, the links in collision in red, and the nearest pair.
+
+import { coloured } from "./arm_copy.js";
+import { bytes } from "./cloud.js";
+import { dispose } from "./disposal.js";
+import { $, element } from "./element.js";
+import { Pins } from "./pins.js";
+import { THREE } from "./view.js";
+
+const SHAPE = 0.28; // opacities
+const OBSTACLE = 0.92;
+const WOOD = 0xb89a6a;
+const SHADE = 0x35b5e8;
+const RED = 0xd32f2f; // in both themes
+const PLANE = 6; // the side of a plane as it is drawn, beside the arm's radius
+const THIN = 0.006; // the line between the nearest pair, beside the arm's radius
+const UP = new THREE.Vector3(0, 1, 0); // along which three.js's cylinders stand
+
+export class Collision {
+  // `page` holds view, state and ask(request).
+  constructor(page) {
+    this.page = page;
+    this.view = page.view;
+    this.shapes = [];
+    this.obstacles = [];
+    this.links = {};
+    this.hit = new Set(); // names of links and obstacles
+    this.nearest = new THREE.Group();
+    this.pins = new Pins(page.view, "distance");
+    this.messages = {
+      visible: (message) => this.reveal(message.collision),
+      shapes: ({ bodies }) => this.draw("shapes", "/collision", bodies),
+      obstacles: ({ obstacles }) => this.draw("obstacles", "/obstacles", obstacles),
+      collision: (message) => this.tell(message),
+    };
+    this.view.onDrawn.push(() => this.paint()); // what is drawn anew
+    $("show-collision").addEventListener("change", ({ target }) => page.ask({ type: "visible", what: "collision", visible: target.checked }));
+  }
+
+  hello({ links }) {
+    this.links = links;
+    const bare = Object.keys(links).length === 0; // an arm without shapes
+    for (const each of [$("show-collision").parentElement, $("tab-scene")]) each.hidden = bare;
+    this.view.node("/collision").add(this.nearest);
+    this.tell({ links: [], words: [], nearest: null });
+  }
+
+  reveal(on) {
+    $("show-collision").checked = on;
+    this.view.setVisible("collision", on);
+  }
+
+  // Bodies are made again only if others come, not if they have moved.
+  draw(kind, layer, bodies) {
+    const before = this[kind];
+    this[kind] = bodies.map((body) => {
+      const old = before.find(({ name, key }) => kind === "obstacles" && name === body.name && key === keyOf(body));
+      return { ...body, key: keyOf(body), mesh: old?.mesh ?? this.made(body, kind === "shapes") };
+    });
+    for (const { mesh } of before) {
+      if (this[kind].some((kept) => kept.mesh === mesh)) continue;
+      mesh.removeFromParent();
+      dispose(mesh);
+    }
+    for (const { mesh, kind: shape } of this[kind]) this.view.node(shape === "plane" ? "/planes" : layer).add(mesh);
+    this.place();
+    this.paint();
+  }
+
+  made(body, faint) {
+    const material = new THREE.MeshLambertMaterial({ transparent: true, opacity: faint ? SHAPE : OBSTACLE, side: THREE.DoubleSide, depthWrite: !faint });
+    Object.assign(material, { polygonOffset: faint, polygonOffsetFactor: -1, polygonOffsetUnits: -1 });
+    if (body.kind === "plane") material.opacity = 0.6 * SHAPE;
+    material.userData.plain = new THREE.Color(faint ? SHADE : WOOD);
+    const mesh = new THREE.Mesh(geometryOf(body, PLANE * (this.view.radius ?? 1)), material);
+    const edges = new THREE.EdgesGeometry(mesh.geometry, 25);
+    const color = material.userData.plain.clone().multiplyScalar(0.6);
+    if (edges.attributes.position.count > 0) mesh.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({ color, transparent: true, opacity: 0.5 })));
+    return Object.assign(mesh, { matrixAutoUpdate: false });
+  }
+
+  placed() {
+    this.place();
+  }
+
+  place() {
+    for (const body of [...this.shapes, ...this.obstacles]) body.mesh.matrix.copy(this.standing(body));
+    this.view.viewer.set_dirty();
+  }
+
+  // The matrix of a body in the arm's base frame.
+  standing({ node, matrix }) {
+    const carrier = this.page.state.frame?.transforms[node];
+    const own = new THREE.Matrix4().fromArray(matrix);
+    return carrier ? own.premultiply(new THREE.Matrix4().fromArray(carrier)) : own;
+  }
+
+  tell({ links, words, nearest }) {
+    const same = links.length === this.hit.size && links.every((name) => this.hit.has(name));
+    this.hit = new Set(links);
+    if (!same) this.paint();
+    $("collides").textContent = words.length === 0 ? "" : `Collision: ${words[0]}${words.length > 1 ? `, and ${words.length - 1} more` : ""}`;
+    $("collides").title = words.join("\n");
+    this.connect(nearest);
+  }
+
+  // Red where something collides, else as it was.
+  paint() {
+    const red = new THREE.Color(RED);
+    for (const [name, path] of Object.entries(this.links)) {
+      this.view.node(path).traverse(({ material }) => material?.isMeshLambertMaterial && tint(material, this.hit.has(name) ? red : null));
+    }
+    for (const { name, mesh } of [...this.shapes, ...this.obstacles]) tint(mesh.material, this.hit.has(name) ? red : null);
+    this.view.viewer.set_dirty();
+  }
+
+  // The line between the nearest points, and its length.
+  connect(nearest) {
+    dispose(this.nearest);
+    this.pins.show([]);
+    if (nearest !== null) {
+      const [from, to] = nearest.points.map((point) => new THREE.Vector3(...point));
+      const thick = THIN * (this.view.radius ?? 1);
+      const material = new THREE.MeshBasicMaterial({ color: coloured(nearest.metres > 0 ? "--accent" : "--warn"), depthTest: false, transparent: true });
+      const line = new THREE.Mesh(new THREE.CylinderGeometry(thick, thick, from.distanceTo(to), 12), material);
+      line.position.lerpVectors(from, to, 0.5);
+      line.quaternion.setFromUnitVectors(UP, to.clone().sub(from).normalize());
+      const ends = [from, to].map(({ x, y, z }) => new THREE.Mesh(new THREE.SphereGeometry(2 * thick, 16, 10).translate(x, y, z), material));
+      this.nearest.add(...[line, ...ends].map((part) => Object.assign(part, { renderOrder: 5 })));
+      const far = `${(1000 * Math.abs(nearest.metres)).toFixed(Math.abs(nearest.metres) < 0.01 ? 1 : 0)} mm`;
+      const text = element("span", nearest.metres < 0 ? "overlap" : "", nearest.metres < 0 ? `overlap ${far}` : far);
+      this.pins.show([{ layer: "collision", node: "/collision", at: line.position.clone(), text, down: 0, whole: true }]);
+    }
+    this.view.viewer.set_dirty();
+  }
+}
+
+// What must be drawn anew if it changes.
+function keyOf({ kind, size, points }) {
+  return `${kind} ${size.join()} ${points?.length}`;
+}
+
+function tint(material, colour) {
+  material.userData.plain ??= material.color.clone();
+  material.color.copy(colour ?? material.userData.plain);
+}
+
+function geometryOf({ kind, size, points, faces }, side) {
+  if (kind === "box") return new THREE.BoxGeometry(...size);
+  if (kind === "sphere") return new THREE.SphereGeometry(size[0], 40, 24);
+  if (kind === "plane") return new THREE.PlaneGeometry(side, side);
+  if (kind === "cylinder") return new THREE.CylinderGeometry(size[0], size[0], size[1], 40).rotateX(Math.PI / 2);
+  if (kind === "capsule") return new THREE.LatheGeometry(profile(...size), 40).rotateX(Math.PI / 2);
+  const mesh = new THREE.BufferGeometry();
+  mesh.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes(points).buffer), 3));
+  mesh.setIndex(new THREE.BufferAttribute(new Uint32Array(bytes(faces).buffer), 1));
+  const flat = mesh.toNonIndexed();
+  flat.computeVertexNormals();
+  return flat;
+}
+
+// Of a capsule along y, from its lower end to its upper one.
+function profile(radius, length) {
+  const quarter = Array.from({ length: 13 }, (_, i) => (Math.PI * i) / 24);
+  const end = quarter.map((angle) => new THREE.Vector2(radius * Math.cos(angle), radius * Math.sin(angle) + 0.5 * length));
+  return [...end.map(({ x, y }) => new THREE.Vector2(x, -y)).reverse(), ...end];
+}

@@ -1,0 +1,174 @@
+// The panel of the scene: what collides, and the obstacles to add, drag, size, remove and save.
+
+import { $, button, element } from "./element.js";
+import { Gizmo } from "./gizmo.js";
+import { NumberBox } from "./number_box.js";
+import { numbersOf, poseOf, turned } from "./target_pose.js";
+import { THREE } from "./view.js";
+
+const ADDED = { box: [1, 1, 1], sphere: [0.5], cylinder: [0.5, 1] }; // sizes beside LARGE
+const LARGE = 0.25; // of the arm's radius
+const ASIDE = 0.4; // of the arm's radius, from the tool to an obstacle that is added
+const STEP = 0.01; // m, to which both are rounded
+const SIZES = { box: ["size x", "size y", "size z"], sphere: ["radius"], cylinder: ["radius", "length"], capsule: ["radius", "length"] };
+const PLACE = [["x", "m"], ["y", "m"], ["z", "m"], ["roll", "rad"], ["pitch", "rad"], ["yaw", "rad"]];
+
+export class ScenePanel {
+  // `page` holds view, panel, state and ask(request); `collision` draws the obstacles.
+  constructor(page, collision) {
+    this.page = page;
+    this.collision = collision;
+    this.obstacles = [];
+    this.chosen = null; // a name
+    this.boxes = [];
+    this.gizmo = new Gizmo(page.view, {
+      begin: () => { this.start = this.pose(); },
+      move: (pose) => this.put(pose),
+      end: () => {},
+      cancel: () => this.put(this.start),
+      snap: () => $("target-snap").checked,
+    });
+    this.messages = {
+      obstacles: (message) => this.show(message),
+      collision: (message) => this.tell(message),
+    };
+    for (const kind of Object.keys(ADDED)) $(`add-${kind}`).addEventListener("click", () => this.add(kind));
+    $("download-scene").href = "scene.toml";
+    $("save-scene").addEventListener("click", () => page.ask({ type: "save_scene" }));
+    addEventListener("panel", () => this.place());
+    $("radians").addEventListener("change", () => this.choose(this.chosen));
+  }
+
+  hello() {
+    this.choose(null);
+  }
+
+  placed() {
+    this.place();
+  }
+
+  offline() {
+    this.gizmo.drop();
+  }
+
+  show({ obstacles, file, saved }) {
+    const list = obstacles.map(({ name }) => name).join("\n");
+    const other = this.obstacles.map(({ name }) => name).join("\n") !== list;
+    this.obstacles = obstacles;
+    if (other) $("obstacle-list").replaceChildren(...obstacles.map((obstacle) => this.row(obstacle)));
+    if (other) this.choose(this.chosen);
+    $("save-scene").hidden = file === null;
+    $("save-scene").disabled = saved;
+    $("save-scene").title = saved ? `${file} is up to date` : `Write ${file}`;
+    this.place();
+  }
+
+  tell({ ready, words, nearest }) {
+    this.ready = ready;
+    $("scene-hint").hidden = ready;
+    for (const kind of Object.keys(ADDED)) $(`add-${kind}`).disabled = !ready;
+    $("download-scene").hidden = !ready;
+    const calm = nearest === null ? "" : ` Nearest: ${nearest.words}.`;
+    $("scene-words").replaceChildren(...(words.length > 0 ? words : ready ? [`Nothing collides.${calm}`] : []).map((text) => element("li", "", text)));
+    $("scene-words").classList.toggle("collides", words.length > 0);
+    this.mark();
+  }
+
+  row({ name, kind }) {
+    const item = element("li");
+    const pick = button("name", name, `${name}: handles to drag it, and its numbers`, () => this.choose(this.chosen === name ? null : name));
+    const away = button("", "✕", `Remove ${name}`, () => this.page.ask({ type: "remove_obstacle", name }));
+    away.ariaLabel = `Remove ${name}`;
+    item.append(pick, element("span", "kind", kind), away);
+    return item;
+  }
+
+  // Which obstacle has handles and numbers; one that is about to come may be chosen.
+  choose(name) {
+    this.chosen = name;
+    const obstacle = this.find();
+    const boxes = obstacle ? [...(SIZES[obstacle.kind] ?? []).map((text) => [text, "m"]), ...PLACE] : [];
+    this.boxes = boxes.map(([text, unit], i) => this.box(text, unit, i));
+    $("obstacle-numbers").replaceChildren(...this.boxes.map(({ joint, input }) => {
+      const label = element("label", joint.label === "x" ? "place" : "", `${joint.label} `);
+      label.append(input);
+      return label;
+    }));
+    this.mark();
+    this.place();
+  }
+
+  box(label, unit, i) {
+    const box = new NumberBox({ name: `${this.chosen}, ${label}`, label, limits: [null, null], unit }, {
+      send: (value) => this.type(i, value),
+      complain: (text, wrong) => this.page.panel.complain(text, wrong),
+      settle: (wrong) => this.page.panel.settle(wrong),
+    });
+    box.label();
+    return box;
+  }
+
+  find() {
+    return this.obstacles.find(({ name }) => name === this.chosen);
+  }
+
+  mark() {
+    [...$("obstacle-list").children].forEach((item, i) => {
+      const { name } = this.obstacles[i];
+      item.firstChild.setAttribute("aria-pressed", String(name === this.chosen));
+      item.classList.toggle("collides", this.collision.hit.has(name));
+    });
+  }
+
+  // In the arm's base frame.
+  pose() {
+    return poseOf(this.collision.standing(this.find()).toArray());
+  }
+
+  numbers() {
+    const { kind, size } = this.find();
+    return [...(SIZES[kind] ? size : []), ...numbersOf(this.pose())];
+  }
+
+  // Handles and numbers where the obstacle stands; one that a link holds goes along and is not dragged.
+  place() {
+    const obstacle = this.find();
+    const on = obstacle !== undefined && !obstacle.held && this.ready && !$("scene").hidden;
+    if (on) this.gizmo.place(this.pose(), this.pose(), "base");
+    this.gizmo.show(on, false, () => true);
+    if (!obstacle) return;
+    this.numbers().forEach((number, i) => this.boxes[i].show(number, ""));
+    for (const box of this.boxes) box.disable(obstacle.held || !this.ready);
+  }
+
+  type(i, value) {
+    const numbers = this.numbers();
+    numbers[i] = value;
+    const sizes = numbers.length - PLACE.length;
+    this.put(turned(numbers.slice(sizes)), sizes > 0 ? numbers.slice(0, sizes) : undefined);
+  }
+
+  put(pose, size = this.find().size) {
+    const { name, kind } = this.find();
+    this.ask(name, kind, size, pose);
+  }
+
+  ask(name, kind, size, { position, quaternion }) {
+    return this.page.ask({ type: "obstacle", name, kind, size, position: position.toArray(), xyzw: quaternion.toArray() });
+  }
+
+  add(kind) {
+    const { radius } = this.page.view;
+    const rounded = (value) => STEP * Math.max(1, Math.round(value / STEP));
+    const names = this.obstacles.map(({ name }) => name);
+    const free = (count) => (names.includes(`${kind} ${count}`) ? free(count + 1) : `${kind} ${count}`);
+    const name = $("obstacle-name").value.trim() || free(1);
+    if (names.includes(name)) return this.page.panel.showError(`an obstacle is already called ${name}; choose another name`);
+    const { position } = poseOf(this.page.state.frame.transforms["/frames/tool"]);
+    position.x += ASIDE * radius;
+    position.fromArray(position.toArray().map((value) => STEP * Math.round(value / STEP)));
+    this.chosen = name;
+    $("obstacle-name").value = "";
+    this.ask(name, kind, ADDED[kind].map((share) => rounded(share * LARGE * radius)), { position, quaternion: new THREE.Quaternion() });
+  }
+}

@@ -1,0 +1,212 @@
+"""Collisions on show: the shapes that are checked, obstacles, the links in collision and the nearest pair."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ...arm.arm import Arm
+from ...collision import Scene
+from ...collision.bodies import Body, outline
+from ...planning.trajectory import Trajectory
+from ...support.checks import as_vector
+from ...support.errors import InputError
+from ...theory.rotations import from_xyzw
+from ..protocol.jobs import Job, Progress
+from ..protocol.messages import Message, Request
+from ..scene.drawing import columns
+from ..scene.nodes import link_path
+from .part import Part, Show
+from .solutions import Solutions
+
+KINDS = {"box": 3, "sphere": 1, "cylinder": 2}
+"""What pages may add, and how many numbers its size has."""
+
+SAMPLES = 500
+"""Configurations of a motion that are checked."""
+
+BATCH = 50
+
+NOWHERE: Message = {"type": "collision", "ready": False, "links": [], "words": [], "nearest": None}
+NO_SHAPES: Message = {"type": "shapes", "bodies": []}
+
+
+class Collisions(Part):
+    """Checks what is on show with a scene: the program's, or one that is made when its layer is first switched on."""
+
+    requests = frozenset({"obstacle", "remove_obstacle", "save_scene"})
+
+    def __init__(self, scene: Scene | None, solutions: Solutions) -> None:
+        self.scene, self._solutions = scene, solutions
+        self._before: Scene | None = None  # of the arm before
+        self._asked = self._ready = False
+        self._checked: tuple[Any, ...] = (None,)  # what the band is of
+        self._band: list[list[float]] = []
+        self._shapes = NO_SHAPES
+        self._saved = self._bodies  # as the file has them
+        self._kept: dict[str, tuple[tuple[Any, ...], Message]] = {}
+
+    def follow(self, other: Collisions) -> None:
+        """Take over the obstacles of another arm."""
+        self._before = other.scene or other._before
+
+    def due(self, show: Show) -> Job | None:
+        """The work that what is on show calls for: the checks themselves, then the collisions of the motion."""
+        if not self._ready:
+            wanted = self.scene or self._before or show.visible["collision"]
+            if self._asked or not wanted or show.arm.description is None:
+                return None
+            self._asked = True
+            prepare = partial(_prepared, self.scene, self._before, show.arm)
+            return Job("collision", "preparing the collision checks", prepare, self._begin)
+        motion = None if show.playback is None else show.playback.trajectory
+        before, self._checked = self._checked, (motion, *self._bodies)
+        if _same(before, self._checked):
+            return None
+        if motion is not before[0]:
+            self._band = []
+        if motion is None:
+            return None
+        check = partial(_band, self.scene, motion)
+        return Job("band", "checking the motion for collisions", check, partial(setattr, self, "_band"))
+
+    def handle(self, request: Request, show: Show, now: float) -> Job | None:
+        """Add, move or remove an obstacle, or write the file of the scene. InputError if it cannot."""
+        if self.scene is None or not self._ready:
+            raise InputError("switch the layer Collision on and wait until it is ready; then obstacles can be changed")
+        if request.kind == "remove_obstacle":
+            self.scene.remove(request.fields["name"])
+        elif request.kind == "save_scene":
+            if self.file is None:
+                raise InputError("the scene has no file yet: download it, and start with --scene FILE")
+            self.scene.save(self.file)
+            self._saved = self._bodies
+        else:
+            self._put(self.scene, **request.fields)
+        return None
+
+    @property
+    def file(self) -> str | None:
+        """The scene.toml of the scene, where it has one."""
+        file = None if self.scene is None else self.scene.file
+        return str(file) if file is not None and file.suffix.lower() == ".toml" else None
+
+    def messages(self, show: Show) -> Iterator[Message]:
+        """Shapes and obstacles as they are drawn, what collides now, and what else collides."""
+        bodies, layer = self._bodies, show.visible["collision"]
+        yield self._shapes
+        yield self._made("obstacles", (*bodies, self._saved), self._obstacles)
+        yield self._made("collision", (*bodies, self._ready, show.theta, layer), partial(self._now, show))
+        poses, theta = show.poses.poses, self._solutions.theta
+        others = (*bodies, self._ready, poses, theta, self._band)
+        yield self._made("colliding", others, partial(self._elsewhere, poses, theta))
+
+    def _made(self, kind: str, key: tuple[Any, ...], make: Callable[[], Message]) -> Message:
+        """The message of this kind, made again if something that it depends on is another object."""
+        if kind not in self._kept or not _same(self._kept[kind][0], key):
+            self._kept[kind] = key, make()
+        return self._kept[kind][1]
+
+    @property
+    def _bodies(self) -> tuple[Body, ...]:
+        return () if self.scene is None else tuple(self.scene.obstacles.values())
+
+    def _begin(self, result: tuple[Scene, list[dict[str, Any]]]) -> None:
+        self.scene, bodies = result
+        self._ready, self._shapes = True, {"type": "shapes", "bodies": bodies}
+
+    def _put(self, scene: Scene, name: str, kind: str, size: list[float], position: Any, xyzw: Any) -> None:
+        g = np.eye(4)
+        g[:3, 3], g[:3, :3] = position, from_xyzw(np.array(xyzw))
+        body = scene.obstacles.get(name)
+        if body is None:
+            if kind not in KINDS:
+                raise InputError(f"a page adds {', '.join(KINDS)}; a {kind} comes from a file")
+            numbers = as_vector(size, "size", KINDS[kind])
+            getattr(scene, f"add_{kind}")(name, *([numbers] if kind == "box" else numbers), g)
+            return
+        if body.kind != kind:
+            raise InputError(f"{name!r} is a {body.kind}; remove it to add a {kind} of that name")
+        scene.move(name, g)
+        if tuple(size) != body.size:
+            scene.resize(name, size)
+
+    def _obstacles(self) -> Message:
+        scene = self.scene
+        held = set() if scene is None else {entry.name for entry in scene.content().entries if entry.on}
+        drawn = [{"name": body.name, "held": body.name in held, **drawing(body)} for body in self._bodies]
+        return {"type": "obstacles", "obstacles": drawn, "file": self.file, "saved": _same(self._saved, self._bodies)}
+
+    def _now(self, show: Show) -> Message:
+        scene = self.scene
+        if scene is None or not self._ready:
+            return NOWHERE
+        contacts = scene.contacts(show.theta) if scene.collides(show.theta) else ()
+        links = list(dict.fromkeys(name for contact in contacts for name in contact.links))
+        nearest = None
+        if show.visible["collision"] and len((found := scene.distance(show.theta)).links):
+            nearest = {"points": found.points.tolist(), "metres": found.metres, "words": str(found)}
+        words = [str(contact) for contact in contacts]
+        return {"type": "collision", "ready": True, "links": links, "words": words, "nearest": nearest}
+
+    def _elsewhere(self, poses: tuple[Any, ...], theta: Any) -> Message:
+        """The ids of recorded poses, the places of configurations, and the parts of the motion that collide."""
+        message: Message = {"type": "colliding", "poses": [], "solutions": [], "band": self._band}
+        if self.scene is not None and self._ready:
+            message["poses"] = [pose.id for pose in poses if self.scene.collides(pose.theta)]
+            if theta is not None:
+                message["solutions"] = np.flatnonzero(self.scene.collides(theta)).tolist()
+        return message
+
+
+def _same(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
+    """Whether both hold the same objects."""
+    return len(one) == len(other) and all(a is b for a, b in zip(one, other, strict=True))
+
+
+def drawing(body: Body) -> dict[str, Any]:
+    """A body as the page draws it: kind, size, the node of its link, its matrix there, and packed triangles."""
+    made = outline(body.shape)
+    if made["kind"] == "mesh":
+        made |= {"points": _packed(made["points"], "<f4"), "faces": _packed(made["faces"], "<u4")}
+        made["size"] = list(body.size)
+    return {**made, "node": link_path(body.carrier), "matrix": columns(body.pose)}
+
+
+def _packed(values: Any, kind: str) -> str:
+    return base64.b64encode(np.asarray(values).astype(kind).tobytes()).decode("ascii")
+
+
+def _prepared(
+    scene: Scene | None, before: Scene | None, arm: Arm, progress: Progress
+) -> tuple[Scene, list[dict[str, Any]]]:
+    """The scene with its checker made, and the bodies of its links as they are drawn."""
+    progress(0.0)
+    if scene is None:
+        scene = Scene(arm, progress=progress) if before is None else before.for_arm(arm, progress=progress)
+    scene.collides(arm.ready)
+    return scene, [{"name": body.name, **drawing(body)} for body in scene.links]
+
+
+def _band(scene: Scene | None, motion: Trajectory, progress: Progress) -> list[list[float]]:
+    """The parts [from, to] of a motion that collide, in shares of its duration.
+
+    Samples find them. If none collides, `first_collision` tells whether something between them does.
+    """
+    assert scene is not None
+    times = np.linspace(0.0, motion.duration, SAMPLES)
+    hit = []
+    for start in range(0, SAMPLES, BATCH):
+        progress(start / SAMPLES)
+        hit += scene.collides(motion(times[start : start + BATCH])).tolist()
+    edges = np.flatnonzero(np.diff([0, *hit, 0]))
+    step = 1.0 / (SAMPLES - 1)
+    band = [[first * step, (last - 1) * step] for first, last in edges.reshape(-1, 2).tolist()]
+    if not band and (found := scene.first_collision(motion.breakpoints, motion.coefficients)) is not None:
+        share = found.time / motion.duration if motion.duration > 0.0 else 0.0
+        band = [[share, share]]
+    return band
