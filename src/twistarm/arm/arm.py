@@ -50,7 +50,7 @@ from .baking import Baked, write_baked
 from .configurations import Configurations
 from .kinematics import ByExponentials, ByPinocchio
 from .pinocchio_model import PinocchioModel
-from .ready_pose import Bodies, Mechanism, Overlapping, computed_ready, named_ready
+from .ready_pose import Mechanism, Overlapping, computed_ready, named_ready, overlapping_links
 from .roll_axis import roll_axis
 
 _MADE_WHEN_ASKED = (
@@ -205,7 +205,7 @@ class Arm:
     def computed_ready(self) -> Array:
         """A well-conditioned configuration (n,) in round numbers, off the limits, the tool before and above the base.
 
-        No two links overlap in it if the description has shapes.
+        No two links of a description overlap in it.
         """
         numbers = self.screws, self.home, self.coupling.A, self.reach
         mechanism = Mechanism(*numbers, self.limits, self.sampling_bounds, self.units)
@@ -569,12 +569,12 @@ class Arm:
         return tuple(joint.name for joint in self.description.chain(self.base, self.tip_link) if joint.moving)
 
     def _overlapping(self) -> Overlapping | None:
-        """A check for overlapping links; None without shapes in the description."""
-        if self.description is None or not self.description.has_shapes:
+        """A check for overlapping links; None without a description."""
+        if self.description is None:
             return None
-        return Bodies(
-            self.pinocchio, self.description, self.base, self.moving_names[0], self.disabled_collisions
-        ).overlapping
+        return overlapping_links(
+            self.pinocchio, self.description, self.base, self.reach, self.moving_names[0], self.disabled_collisions
+        )
 
     @property
     def _whence(self) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from ...support.checks import Array
 from .grid import Grid, Rows, grid_of
 from .merit import Mechanism, Merit, merit_of
+from .overlaps import Overlapping
 
 SAMPLES, KNOWING = 192, 24
 """Number of first configurations, and how many of them give the ranks."""
@@ -38,8 +39,6 @@ VERTICAL = 0.999
 
 USUALLY = 0.9
 """Links that overlap in this share of configurations overlap by their drawing."""
-
-Overlapping = Callable[[Array], frozenset[tuple[str, str]]]
 
 _Found = dict[bytes, tuple[Rows, float]]
 """Rows (n,) and their costs, no row twice."""
