@@ -19,8 +19,8 @@ from .stance import Stance
 DECIMALS = 6
 """Decimals of compared costs, so that rounding does not choose between equal configurations."""
 
-CROWDED, SLOWED = 4.0, 1.5
-"""Costs of strokes that touch, and of each doubling of the condition number."""
+SLOWED = 1.5
+"""Cost of each doubling of the condition number."""
 
 MOST = 64
 """The most configurations of a comparison with a computed conditioning: the best by all other costs."""
@@ -91,12 +91,9 @@ class Merit:
         best = np.argsort(costs, kind="stable")[:MOST]
         best = best[costs[best] < beaten[left[best]]]
         left, motions, placed = left[best], motions[best], placed[best]
-        costs = costs[best] + CROWDED * self.sketch.crowding(placed)
         ratios = self.mechanism.conditioning(motions, placed[:, -1])
-        costs -= SLOWED * np.log2(
-            np.min([each[:, rank - 1] for each, rank in zip(ratios, self.ranks, strict=True)], axis=0)
-        )
-        answer[left] = np.round(costs, DECIMALS)
+        least = np.min([each[:, rank - 1] for each, rank in zip(ratios, self.ranks, strict=True)], axis=0)
+        answer[left] = np.round(costs[best] - SLOWED * np.log2(least), DECIMALS)
         return np.where(answer < beaten, answer, np.inf)
 
 
