@@ -17,11 +17,8 @@ from .overlaps import Overlapping
 SAMPLES, KNOWING = 192, 24
 """Number of first configurations, and how many of them give the ranks."""
 
-BEST, ROUNDS, BLOCK = 3, 10, 8
-"""How many of them are improved, in how many rounds, with how many neighbouring coordinates at a time."""
-
-MOST_STEPS = 1280
-"""Steps times moving joints. Chains of more than 32 joints get fewer steps."""
+BEST, ROUNDS = 3, 10
+"""How many of them are improved, and in at most how many rounds."""
 
 TRIES = 8
 """The most neighbours to check for overlapping links, the best first."""
@@ -30,9 +27,7 @@ RESTING = 0.45
 """The share of coordinates that rest in the first configurations."""
 
 STRIDES = (-1, 1, -3, 3, -6, 6)
-"""Steps of a coordinate alone; two near each other take single steps together."""
-
-NEAR_EACH_OTHER = 3
+"""Steps of a coordinate."""
 
 VERTICAL = 0.999
 """The least |z| of the axis of a base turn, a unit vector."""
@@ -101,21 +96,17 @@ class _Search:
         order = [k for k in np.argsort(costs, kind="stable") if costs[k] < np.inf]
         kept = list(islice((k for k in order if self.free(rows[k])), BEST)) or order[:1]
         found: _Found = {rows[k].tobytes(): (rows[k], costs[k]) for k in kept}
-        blocks = [self.moving[k : k + BLOCK] for k in range(0, len(self.moving), BLOCK)]
-        idle = 0
-        steps = min(ROUNDS * len(blocks), MOST_STEPS // self.merit.mechanism.screws.shape[1])
-        for turn in range(steps):
-            better = self._step(blocks[turn % len(blocks)], *map(np.array, zip(*found.values(), strict=True)))
-            idle = idle + 1 if better.keys() == found.keys() else 0
-            found = better
-            if idle == len(blocks):
+        for _ in range(ROUNDS):
+            better = self._step(*map(np.array, zip(*found.values(), strict=True)))
+            if better.keys() == found.keys():
                 break
+            found = better
         row, _ = min(found.values(), key=lambda pair: pair[1])
         return row
 
-    def _step(self, block: Rows, rows: Rows, costs: Array) -> _Found:
+    def _step(self, rows: Rows, costs: Array) -> _Found:
         """Each row, or the best of its free neighbours if that is better."""
-        moved, mine = _neighbours(self.merit.grid, block, rows)
+        moved, mine = _neighbours(self.merit.grid, self.moving, rows)
         found = self.merit.costs(moved, costs[mine])
         better: _Found = {}
         for k in range(len(rows)):
@@ -126,22 +117,13 @@ class _Search:
         return better
 
 
-def _neighbours(grid: Grid, block: Rows, rows: Rows) -> tuple[Rows, Rows]:
-    """Neighbours of `rows`, and the index of the row of each."""
+def _neighbours(grid: Grid, moving: Rows, rows: Rows) -> tuple[Rows, Rows]:
+    """Rows with one coordinate of `moving` some steps away or at rest, and the index of the row of each."""
     n = len(grid.count)
-    one = np.eye(n, dtype=np.intp)
-    steps = [stride * one[i] for i in block for stride in STRIDES]
-    steps += [
-        a * one[i] + b * one[j]
-        for k, i in enumerate(block)
-        for j in block[k + 1 : k + 1 + NEAR_EACH_OTHER]
-        for a in (1, -1)
-        for b in (1, -1)
-    ]
-    resting = np.repeat(rows[:, None], len(block), axis=1)
-    for k, i in enumerate(block):
-        resting[:, k, i] = grid.rest[i]
-    moved = np.concatenate([rows[:, None] + np.array(steps), resting], axis=1)
+    steps = np.concatenate([stride * np.eye(n, dtype=np.intp)[moving] for stride in STRIDES])
+    resting = np.repeat(rows[:, None], len(moving), axis=1)
+    resting[:, np.arange(len(moving)), moving] = grid.rest[moving]
+    moved = np.concatenate([rows[:, None] + steps, resting], axis=1)
     mine = np.repeat(np.arange(len(rows)), moved.shape[1])
     moved = moved.reshape(-1, n)
     inside = ((moved >= 0) & (moved < grid.count)).all(-1) & (moved != rows[mine]).any(-1)
