@@ -22,9 +22,6 @@ DECIMALS = 6
 SLOWED = 1.5
 """Cost of each doubling of the condition number."""
 
-MOST = 64
-"""The most configurations of a comparison with a computed conditioning: the best by all other costs."""
-
 LOST = 1e-3
 """A singular value below this share of the largest counts as zero, because exports round axes."""
 
@@ -77,24 +74,14 @@ class Merit:
     stance: Stance
     ranks: tuple[int, ...]
 
-    def costs(self, rows: Rows, beaten: Array) -> Array:
-        """Costs (N,) of rows (N, n); inf from `beaten` (N,) on, and for rows outside the `MOST` best so far.
-
-        Cheap terms come first, and rows that are out skip the expensive ones.
-        """
-        answer = np.full(len(rows), np.inf)
-        costs = self.grid.costs(rows)
-        left = np.flatnonzero(costs < beaten)
-        motions = self.mechanism.motions(self.grid.theta(rows[left]))
+    def costs(self, rows: Rows) -> Array:
+        """Costs (N,) of rows (N, n)."""
+        motions = self.mechanism.motions(self.grid.theta(rows))
         placed = self.sketch.at(motions)
-        costs = np.round(costs[left] + self.stance.cost(placed), DECIMALS)
-        best = np.argsort(costs, kind="stable")[:MOST]
-        best = best[costs[best] < beaten[left[best]]]
-        left, motions, placed = left[best], motions[best], placed[best]
         ratios = self.mechanism.conditioning(motions, placed[:, -1])
         least = np.min([each[:, rank - 1] for each, rank in zip(ratios, self.ranks, strict=True)], axis=0)
-        answer[left] = np.round(costs[best] - SLOWED * np.log2(least), DECIMALS)
-        return np.where(answer < beaten, answer, np.inf)
+        costs = self.grid.costs(rows) + self.stance.cost(placed) - SLOWED * np.log2(least)
+        return np.round(costs, DECIMALS)
 
 
 def merit_of(mechanism: Mechanism, grid: Grid, rows: Rows) -> Merit:

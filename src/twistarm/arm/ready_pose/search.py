@@ -92,9 +92,9 @@ class _Search:
 
     def best(self, rows: Rows) -> Rows:
         """The cheapest row that is found from the best of `rows`."""
-        costs = self.merit.costs(rows, np.full(len(rows), np.inf))
-        order = [k for k in np.argsort(costs, kind="stable") if costs[k] < np.inf]
-        kept = list(islice((k for k in order if self.free(rows[k])), BEST)) or order[:1]
+        costs = self.merit.costs(rows)
+        order = np.argsort(costs, kind="stable")
+        kept = list(islice((k for k in order if self.free(rows[k])), BEST)) or [order[0]]
         found: _Found = {rows[k].tobytes(): (rows[k], costs[k]) for k in kept}
         for _ in range(ROUNDS):
             better = self._step(*map(np.array, zip(*found.values(), strict=True)))
@@ -107,10 +107,10 @@ class _Search:
     def _step(self, rows: Rows, costs: Array) -> _Found:
         """Each row, or the best of its free neighbours if that is better."""
         moved, mine = _neighbours(self.merit.grid, self.moving, rows)
-        found = self.merit.costs(moved, costs[mine])
+        found = self.merit.costs(moved)
         better: _Found = {}
         for k in range(len(rows)):
-            own = np.flatnonzero((mine == k) & (found < np.inf))
+            own = np.flatnonzero((mine == k) & (found < costs[k]))
             order = own[np.argsort(found[own], kind="stable")][:TRIES]
             best = next(((moved[j], found[j]) for j in order if self.free(moved[j])), (rows[k], costs[k]))
             better.setdefault(best[0].tobytes(), best)
