@@ -47,10 +47,10 @@ from ..theory.screws import adjoint, inverse
 from . import engine
 from .almost_exact import almost_exact, rounding_of
 from .baking import Baked, write_baked
-from .configurations import Configurations
+from .configurations import Configurations, named_ready
 from .kinematics import ByExponentials, ByPinocchio
 from .pinocchio_model import PinocchioModel
-from .ready_pose import Mechanism, Overlapping, computed_ready, named_ready, overlapping_links
+from .ready_pose import computed_ready
 from .roll_axis import roll_axis
 
 _MADE_WHEN_ASKED = (
@@ -207,9 +207,7 @@ class Arm:
 
         No two links of a description overlap in it.
         """
-        numbers = self.screws, self.home, self.coupling.A, self.reach
-        mechanism = Mechanism(*numbers, self.limits, self.sampling_bounds, self.units)
-        return frozen(computed_ready(mechanism, self._overlapping()))
+        return frozen(computed_ready(self))
 
     @cached_property
     def middle(self) -> Array:
@@ -567,14 +565,6 @@ class Arm:
         if self.description is None:
             return self.joint_names
         return tuple(joint.name for joint in self.description.chain(self.base, self.tip_link) if joint.moving)
-
-    def _overlapping(self) -> Overlapping | None:
-        """A check for overlapping links; None without a description."""
-        if self.description is None:
-            return None
-        return overlapping_links(
-            self.pinocchio, self.description, self.base, self.reach, self.moving_names[0], self.disabled_collisions
-        )
 
     @property
     def _whence(self) -> str:

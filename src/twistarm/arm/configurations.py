@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -10,6 +10,9 @@ from ..support.checks import Array, frozen
 from ..support.errors import listed, unknown_name
 
 READY, ZERO = "ready", "zero"
+
+USUAL_NAMES = ("ready", "home", "default", "rest", "stowed")
+"""Usual names of the ready configuration, the most likely first."""
 
 
 class Configurations(Mapping[str, Array]):
@@ -44,3 +47,13 @@ class Configurations(Mapping[str, Array]):
 
     def __repr__(self) -> str:
         return f"Configurations({listed(tuple(self))})"
+
+
+def named_ready(names: Iterable[str]) -> str | None:
+    """The given name that comes first in `USUAL_NAMES`, or None. Case does not count, but exact case wins."""
+    given = sorted(names, key=lambda name: name not in USUAL_NAMES)
+    for usual in USUAL_NAMES:
+        for name in given:
+            if name.strip().casefold() == usual:
+                return name
+    return None

@@ -29,7 +29,7 @@ from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_fi
 from ...theory import poe
 from ..arm import Arm, Coupling, Proof
 from ..baking import SUFFIX, read_baked
-from ..ready_pose import named_ready
+from ..configurations import named_ready
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 
 PROOF_SAMPLES = 5

@@ -6,13 +6,17 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import islice
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...support.checks import Array
 from .grid import Grid, Rows, grid_of
-from .merit import Mechanism, Merit, merit_of
-from .overlaps import Overlapping
+from .merit import Merit, merit_of
+from .overlaps import overlapping_links
+
+if TYPE_CHECKING:
+    from ..arm import Arm
 
 SAMPLES, KNOWING = 192, 24
 """Number of first configurations, and how many of them give the ranks."""
@@ -39,21 +43,22 @@ _Found = dict[bytes, tuple[Rows, float]]
 """Rows (n,) and their costs, no row twice."""
 
 
-def computed_ready(mechanism: Mechanism, overlapping: Overlapping | None = None) -> Array:
+def computed_ready(arm: Arm) -> Array:
     """A computed configuration (n,) off the bounds, well conditioned, above the base plane with the tool in front.
 
-    `overlapping` finds overlapping links; pairs that nearly always overlap do not count. Products of exponentials in
-    NumPy make the result independent of the engine.
+    Pairs of links that nearly always overlap do not count. Products of exponentials in NumPy make the result
+    independent of the engine.
     """
-    grid = grid_of(mechanism.limits, mechanism.bounds, mechanism.units)
-    moving = np.flatnonzero((grid.count > 1) & ~_base_turn(mechanism, grid))
+    grid = grid_of(arm.limits, arm.sampling_bounds, arm.units)
+    moving = np.flatnonzero((grid.count > 1) & ~_base_turn(arm, grid))
     rows = _first(grid, moving)
-    search = _Search(merit_of(mechanism, grid, rows[:KNOWING]), moving, _free(grid, rows[:KNOWING], overlapping))
+    search = _Search(merit_of(arm, grid, rows[:KNOWING]), moving, _free(arm, grid, rows[:KNOWING]))
     return grid.theta(search.best(rows))
 
 
-def _free(grid: Grid, rows: Rows, overlapping: Overlapping | None) -> Callable[[Rows], bool]:
+def _free(arm: Arm, grid: Grid, rows: Rows) -> Callable[[Rows], bool]:
     """Whether a row (n,) has only overlaps that most of `rows` have."""
+    overlapping = overlapping_links(arm)
     if overlapping is None:
         return lambda row: True
     every = [overlapping(grid.theta(row)) for row in rows]
@@ -62,12 +67,12 @@ def _free(grid: Grid, rows: Rows, overlapping: Overlapping | None) -> Callable[[
     return lambda row: overlapping(grid.theta(row)) <= usual
 
 
-def _base_turn(mechanism: Mechanism, grid: Grid) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _base_turn(arm: Arm, grid: Grid) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Marks (n,) the coordinate that turns the whole arm about a vertical axis. Its 0 defines the front."""
-    marks = np.zeros(len(grid.count), dtype=bool)
-    first = next((i for i, unit in enumerate(mechanism.units) if unit == "rad"), None)
+    marks = np.zeros(arm.n, dtype=bool)
+    first = next((i for i, unit in enumerate(arm.units) if unit == "rad"), None)
     if first is not None and grid.theta(grid.rest)[first] == 0.0:
-        axis = mechanism.screws[3:] @ mechanism.A[:, first]
+        axis = arm.screws[3:] @ arm.coupling.A[:, first]
         marks[first] = abs(axis[2]) > VERTICAL * float(np.linalg.norm(axis))
     return marks
 
