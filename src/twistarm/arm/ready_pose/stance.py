@@ -25,19 +25,18 @@ PARALLEL = 1e-9
 
 @dataclass(frozen=True)
 class Sketch:
-    """Corners at theta = 0, (k, 3), base to tool, and the moving joint that carries each (0: none), (k,).
+    """Corners at theta = 0, (m + 2, 3): the base, one for each moving joint, the tool.
 
     A revolute joint's corner is the point of its axis nearest to the corner before. A slide repeats that corner.
     What is before the corner of the `first` revolute joint is the mount.
     """
 
     corners: Array
-    carriers: np.ndarray[tuple[int, ...], np.dtype[np.intp]]
     first: int
 
     def at(self, motions: Array) -> Array:
-        """The corners (..., k, 3) for what each joint has undergone, (..., m + 1, 4, 4), the identity first."""
-        moved = motions[..., self.carriers, :, :]
+        """The corners (..., m + 2, 3) for what each joint has undergone, (..., m + 1, 4, 4), the identity first."""
+        moved = np.concatenate([motions, motions[..., -1:, :, :]], axis=-3)
         placed: Array = np.einsum("...ij,...j->...i", moved[..., :3, :3], self.corners) + moved[..., :3, 3]
         return placed
 
@@ -49,7 +48,7 @@ class Sketch:
 
 def sketched(screws: Array, tool: Array) -> Sketch:
     """The sketch of a chain of `screws` (6, m) to a tool with origin `tool` (3,) at theta = 0."""
-    corners, carriers = [np.zeros(3)], [0]
+    corners = [np.zeros(3)]
     turning = np.sum(screws[3:] ** 2, axis=0) > PARALLEL
     for i, (v, w) in enumerate(screws.T.reshape(-1, 2, 3)):
         corner = corners[-1]
@@ -57,8 +56,7 @@ def sketched(screws: Array, tool: Array) -> Sketch:
             on_axis = np.cross(w, v) / (w @ w)
             corner = on_axis + w * ((corner - on_axis) @ w) / (w @ w)
         corners.append(corner)
-        carriers.append(i + 1)
-    return Sketch(np.array([*corners, tool]), np.array([*carriers, len(carriers) - 1]), 1 + int(np.argmax(turning)))
+    return Sketch(np.array([*corners, tool]), 1 + int(np.argmax(turning)))
 
 
 @dataclass(frozen=True)
