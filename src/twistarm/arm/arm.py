@@ -46,7 +46,7 @@ from ..theory.manipulability import Manipulability, manipulability_of
 from ..theory.screws import adjoint, inverse
 from . import engine
 from .almost_exact import almost_exact, rounding_of
-from .baking import Baked, write_baked
+from .baking import write_baked
 from .configurations import Configurations, named_ready
 from .kinematics import ByExponentials, ByPinocchio
 from .pinocchio_model import PinocchioModel
@@ -552,12 +552,7 @@ class Arm:
         The file holds everything except `description` and `findings`. The same arm gives the same bytes. An error
         leaves no partial file. Returns the path.
         """
-        return write_baked(self._baked, path)
-
-    @property
-    def _baked(self) -> Baked:
-        """What `bake` keeps of the arm."""
-        return Baked(**{name: getattr(self, name) for name in Baked._fields})
+        return write_baked(self, path)
 
     # -- inside --------------------------------------------------------------------------------------------------
 

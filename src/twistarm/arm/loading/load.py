@@ -28,7 +28,7 @@ from ...support.errors import ComparisonError, InputError, UnknownNameError, clo
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
 from ...theory import poe
 from ..arm import Arm, Coupling, Proof
-from ..baking import SUFFIX, read_baked
+from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..configurations import named_ready
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 
@@ -114,18 +114,24 @@ def is_baked(source: str | os.PathLike[str]) -> bool:
     return path.suffix == SUFFIX and is_file(path)
 
 
+def arm_of(content: Mapping[str, Any]) -> Arm:
+    """The arm of a sealed file's content."""
+    fields = fields_of(content)
+    proof = fields.pop("proof")
+    return Arm(**fields, proof=None if proof is None else Proof(*proof))
+
+
 def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -> Arm:
     """The arm of an arm.json with the caller's limits. InputError for any other wish."""
-    kept = read_baked(path)._asdict()
-    ready, proof = kept.pop("ready"), kept.pop("proof")
-    arm = Arm(**kept, proof=None if proof is None else Proof(*proof))
+    content = unsealed(path, BAKED)
+    arm = arm_of(content)
     for name, wish in wishes.items():
         if wish and wish != getattr(arm, name, None):
             raise InputError(
                 f"{path}: {name} cannot be given for a baked arm, only for its description, {arm.source!r}"
             )
     if changes is None:
-        vars(arm)["ready"] = frozen(ready)
+        vars(arm)["ready"] = frozen(content["ready"])
         return arm
     specification = ArmSpecification(path, str(path))
     limits, noted = fitted_limits(arm.limits, arm.joint_names, specification, changes, arm.moving_names)
