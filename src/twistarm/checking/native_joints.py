@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -11,27 +11,23 @@ from ..arm.pinocchio_model import MAX_MOVING_JOINTS, import_pinocchio
 from ..support.checks import Array
 from ..support.errors import InputError
 from ..theory.lower_pairs import LowerPair
-from ..theory.rotations import euler_rate_map, from_euler, to_xyzw
-
-Ball = Literal["ZYX", "quaternion"]
-"""Pinocchio's two models of a spherical joint: by Euler angles, and by a quaternion with body angular velocities."""
 
 
 class NativeChain:
     """A serial chain of Pinocchio's joint models from the base to the tool at `home` (4, 4), at rest.
 
-    Pinocchio's coordinates are a quaternion for a ball and (x, y, cos, sin) for a planar joint. The velocities of both
-    are in the moved frame. N(x) maps ẋ to those velocities. Then g_st = g(q(x)) and J = J_native N(x).
+    Pinocchio's coordinates of a ball are Euler angles, ZYX. Those of a planar joint are (x, y, cos, sin), and its
+    velocities are in the moved frame. N(x) maps ẋ to those velocities. Then g_st = g(q(x)) and J = J_native N(x).
 
     Raises InputError for more moving joints than Pinocchio's data holds.
     """
 
-    def __init__(self, pairs: Sequence[LowerPair], home: Array, ball: Ball = "ZYX") -> None:
+    def __init__(self, pairs: Sequence[LowerPair], home: Array) -> None:
         count = sum(pair.span for pair in pairs)
         if count > MAX_MOVING_JOINTS:
             raise InputError(f"{count} moving joints; Pinocchio's data has room for {MAX_MOVING_JOINTS}")
         self._pin = import_pinocchio()
-        self._pairs, self._ball, self._count = tuple(pairs), ball, count
+        self._pairs, self._count = tuple(pairs), count
         self.model = self._pin.Model()
         joint, last = 0, self._pin.SE3.Identity()
         for i, pair in enumerate(pairs):
@@ -56,7 +52,8 @@ class NativeChain:
         row = 0
         for pair in self._pairs:
             rows = list(pair.rows)
-            q, rates = self._converted(pair, pair.rates * x[rows])
+            value = pair.rates * x[rows]
+            q, rates = _planar(value) if pair.kind == "planar" else (value, np.eye(len(value)))
             parts.append(q)
             N[row : row + len(rates), rows] = rates * pair.rates
             row += len(rates)
@@ -81,26 +78,13 @@ class NativeChain:
             model.addJoint(pin.JointModelRZ())
             model.addJoint(pin.JointModelPZ())
             return model
-        ball = pin.JointModelSphericalZYX if self._ball == "ZYX" else pin.JointModelSpherical
+        if pair.kind == "helical":
+            return pin.JointModelHZ(pair.pitch)
         made = {"revolute": pin.JointModelRZ, "prismatic": pin.JointModelPZ, "planar": pin.JointModelPlanar}
-        return pin.JointModelHZ(pair.pitch) if pair.kind == "helical" else made.get(pair.kind, ball)()
-
-    def _converted(self, pair: LowerPair, x: Array) -> tuple[Array, Array]:
-        """Pinocchio's q of one pair at its coordinates x (k,), and the map (nv, k) from ẋ to its velocity."""
-        if pair.kind == "planar":
-            return _planar(x)
-        if pair.kind == "spherical" and self._ball == "quaternion":
-            return _quaternion(x)
-        return x, np.eye(len(x))
+        return made.get(pair.kind, pin.JointModelSphericalZYX)()
 
 
 def _planar(x: Array) -> tuple[Array, Array]:
     """(x, y, cos θ, sin θ); its velocity is the body's: R(θ)ᵀ (ẋ, ẏ), θ̇."""
     c, s = np.cos(x[2]), np.sin(x[2])
     return np.array([x[0], x[1], c, s]), np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _quaternion(x: Array) -> tuple[Array, Array]:
-    """(x, y, z, w) of R = R_z R_y R_x. Its velocity is ω in body axes, Rᵀ B(x) ẋ with the ZYX Euler-rate map B."""
-    R = from_euler("ZYX", x)
-    return to_xyzw(R), R.T @ euler_rate_map("ZYX", x)
