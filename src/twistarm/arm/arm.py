@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -52,11 +52,6 @@ from .kinematics import ByExponentials, ByPinocchio
 from .pinocchio_model import PinocchioModel
 from .ready_pose import computed_ready
 from .roll_axis import roll_axis
-
-_MADE_WHEN_ASKED = (
-    "_compiled", "_kinematics", "_readable", "rounding", "pinocchio", "ready", "computed_ready", "middle", "tool_axis",
-    "usual_half",
-)  # fmt: skip
 
 
 class Coupling(NamedTuple):
@@ -129,14 +124,10 @@ class Arm:
         object.__setattr__(self, "named_states", MappingProxyType(states))
         object.__setattr__(self, "couplings", MappingProxyType(dict(self.couplings)))
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()
-
-    def __getstate__(self) -> dict[str, Any]:
-        kept = {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}
+    def __reduce__(self) -> tuple[type[Arm], tuple[Any, ...]]:
+        values = (getattr(self, each.name) for each in fields(self))
         # A mapping proxy cannot be pickled.
-        return kept | {name: dict(kept[name]) for name in ("named_states", "couplings")}
+        return Arm, tuple(dict(value) if isinstance(value, MappingProxyType) else value for value in values)
 
     def __repr__(self) -> str:
         return f"Arm({self.name}: {self._summary}; joints {in_brief(self.joint_names)})"
