@@ -22,7 +22,6 @@ from ..limits.joint_units import slides, unit_of
 from ..support.caller_words import FRAME_NAMES
 from ..support.checks import (
     Array,
-    as_floats,
     as_generator,
     as_number,
     as_pose,
@@ -35,7 +34,6 @@ from ..support.checks import (
     made_by,
     require,
     require_mapping,
-    require_names,
     warn_caller,
 )
 from ..support.display import html_table, in_brief, told
@@ -47,7 +45,7 @@ from ..theory.screws import adjoint, inverse
 from . import engine
 from .almost_exact import almost_exact, rounding_of
 from .baking import write_baked
-from .configurations import Configurations, named_ready
+from .configurations import Configurations, named_ready, theta_by_joint
 from .kinematics import ByExponentials, ByPinocchio
 from .pinocchio_model import PinocchioModel
 from .ready_pose import computed_ready
@@ -498,15 +496,7 @@ class Arm:
             return self.configurations[values]
         if numbers is None and not isinstance(values, Mapping):
             return as_theta(values, self.n, name, self.joint_names)
-        given = dict(values) if isinstance(values, Mapping) else self._paired(values, numbers)
-        for name in given:
-            if name not in self.joint_names:
-                listing = f"base to tip: {listed(self.joint_names)}"
-                raise unknown_name("joint", name, self.joint_names, within=self.name, listing=listing)
-        missing = [name for name in self.joint_names if name not in given]
-        if missing:
-            raise InputError(f"no value for joint {listed(missing)} of {self.name}; give every joint")
-        return as_theta([given[name] for name in self.joint_names], self.n)
+        return theta_by_joint(self.name, self.joint_names, values, numbers)
 
     def theta_to_dict(self, theta: ArrayLike) -> dict[str, float]:
         """{joint: value}, base to tip."""
@@ -586,14 +576,6 @@ class Arm:
             if name not in outside:
                 listing = f"independent joints outside the chain: {listed(outside) or 'none'}"
                 raise unknown_name("joint outside the chain", name, outside, within=self.name, listing=listing)
-
-    def _paired(self, names: object, numbers: ArrayLike | None) -> dict[str, float]:
-        given, values = require_names(names, "names"), as_floats([] if numbers is None else numbers, "numbers").ravel()
-        if len(given) != values.size:
-            raise InputError(f"{len(given)} names but {values.size} numbers; give one number per name")
-        if len(set(given)) != len(given):
-            raise InputError(f"a joint is named twice in {listed(given)}")
-        return dict(zip(given, values.tolist(), strict=True))
 
 
 def require_arm(arm: Any) -> Arm:
