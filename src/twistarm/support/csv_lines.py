@@ -6,7 +6,6 @@ import codecs
 import csv
 import io
 import os
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from itertools import chain
@@ -18,9 +17,6 @@ from .files import as_path, open_regular, why_no_file
 
 MAX_LINE = 100_000
 """Characters of a line: a thousand columns of numbers with all their digits are 20,000."""
-
-_FORMULA = re.compile(r"'*\s*[=+\-@＝＋－＠]|'*[\t\r\n]")
-"""What a spreadsheet would compute rather than show, behind any apostrophes."""
 
 
 class Bounds(NamedTuple):
@@ -141,18 +137,7 @@ def is_number(cell: str) -> bool:
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """A table as CSV. A text that a spreadsheet would take for a formula gets an apostrophe in front."""
+    """A table as CSV."""
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(map(_as_text, header))
-    writer.writerows([_as_text(cell) if isinstance(cell, str) else cell for cell in row] for row in rows)
+    csv.writer(text, lineterminator="\n").writerows([header, *rows])
     return text.getvalue()
-
-
-def name_in(cell: str) -> str:
-    """The name in a header's cell, without the apostrophe of `csv_text`."""
-    return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
-
-
-def _as_text(cell: str) -> str:
-    return f"'{cell}" if _FORMULA.match(cell) else cell
