@@ -16,7 +16,7 @@ from ..theory import poe
 from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import adjoint, inverse
 from .as_written import AsWritten
-from .native_joints import NativeChain
+from .native_joints import native_kinematics
 from .yourdfpy_poses import beyond_yourdfpy, most_configurations, yourdfpy_poses
 
 POSE_TOL = 1e-12
@@ -228,14 +228,13 @@ def by_exponentials(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
 
 def _native_joints(arm: Arm, theta: Array) -> list[EngineComparison]:
     """Against Pinocchio's own joint models: revolute, prismatic, helical, cylindrical, spherical, planar."""
-    quantities = tuple(f"{name}, native joints" for name in ("pose", "J^s", "J^b"))
-    try:
-        chain = NativeChain(lower_pairs(arm.screws, arm.coupling.A), arm.home)
-    except InputError as error:
-        return [_skipped("pose, J^s, J^b, native joints", "pinocchio", str(error))]
     A = arm.coupling.A
     theta = _fewer(theta, A.size, USUAL_PRODUCT)
-    g, spatial, body = chain.kinematics(theta @ A.T)
+    quantities = tuple(f"{name}, native joints" for name in ("pose", "J^s", "J^b"))
+    try:
+        g, spatial, body = native_kinematics(lower_pairs(arm.screws, A), arm.home, theta @ A.T)
+    except InputError as error:
+        return [_skipped("pose, J^s, J^b, native joints", "pinocchio", str(error))]
     ours, theirs = by_exponentials(arm, theta), (g, spatial @ A, body @ A)
     return _kinematics(("poe", "pinocchio"), ours, theirs, theta, POSE_TOL * _size(arm), quantities)
 

@@ -51,7 +51,9 @@ def lines_in(file: BinaryIO, name: str, bounds: Bounds) -> Iterator[str]:
     marked = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         text = data.decode("utf-16" if marked else "utf-8-sig")
-    except UnicodeDecodeError:
+    except UnicodeDecodeError as error:
+        if marked:
+            raise InputError(f"{name} is no text: {error}") from error
         text = data.decode("latin-1")
     # Ends of the old Macintosh, \r alone, are ends too.
     for count, line in enumerate(io.StringIO(text, newline=""), 1):
