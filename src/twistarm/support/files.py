@@ -21,10 +21,6 @@ DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".sdf", ".xml", ".toml", ".yaml", ".
 WRITTEN_YAML = "# written by twistarm"
 """What YAML of ours begins with: it is no team's own text and may be replaced."""
 
-_HEAD = 10_000
-"""Bytes of a file that are looked at for a description under another name."""
-
-
 NO_SUCH_FILE = "no such file"
 
 TEMPORARY = ".twistarm.part"
@@ -182,16 +178,11 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False) ->
 
 
 def _is_description(file: Path) -> bool:
-    """Whether it is a description, by its name or its first element."""
-    named = file.suffix.lower() in DESCRIPTIONS
+    """Whether it is a description by its name, and no YAML of ours."""
+    if file.suffix.lower() not in DESCRIPTIONS:
+        return False
     try:
         with open_regular(file) as opened:
-            head = opened.read(_HEAD).replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n")  # UTF-16 too
+            return opened.read(len(WRITTEN_YAML)) != WRITTEN_YAML.encode()
     except OSError:
-        return named
-    if named:
-        return not head.startswith(WRITTEN_YAML.encode())
-    ends = {b"<?": b"?>", b"<!--": b"-->"}
-    while end := next((end for start, end in ends.items() if head.startswith(start)), None):
-        head = head.partition(end)[2].lstrip()
-    return head.startswith((b"<robot", b"<sdf"))
+        return True
