@@ -64,10 +64,8 @@ def _golden(folder: Path, name: str) -> None:
 
 def _baked(folder: Path, name: str) -> None:
     arm = load_arm(_arm(folder))
-    states = {name: arm.ready}
-    changed = replace(
-        arm, name=name, base=name, tip=name, tip_link=name, joint_names=("a", name), source=name, named_states=states
-    )
+    links = {"base": name, "tip": name, "tip_link": name, "description": None}
+    changed = replace(arm, name=name, joint_names=("a", name), source=name, named_states={name: arm.ready}, **links)
     (folder / "arm.json").write_text(text_of(changed))
 
 
