@@ -15,7 +15,7 @@ from ..support.errors import ComparisonError, InputError, MissingExtraError
 from ..theory import poe
 from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import adjoint, inverse
-from .as_written import AsWritten
+from .as_written import as_written
 from .native_joints import native_kinematics
 from .yourdfpy_poses import beyond_yourdfpy, most_configurations, yourdfpy_poses
 
@@ -274,21 +274,18 @@ def _as_written(arm: Arm, theta: Array) -> list[EngineComparison]:
     if arm.description is None:
         return []
     theta = _fewer(theta[:WRITTEN_SAMPLES], len(arm.description.links), USUAL_LINKS)
-    links = tuple(arm.description.links)
     try:
-        written = AsWritten(arm.description)
-        theirs = written.link_poses(_joint_values(arm, theta), links, arm.base)
+        theirs, written = as_written(arm.description, _joint_values(arm, theta), arm.base)
     except InputError as error:
         return [_skipped("all links", AS_WRITTEN, str(error))]
     ours = _walked_poses(arm, theta)
-    difference = np.stack([ours[link] for link in links], axis=1) - theirs
+    difference = np.stack([ours[link] for link in arm.description.links], axis=1) - theirs
     tolerance = WRITTEN_TOL * _size(arm)
     rows = [_compared("all links", ("walk", AS_WRITTEN), difference, theta, tolerance)]
-    joints = {name: arm.description.joints[name] for name in written.bounds() if name in arm.description.joints}
     bounds = [
-        np.subtract(*np.clip([joint.hard, written.bounds()[name]], -WIDE, WIDE)).tolist()
-        for name, joint in joints.items()
-        if joint.type != "continuous" and joint.hard != (-np.inf, np.inf)
+        np.subtract(*np.clip([joint.hard, written[name]], -WIDE, WIDE)).tolist()
+        for name, joint in arm.description.joints.items()
+        if name in written and joint.type != "continuous" and joint.hard != (-np.inf, np.inf)
     ]
     if bounds:
         rows.append(_compared("limits", ("tree", AS_WRITTEN), np.array([bounds]), theta[:1], tolerance))
