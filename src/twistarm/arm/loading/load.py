@@ -88,15 +88,13 @@ def load_arm(
     wishes: dict[str, Any] = {
         "base": base,
         "tip": tip,
+        "package_dirs": package_dirs,
+        "xacro_args": xacro_args,
         "locked_joints": locked_joints,
         "srdf": srdf,
-        "xacro_args": xacro_args,
+        "ignore_packages": ignore_packages,
+        "env_vars": env_vars,
     }
-    wishes |= {
-        "package_dirs": as_paths(package_dirs, "package_dirs"),
-        "ignore_packages": package_names(ignore_packages),
-    }
-    wishes |= {"env_vars": variable_names(env_vars)}
     if is_baked(source):
         return _baked_arm(as_path(source), wishes, limits)
     specification = specify(source, **wishes)
@@ -343,22 +341,20 @@ def _with_what_is_said(
     poses, posing = fitted_poses(arm, specification)
     actuators, driving = fitted_actuators(arm, specification)
     arm = replace(arm, named_states=poses, actuators=actuators, findings=(*arm.findings, *posing, *driving))
-    if semantics is None or arm.description is None:
-        return _with_ready_said(arm, specification, None)
-    states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked_joints)
-    pairs = semantics.disabled_collisions(arm.description.links)
-    taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
-    taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []
-    taken += [f"{len(pairs)} pair{'s' * (len(pairs) > 1)} of links that need no collision check"] if pairs else []
-    found = finding(
-        "srdf-found",
-        Place(semantics.path.name),
-        f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}",
-        "tip=, an arm.toml or another srdf= win over it",
-    )
-    arm = replace(
-        arm, named_states={**states, **poses}, disabled_collisions=pairs, findings=(*arm.findings, found, *stating)
-    )
+    if semantics is not None and arm.description is not None:
+        states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked_joints)
+        pairs = semantics.disabled_collisions(arm.description.links)
+        taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
+        taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []
+        taken += [f"{len(pairs)} pair{'s' * (len(pairs) > 1)} of links that need no collision check"] if pairs else []
+        found = finding(
+            "srdf-found",
+            Place(semantics.path.name),
+            f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}",
+            "tip=, an arm.toml or another srdf= win over it",
+        )
+        findings = (*arm.findings, found, *stating)
+        arm = replace(arm, named_states={**states, **poses}, disabled_collisions=pairs, findings=findings)
     return _with_ready_said(arm, specification, semantics)
 
 
