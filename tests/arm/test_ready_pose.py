@@ -10,7 +10,7 @@ import pytest
 
 import catalogue
 import twistarm
-from twistarm import Arm, arm_from_screws, joints, load_arm
+from twistarm import Arm, Scene, arm_from_screws, joints, load_arm
 from urdf_text import joint, robot, two_joints, write
 
 TURNING = '<axis xyz="{}"/><limit lower="{}" upper="{}" velocity="1" effort="1"/>'
@@ -127,6 +127,16 @@ def test_shapes_keep_apart(tmp_path: Path) -> None:
     there = free.fk(free.ready)[:3, 3]
     arm = elbow(tmp_path, tool0=ball.format(0, 0, 0, 0.06), base=ball.format(*there, 0.2))
     assert np.linalg.norm(arm.fk(arm.ready)[:3, 3] - there) > 0.26
+
+
+@pytest.mark.parametrize("name", ["panda", "kinova"])
+def test_it_is_free_in_a_scene(name: str) -> None:
+    """By whole meshes, and with pairs that are found without this pose: STL files, and DAE files that are capsules."""
+    arm = catalogue.load(name)
+    zero = np.clip(np.zeros(arm.n), arm.limits.lower, arm.limits.upper)
+    scene = Scene(replace(arm, named_states={"ready": zero}, disabled_collisions=frozenset()))
+    scene.add_plane()
+    assert scene.contacts(arm.computed_ready) == ()
 
 
 def hinges(*axes: tuple[float, float, float], slides: int = 0) -> Arm:

@@ -9,16 +9,12 @@ import pytest
 
 from finding_cases import chain
 from twistarm import Approach, Arm, ArmBuilder, diagnose, load_arm, solve_ik
-from twistarm.checking.doctor.abilities import Abilities, abilities_of, sample_motions
+from twistarm.checking.doctor.abilities import abilities_of
 from urdf_text import joint, robot, write
 
 STEP = 1e-5
 NONE = 2e-3
 """Less than this [m/reach per rad, rad per rad] is no motion: the doctor looks at a thousandth."""
-
-
-def able(arm: Arm) -> Abilities:
-    return abilities_of(sample_motions(arm))
 
 
 def differences(arm: Arm, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -35,7 +31,7 @@ def differences(arm: Arm, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np
 
 def require_true(arm: Arm) -> None:
     """Ranks and directions hold at postures that the doctor has not looked at."""
-    said = able(arm)
+    said = abilities_of(arm)
     postures = arm.random_theta(np.random.default_rng(99), 10)
     positions, turnings = [], []
     for theta in postures:

@@ -15,10 +15,7 @@ from scipy.spatial.transform import Rotation
 from catalogue import load
 from ik_targets import pinocchio_fk, require_core
 from test_cli import Capture, answer, error_of, printed
-from twistarm import load_arm, load_trajectory, plan_joint
 from twistarm.cli.application import run
-from twistarm.support.csv_lines import csv_text, name_in
-from urdf_text import two_joints
 
 ROTATION = Rotation.from_euler("xyz", [170, 5, 40], degrees=True)
 """Roll, pitch, yaw about the base's axes, by SciPy."""
@@ -145,32 +142,3 @@ def test_tolerances_are_what_is_typed(capsys: Capture) -> None:
         assert max(content["position_error"], content["orientation_error"]) > 1e-6
         assert content["position_error"] <= 0.02
         assert content["orientation_error"] <= within
-
-
-FORMULAS = ("=cmd()", "+1", "-joint", "@sum", "'=x", "''+y", "\t=z", " =w", "＝v", "'quoted", "plain")
-
-
-def test_no_name_begins_a_formula_and_each_is_read_back() -> None:
-    """In a spreadsheet: an apostrophe goes before it, and is taken away again."""
-    text = csv_text(FORMULAS, [[1.0, -2.0, "=a"]])
-    header, row = csv.reader(text.splitlines())
-    assert not [cell for cell in header if cell.strip()[:1] in ("=", "+", "-", "@", "＝")]
-    assert tuple(map(name_in, header)) == FORMULAS
-    assert row == ["1.0", "-2.0", "'=a"]
-
-
-def test_motions_and_answers_of_joints_named_like_formulas(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    names = ("=HYPERLINK(1)", "-b")
-    description = two_joints()
-    for old, new in zip(("a", "b"), names, strict=True):
-        description = description.replace(f'<joint name="{old}"', f'<joint name="{new}"')
-    (tmp_path / "arm.urdf").write_text(description)
-    arm = load_arm("arm.urdf", limits={"velocity": 1.0, "acceleration": 1.0})
-    plan_joint(arm, [arm.ready, arm.ready + 0.1]).to_csv("motion.csv")
-    assert (tmp_path / "motion.csv").read_text().startswith("time [s],'=HYPERLINK(1).position")
-    assert load_trajectory(arm, "motion.csv").n == 2
-    (tmp_path / "targets.csv").write_text("x,y,z\n0.1,0.1,0.3\n")
-    run(["ik", "arm.urdf", "--targets", "targets.csv", "-o", "answers.csv"])
-    assert "'=HYPERLINK(1) [rad]" in (tmp_path / "answers.csv").read_text()
-    assert run(["fk", "arm.urdf", "--configurations", "answers.csv"]) == 0

@@ -369,7 +369,7 @@ def test_names_poses_and_limits(compiler: str, tmp_path: Path) -> None:
     program = build(compiler, arm, tmp_path, "names", NAMES)
     done = subprocess.run([program], capture_output=True, check=True, timeout=60)
     digest, *said = done.stdout.decode("utf-8").split("\0")[:-1]
-    assert digest == digest_of(arm._baked)
+    assert digest == digest_of(arm)
     assert tuple(said[:3]) == names
     assert said[3] == "ready"
     assert np.array_equal(np.array(said[4:7], float), arm.ready)

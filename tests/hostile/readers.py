@@ -63,7 +63,7 @@ def good_json(kind: str) -> str:
     finally:
         with suppress(OSError):
             folder.unlink()
-    return golden_text(arm) if kind == "golden" else text_of(arm._baked)
+    return golden_text(arm) if kind == "golden" else text_of(arm)
 
 
 def _is(text: str) -> Callable[[], str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -58,18 +57,16 @@ def _toml(folder: Path, text: str, name: str) -> None:
 
 
 def _golden(folder: Path, name: str) -> None:
-    content = json.loads(golden_text(load_arm(_arm(folder))))
-    content["joints"][1]["name"] = content["tip"] = content["name"] = name
-    (folder / "golden.json").write_text(json.dumps(content))
+    arm = load_arm(_arm(folder))
+    changed = replace(arm, name=name, tip=name, joint_names=("a", name))
+    (folder / "golden.json").write_text(golden_text(changed))
 
 
 def _baked(folder: Path, name: str) -> None:
     arm = load_arm(_arm(folder))
-    states = {name: arm.ready}
-    changed = replace(
-        arm, name=name, base=name, tip=name, tip_link=name, joint_names=("a", name), source=name, named_states=states
-    )
-    (folder / "arm.json").write_text(text_of(changed._baked))
+    links = {"base": name, "tip": name, "tip_link": name, "description": None}
+    changed = replace(arm, name=name, joint_names=("a", name), source=name, named_states={name: arm.ready}, **links)
+    (folder / "arm.json").write_text(text_of(changed))
 
 
 def _postures(folder: Path, name: str) -> None:

@@ -74,7 +74,7 @@ def test_labels_stand_in_rows_at_their_times(tmp_path):
         header, *rows = csv.reader(file)
     assert header[-2:] == ["label", "label"]
     assert {float(row[0]): row[-2:] for row in rows if row[-2] or row[-1]} == {
-        0.0: ["'=1+1", ""], 0.9: ["close gripper", "blow"], 1.0: ["lift, slowly", ""], 5.0: ["zu", ""],
+        0.0: ["=1+1", ""], 0.9: ["close gripper", "blow"], 1.0: ["lift, slowly", ""], 5.0: ["zu", ""],
     }  # fmt: skip
     t = np.array([float(row[0]) for row in rows])
     assert sorted({*np.round(trajectory.sample(0.3).t, 9), 1.0}) == np.round(t, 9).tolist()

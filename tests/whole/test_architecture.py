@@ -43,7 +43,7 @@ ALLOWED = {
     "umsgpack": ("viewer",),
     "trimesh": ("description/meshes",),
     "collada": ("description/meshes",),
-    "yourdfpy": ("checking/crosscheck.py",),
+    "yourdfpy": ("checking/yourdfpy_poses.py",),
     "ompl": ("planning/free_path.py",),
     "scipy": ("planning", "guide/exercises"),
     "matplotlib": ("guide",),

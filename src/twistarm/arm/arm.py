@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -22,7 +22,6 @@ from ..limits.joint_units import slides, unit_of
 from ..support.caller_words import FRAME_NAMES
 from ..support.checks import (
     Array,
-    as_floats,
     as_generator,
     as_number,
     as_pose,
@@ -35,7 +34,6 @@ from ..support.checks import (
     made_by,
     require,
     require_mapping,
-    require_names,
     warn_caller,
 )
 from ..support.display import html_table, in_brief, told
@@ -46,17 +44,12 @@ from ..theory.manipulability import Manipulability, manipulability_of
 from ..theory.screws import adjoint, inverse
 from . import engine
 from .almost_exact import almost_exact, rounding_of
-from .baking import Baked, write_baked
-from .configurations import Configurations
+from .baking import write_baked
+from .configurations import Configurations, named_ready, theta_by_joint
 from .kinematics import ByExponentials, ByPinocchio
 from .pinocchio_model import PinocchioModel
-from .ready_pose import Bodies, Mechanism, Overlapping, computed_ready, named_ready
+from .ready_pose import computed_ready
 from .roll_axis import roll_axis
-
-_MADE_WHEN_ASKED = (
-    "_compiled", "_kinematics", "_readable", "rounding", "pinocchio", "ready", "computed_ready", "middle", "tool_axis",
-    "usual_half",
-)  # fmt: skip
 
 
 class Coupling(NamedTuple):
@@ -129,14 +122,10 @@ class Arm:
         object.__setattr__(self, "named_states", MappingProxyType(states))
         object.__setattr__(self, "couplings", MappingProxyType(dict(self.couplings)))
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()
-
-    def __getstate__(self) -> dict[str, Any]:
-        kept = {name: value for name, value in self.__dict__.items() if name not in _MADE_WHEN_ASKED}
+    def __reduce__(self) -> tuple[type[Arm], tuple[Any, ...]]:
+        values = (getattr(self, each.name) for each in fields(self))
         # A mapping proxy cannot be pickled.
-        return kept | {name: dict(kept[name]) for name in ("named_states", "couplings")}
+        return Arm, tuple(dict(value) if isinstance(value, MappingProxyType) else value for value in values)
 
     def __repr__(self) -> str:
         return f"Arm({self.name}: {self._summary}; joints {in_brief(self.joint_names)})"
@@ -205,11 +194,9 @@ class Arm:
     def computed_ready(self) -> Array:
         """A well-conditioned configuration (n,) in round numbers, off the limits, the tool before and above the base.
 
-        No two links overlap in it if the description has shapes.
+        No two links of a description overlap in it.
         """
-        numbers = self.screws, self.home, self.coupling.A, self.reach
-        mechanism = Mechanism(*numbers, self.limits, self.sampling_bounds, self.units)
-        return frozen(computed_ready(mechanism, self._overlapping()))
+        return frozen(computed_ready(self))
 
     @cached_property
     def middle(self) -> Array:
@@ -509,15 +496,7 @@ class Arm:
             return self.configurations[values]
         if numbers is None and not isinstance(values, Mapping):
             return as_theta(values, self.n, name, self.joint_names)
-        given = dict(values) if isinstance(values, Mapping) else self._paired(values, numbers)
-        for name in given:
-            if name not in self.joint_names:
-                listing = f"base to tip: {listed(self.joint_names)}"
-                raise unknown_name("joint", name, self.joint_names, within=self.name, listing=listing)
-        missing = [name for name in self.joint_names if name not in given]
-        if missing:
-            raise InputError(f"no value for joint {listed(missing)} of {self.name}; give every joint")
-        return as_theta([given[name] for name in self.joint_names], self.n)
+        return theta_by_joint(self.name, self.joint_names, values, numbers)
 
     def theta_to_dict(self, theta: ArrayLike) -> dict[str, float]:
         """{joint: value}, base to tip."""
@@ -554,12 +533,7 @@ class Arm:
         The file holds everything except `description` and `findings`. The same arm gives the same bytes. An error
         leaves no partial file. Returns the path.
         """
-        return write_baked(self._baked, path)
-
-    @property
-    def _baked(self) -> Baked:
-        """What `bake` keeps of the arm."""
-        return Baked(**{name: getattr(self, name) for name in Baked._fields})
+        return write_baked(self, path)
 
     # -- inside --------------------------------------------------------------------------------------------------
 
@@ -567,14 +541,6 @@ class Arm:
         if self.description is None:
             return self.joint_names
         return tuple(joint.name for joint in self.description.chain(self.base, self.tip_link) if joint.moving)
-
-    def _overlapping(self) -> Overlapping | None:
-        """A check for overlapping links; None without shapes in the description."""
-        if self.description is None or not self.description.has_shapes:
-            return None
-        return Bodies(
-            self.pinocchio, self.description, self.base, self.moving_names[0], self.disabled_collisions
-        ).overlapping
 
     @property
     def _whence(self) -> str:
@@ -610,14 +576,6 @@ class Arm:
             if name not in outside:
                 listing = f"independent joints outside the chain: {listed(outside) or 'none'}"
                 raise unknown_name("joint outside the chain", name, outside, within=self.name, listing=listing)
-
-    def _paired(self, names: object, numbers: ArrayLike | None) -> dict[str, float]:
-        given, values = require_names(names, "names"), as_floats([] if numbers is None else numbers, "numbers").ravel()
-        if len(given) != values.size:
-            raise InputError(f"{len(given)} names but {values.size} numbers; give one number per name")
-        if len(set(given)) != len(given):
-            raise InputError(f"a joint is named twice in {listed(given)}")
-        return dict(zip(given, values.tolist(), strict=True))
 
 
 def require_arm(arm: Any) -> Arm:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..support.checks import Array, frozen
-from ..support.errors import listed, unknown_name
+from ..support.checks import Array, as_floats, as_theta, frozen, require_names
+from ..support.errors import InputError, listed, unknown_name
 
 READY, ZERO = "ready", "zero"
+
+USUAL_NAMES = ("ready", "home", "default", "rest", "stowed")
+"""Usual names of the ready configuration, the most likely first."""
 
 
 class Configurations(Mapping[str, Array]):
@@ -44,3 +49,33 @@ class Configurations(Mapping[str, Array]):
 
     def __repr__(self) -> str:
         return f"Configurations({listed(tuple(self))})"
+
+
+def theta_by_joint(arm: str, joints: tuple[str, ...], values: Any, numbers: ArrayLike | None) -> Array:
+    """theta (n,) from {joint: value}, or from joint names and as many numbers. They must name every joint."""
+    if isinstance(values, Mapping):
+        given = dict(values)
+    else:
+        names, row = require_names(values, "names"), as_floats([] if numbers is None else numbers, "numbers").ravel()
+        if len(names) != row.size:
+            raise InputError(f"{len(names)} names but {row.size} numbers; give one number per name")
+        given = dict(zip(names, row.tolist(), strict=True))
+        if len(given) != len(names):
+            raise InputError(f"a joint is named twice in {listed(names)}")
+    for name in given:
+        if name not in joints:
+            raise unknown_name("joint", name, joints, within=arm, listing=f"base to tip: {listed(joints)}")
+    missing = [name for name in joints if name not in given]
+    if missing:
+        raise InputError(f"no value for joint {listed(missing)} of {arm}; give every joint")
+    return as_theta([given[name] for name in joints], len(joints))
+
+
+def named_ready(names: Iterable[str]) -> str | None:
+    """The given name that comes first in `USUAL_NAMES`, or None. Case does not count, but exact case wins."""
+    given = sorted(names, key=lambda name: name not in USUAL_NAMES)
+    for usual in USUAL_NAMES:
+        for name in given:
+            if name.strip().casefold() == usual:
+                return name
+    return None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Sequence
-from enum import Enum
 
 import numpy as np
 
@@ -35,16 +34,8 @@ ANGULAR: Half = (3, 4, 5)
 """Components of a twist (v, w)."""
 
 
-class Lack(Enum):
-    """Whether an arm has a motion of its tool."""
-
-    NONE = "it has it here"
-    HERE = "it has it elsewhere: this configuration is singular"
-    EVERYWHERE = "it has it at no configuration"
-
-
-def lack(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, before: Sequence[int] = ()) -> Lack:
-    """Whether the tool can move along or turn about the unit vector (3,), at theta (n,) or at any configuration.
+def lacks(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, before: Sequence[int] = ()) -> bool:
+    """Whether the tool can move along or turn about the unit vector (3,) neither at theta (n,) nor elsewhere.
 
     Only motions that leave the components `before` unchanged count: J_half N, with N the null space of J_before.
     Metres are measured in the reach, in axes of `frame`. An analytic Jacobian has its largest rank almost everywhere.
@@ -52,15 +43,14 @@ def lack(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, befor
     """
     span = _span(arm, theta, half, before, frame)[0]
     if _holds(span, direction):
-        return Lack.NONE
+        return False
     less = _rank(arm, half, before, frame) - span.shape[1]
-    if less > 0:
-        U, size = _span(arm, theta + _aside(arm, theta), half, before, frame)
-        beside = U * size
-        rest = np.linalg.svd(beside - span @ (span.T @ beside))[0]
-        if _holds(rest[:, :less], direction):
-            return Lack.HERE
-    return Lack.EVERYWHERE
+    if less <= 0:
+        return True
+    U, size = _span(arm, theta + _aside(arm, theta), half, before, frame)
+    beside = U * size
+    rest = np.linalg.svd(beside - span @ (span.T @ beside))[0]
+    return not _holds(rest[:, :less], direction)
 
 
 def cannot_move(axis: Array, frame: str, held: str = "") -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..limits.actuators import Actuators
 from ..support.checks import Array, as_floats, as_pose, frozen, require
-from ..support.csv_lines import Bounds, csv_lines, csv_rows, name_in
+from ..support.csv_lines import Bounds, csv_lines, csv_rows
 from ..support.display import Brief
 from ..support.errors import InputError, closest, listed
 from ..support.files import as_path
@@ -81,7 +81,7 @@ def read_log(path: str | os.PathLike[str], motors: Actuators) -> WiringLog:
     if not rows:
         raise InputError(f"{file}: no line but comments; the first names the columns: {_wanted(motors)}")
     header, *rest = rows
-    names = _columns([name_in(cell.strip()) for cell in header.cells], motors, f"{file}, line {header.line}")
+    names = _columns([cell.strip() for cell in header.cells], motors, f"{file}, line {header.line}")
     every = range(len(names))
     values = np.array([row.numbers(every, len(names), str(file)) for row in rest]).reshape(-1, len(names))
     column = {name: values[:, i] for i, name in enumerate(names)}

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-import io
-import re
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..description.bounds import WIDE
-from ..description.tree import Description
-from ..limits.joint_units import slides
 from ..support.checks import Array, as_whole, frozen, require_callback
 from ..support.display import Brief
-from ..support.errors import ComparisonError, InputError, MissingExtraError, missing_extra
+from ..support.errors import ComparisonError, InputError, MissingExtraError
 from ..theory import poe
-from ..theory.lower_pairs import LowerPair, lower_pairs
+from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import adjoint, inverse
-from .as_written import AsWritten
-from .native_joints import Ball, NativeChain
+from .as_written import as_written
+from .native_joints import native_kinematics
+from .yourdfpy_poses import beyond_yourdfpy, most_configurations, yourdfpy_poses
 
 POSE_TOL = 1e-12
 """Product of exponentials against Pinocchio: both in double precision, some ten multiplications long."""
@@ -44,13 +39,6 @@ WIDE_ANGLE = 1e3
 
 STEP, SMALLEST_STEP = 1e-3, 1e-7
 """Of the joint that moves most, in rad or m."""
-
-YOURDFPY_SAMPLES, YOURDFPY_STEPS = 200, 100_000
-"""yourdfpy walks from each link to the base, some 4 µs a joint: the most configurations, and the most steps in all."""
-
-YOURDFPY_LINKS, YOURDFPY_TAGS, YOURDFPY_CUBES = 500, 30_000, 20_000_000
-"""It keeps a path between any two links, makes a body of each shape, 0.1 ms for a tag of the text, and finds the order
-to multiply a link's joints in with their cube of steps, some 0.1 µs each."""
 
 USUAL_LINKS, USUAL_PRODUCT = 150, 1024
 """Links of a description, and joints of a chain times coordinates: of larger ones fewer configurations are compared, so
@@ -130,7 +118,7 @@ def crosscheck(
 
     Pose, J^s and J^b of the product of exponentials are compared with Pinocchio's model of the description and with
     the compiled core. They are also compared with a chain of Pinocchio's joint models, one per lower pair. An arm made
-    from screws has that chain too, with a spherical joint by Euler angles and by a quaternion.
+    from screws has that chain too.
 
     Further comparisons are J^s = Ad(g) J^b, J^b against fourth-order central differences of Pinocchio's pose, and every
     link's pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the unrepaired text of the file, or
@@ -240,22 +228,14 @@ def by_exponentials(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
 
 def _native_joints(arm: Arm, theta: Array) -> list[EngineComparison]:
     """Against Pinocchio's own joint models: revolute, prismatic, helical, cylindrical, spherical, planar."""
-    pairs = lower_pairs(arm.screws, arm.coupling.A)
-    balls: list[Ball] = ["ZYX", "quaternion"] if any(pair.kind == "spherical" for pair in pairs) else ["ZYX"]
-    return [row for ball in balls for row in _native_chain(arm, theta, pairs, ball)]
-
-
-def _native_chain(arm: Arm, theta: Array, pairs: tuple[LowerPair, ...], ball: Ball) -> list[EngineComparison]:
-    suffix = ", native quaternion" if ball == "quaternion" else ", native joints"
-    try:
-        chain = NativeChain(pairs, arm.home, ball)
-    except InputError as error:
-        return [_skipped(f"pose, J^s, J^b{suffix}", "pinocchio", str(error))]
     A = arm.coupling.A
     theta = _fewer(theta, A.size, USUAL_PRODUCT)
-    g, spatial, body = chain.kinematics(theta @ A.T)
-    ours = by_exponentials(arm, theta)
-    theirs, quantities = (g, spatial @ A, body @ A), tuple(f"{name}{suffix}" for name in ("pose", "J^s", "J^b"))
+    quantities = tuple(f"{name}, native joints" for name in ("pose", "J^s", "J^b"))
+    try:
+        g, spatial, body = native_kinematics(lower_pairs(arm.screws, A), arm.home, theta @ A.T)
+    except InputError as error:
+        return [_skipped("pose, J^s, J^b, native joints", "pinocchio", str(error))]
+    ours, theirs = by_exponentials(arm, theta), (g, spatial @ A, body @ A)
     return _kinematics(("poe", "pinocchio"), ours, theirs, theta, POSE_TOL * _size(arm), quantities)
 
 
@@ -294,21 +274,18 @@ def _as_written(arm: Arm, theta: Array) -> list[EngineComparison]:
     if arm.description is None:
         return []
     theta = _fewer(theta[:WRITTEN_SAMPLES], len(arm.description.links), USUAL_LINKS)
-    links = tuple(arm.description.links)
     try:
-        written = AsWritten(arm.description)
-        theirs = written.link_poses(_joint_values(arm, theta), links, arm.base)
+        theirs, written = as_written(arm.description, _joint_values(arm, theta), arm.base)
     except InputError as error:
         return [_skipped("all links", AS_WRITTEN, str(error))]
     ours = _walked_poses(arm, theta)
-    difference = np.stack([ours[link] for link in links], axis=1) - theirs
+    difference = np.stack([ours[link] for link in arm.description.links], axis=1) - theirs
     tolerance = WRITTEN_TOL * _size(arm)
     rows = [_compared("all links", ("walk", AS_WRITTEN), difference, theta, tolerance)]
-    joints = {name: arm.description.joints[name] for name in written.bounds() if name in arm.description.joints}
     bounds = [
-        np.subtract(*np.clip([joint.hard, written.bounds()[name]], -WIDE, WIDE)).tolist()
-        for name, joint in joints.items()
-        if joint.type != "continuous" and joint.hard != (-np.inf, np.inf)
+        np.subtract(*np.clip([joint.hard, written[name]], -WIDE, WIDE)).tolist()
+        for name, joint in arm.description.joints.items()
+        if name in written and joint.type != "continuous" and joint.hard != (-np.inf, np.inf)
     ]
     if bounds:
         rows.append(_compared("limits", ("tree", AS_WRITTEN), np.array([bounds]), theta[:1], tolerance))
@@ -336,15 +313,12 @@ def _joint_values(arm: Arm, theta: Array) -> dict[str, Array]:
 def _yourdfpy(arm: Arm, theta: Array) -> list[EngineComparison]:
     if arm.description is None:
         return [_skipped("all links", "yourdfpy", "the arm has no description")]
-    reason = _beyond_yourdfpy(arm)
+    reason = beyond_yourdfpy(arm)
     if reason:
         return [_skipped("all links", "yourdfpy", reason)]
-    depths = _depths(arm.description)
-    most = min(YOURDFPY_STEPS // max(1, sum(depths)), YOURDFPY_CUBES // max(1, sum(depth**3 for depth in depths)))
-    subset = theta[: min(YOURDFPY_SAMPLES, max(1, most))]
+    subset = theta[: most_configurations(arm.description)]
     try:
-        with _quiet_yourdfpy():
-            theirs = _yourdfpy_poses(arm, subset)
+        theirs = yourdfpy_poses(arm.description, _joint_values(arm, subset), arm.base)
     except MissingExtraError as error:
         return [_skipped("all links", "yourdfpy", str(error))]
     except Exception as error:  # another project's reader: whatever it raises on a file is its answer
@@ -360,91 +334,12 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[EngineComparison]:
     ]
 
 
-def _depths(description: Description) -> list[int]:
-    """How many joints lie between each link and the root."""
-    depth = {description.root: 0}
-    for joint in description.outward_joints():
-        depth[joint.child] = depth[joint.parent] + 1
-    return list(depth.values())
-
-
 def _our_poses(arm: Arm, theta: Array) -> Array:
     """Every link's pose (samples, links, 4, 4) by our walk, the tip's by product of exponentials."""
     assert arm.description is not None
     poses = _walked_poses(arm, theta)
     poses[arm.tip_link] = poe.fk(arm.screws, arm.home, theta @ arm.coupling.A.T) @ inverse(arm.tool)
     return np.stack([poses[link] for link in arm.description.links], axis=1)
-
-
-def _yourdfpy_poses(arm: Arm, theta: Array) -> Array:
-    """Every link's pose (samples, links, 4, 4) by yourdfpy."""
-    assert arm.description is not None
-    robot = _load_yourdfpy(arm.description.text)
-    values = _joint_values(arm, theta)
-    links = list(arm.description.links)
-    poses = np.empty((len(theta), len(links), 4, 4))
-    for k in range(len(theta)):
-        robot.update_cfg({name: float(values[name][k]) for name in robot.actuated_joint_names if name in values})
-        for i, link in enumerate(links):
-            poses[k, i] = robot.get_transform(link, arm.base)
-    return poses
-
-
-def _beyond_yourdfpy(arm: Arm) -> str:
-    """Why yourdfpy cannot be asked about this arm; empty if it can."""
-    assert arm.description is not None
-    joints = arm.description.joints
-    if len(arm.description.links) > YOURDFPY_LINKS:
-        return f"yourdfpy has room for {YOURDFPY_LINKS} links, and these are {len(arm.description.links)}"
-    if (tags := arm.description.text.count("<")) > YOURDFPY_TAGS:
-        return f"yourdfpy takes long for a text of {tags:,} tags"
-    if sum(depth**3 for depth in _depths(arm.description)) > YOURDFPY_CUBES:
-        return f"yourdfpy takes minutes for a chain of {max(_depths(arm.description))} joints"
-    if "quat_xyzw=" in arm.description.repaired:
-        return "yourdfpy does not read quat_xyzw"
-    for joint in joints.values():
-        if joint.part_of:
-            return f"yourdfpy takes the planar joint {joint.part_of!r} as fixed"
-        if joint.type == "floating":
-            return f"yourdfpy takes the floating joint {joint.name!r} as fixed"
-        if joint.mimic is not None and joints[joint.mimic.joint].mimic is not None:
-            return f"yourdfpy drops the mimic of a mimic {joint.name!r}"
-        if joint.mimic is not None and arm.couplings[joint.name].master is None:
-            return f"yourdfpy cannot lock the mimic joint {joint.name!r}"
-        if slides(joint.type) and abs(joint.axis_length - 1.0) > POSE_TOL:
-            return f"yourdfpy does not normalise the axis of the prismatic joint {joint.name!r}"
-    return ""
-
-
-def require_yourdfpy() -> Any:
-    """The module, or the error with the command that installs it."""
-    try:
-        import yourdfpy
-    except ImportError as error:
-        raise missing_extra("the comparison with yourdfpy", "yourdfpy", "check") from error
-    return yourdfpy
-
-
-def _load_yourdfpy(text: str) -> Any:
-    yourdfpy = require_yourdfpy()
-    # The text is UTF-8 from here on, whatever encoding the file declared.
-    content = re.sub(r"^\s*<\?xml[^>]*\?>", "", text).encode("utf-8")
-    return yourdfpy.URDF.load(io.BytesIO(content), load_meshes=False, build_scene_graph=True)
-
-
-@contextmanager
-def _quiet_yourdfpy() -> Iterator[None]:
-    """Silence its log and the NumPy warnings of its shapes, because our findings cover them."""
-    import logging
-
-    logger = logging.getLogger("yourdfpy.urdf")
-    level = logger.level
-    logger.setLevel(logging.CRITICAL)
-    try:
-        with np.errstate(all="ignore"):
-            yield
-    finally:
-        logger.setLevel(level)
 
 
 def _skipped(quantity: str, engine: str, reason: str) -> EngineComparison:

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
-from ..arm.loading.load import load_arm
-from ..description.inertial import bodies
+from ..arm.baking import BAKED, SUFFIX, unsealed
+from ..arm.loading.load import arm_of, load_arm
+from ..description.inertial import Body
 from ..support.errors import ComparisonError, InputError
 from ..support.files import as_path
 from .changes import SAME_TOL, limit_changes, mass_changes, motor_changes, name_changes
 from .crosscheck import by_exponentials
 from .geometry_changes import geometry_changes
-from .golden_file import golden_content, read_golden
+from .golden_file import GOLDEN, bodies_of, read_bodies
+
+SAMPLES = 100
+"""Random configurations at which poses and Jacobians are compared."""
 
 NO_MASSES = "masses were not compared: what it is compared with holds none; a golden file that is written now does"
 """Of an arm without a description."""
@@ -63,63 +67,53 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
     Raises:
         DescriptionError: `against` cannot be read, or is no golden file, no baked arm and no description.
     """
-    return _compare(require_arm(arm), against_content(against))
-
-
-def against_content(against: Arm | str | os.PathLike[str]) -> dict[str, Any]:
-    """What an arm is compared with, as a golden file has it."""
-    if isinstance(against, Arm):
-        return golden_content(against)
-    if not isinstance(against, (str, os.PathLike)):
-        raise InputError(f"against must be an Arm, a file or a name that load_arm takes; got {type(against).__name__}")
-    path = as_path(str(os.fspath(against)))
-    golden = read_golden(path) if path.suffix == ".json" else None
-    return golden_content(load_arm(against)) if golden is None else golden
-
-
-def _compare(arm: Arm, golden: dict[str, Any]) -> Difference:
+    require_arm(arm)
+    then, masses = _other(against)
     changes = [
-        f"{role} was {golden[role]!r}, is {getattr(arm, role)!r}"
-        for role in ("base", "tip")
-        if golden[role] != getattr(arm, role)
+        f"{role} was {was!r}, is {now!r}"
+        for role, was, now in (("base", then.base, arm.base), ("tip", then.tip, arm.tip))
+        if was != now
     ]
-    changes += _joint_changes(arm, golden)
-    changes += motor_changes(golden["actuators"], arm.actuators)
+    changes += _joint_changes(then, arm)
+    changes += motor_changes(then.actuators, arm.actuators)
     notes: tuple[str, ...] = ()
-    now = {} if arm.description is None else bodies(arm.description)
-    if golden["bodies"] is None and now:
+    now = bodies_of(arm)
+    if masses is None and now:
         notes = (NO_MASSES,)
-    elif golden["bodies"] is not None and arm.description is not None:
-        changes += mass_changes(golden["bodies"], now)
-    then = [joint["name"] for joint in golden["joints"]]
-    if then != list(arm.joint_names) or golden["screws"].shape != arm.screws.shape:
+    elif masses is not None and now is not None:
+        changes += mass_changes(masses, now)
+    if then.joint_names != arm.joint_names or then.screws.shape != arm.screws.shape:
         return Difference(arm.name, tuple(changes or ["the joints that follow others are different ones"]), notes=notes)
-    moved = geometry_changes(arm, golden["screws"], golden["home"])
-    if max(np.abs(golden[k] - v).max() for k, v in zip("Ab", arm.coupling, strict=True)) > SAME_TOL:
+    moved = geometry_changes(arm, then.screws, then.home)
+    if max(np.abs(was - now).max() for was, now in zip(then.coupling, arm.coupling, strict=True)) > SAME_TOL:
         moved.append("the coupling of mimic or locked joints is different")
-    theta = golden["theta"]
-    g, spatial, body = by_exponentials(arm, theta)
-    pose_error = float(np.abs(g - golden["fk"]).max())
-    jacobian_error = max(
-        float(np.abs(spatial - golden["spatial_jacobian"]).max()),
-        float(np.abs(body - golden["body_jacobian"]).max()),
+    theta = then.random_theta(0, SAMPLES)
+    g, spatial, body = (
+        float(np.abs(was - now).max())
+        for was, now in zip(by_exponentials(then, theta), by_exponentials(arm, theta), strict=True)
     )
-    if max(pose_error, jacobian_error) > 10 * SAME_TOL and not moved:
-        moved.append(
-            f"poses differ by up to {pose_error:.2g} and Jacobians by {jacobian_error:.2g} "
-            f"over {len(theta)} configurations"
-        )
-    return Difference(arm.name, (*changes, *moved), pose_error, jacobian_error, notes)
+    return Difference(arm.name, (*changes, *moved), g, max(spatial, body), notes)
 
 
-def _joint_changes(arm: Arm, golden: dict[str, Any]) -> list[str]:
-    then, now = [joint["name"] for joint in golden["joints"]], list(arm.joint_names)
-    changes = name_changes("joint", then, now)
-    for i, joint in enumerate(golden["joints"]):
-        name = joint["name"]
-        if name in now:
-            j = now.index(name)
-            if joint["type"] != arm.joint_types[j]:
-                changes.append(f"joint {name} was {joint['type']}, is {arm.joint_types[j]}")
-            changes += limit_changes(name, arm.units[j], golden["limits"], i, arm.limits, j)
+def _other(against: Arm | str | os.PathLike[str]) -> tuple[Arm, Mapping[str, Body] | None]:
+    """The arm to compare with, and the masses of its links if they are known."""
+    if not isinstance(against, (Arm, str, os.PathLike)):
+        raise InputError(f"against must be an Arm, a file or a name that load_arm takes; got {type(against).__name__}")
+    if not isinstance(against, Arm):
+        path = as_path(str(os.fspath(against)))
+        if path.suffix == SUFFIX:
+            content = unsealed(path, GOLDEN, BAKED)
+            return arm_of(content), read_bodies(content)
+        against = load_arm(against)
+    return against, bodies_of(against)
+
+
+def _joint_changes(then: Arm, arm: Arm) -> list[str]:
+    changes = name_changes("joint", then.joint_names, arm.joint_names)
+    for i, (name, kind) in enumerate(zip(then.joint_names, then.joint_types, strict=True)):
+        if name in arm.joint_names:
+            j = arm.joint_names.index(name)
+            if kind != arm.joint_types[j]:
+                changes.append(f"joint {name} was {kind}, is {arm.joint_types[j]}")
+            changes += limit_changes(name, arm.units[j], then.limits, i, arm.limits, j)
     return changes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -11,96 +11,73 @@ from ..arm.pinocchio_model import MAX_MOVING_JOINTS, import_pinocchio
 from ..support.checks import Array
 from ..support.errors import InputError
 from ..theory.lower_pairs import LowerPair
-from ..theory.rotations import euler_rate_map, from_euler, to_xyzw
-
-Ball = Literal["ZYX", "quaternion"]
-"""Pinocchio's two models of a spherical joint: by Euler angles, and by a quaternion with body angular velocities."""
 
 
-class NativeChain:
-    """A serial chain of Pinocchio's joint models from the base to the tool at `home` (4, 4), at rest.
+def native_kinematics(pairs: Sequence[LowerPair], home: Array, x: Array) -> tuple[Array, Array, Array]:
+    """g_st (N, 4, 4), J^s and J^b (N, 6, m) at joint values x (N, m), of a tool at `home` (4, 4) at rest.
 
-    Pinocchio's coordinates are a quaternion for a ball and (x, y, cos, sin) for a planar joint. The velocities of both
-    are in the moved frame. N(x) maps ẋ to those velocities. Then g_st = g(q(x)) and J = J_native N(x).
+    Pinocchio's coordinates of a ball are Euler angles, ZYX. Those of a planar joint are (x, y, cos, sin), and its
+    velocities are in the moved frame. N(x) maps ẋ to those velocities. Then g_st = g(q(x)) and J = J_native N(x).
 
     Raises InputError for more moving joints than Pinocchio's data holds.
     """
-
-    def __init__(self, pairs: Sequence[LowerPair], home: Array, ball: Ball = "ZYX") -> None:
-        count = sum(pair.span for pair in pairs)
-        if count > MAX_MOVING_JOINTS:
-            raise InputError(f"{count} moving joints; Pinocchio's data has room for {MAX_MOVING_JOINTS}")
-        self._pin = import_pinocchio()
-        self._pairs, self._ball, self._count = tuple(pairs), ball, count
-        self.model = self._pin.Model()
-        joint, last = 0, self._pin.SE3.Identity()
-        for i, pair in enumerate(pairs):
-            here = self._pin.SE3(pair.frame)
-            joint = self.model.addJoint(joint, self._joint_model(pair), last.actInv(here), f"{pair.kind}{i}")
-            last = here
-        tool = last.actInv(self._pin.SE3(home))
-        frame = self._pin.Frame("tool", joint, 0, tool, self._pin.FrameType.OP_FRAME)
-        self._tool = self.model.addFrame(frame)
-        self._data = self._pin.Data(self.model)
-
-    def kinematics(self, x: Array) -> tuple[Array, Array, Array]:
-        """g_st (..., 4, 4), J^s and J^b (..., 6, m) at the joint values x (..., m)."""
-        rows = [self._at(row) for row in x.reshape(-1, self._count)]
-        g, spatial, body = (np.array(parts) for parts in zip(*rows, strict=True))
-        batch = x.shape[:-1]
-        return g.reshape(*batch, 4, 4), spatial.reshape(*batch, 6, -1), body.reshape(*batch, 6, -1)
-
-    def configuration(self, x: Array) -> tuple[Array, Array]:
-        """Pinocchio's q (nq,) and the map N (nv, m) from ẋ to its velocities, at the joint values x (m,)."""
-        parts, N = [], np.zeros((self.model.nv, self._count))
-        row = 0
-        for pair in self._pairs:
-            rows = list(pair.rows)
-            q, rates = self._converted(pair, pair.rates * x[rows])
-            parts.append(q)
-            N[row : row + len(rates), rows] = rates * pair.rates
-            row += len(rates)
-        return np.concatenate(parts), N
-
-    def _at(self, x: Array) -> tuple[Array, Array, Array]:
-        frames, data = self._pin.ReferenceFrame, self._data
-        q, N = self.configuration(x)
-        self._pin.computeJointJacobians(self.model, data, q)
-        g = self._pin.updateFramePlacement(self.model, data, self._tool).homogeneous
+    if x.shape[1] > MAX_MOVING_JOINTS:
+        raise InputError(f"{x.shape[1]} moving joints; Pinocchio's data has room for {MAX_MOVING_JOINTS}")
+    pin = import_pinocchio()
+    model, tool = _model(pin, pairs, home)
+    data = pin.Data(model)
+    parts: list[tuple[Array, Array, Array]] = []
+    for row in x:
+        q, N = _configuration(pairs, row)
+        pin.computeJointJacobians(model, data, q)
+        g = pin.updateFramePlacement(model, data, tool).homogeneous
         # A model of one degree of freedom returns (6,).
         spatial, body = (
-            self._pin.getFrameJacobian(self.model, data, self._tool, frame).reshape(6, -1) @ N
-            for frame in (frames.WORLD, frames.LOCAL)
+            pin.getFrameJacobian(model, data, tool, frame).reshape(6, -1) @ N
+            for frame in (pin.ReferenceFrame.WORLD, pin.ReferenceFrame.LOCAL)
         )
-        return g, spatial, body
+        parts.append((g, spatial, body))
+    g, spatial, body = map(np.array, zip(*parts, strict=True))
+    return g, spatial, body
 
-    def _joint_model(self, pair: LowerPair) -> Any:
-        pin = self._pin
-        if pair.kind == "cylindrical":
-            model = pin.JointModelComposite(2)
-            model.addJoint(pin.JointModelRZ())
-            model.addJoint(pin.JointModelPZ())
-            return model
-        ball = pin.JointModelSphericalZYX if self._ball == "ZYX" else pin.JointModelSpherical
-        made = {"revolute": pin.JointModelRZ, "prismatic": pin.JointModelPZ, "planar": pin.JointModelPlanar}
-        return pin.JointModelHZ(pair.pitch) if pair.kind == "helical" else made.get(pair.kind, ball)()
 
-    def _converted(self, pair: LowerPair, x: Array) -> tuple[Array, Array]:
-        """Pinocchio's q of one pair at its coordinates x (k,), and the map (nv, k) from ẋ to its velocity."""
-        if pair.kind == "planar":
-            return _planar(x)
-        if pair.kind == "spherical" and self._ball == "quaternion":
-            return _quaternion(x)
-        return x, np.eye(len(x))
+def _model(pin: Any, pairs: Sequence[LowerPair], home: Array) -> tuple[Any, int]:
+    """Pinocchio's model, and the number of the tool's frame."""
+    model = pin.Model()
+    joint, last = 0, pin.SE3.Identity()
+    for i, pair in enumerate(pairs):
+        here = pin.SE3(pair.frame)
+        joint = model.addJoint(joint, _joint_model(pin, pair), last.actInv(here), f"{pair.kind}{i}")
+        last = here
+    frame = pin.Frame("tool", joint, 0, last.actInv(pin.SE3(home)), pin.FrameType.OP_FRAME)
+    return model, model.addFrame(frame)
+
+
+def _joint_model(pin: Any, pair: LowerPair) -> Any:
+    if pair.kind == "cylindrical":
+        model = pin.JointModelComposite(2)
+        model.addJoint(pin.JointModelRZ())
+        model.addJoint(pin.JointModelPZ())
+        return model
+    if pair.kind == "helical":
+        return pin.JointModelHZ(pair.pitch)
+    made = {"revolute": pin.JointModelRZ, "prismatic": pin.JointModelPZ, "planar": pin.JointModelPlanar}
+    return made.get(pair.kind, pin.JointModelSphericalZYX)()
+
+
+def _configuration(pairs: Sequence[LowerPair], x: Array) -> tuple[Array, Array]:
+    """Pinocchio's q (nq,) and the map N (nv, m) from ẋ to its velocities, at the joint values x (m,)."""
+    coordinates, maps = [], []
+    for pair in pairs:
+        rows = list(pair.rows)
+        value = pair.rates * x[rows]
+        q, rates = _planar(value) if pair.kind == "planar" else (value, np.eye(len(value)))
+        coordinates.append(q)
+        maps.append((rates * pair.rates) @ np.eye(len(x))[rows])
+    return np.concatenate(coordinates), np.concatenate(maps)
 
 
 def _planar(x: Array) -> tuple[Array, Array]:
     """(x, y, cos θ, sin θ); its velocity is the body's: R(θ)ᵀ (ẋ, ẏ), θ̇."""
     c, s = np.cos(x[2]), np.sin(x[2])
     return np.array([x[0], x[1], c, s]), np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _quaternion(x: Array) -> tuple[Array, Array]:
-    """(x, y, z, w) of R = R_z R_y R_x. Its velocity is ω in body axes, Rᵀ B(x) ẋ with the ZYX Euler-rate map B."""
-    R = from_euler("ZYX", x)
-    return to_xyzw(R), R.T @ euler_rate_map("ZYX", x)

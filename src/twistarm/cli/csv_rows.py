@@ -12,7 +12,7 @@ import numpy as np
 import typer
 
 from ..support.checks import Array
-from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_comment, is_number, lines_in, name_in
+from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_comment, is_number, lines_in
 from ..support.errors import InputError, listed, shown
 from .output import note
 
@@ -123,7 +123,7 @@ def read_sheet(path: str, names: str | None) -> Sheet:
     rows = list(csv_rows(lines, file))
     if not rows:
         raise InputError(f"{file} holds no rows of numbers")
-    header = None if all(map(_is_number, rows[0].cells)) else tuple(name_in(cell.strip()) for cell in rows[0].cells)
+    header = None if all(map(_is_number, rows[0].cells)) else tuple(cell.strip() for cell in rows[0].cells)
     if header and any(map(_is_number, header)):
         said = shown(", ".join(header))
         raise InputError(f"{file}, line {rows[0].line}: neither a header nor a row of numbers: {said}")

@@ -11,15 +11,13 @@ from itertools import combinations
 import numpy as np
 
 from ..arm.arm import Arm
+from ..arm.bodies import Body, Pair, adjacent_pairs, sorted_pair
+from ..arm.checker import Checker
 from ..arm.pinocchio_model import PinocchioModel
 from ..description.coupling import coupling_matrix
 from ..description.tree import Description
 from ..limits.joint_units import slides
 from ..support.checks import Array
-from .bodies import Body
-from .checker import Checker
-
-Pair = tuple[str, str]
 
 SAMPLES = 10_000
 """Random configurations of the whole robot."""
@@ -29,11 +27,6 @@ TRIALS, ALWAYS = 200, 0.95
 
 UNLIMITED = {True: 1.0, False: np.pi}
 """Half the range of a joint without limits: a slide [m], a turn [rad]."""
-
-
-def sorted_pair(a: str, b: str) -> Pair:
-    """The two names in alphabetical order."""
-    return (a, b) if a < b else (b, a)
 
 
 def allowed_pairs(
@@ -52,7 +45,7 @@ def allowed_pairs(
     """
     links = list(dict.fromkeys(body.name for body in bodies))
     every = [sorted_pair(a, b) for a, b in combinations(links, 2)]
-    reasons = dict.fromkeys(sorted(_adjacent(description, set(links))), "Adjacent")
+    reasons = dict.fromkeys(sorted(adjacent_pairs(description, bodies)), "Adjacent")
     draw = _Sampler(arm, model, description)
 
     def left() -> list[Pair]:
@@ -68,25 +61,6 @@ def allowed_pairs(
             progress(done / samples)
         unseen -= set(_seen(model, bodies, unseen, draw(min(TRIALS, samples - done)), once=True))
     return reasons | dict.fromkeys(sorted(unseen), "Never")
-
-
-def _adjacent(description: Description, shaped: set[str]) -> set[Pair]:
-    """Pairs of links with shapes that one joint connects, or a path through links without shapes."""
-    near: dict[str, set[str]] = {name: set() for name in description.links}
-    for joint in description.joints.values():
-        near[joint.parent].add(joint.child)
-        near[joint.child].add(joint.parent)
-    pairs = set()
-    for start in shaped:
-        seen, waiting = {start}, [start]
-        while waiting:
-            for name in near[waiting.pop()] - seen:
-                seen.add(name)
-                if name in shaped:
-                    pairs.add(sorted_pair(start, name))
-                else:
-                    waiting.append(name)
-    return pairs
 
 
 class _Sampler:

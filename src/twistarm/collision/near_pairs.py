@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arm.bodies import Body
+from ..arm.checker import TOLERANCE, Checker
 from ..arm.pinocchio_model import PinocchioModel
 from ..support.checks import Array
-from .bodies import Body
-from .checker import TOLERANCE, Checker
 from .swept import ancestors, pair_speeds
 
 ENDLESS = 1e3

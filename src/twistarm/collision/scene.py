@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
+from ..arm.bodies import Body, Pair, Shapes, in_words, sorted_pair
+from ..arm.checker import Checker
 from ..arm.pinocchio_model import import_pinocchio
 from ..description.findings import Finding, finding
 from ..support.checks import (
@@ -37,9 +39,7 @@ from ..support.checks import (
 )
 from ..support.errors import InputError, TwistarmError, listed, unknown_name
 from ..support.files import as_path, writable, write_whole
-from .allowed_pairs import Pair, allowed_pairs, sorted_pair
-from .bodies import Body, Shapes, in_words
-from .checker import Checker
+from .allowed_pairs import allowed_pairs
 from .near_pairs import NearPairs
 from .scene_file import Entry, SceneFile, read_scene, scene_text
 from .swept import FINE, Sweep, pair_speeds, taylor

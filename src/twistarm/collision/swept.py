@@ -8,10 +8,10 @@ from math import comb
 
 import numpy as np
 
+from ..arm.bodies import Body
+from ..arm.checker import Checker
 from ..arm.pinocchio_model import PinocchioModel
 from ..support.checks import Array
-from .bodies import Body
-from .checker import Checker
 
 FINE = 2.5e-4
 """Half the way [m] between two checks where something is near: nothing thicker than 0.5 mm fits between them."""

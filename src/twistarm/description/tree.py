@@ -124,11 +124,6 @@ class Description:
         parents = {joint.parent for joint in self.joints.values()}
         return tuple(name for name in self.links if name not in parents)
 
-    @property
-    def has_shapes(self) -> bool:
-        """Something is drawn on a link, or collides."""
-        return any(link.collisions or link.visuals for link in self.links.values())
-
     def place(self, part: Joint | Link | None = None) -> Place:
         """The place of a joint or link in the file, or the file without one."""
         file = self.path.name if self.path else self.name

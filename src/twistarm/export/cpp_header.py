@@ -49,7 +49,7 @@ def cpp_header(arm: Arm) -> str:
     return _TEMPLATE.format(
         arm=c_string(arm.name),
         namespace=namespace_of(arm.name),
-        digest=digest_of(arm._baked),
+        digest=digest_of(arm),
         base=c_string(arm.base),
         tip=c_string(arm.tip),
         order=", ".join(f"{c_string(name)} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)),

@@ -56,7 +56,7 @@ def matlab_text(arm: Arm, file: str | None = None) -> str:
         base=printable(arm.base),
         tip=printable(arm.tip),
         order=", ".join(f"{printable(joint)} [{unit}]" for joint, unit in zip(arm.joint_names, arm.units, strict=True)),
-        digest=digest_of(arm._baked),
+        digest=digest_of(arm),
         name_text=_text(arm.name),
         joint_names=_texts(arm.joint_names),
         units=_texts(arm.units),

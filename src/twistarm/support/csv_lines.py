@@ -1,4 +1,4 @@
-"""Rows of a CSV file, read one by one and within bounds; and our CSV text."""
+"""Rows of a CSV file, read within bounds; and our CSV text."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import codecs
 import csv
 import io
 import os
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from itertools import chain
@@ -17,11 +16,7 @@ from .errors import InputError, shown
 from .files import as_path, open_regular, why_no_file
 
 MAX_LINE = 100_000
-"""Characters of a line, in UTF-8 bytes: a thousand columns of numbers with all their digits are 20,000."""
-
-
-_FORMULA = re.compile(r"'*\s*[=+\-@＝＋－＠]|'*[\t\r\n]")
-"""What a spreadsheet would compute rather than show, behind any apostrophes."""
+"""Characters of a line: a thousand columns of numbers with all their digits are 20,000."""
 
 
 class Bounds(NamedTuple):
@@ -47,47 +42,27 @@ def lines_in(file: BinaryIO, name: str, bounds: Bounds) -> Iterator[str]:
     """The lines of an opened file or a pipe, with their ends.
 
     The text is UTF-16 by its byte-order mark, UTF-8 with or without a mark, or Latin-1. Raises InputError for a line of
-    more than `MAX_LINE` characters and for a file beyond the bounds, soon after it reads that far.
+    more than `MAX_LINE` characters and for a file beyond the bounds.
     """
-    size = 0
     try:
-        for count, line in enumerate(_lines(file), 1):
-            size += len(line)
-            if len(line) > MAX_LINE:
-                raise InputError(f"{name}, line {count}: more than {MAX_LINE:,} characters; is it the right file?")
-            if size > bounds.bytes or count > bounds.lines:
-                allowed = f"{bounds.bytes / 1e6:.0f} MB and {bounds.lines:,} lines"
-                raise InputError(f"{name} is too large: at most {allowed} are read; split it, or leave out lines")
-            yield line
+        data = file.read(bounds.bytes + 1)
     except OSError as error:
         raise InputError(f"cannot read {name}: {error.strerror or error}") from error
-    except UnicodeError as error:
-        raise InputError(f"{name} is no text: {error}") from error
-
-
-def _lines(file: BinaryIO) -> Iterator[str]:
-    """Decoded lines; one that is too long comes in pieces that are too long."""
-    head = file.read(2)
-    if head in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
-        text = io.TextIOWrapper(file, "utf-16-le" if head == codecs.BOM_UTF16_LE else "utf-16-be", newline="")
-        yield from iter(lambda: text.readline(MAX_LINE + 1), "")
-        return
-    first = _decoded(head + file.readline(MAX_LINE)).removeprefix("\ufeff")
-    for piece in chain([first], map(_decoded, iter(lambda: file.readline(MAX_LINE + 1), b""))):
-        # Ends of the old Macintosh, \r alone, are ends too.
-        yield from _ENDS.findall(piece) if len(piece) <= MAX_LINE else [piece]
-
-
-_ENDS = re.compile(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+")
-
-
-def _decoded(line: bytes) -> str:
-    if len(line) > MAX_LINE:
-        return line.decode("latin-1")  # as many characters as bytes: too long a piece stays too long
+    marked = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
-        return line.decode("utf-8")
-    except UnicodeDecodeError:
-        return line.decode("latin-1")
+        text = data.decode("utf-16" if marked else "utf-8-sig")
+    except UnicodeDecodeError as error:
+        if marked:
+            raise InputError(f"{name} is no text: {error}") from error
+        text = data.decode("latin-1")
+    # Ends of the old Macintosh, \r alone, are ends too.
+    for count, line in enumerate(io.StringIO(text, newline=""), 1):
+        if len(data) > bounds.bytes or count > bounds.lines:
+            allowed = f"{bounds.bytes / 1e6:.0f} MB and {bounds.lines:,} lines"
+            raise InputError(f"{name} is too large: at most {allowed} are read; split it, or leave out lines")
+        if len(line) > MAX_LINE:
+            raise InputError(f"{name}, line {count}: more than {MAX_LINE:,} characters; is it the right file?")
+        yield line
 
 
 class Row(NamedTuple):
@@ -164,18 +139,7 @@ def is_number(cell: str) -> bool:
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """A table as CSV. A text that a spreadsheet would take for a formula gets an apostrophe in front."""
+    """A table as CSV."""
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(map(_as_text, header))
-    writer.writerows([_as_text(cell) if isinstance(cell, str) else cell for cell in row] for row in rows)
+    csv.writer(text, lineterminator="\n").writerows([header, *rows])
     return text.getvalue()
-
-
-def name_in(cell: str) -> str:
-    """The name in a header's cell, without the apostrophe of `csv_text`."""
-    return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
-
-
-def _as_text(cell: str) -> str:
-    return f"'{cell}" if _FORMULA.match(cell) else cell

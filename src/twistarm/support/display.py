@@ -20,14 +20,7 @@ CELL = "padding: 0.15em 0.8em; text-align: {}; border-bottom: 1px solid rgba(128
 """Colours of the page around it, dark or light, and lines that show on both."""
 
 
-class _Public(type):
-    """A class with only its public members in `help`, without those of a dataclass."""
-
-    def __dir__(cls) -> list[str]:
-        return [name for name in super().__dir__() if not name.startswith("_")]
-
-
-class Brief(metaclass=_Public):
+class Brief:
     """A dataclass with a short repr: four digits, and shapes for large arrays."""
 
     def __repr__(self) -> str:

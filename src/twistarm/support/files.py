@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import fcntl
 import os
+import shutil
 import stat
 import sys
 from collections.abc import Iterable
@@ -19,10 +20,6 @@ DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".sdf", ".xml", ".toml", ".yaml", ".
 
 WRITTEN_YAML = "# written by twistarm"
 """What YAML of ours begins with: it is no team's own text and may be replaced."""
-
-_HEAD = 10_000
-"""Bytes of a file that are looked at for a description under another name."""
-
 
 NO_SUCH_FILE = "no such file"
 
@@ -129,7 +126,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_desc
     Text is written as UTF-8, with its line ends unchanged. The content goes into a temporary file in the same folder,
     which then takes the name in one step (POSIX `rename`). On any error it is removed, and the old file stays. A killed
     process leaves it, under a name that ends with `.twistarm.part`. A link is followed. An existing file keeps its
-    permissions, and the temporary one has them from its first byte. Returns the path.
+    permissions. Returns the path.
 
     Raises InputError if the folder does not exist or is not writable, or if `path` is a folder or a device. A
     description (`DESCRIPTIONS`) is replaced only with `over_description`.
@@ -144,18 +141,12 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_desc
 
 
 def _replace_whole(target: Path, data: bytes) -> None:
-    """Put `data` at `target` in one step.
-
-    Only this user can read the temporary file until it has the group and the permissions of the file that it replaces.
-    It gets them before its first byte.
-    """
-    found = target.stat() if target.exists() else None
-    mode = 0o666 if found is None else 0o600
+    """Put `data` at `target` in one step."""
     temporary = target.with_name(f".{target.name[:40]}.{os.urandom(6).hex()}{TEMPORARY}")
     try:
-        with open(temporary, "xb", opener=lambda name, flags: os.open(name, flags, mode)) as file:
-            if found is not None:
-                _give(file.fileno(), found)
+        with open(temporary, "xb") as file:
+            if target.exists():
+                shutil.copymode(target, temporary)
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
@@ -164,16 +155,6 @@ def _replace_whole(target: Path, data: bytes) -> None:
         with suppress(OSError):
             os.unlink(temporary)
         raise
-
-
-def _give(descriptor: int, found: os.stat_result) -> None:
-    """Give a file the group and the permissions of another, without those of the group if that is forbidden."""
-    mode = found.st_mode & 0o777
-    try:
-        os.fchown(descriptor, -1, found.st_gid)
-    except OSError:
-        mode &= ~0o070
-    os.fchmod(descriptor, mode)
 
 
 def writable(path: str | os.PathLike[str], *, over_description: bool = False) -> Path:
@@ -197,16 +178,11 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False) ->
 
 
 def _is_description(file: Path) -> bool:
-    """Whether it is a description, by its name or its first element."""
-    named = file.suffix.lower() in DESCRIPTIONS
+    """Whether it is a description by its name, and no YAML of ours."""
+    if file.suffix.lower() not in DESCRIPTIONS:
+        return False
     try:
         with open_regular(file) as opened:
-            head = opened.read(_HEAD).replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n")  # UTF-16 too
+            return opened.read(len(WRITTEN_YAML)) != WRITTEN_YAML.encode()
     except OSError:
-        return named
-    if named:
-        return not head.startswith(WRITTEN_YAML.encode())
-    ends = {b"<?": b"?>", b"<!--": b"-->"}
-    while end := next((end for start, end in ends.items() if head.startswith(start)), None):
-        head = head.partition(end)[2].lstrip()
-    return head.startswith((b"<robot", b"<sdf"))
+        return True

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from math import isinf
 from typing import Any
 
 from .errors import InputError, listed, one_line, shown
@@ -17,10 +16,6 @@ LARGEST_NUMBER = 1e300
 
 LARGEST_COUNTER = 2**53
 """Counters stay below, where every reader's numbers are whole."""
-
-DIGITS = 18
-"""Of a number that is read as a whole one."""
-
 
 Check = Callable[[Any, str], Any]
 """What a field may hold: it makes of the value, and the field's name for words, what the field means, or InputError."""
@@ -58,7 +53,7 @@ def parsed(text: str) -> Any:
     floats, or too deep nesting.
     """
     try:
-        return json.loads(text, parse_constant=_no_constant, parse_int=_whole, object_pairs_hook=_once)
+        return json.loads(text, parse_constant=_no_constant, object_pairs_hook=_once)
     except RecursionError as error:
         raise ValueError("it nests too deep") from error
 
@@ -148,16 +143,6 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(message) != len(pairs):
         raise InputError(f"an object has each name once; got {short([name for name, _ in pairs])}")
     return message
-
-
-def _whole(digits: str) -> float:
-    """A whole number; beyond the counters as every reader has it. Python's own reads a thousand digits, but no more."""
-    if len(digits) <= DIGITS:
-        return int(digits)
-    value = float(digits)
-    if isinf(value):
-        raise InputError(f"numbers must be finite; got one of {len(digits):,} digits")
-    return value
 
 
 def _no_constant(name: str) -> float:

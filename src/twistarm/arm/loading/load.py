@@ -28,8 +28,8 @@ from ...support.errors import ComparisonError, InputError, UnknownNameError, clo
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
 from ...theory import poe
 from ..arm import Arm, Coupling, Proof
-from ..baking import SUFFIX, read_baked
-from ..ready_pose import named_ready
+from ..baking import BAKED, SUFFIX, fields_of, unsealed
+from ..configurations import named_ready
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 
 PROOF_SAMPLES = 5
@@ -88,15 +88,13 @@ def load_arm(
     wishes: dict[str, Any] = {
         "base": base,
         "tip": tip,
+        "package_dirs": package_dirs,
+        "xacro_args": xacro_args,
         "locked_joints": locked_joints,
         "srdf": srdf,
-        "xacro_args": xacro_args,
+        "ignore_packages": ignore_packages,
+        "env_vars": env_vars,
     }
-    wishes |= {
-        "package_dirs": as_paths(package_dirs, "package_dirs"),
-        "ignore_packages": package_names(ignore_packages),
-    }
-    wishes |= {"env_vars": variable_names(env_vars)}
     if is_baked(source):
         return _baked_arm(as_path(source), wishes, limits)
     specification = specify(source, **wishes)
@@ -114,18 +112,24 @@ def is_baked(source: str | os.PathLike[str]) -> bool:
     return path.suffix == SUFFIX and is_file(path)
 
 
+def arm_of(content: Mapping[str, Any]) -> Arm:
+    """The arm of a sealed file's content."""
+    fields = fields_of(content)
+    proof = fields.pop("proof")
+    return Arm(**fields, proof=None if proof is None else Proof(*proof))
+
+
 def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -> Arm:
     """The arm of an arm.json with the caller's limits. InputError for any other wish."""
-    kept = read_baked(path)._asdict()
-    ready, proof = kept.pop("ready"), kept.pop("proof")
-    arm = Arm(**kept, proof=None if proof is None else Proof(*proof))
+    content = unsealed(path, BAKED)
+    arm = arm_of(content)
     for name, wish in wishes.items():
         if wish and wish != getattr(arm, name, None):
             raise InputError(
                 f"{path}: {name} cannot be given for a baked arm, only for its description, {arm.source!r}"
             )
     if changes is None:
-        vars(arm)["ready"] = frozen(ready)
+        vars(arm)["ready"] = frozen(content["ready"])
         return arm
     specification = ArmSpecification(path, str(path))
     limits, noted = fitted_limits(arm.limits, arm.joint_names, specification, changes, arm.moving_names)
@@ -337,22 +341,20 @@ def _with_what_is_said(
     poses, posing = fitted_poses(arm, specification)
     actuators, driving = fitted_actuators(arm, specification)
     arm = replace(arm, named_states=poses, actuators=actuators, findings=(*arm.findings, *posing, *driving))
-    if semantics is None or arm.description is None:
-        return _with_ready_said(arm, specification, None)
-    states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked_joints)
-    pairs = semantics.disabled_collisions(arm.description.links)
-    taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
-    taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []
-    taken += [f"{len(pairs)} pair{'s' * (len(pairs) > 1)} of links that need no collision check"] if pairs else []
-    found = finding(
-        "srdf-found",
-        Place(semantics.path.name),
-        f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}",
-        "tip=, an arm.toml or another srdf= win over it",
-    )
-    arm = replace(
-        arm, named_states={**states, **poses}, disabled_collisions=pairs, findings=(*arm.findings, found, *stating)
-    )
+    if semantics is not None and arm.description is not None:
+        states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked_joints)
+        pairs = semantics.disabled_collisions(arm.description.links)
+        taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
+        taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []
+        taken += [f"{len(pairs)} pair{'s' * (len(pairs) > 1)} of links that need no collision check"] if pairs else []
+        found = finding(
+            "srdf-found",
+            Place(semantics.path.name),
+            f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}",
+            "tip=, an arm.toml or another srdf= win over it",
+        )
+        findings = (*arm.findings, found, *stating)
+        arm = replace(arm, named_states={**states, **poses}, disabled_collisions=pairs, findings=findings)
     return _with_ready_said(arm, specification, semantics)
 
 

@@ -1,4 +1,4 @@
-"""The stance of an arm from the side: above its base plane, tool in front, elbow up."""
+"""The stance of an arm, drawn as a line from axis to axis: above its base plane, tool in front, elbow up."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 
 from ...support.checks import Array
-from .sketch import Sketch
 
 CLEAR, LIFTED, HANGING, AHEAD, ARCHED = 0.05, 0.15, 0.2, 0.3, 0.1
 """Shares of the arm's size: corners above the base plane, the tool above it, the tool at most below the shoulder, the
@@ -19,6 +18,45 @@ SINKING, DROOPING, CLOSE, TURNED, SIDEWAYS, SAGGING = 8.0, 6.0, 5.0, 0.5, 2.0, 6
 
 TOOL_UP, TOOL_BACK, TOOL_ASKEW = 1.0, 1.5, 0.6
 """Costs of a hand that points straight up, straight back, and neither level nor straight down."""
+
+PARALLEL = 1e-9
+"""The squared length of a unit twist's turn that counts as zero."""
+
+
+@dataclass(frozen=True)
+class Sketch:
+    """Corners at theta = 0, (m + 2, 3): the base, one for each moving joint, the tool.
+
+    A revolute joint's corner is the point of its axis nearest to the corner before. A slide repeats that corner.
+    What is before the corner of the `first` revolute joint is the mount.
+    """
+
+    corners: Array
+    first: int
+
+    def at(self, motions: Array) -> Array:
+        """The corners (..., m + 2, 3) for what each joint has undergone, (..., m + 1, 4, 4), the identity first."""
+        moved = np.concatenate([motions, motions[..., -1:, :, :]], axis=-3)
+        placed: Array = np.einsum("...ij,...j->...i", moved[..., :3, :3], self.corners) + moved[..., :3, 3]
+        return placed
+
+    @cached_property
+    def size(self) -> float:
+        """Length of the stretched arm from its first axis to the tool [m]; 1 m for an arm without length."""
+        return float(np.linalg.norm(np.diff(self.corners[self.first :], axis=0), axis=1).sum()) or 1.0
+
+
+def sketched(screws: Array, tool: Array) -> Sketch:
+    """The sketch of a chain of `screws` (6, m) to a tool with origin `tool` (3,) at theta = 0."""
+    corners = [np.zeros(3)]
+    turning = np.sum(screws[3:] ** 2, axis=0) > PARALLEL
+    for i, (v, w) in enumerate(screws.T.reshape(-1, 2, 3)):
+        corner = corners[-1]
+        if turning[i]:
+            on_axis = np.cross(w, v) / (w @ w)
+            corner = on_axis + w * ((corner - on_axis) @ w) / (w @ w)
+        corners.append(corner)
+    return Sketch(np.array([*corners, tool]), 1 + int(np.argmax(turning)))
 
 
 @dataclass(frozen=True)

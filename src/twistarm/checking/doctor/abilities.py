@@ -7,7 +7,6 @@ everywhere. A direction that is missing at many random configurations is missing
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -25,19 +24,6 @@ TOL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Motions:
-    """Rotations R (k, 3, 3) of the tool and its scaled body Jacobians `body` (k, 6, n) at random configurations."""
-
-    R: Array
-    body: Array
-
-    @cached_property
-    def base(self) -> Array:
-        """The same Jacobians in base axes, (k, 6, n)."""
-        return np.concatenate([self.R @ self.body[:, :3], self.R @ self.body[:, 3:]], axis=1)
-
-
-@dataclass(frozen=True, eq=False)
 class Abilities:
     """The number of directions that the tool moves in, and the missing ones. Axes are unit vectors, one a row.
 
@@ -45,6 +31,7 @@ class Abilities:
     that hold the position; position + turning is the rank of the whole. `immovable` and `unturned` are directions in
     base axes that no motion goes along or about. `turned_base` and `turned_tool` are axes in the base or the tool that
     the tool can always turn about, with its position held. `free` (k, 3, turning) spans all of them, in base axes.
+    `R` (k, 3, 3) and `body` (k, 6, n) are the rotations and scaled body Jacobians of the k random configurations.
     """
 
     position: int
@@ -56,6 +43,7 @@ class Abilities:
     turned_tool: Array
     free: Array
     R: Array
+    body: Array
 
     @property
     def rank(self) -> int:
@@ -63,17 +51,13 @@ class Abilities:
         return self.position + self.turning
 
 
-def sample_motions(arm: Arm) -> Motions:
-    """The arm's motions at seeded random configurations inside its limits."""
+def abilities_of(arm: Arm) -> Abilities:
+    """Ranks and common directions at seeded random configurations inside the limits."""
     prismatic = np.array([slides(kind) for kind in arm.joint_types])
     pairs = [arm._fk_and_body_jacobian(theta) for theta in arm.random_theta(0, SAMPLES)]
     R = np.stack([g[:3, :3] for g, _ in pairs])
-    return Motions(R, np.stack([scaled_jacobian(J, prismatic, arm.reach) for _, J in pairs]))
-
-
-def abilities_of(motions: Motions) -> Abilities:
-    """Ranks and common directions of the motions."""
-    linear, angular = motions.base[:, :3], motions.base[:, 3:]
+    body = np.stack([scaled_jacobian(J, prismatic, arm.reach) for _, J in pairs])
+    linear, angular = R @ body[:, :3], R @ body[:, 3:]
     position, rotation = _rank(linear), _rank(angular)
     holding = np.swapaxes(np.linalg.svd(linear)[2][:, position:], 1, 2)
     turns = angular @ holding
@@ -86,9 +70,10 @@ def abilities_of(motions: Motions) -> Abilities:
         immovable=_common_null(linear),
         unturned=_common_null(angular),
         turned_base=_common(free),
-        turned_tool=_common(np.swapaxes(motions.R, 1, 2) @ free),
+        turned_tool=_common(np.swapaxes(R, 1, 2) @ free),
         free=free,
-        R=motions.R,
+        R=R,
+        body=body,
     )
 
 

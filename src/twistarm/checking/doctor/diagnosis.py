@@ -15,13 +15,12 @@ from ...description.meshes import MeshReader
 from ...description.tree import Description
 from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ...support.files import as_path
-from .abilities import Abilities, abilities_of, sample_motions
+from .abilities import Abilities, abilities_of
 from .axes import check_axes, check_closed_form
 from .idle import check_off_the_chain, check_without_effect
 from .inertia import check_inertias
-from .limits import check_limits, check_reach, check_zero
+from .limits import check_limits, check_mimics, check_reach, check_zero
 from .meshes import check_meshes, has_meshes
-from .mimics import check_mimics
 from .postures import check_postures
 from .statements import check_abilities
 from .tool import check_tool
@@ -121,10 +120,9 @@ def examine_arm(arm: Arm, reader: MeshReader | None = None) -> Diagnosis:
             if has_meshes(arm.description):
                 own.begin()
             return examine_arm(arm, own)
-    motions = sample_motions(arm)
-    able = abilities_of(motions)
+    able = abilities_of(arm)
     found = [*arm.findings, *check_zero(arm), *check_reach(arm), *check_postures(arm, able.rank)]
-    found += [*check_abilities(arm, able), *check_without_effect(arm, motions), *check_axes(arm)]
+    found += [*check_abilities(arm, able), *check_without_effect(arm, able), *check_axes(arm)]
     found += check_closed_form(arm)
     if arm.description is not None:
         found += _of_description(arm.description, arm, reader)

@@ -10,9 +10,6 @@ from ...description.companions.arm_file import read_arm_file
 from ...description.findings import Finding
 from ...support.errors import InputError, TwistarmError
 
-DEEPEST, MOST = 12, 2000
-"""Folders below the given one, and files in all, that are looked at."""
-
 MOST_ENTRIES = 100_000
 """Of files and folders of any name: a workspace with its builds has some ten thousand."""
 
@@ -29,8 +26,6 @@ def descriptions_in(folder: str | os.PathLike[str]) -> tuple[Path, ...]:
     found = sorted(_walk(root))
     if not found:
         raise InputError(f"{root}: no *.urdf, *.xacro or arm.toml in this folder or below")
-    if len(found) > MOST:
-        raise InputError(f"{root}: more than {MOST} descriptions; name a smaller folder")
     spoken_for = {source for path in found if path.suffix == ".toml" for source in _source(path)}
     return tuple(path for path in found if os.path.realpath(path) not in spoken_for)
 
@@ -48,8 +43,7 @@ def _walk(root: Path) -> Iterator[Path]:
         if left < 0:
             raise InputError(f"{root}: more than {MOST_ENTRIES:,} files and folders below; name a smaller folder")
         here = Path(folder)
-        deeper = len(here.relative_to(root).parts) < DEEPEST
-        folders[:] = [name for name in folders if deeper and not name.startswith(".")]
+        folders[:] = [name for name in folders if not name.startswith(".")]
         for name in files:
             if not name.startswith(".") and (name == "arm.toml" or name.endswith(_SUFFIXES)):
                 yield here / name

@@ -10,7 +10,7 @@ from ...arm.arm import Arm
 from ...description.findings import Finding, finding
 from ...description.tree import Description
 from ...support.caller_words import argument
-from .abilities import Motions
+from .abilities import Abilities
 from .wording import grouped, place_of
 
 NO_MOTION = 1e-9
@@ -36,9 +36,9 @@ def check_off_the_chain(arm: Arm, description: Description) -> Iterator[Finding]
         )
 
 
-def check_without_effect(arm: Arm, motions: Motions) -> Iterator[Finding]:
+def check_without_effect(arm: Arm, able: Abilities) -> Iterator[Finding]:
     """Coordinates with a zero column of the Jacobian everywhere."""
-    sizes = np.abs(motions.body).max(axis=(0, 1))
+    sizes = np.abs(able.body).max(axis=(0, 1))
     for name, size in zip(arm.joint_names, sizes, strict=True):
         if size <= NO_MOTION:
             yield finding(

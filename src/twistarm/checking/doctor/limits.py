@@ -1,4 +1,4 @@
-"""Limits that look like degrees or millimetres, leave no room, or exclude the zero pose."""
+"""Limits that look like degrees or millimetres, leave no room, exclude the zero pose, or stop a follower."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...description.companions.toml_text import toml_key
+from ...description.coupling import Affine
 from ...description.findings import Finding, Place, finding
 from ...description.tree import Description, Joint
 from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED
@@ -33,6 +34,9 @@ FASTEST = {"rad": 50.0, "m": 10.0}
 TINY = {"rad": 0.01, "m": 1e-4}
 """Half a degree, and a tenth of a millimetre: less is no motion."""
 
+SLACK = 1e-3
+"""[rad, m]: limits that were rounded miss each other by less."""
+
 
 def check_limits(description: Description, arm: Arm | None) -> Iterator[Finding]:
     """What each joint's limits look like, those given beside the description included."""
@@ -48,6 +52,26 @@ def check_limits(description: Description, arm: Arm | None) -> Iterator[Finding]
     for joint, given in zip(own, beside, strict=True):
         if given is not None:
             yield from _given_velocity(joint, given, unit)
+
+
+def check_mimics(
+    description: Description, couplings: Mapping[str, Affine], chain: tuple[str, ...]
+) -> Iterator[Finding]:
+    """A follower's range of motion against its limits; the walk has checked those in the chain."""
+    for name, affine in couplings.items():
+        follower = description.joints[name]
+        if name in chain or affine.master in (None, name):
+            continue
+        master = description.joints[str(affine.master)]
+        low, high = sorted(affine.multiplier * bound + affine.offset for bound in (master.lower, master.upper))
+        if low < follower.lower - SLACK or high > follower.upper + SLACK:
+            yield finding(
+                "mimic-outside-limits",
+                description.place(follower),
+                f"{master.name} drives it through [{low:.4g}, {high:.4g}], beyond its own limits "
+                f"[{follower.lower:.4g}, {follower.upper:.4g}], which are not kept",
+                "make both joints' limits fit the mimic's multiplier and offset",
+            )
 
 
 def check_zero(arm: Arm) -> Iterator[Finding]:

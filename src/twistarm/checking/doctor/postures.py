@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...arm.arm import Arm
-from ...arm.ready_pose import named_ready
+from ...arm.configurations import named_ready
 from ...description.findings import Finding, finding
 from ...support.checks import Array
 from .wording import place_of, toml_table

@@ -32,16 +32,14 @@ def bake(arm: Arm, output: Output = None, form: Format = None, force: Force = Fa
     function = next((Path(name).name for kind, name in outputs.files if kind == "m" and name != STDOUT), None)
     written = outputs.write(
         {
-            "json": lambda: text_of(arm._baked),
+            "json": lambda: text_of(arm),
             "hpp": lambda: cpp_header(arm),
             "m": lambda: matlab.matlab_text(arm, function),
             "yaml": lambda: limits_yaml.limits_yaml(arm),
         }
     )
     if json:
-        print_json(
-            {"arm": arm.name, "digest": digest_of(arm._baked), "written": written, "include": include and str(include)}
-        )
+        print_json({"arm": arm.name, "digest": digest_of(arm), "written": written, "include": include and str(include)})
         return
     for kind, name in outputs.files:
         then = "" if name == STDOUT else f"; next: twistarm info {name}"

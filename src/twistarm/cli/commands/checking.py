@@ -92,7 +92,7 @@ def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
 
 @takes_arm
 def freeze(arm: Arm, output: Output = None, force: Force = False) -> None:
-    """Write a golden file: names, screws, home, limits, motors, masses, FK and Jacobians at 100 configurations."""
+    """Write a golden file: names, screws, home, limits, motors and masses."""
     outputs = outputs_of(output or f"{Path(arm.name).name}.golden.json", {"json": (".json",)}, force=force)
     for name in outputs.write({"json": lambda: golden_text(arm)}):
         if name != STDOUT:

@@ -11,7 +11,7 @@ import numpy as np
 import typer
 
 from ...arm.arm import Arm
-from ...arm.ready_pose import named_ready
+from ...arm.configurations import named_ready
 from ...arm.usual_limits import defaults_line, with_defaults
 from ...limits.joint_limits import JointLimits
 from ...planning import ActiveLimit, Trajectory, active_limits, load_motion, plan_joint

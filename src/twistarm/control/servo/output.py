@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...arm.arm import Arm
-from ...arm.inability import ANGULAR, LINEAR, Lack, cannot_move, cannot_turn, lack, must_turn, position_limit, singular
+from ...arm.inability import ANGULAR, LINEAR, cannot_move, cannot_turn, lacks, must_turn, position_limit, singular
 from ...support.checks import Array, frozen
 from ...support.display import Brief
 from ...support.vector_words import ALONG_AXIS, direction_in_words
@@ -216,14 +216,13 @@ class ServoOutput(Brief):
         output = cls(answer.theta_dot, status, answer.scale, *lost, joint, remaining, cause, asked)
         if joint is not None or answer.lost_share <= ALL or output._missing_share <= ALL or cause is Cause.NEAR:
             return output
-        found, why = _missing(asked, answer.lost, joint, 0.0)
-        nowhere = found is Lack.EVERYWHERE
+        nowhere, why = _missing(asked, answer.lost, joint, 0.0)
         status = ServoStatus.IMPOSSIBLE_DIRECTION if nowhere else ServoStatus.SLOWED_SINGULARITY
         return replace(output, status=status, _why=why)
 
 
-def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tuple[Lack, str]:
-    """The graver half of the lost twist (6,): whether the arm has it elsewhere, and its words."""
+def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tuple[bool, str]:
+    """The graver half of the lost twist (6,): whether the arm has it nowhere, and its words."""
     turned = np.linalg.norm(lost[3:]) * asked.arm.reach >= np.linalg.norm(lost[:3])
     half, way = (ANGULAR, "turn") if turned else (LINEAR, "move")
     part = lost[list(half)]
@@ -231,15 +230,15 @@ def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tupl
     twist = asked.command if isinstance(asked.command, TwistCommand) else None
     frame = BASE if twist is None else twist.frame
     before, held = _going_before(twist, half)
-    found = lack(asked.arm, asked.theta, half, unit, frame, before)
+    nowhere = lacks(asked.arm, asked.theta, half, unit, frame, before)
     on_the_way = turned and twist is not None and not twist.twist[3:].any()
-    if found is not Lack.EVERYWHERE:
+    if not nowhere:
         # An axis that the lost direction has for good: numbers would change from step to step.
         axis = direction_in_words(np.abs(unit), frame) if np.abs(unit).max() >= ALONG_AXIS and not on_the_way else ""
-        return found, singular("move" if on_the_way else way, share, joint, axis)
+        return False, singular("move" if on_the_way else way, share, joint, axis)
     if on_the_way:
-        return found, must_turn(unit, frame)
-    return found, (cannot_turn if turned else cannot_move)(unit, frame, held)
+        return True, must_turn(unit, frame)
+    return True, (cannot_turn if turned else cannot_move)(unit, frame, held)
 
 
 def _going_before(twist: TwistCommand | None, half: tuple[int, ...]) -> tuple[tuple[int, ...], str]:

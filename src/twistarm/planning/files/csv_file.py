@@ -13,7 +13,7 @@ import numpy as np
 from ...arm.arm import Arm
 from ...limits.actuators import Actuators
 from ...support.checks import Array, as_flag
-from ...support.csv_lines import Bounds, csv_lines, csv_rows, name_in
+from ...support.csv_lines import Bounds, csv_lines, csv_rows
 from ...support.csv_lines import csv_text as lines_of
 from ...support.errors import InputError, closest, listed
 from .motor_values import motor_values, motors_of, require_motors
@@ -102,7 +102,7 @@ def read_csv(arm: Arm, path: Path) -> Points:
     """Read the points of `arm` from a CSV file. Raises InputError, with the line."""
     file = str(path)
     rows = csv_rows(csv_lines(path, BOUNDS), file)
-    header = [name_in(cell.strip()) for row in islice(rows, 1) for cell in row.cells]
+    header = [cell.strip() for row in islice(rows, 1) for cell in row.cells]
     groups, counted = _groups(arm, header, file)
     places = [header.index(name) for name in (TIME, *(name for group in groups for name in group))]
     labelled = [k for k, name in enumerate(header) if name == LABEL]
@@ -110,7 +110,7 @@ def read_csv(arm: Arm, path: Path) -> Points:
     for row in rows:
         values.extend(numbers := row.numbers(places, len(header), file))
         lines.append(row.line)
-        labels.extend((numbers[0], name_in(row.cells[k])) for k in labelled if row.cells[k])
+        labels.extend((numbers[0], row.cells[k]) for k in labelled if row.cells[k])
         if len(values) > MOST_NUMBERS:
             raise InputError(f"{file} has more than {MOST_NUMBERS:,} numbers; split it, or record at a lower rate")
     table = np.frombuffer(values).reshape(len(lines), len(places))

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ...arm.arm import Arm
+from ...arm.bodies import Body, outline
 from ...collision import Scene
-from ...collision.bodies import Body, outline
 from ...planning.trajectory import Trajectory
 from ...support.checks import as_vector
 from ...support.errors import InputError

@@ -1,8 +1,8 @@
-"""Bodies of a scene: the shapes of links and obstacles in Pinocchio's collision library."""
+"""Bodies: the shapes of links and obstacles in Pinocchio's collision library."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,10 @@ FLAT = 1e-6
 
 MOST_TRIANGLES = 200_000
 """The most triangles of one exact mesh."""
+
+
+Pair = tuple[str, str]
+"""Two names of bodies in alphabetical order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,3 +181,28 @@ def in_words(bodies: tuple[Body, ...]) -> Mapping[str, list[str]]:
         if body.name not in names:
             names.append(body.name)
     return kinds
+
+
+def sorted_pair(a: str, b: str) -> Pair:
+    """The two names in alphabetical order."""
+    return (a, b) if a < b else (b, a)
+
+
+def adjacent_pairs(description: Description, bodies: Iterable[Body]) -> set[Pair]:
+    """Pairs of links with shapes that one joint connects, or a path through links without shapes."""
+    near: dict[str, set[str]] = {name: set() for name in description.links}
+    for joint in description.joints.values():
+        near[joint.parent].add(joint.child)
+        near[joint.child].add(joint.parent)
+    shaped = {body.name for body in bodies} & near.keys()
+    pairs = set()
+    for start in shaped:
+        seen, waiting = {start}, [start]
+        while waiting:
+            for name in near[waiting.pop()] - seen:
+                seen.add(name)
+                if name in shaped:
+                    pairs.add(sorted_pair(start, name))
+                else:
+                    waiting.append(name)
+    return pairs

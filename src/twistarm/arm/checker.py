@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..arm.pinocchio_model import PinocchioModel, import_pinocchio
 from ..support.checks import Array
 from .bodies import Body
+from .pinocchio_model import PinocchioModel, import_pinocchio
 
 TOLERANCE = 1e-9
 """Of the distance between convex shapes [m]."""

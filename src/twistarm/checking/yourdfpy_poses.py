@@ -1,0 +1,110 @@
+"""Poses of links by yourdfpy, and the descriptions that it does not read as they are meant."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from ..arm.arm import Arm
+from ..description.tree import Description
+from ..limits.joint_units import slides
+from ..support.checks import Array
+from ..support.errors import missing_extra
+
+SAMPLES, STEPS = 200, 100_000
+"""yourdfpy walks from each link to the base, some 4 µs a joint: the most configurations, and the most steps in all."""
+
+LINKS, TAGS, CUBES = 500, 30_000, 20_000_000
+"""It keeps a path between any two links, makes a body of each shape, 0.1 ms for a tag of the text, and finds the order
+to multiply a link's joints in with their cube of steps, some 0.1 µs each."""
+
+UNIT_TOL = 1e-12
+"""A larger difference of an axis from a unit vector scales the way of a slide."""
+
+
+def yourdfpy_poses(description: Description, values: Mapping[str, Array], base: str) -> Array:
+    """Every link's pose (samples, links, 4, 4) in `base` for the values (samples,) of the joints.
+
+    Raises MissingExtraError without yourdfpy, and any error of its reader.
+    """
+    # The text is UTF-8 from here on, whatever encoding the file declared.
+    content = re.sub(r"^\s*<\?xml[^>]*\?>", "", description.text).encode("utf-8")
+    with _quiet():
+        robot = require_yourdfpy().URDF.load(io.BytesIO(content), load_meshes=False, build_scene_graph=True)
+        samples, links = len(next(iter(values.values()))), list(description.links)
+        poses = np.empty((samples, len(links), 4, 4))
+        for k in range(samples):
+            robot.update_cfg({name: float(values[name][k]) for name in robot.actuated_joint_names if name in values})
+            for i, link in enumerate(links):
+                poses[k, i] = robot.get_transform(link, base)
+    return poses
+
+
+def most_configurations(description: Description) -> int:
+    """How many configurations yourdfpy walks in a few seconds."""
+    depths = _depths(description)
+    most = min(STEPS // max(1, sum(depths)), CUBES // max(1, sum(depth**3 for depth in depths)))
+    return min(SAMPLES, max(1, most))
+
+
+def beyond_yourdfpy(arm: Arm) -> str:
+    """Why yourdfpy cannot be asked about this arm; empty if it can."""
+    assert arm.description is not None
+    joints = arm.description.joints
+    if len(arm.description.links) > LINKS:
+        return f"yourdfpy has room for {LINKS} links, and these are {len(arm.description.links)}"
+    if (tags := arm.description.text.count("<")) > TAGS:
+        return f"yourdfpy takes long for a text of {tags:,} tags"
+    if sum(depth**3 for depth in _depths(arm.description)) > CUBES:
+        return f"yourdfpy takes minutes for a chain of {max(_depths(arm.description))} joints"
+    if "quat_xyzw=" in arm.description.repaired:
+        return "yourdfpy does not read quat_xyzw"
+    for joint in joints.values():
+        if joint.part_of:
+            return f"yourdfpy takes the planar joint {joint.part_of!r} as fixed"
+        if joint.type == "floating":
+            return f"yourdfpy takes the floating joint {joint.name!r} as fixed"
+        if joint.mimic is not None and joints[joint.mimic.joint].mimic is not None:
+            return f"yourdfpy drops the mimic of a mimic {joint.name!r}"
+        if joint.mimic is not None and arm.couplings[joint.name].master is None:
+            return f"yourdfpy cannot lock the mimic joint {joint.name!r}"
+        if slides(joint.type) and abs(joint.axis_length - 1.0) > UNIT_TOL:
+            return f"yourdfpy does not normalise the axis of the prismatic joint {joint.name!r}"
+    return ""
+
+
+def require_yourdfpy() -> Any:
+    """The module, or the error with the command that installs it."""
+    try:
+        import yourdfpy
+    except ImportError as error:
+        raise missing_extra("the comparison with yourdfpy", "yourdfpy", "check") from error
+    return yourdfpy
+
+
+def _depths(description: Description) -> list[int]:
+    """How many joints lie between each link and the root."""
+    depth = {description.root: 0}
+    for joint in description.outward_joints():
+        depth[joint.child] = depth[joint.parent] + 1
+    return list(depth.values())
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Silence its log and the NumPy warnings of its shapes, because our findings cover them."""
+    import logging
+
+    logger = logging.getLogger("yourdfpy.urdf")
+    level = logger.level
+    logger.setLevel(logging.CRITICAL)
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    finally:
+        logger.setLevel(level)
