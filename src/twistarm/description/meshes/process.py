@@ -118,32 +118,30 @@ def _unavailable(why: str) -> TwistarmError:
     return TwistarmError(one_line(f"no mesh is drawn: the process that reads them could not be started here ({why})"))
 
 
-_idle: list[Process] = []
-_lock = threading.Lock()
+class Shared:
+    """The process of this program, which has imported all it needs. Readers take turns with it."""
+
+    def __init__(self) -> None:
+        self.forget()
+
+    def forget(self) -> None:
+        """Start anew after a fork: the process is the parent's."""
+        self.turn, self._lock = threading.Lock(), threading.Lock()
+        self._process: Process | None = None
+
+    def process(self) -> Process:
+        """The process, started if there is none."""
+        with self._lock:
+            if self._process is None or not self._process.alive:
+                self._process = Process()
+            return self._process
+
+    def end(self) -> None:
+        """Kill the process."""
+        if self._process is not None:
+            self._process.kill()
 
 
-def taken() -> Process:
-    """An idle process, which has imported all it needs, or a new one."""
-    with _lock:
-        while _idle:
-            if (process := _idle.pop()).alive:
-                return process
-    return Process()
-
-
-def given_back(process: Process) -> None:
-    """Keep the process for the next arm."""
-    if process.alive:
-        with _lock:
-            _idle.append(process)
-
-
-@atexit.register
-def _end() -> None:
-    with _lock:
-        for process in _idle:
-            process.kill()
-        _idle.clear()
-
-
-os.register_at_fork(after_in_child=_idle.clear)  # they are the parent's
+shared = Shared()
+atexit.register(shared.end)
+os.register_at_fork(after_in_child=shared.forget)
