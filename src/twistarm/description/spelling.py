@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import xml.etree.ElementTree as ET
 from collections import Counter
 from difflib import get_close_matches
@@ -23,8 +24,8 @@ SIMILAR = 0.75
 """Similarity of a word and its misspelling: `orgin` is one, `physics` belongs to another tool."""
 
 
-MOST_WORDS, LONGEST, MOST_ATTRIBUTES = 1_000, 40, 10
-"""Most words to compare, letters of a word, and attributes of an element in findings."""
+LONGEST, MOST_ATTRIBUTES = 40, 10
+"""Most letters of a word to compare, and attributes of an element in findings."""
 
 
 def note_unread_words(robot: ET.Element, reading: Reading) -> None:
@@ -33,23 +34,23 @@ def note_unread_words(robot: ET.Element, reading: Reading) -> None:
     These are unknown attributes, elements with nearly a name of `ATTRIBUTES`, second elements of a kind (the first
     counts), and an `<axis>` without numbers, which is then x.
     """
-    slips: dict[str, bool] = {}
     for joint in robot.findall("joint"):
-        _note_slips(joint, reading, slips)
+        _note_slips(joint, reading)
         _note_doubles(joint, reading)
         for element in joint:
             _note_attributes(joint, element, reading)
 
 
-def _note_slips(joint: ET.Element, reading: Reading, known: dict[str, bool]) -> None:
-    """Note misspelt elements. `known` caches for each word whether it is nearly one of `ATTRIBUTES`."""
-    for element in joint:
-        tag = element.tag
-        if tag not in ATTRIBUTES and tag not in known and len(known) < MOST_WORDS:
-            known[tag] = len(tag) <= LONGEST and bool(get_close_matches(tag.casefold(), ATTRIBUTES, 1, SIMILAR))
-        if known.get(tag):
+def _note_slips(joint: ET.Element, reading: Reading) -> None:
+    for tag in (element.tag for element in joint if element.tag not in ATTRIBUTES):
+        if _is_slip(tag):
             remedy = f"correct the name{closest(tag, ATTRIBUTES)}"
             reading.note("word-unread", joint, f"its <{tag}> means nothing and is not read", remedy)
+
+
+@functools.lru_cache(1_000)
+def _is_slip(word: str) -> bool:
+    return len(word) <= LONGEST and bool(get_close_matches(word.casefold(), ATTRIBUTES, 1, SIMILAR))
 
 
 def _note_doubles(joint: ET.Element, reading: Reading) -> None:
