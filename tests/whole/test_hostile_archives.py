@@ -12,7 +12,7 @@ from hostile.sandbox import TOKEN, XMLNS
 from twistarm import Arm, load_arm
 from twistarm.cli.application import run
 from twistarm.description.companions.companion_files import files_beside
-from twistarm.description.expansion.confinement import confinement
+from twistarm.description.expansion.confinement import Confinement
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.work import Refused
 from twistarm.description.packages import package_index
@@ -118,7 +118,7 @@ def test_an_srdf_that_is_a_link_is_none_that_stands_beside(victim: Reader) -> No
 def swapped_reads(victim: Reader, tries: int) -> tuple[int, int, int]:
     """How often a folder was swapped for a link into the secret meanwhile, and what was read: ours, the secret."""
     lay(victim.archive, {"arm.xacro": PART, "config/key.yaml": "key: open"})
-    guard = confinement(victim.archive / "arm.xacro", package_index(victim.archive / "arm.xacro"))
+    guard = Confinement(victim.archive / "arm.xacro", package_index(victim.archive / "arm.xacro"))
     ours = secrets = 0
     with swapping(victim.archive / "config", victim.secret / "config") as swaps:
         for _ in range(tries):
