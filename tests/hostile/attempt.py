@@ -10,9 +10,9 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
@@ -119,30 +119,3 @@ class _Peak(threading.Thread):
                 if int((folder / "stat").read_text().rpartition(")")[2].split()[3]) == self.session:
                     found = max(found, int((folder / "status").read_text().partition("VmHWM:")[2].split()[0]))
         return found
-
-
-@dataclass
-class Figures:
-    """What a whole class of cases came to, printed by `make test-all`."""
-
-    title: str
-    rows: list[tuple[str, Outcome, str]] = field(default_factory=list)
-
-    def add(self, case: str, outcome: Outcome, fault: str) -> None:
-        """`fault` empty: as it should be."""
-        self.rows.append((case, outcome, fault))
-
-    @property
-    def faults(self) -> list[str]:
-        return [f"{case}: {fault}" for case, _, fault in self.rows if fault]
-
-    def __str__(self) -> str:
-        worst: Sequence[Outcome] = [outcome for _, outcome, _ in self.rows]
-        slowest = max(worst, key=lambda one: one.busy)
-        largest = max(worst, key=lambda one: one.megabytes)
-        head = (
-            f"{self.title}: {len(self.rows)} cases, {len(self.faults)} faults; at most {slowest.busy:.1f} s, "
-            f"{largest.megabytes:.0f} MB"
-        )
-        lines = [f"  {one.busy:6.1f} s {one.megabytes:6.0f} MB  {case}  {fault}" for case, one, fault in self.rows]
-        return "\n".join([head, *lines])
