@@ -160,7 +160,7 @@ def test_a_variable_that_nobody_allows_counts_as_not_set(
 
     def asked(env: tuple[str, ...]) -> tuple[str, list[str]]:
         try:
-            text, noted = expand_xacro(path, package_index(path), env_vars=env)
+            text, noted, _ = expand_xacro(path, package_index(path), env_vars=env)
         except DescriptionError as error:
             return str(error), []
         return text, [f"{one.code}: {one.what}; {one.remedy}" for one in noted]

@@ -63,7 +63,7 @@ def read_description(
     file = existing_file(path, "a URDF or xacro file, an arm.toml or a catalogue name").resolve()
     packages = package_index(file, package_dirs, mesh_dirs)
     if is_xacro(file):
-        text, noted = expand_xacro(file, packages, xacro_args, ignore_packages, env_vars)
+        text, noted, _ = expand_xacro(file, packages, xacro_args, ignore_packages, env_vars)
         _require_links(text, file)
         reading = Reading(file, packages, show_lines=False)
     elif xacro_args:

@@ -14,7 +14,7 @@ from multiprocessing import Pipe
 from pathlib import Path
 from typing import Any
 
-from ...support.errors import TwistarmError, missing_extra, one_line
+from ...support.errors import TwistarmError, one_line
 
 PROGRAM = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
@@ -34,7 +34,7 @@ LAST = 0.2
 class Process:
     """A process in a separate session, which a Ctrl-C in the terminal does not reach. It ends with this one.
 
-    Raises TwistarmError if it cannot start, MissingExtraError if it has no trimesh.
+    Raises TwistarmError if it cannot start.
     """
 
     def __init__(self) -> None:
@@ -87,11 +87,9 @@ class Process:
 
     def _begin(self) -> None:
         try:
-            lacking = self._answer(START)["lacking"]
+            self._answer(START)
         except (EOFError, TimeoutError) as error:
             raise _unavailable(f"it did not begin: {type(error).__name__}") from error
-        if lacking:
-            raise missing_extra("drawing a mesh", "trimesh", "view")
         self._ready = True
 
     def _answer(self, seconds: float) -> dict[str, Any]:
