@@ -18,9 +18,9 @@ from twistarm.support.errors import InputError
 
 SAMPLED = (
     *(f"{reader}: {what}" for reader in READERS for what in ("a FIFO", "a link to itself")),
-    "a baked arm: 401 digits as joints.0.upper",
-    "a golden file: 401 digits as joints.0.upper",
-    "a golden file: 5,000 digits as screws.0.0",
+    "a baked arm: 401 digits in it",
+    "a golden file: 401 digits in it",
+    "a golden file: 5,000 digits in it",
     "a golden file: 700 MB of nothing",
     "a golden file: a name twice",
     "a log of the wiring: a million columns",
