@@ -7,9 +7,7 @@ import re
 import signal
 import subprocess
 import sys
-import threading
 import time
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -28,8 +26,8 @@ SAMPLE = (
     *("200 manifests of 1 MB, the name at the end", "links in circles"),
 )
 
-PROMPT, HANGS = 0.5, 60.0
-"""Seconds of the processor within which Ctrl-C ends a command; those on the clock after which it counts as stuck."""
+PROMPT, HANGS = 1.0, 60.0
+"""Seconds within which Ctrl-C ends a command, and after which it counts as stuck."""
 
 
 def judged(case: Case, code: int | None, errors: str) -> str:
@@ -85,10 +83,7 @@ def test_ctrl_c_ends_it_at_any_moment(command: str, name: str, tmp_path: Path) -
 
 
 def _interrupted(arguments: tuple[str, ...], folder: Path, after: float) -> float:
-    """Seconds that it computes from a Ctrl-C to the end of `twistarm arguments`; 0 where that came first.
-
-    Those of the clock, which count other programs too, where the system does not tell.
-    """
+    """Seconds from a Ctrl-C to the end of `twistarm arguments`."""
     process = subprocess.Popen(
         [sys.executable, "-m", "twistarm", *arguments],
         cwd=folder,
@@ -97,23 +92,11 @@ def _interrupted(arguments: tuple[str, ...], folder: Path, after: float) -> floa
         stderr=subprocess.DEVNULL,
         env={**os.environ, "COLUMNS": "80"},
     )
-    time.sleep(after)
-    began, clock = _computed(process.pid), time.monotonic()
-    process.send_signal(signal.SIGINT)
-    stuck = threading.Timer(HANGS, process.kill)
-    stuck.start()
-    with suppress(ChildProcessError):  # it had ended before the signal
-        os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)  # its times are still there
-    stuck.cancel()
-    took = _computed(process.pid) - began
-    assert process.wait() != -signal.SIGKILL, f"not ended {HANGS:g} s after Ctrl-C"
-    return took if began > 0.0 else time.monotonic() - clock
-
-
-def _computed(pid: int) -> float:
-    """The seconds of the processor that a process took until now; 0 where no /proc tells."""
     try:
-        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    except OSError:
-        return 0.0
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        time.sleep(after)
+        began = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        process.wait(HANGS)
+        return time.monotonic() - began
+    finally:
+        process.kill()
