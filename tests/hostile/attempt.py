@@ -9,7 +9,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,7 +66,6 @@ json.dump([code, used.ru_maxrss, used.ru_utime + used.ru_stime], open(sys.argv[1
 def attempt(
     *arguments: str,
     folder: Path,
-    env: Mapping[str, str] | None = None,
     seconds: float = PATIENCE,
     stdin: IO[bytes] | int = subprocess.DEVNULL,
 ) -> Outcome:
@@ -79,7 +77,7 @@ def attempt(
             process = subprocess.Popen(
                 [sys.executable, "-S", "-c", MEASURED, report, sys.executable, "-m", "twistarm", *arguments],
                 cwd=folder,
-                env={**os.environ, "COLUMNS": "80", **(env or {})},
+                env={**os.environ, "COLUMNS": "80"},
                 stdin=stdin,
                 stdout=said,
                 stderr=wrong,

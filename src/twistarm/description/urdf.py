@@ -27,10 +27,9 @@ from .inertial import INERTIA, drop_unusable_inertials
 from .numerals import floats
 from .packages import package_index
 from .planar import split_planar_joints
-from .spelling import note_unread_words
+from .spelling import note_unread_words, settle_version
 from .structure import check_structure, root_links
 from .tree import Description, Joint, JointType, Link, Mimic
-from .version import settle_version
 
 MOST_TURNED = 6.3
 """A whole turn [rad], generously rounded."""
