@@ -255,6 +255,7 @@ PAID = {
     },
     **dict.fromkeys(("text.split()[0]", "list(text)", "python.enumerate(values=text)"),
                     (60_000, {"text": "a b" * 20_000})),
+    "[nested]": (5_000, {"nested": {"a": [0] * 10_000}}),
     "large == larger": (5_000, {"large": [0] * 3_000, "larger": [0] * 3_000}),
 }  # fmt: skip
 """Searches by both lengths, texts by the pieces they are taken into, comparisons by what they compare."""
