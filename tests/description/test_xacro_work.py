@@ -58,6 +58,9 @@ RUNAWAY = {
     "a name that is called for ever": '<xacro:macro name="a"><xacro:call macro="a"/></xacro:macro><xacro:a/>',
     "properties in a circle": '<xacro:property name="a" value="${b}"/><xacro:property name="b" value="${a}"/>'
     '<link name="${a}"/>',
+    "parameters that are copied for each other": (
+        '<xacro:macro name="m" params="' + "".join(f"p{i}:=1 " for i in range(10_000)) + '"/><xacro:m/>'
+    ),
     "parameters without end": f'<xacro:macro name="m" params="{"a " * 1_000_000}"/>',
     "expressions without end": f'<link name="{"${1}" * 1_000_000}"/>',
     "brackets in a property's name": f'<xacro:property name="{"(" * 100_000}" value="1"/>',
