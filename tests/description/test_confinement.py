@@ -9,7 +9,7 @@ import pytest
 
 from hostile.sandbox import TOKEN, XMLNS, Sandbox
 from hostile.sandbox import place as place
-from twistarm.description.expansion.confinement import MAX_BYTES, confinement
+from twistarm.description.expansion.confinement import MAX_BYTES, Confinement
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.work import Refused
 from twistarm.description.packages import package_index, package_name
@@ -256,7 +256,7 @@ def test_the_home_folder_is_never_open_as_a_whole(tmp_path: Path, monkeypatch: p
     lay(tmp_path, {"arm.xacro": text, "urdf/arm.xacro": text, "package.xml": MANIFEST("all")})
     for file in ("arm.xacro", "urdf/arm.xacro"):
         for package_dirs in ((), (tmp_path,), (Path("/"),), (tmp_path.parent,)):
-            roots = confinement(tmp_path / file, package_index(tmp_path / file, package_dirs)).roots
+            roots = Confinement(tmp_path / file, package_index(tmp_path / file, package_dirs)).roots
             assert not any(tmp_path.is_relative_to(root) for root in roots)
             with pytest.raises(Exception, match=OUTSIDE):
                 opened(tmp_path, file, package_dirs)
@@ -272,7 +272,7 @@ def test_a_description_in_the_home_folder_itself_is_read(tmp_path: Path, monkeyp
 
 def test_a_file_up_to_the_size_is_read(tmp_path: Path) -> None:
     lay(tmp_path, {"arm.xacro": "", "a.yaml": "a: 1"})
-    guard = confinement(tmp_path / "arm.xacro", package_index(tmp_path / "arm.xacro"))
+    guard = Confinement(tmp_path / "arm.xacro", package_index(tmp_path / "arm.xacro"))
     with open(tmp_path / "a.yaml", "wb") as file:
         file.truncate(MAX_BYTES)
     assert guard.read(str(tmp_path / "a.yaml"))[0] == (tmp_path / "a.yaml").resolve()

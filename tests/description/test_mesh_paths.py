@@ -36,6 +36,9 @@ BARE = ("pkg/urdf/arm.urdf", f"pkg/{STL}", "")
 FOUND = {
     "a backslash": (r"package://my_arm\meshes\Part.stl", *OWN),
     "an escaped letter": ("package://my_arm/meshes%2FPart.stl", *OWN),
+    "an escaped space": ("package://my_arm/meshes/Part%20a.stl", OWN[0], "pkg/meshes/Part a.stl", "pkg"),
+    "a path beside the file": (f"../{STL}", *BARE),
+    "a file's URI": (f"file://@/pkg/{STL}", *BARE),
     "no package's name": (f"package:///{STL}", *OWN),
     "a dot for it": (f"package://./{STL}", *OWN),
     "find with two slashes": (f"$(find my_arm)//{STL}", *OWN),
@@ -59,7 +62,7 @@ FOUND = {
 @pytest.mark.parametrize("case", FOUND)
 def test_a_path_as_others_write_it_is_found(case: str, tmp_path: Path) -> None:
     uri, arm, mesh, manifest = FOUND[case]
-    path = drawing(tmp_path, uri, arm, mesh, manifest)
+    path = drawing(tmp_path, uri.replace("@", str(tmp_path)), arm, mesh, manifest)
     assert drawn(path) == tmp_path / mesh
     assert [one for one in load_arm(path).findings if one.code == "mesh-missing"] == []
 

@@ -132,20 +132,19 @@ def test_one_process_reads_all_meshes_until_it_breaks_a_limit(tmp_path: Path, mo
     (tmp_path / "slow.dae").write_text(SLOW)
     with MeshReader() as meshes:
         meshes.parts(box(tmp_path / "a.stl"))
-        first = meshes._process
+        first = process.shared.process()
         meshes.parts(box(tmp_path / "b.stl"))
-        assert meshes._process is first
+        assert process.shared.process() is first
         with pytest.raises(
             UnreadableMeshError, match=r"slow\.dae: reading it takes more than 1 s; export it with fewer"
         ):
             meshes.parts(tmp_path / "slow.dae")
-        assert first is not None
         assert not first.alive
         assert meshes.parts(tmp_path / "b.stl")
-        second = meshes._process
+        second = process.shared.process()
     with MeshReader() as meshes:  # the next arm's
         meshes.parts(tmp_path / "a.stl")
-        assert meshes._process is second
+        assert process.shared.process() is second
 
 
 def test_all_meshes_of_an_arm_share_their_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -178,7 +177,7 @@ def test_processor_time_and_memory_are_limited_by_the_system(tmp_path: Path) -> 
 LIMITED = """
 import resource, sys
 from twistarm.description.meshes import limits, worker
-assert worker._prepare() == ""
+worker._prepare()
 worker.limit_time(limits.SECONDS)
 assert resource.getrlimit(resource.RLIMIT_CPU)[0] <= limits.SECONDS + 10.0
 assert resource.getrlimit(resource.RLIMIT_FSIZE) == resource.getrlimit(resource.RLIMIT_CORE) == (0, 0)
@@ -220,7 +219,7 @@ def test_where_no_process_can_be_started_it_is_said_once_and_the_arm_lives(
     mesh = '<visual><geometry><mesh filename="meshes/other.stl"/></geometry></visual>'
     path.write_text(path.read_text().replace('<link name="base"/>', f'<link name="base">{mesh}</link>'))
     box(path.parent / "meshes" / "other.stl")
-    monkeypatch.setattr(process, "_idle", [])
+    monkeypatch.setattr(process.shared, "_process", None)
 
     def refuse(*_: object, **__: object) -> None:
         raise PermissionError(1, "Operation not permitted")
@@ -239,7 +238,7 @@ def test_a_reader_that_is_closed_gives_up_what_it_reads(tmp_path: Path) -> None:
     (tmp_path / "meshes").mkdir()
     path = lay(CASES["dae: instances nested 4^14"], tmp_path / "meshes")
     viewer = Viewer(load_arm(path), open_browser=False)
-    until(lambda: viewer._server.scene.reader._asking)
+    until(lambda: viewer._server.scene.reader._asked)
     began = time.monotonic()
     viewer.close()
     assert time.monotonic() - began < 0.5
@@ -251,7 +250,7 @@ def test_all_triangles_can_be_asked_for_while_a_mesh_is_read_for_long(tmp_path: 
     (tmp_path / "meshes").mkdir()
     with Viewer(load_arm(lay(CASES["dae: instances nested 4^14"], tmp_path / "meshes")), open_browser=False) as viewer:
         server = viewer._server
-        until(lambda: server.scene.reader._asking)
+        until(lambda: server.scene.reader._asked)
         first, began = server.scene.reader, time.monotonic()
         server.ask(lambda stage: server._draw_exactly(True))
         assert server.scene.reader is not first

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -114,17 +113,6 @@ def test_refused_in_one_line(case: str, tmp_path: Path) -> None:
         chain(tmp_path, inside, other, links=(*LINKS, "pad"))
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.slow
-def test_thousands_of_them_take_seconds(tmp_path: Path) -> None:
-    n = 1500
-    links = ("base_link", *(f"l{i}" for i in range(n)))
-    path = write(tmp_path, robot(*(joint(f"p{i}", "base_link", f"l{i}", "planar") for i in range(n)), links=links))
-    start = time.process_time()
-    description = read_description(path)
-    assert time.process_time() - start < 4.0
-    assert list(description.joints) == [f"p{i}_{part}" for i in range(n) for part in ("x", "y", "rz")]
 
 
 def test_made_links_are_named_apart_from_those_that_are_there(tmp_path: Path) -> None:

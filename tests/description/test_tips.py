@@ -17,7 +17,6 @@ SIX = "base R> l1 R> l2 R> l3 R> l4 R> l5 R> l6"
 WHEELS = "C> front_left_wheel | C> front_right_wheel | C> rear_left_wheel | C> rear_right_wheel"
 ROCKER = "R> {0}_rocker [R> {0}_bogie [C> {0}_wheel_1 | C> {0}_wheel_2] | C> {0}_wheel_3]"
 FINGERS = "P> left_finger | Pm> right_finger"
-PARALLEL = "R> {0}l_knuckle Rm> {0}l_finger | Rm> {0}l_inner_knuckle | Rm> {0}r_knuckle Rm> {0}r_finger"
 
 TIPS = {
     "behind a slash": ("/base R> /l1 R> /l2 -> /fingers [P> /left | Pm> /right | -> /ee_gripper]", "/ee_gripper"),

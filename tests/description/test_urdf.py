@@ -9,7 +9,6 @@ import pinocchio
 import pytest
 
 from twistarm import diagnose, load_arm
-from twistarm.description.coupling import resolve_couplings
 from twistarm.description.urdf import read_description
 from twistarm.support.errors import DescriptionError
 from urdf_text import joint, robot, two_joints, write
@@ -103,19 +102,6 @@ def test_a_zero_axis_on_a_fixed_joint_is_ignored(tmp_path: Path) -> None:
     assert arm.findings == ()
 
 
-def test_meshes_are_found_by_every_kind_of_uri(tmp_path: Path) -> None:
-    (tmp_path / "pkg" / "meshes").mkdir(parents=True)
-    mesh = tmp_path / "pkg" / "meshes" / "a b.stl"
-    mesh.write_bytes(b"solid\nendsolid\n")
-    (tmp_path / "pkg" / "package.xml").write_text("<package><name>my_arm</name></package>")
-    uris = ["package://my_arm/meshes/a%20b.stl", "$(find my_arm)/meshes/a b.stl", "../meshes/a b.stl", f"file://{mesh}"]
-    shapes = "".join(f'<visual><geometry><mesh filename="{uri}"/></geometry></visual>' for uri in uris)
-    (tmp_path / "pkg" / "urdf").mkdir()
-    text = two_joints().replace('<link name="upper"/>', f'<link name="upper">{shapes}</link>')
-    description = read_description(write(tmp_path / "pkg" / "urdf", text))
-    assert [shape.mesh for shape in description.links["upper"].visuals] == [mesh] * 4
-
-
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "latin-1", "utf-16"])
 def test_encodings_line_ends_and_names(encoding: str, tmp_path: Path) -> None:
     text = robot(
@@ -128,18 +114,6 @@ def test_encodings_line_ends_and_names(encoding: str, tmp_path: Path) -> None:
     arm = load_arm(path)
     assert arm.joint_names == ("Schulter/ä 1", "b")
     assert "Schulter/ä 1" in arm.poses(np.zeros(2))
-
-
-@pytest.mark.slow
-def test_a_long_line_of_mimics_is_followed_to_its_end(tmp_path: Path) -> None:
-    links = tuple(f"l{i}" for i in range(900))
-    text = '<mimic joint="j{}"/>'
-    joints = [joint(f"j{i}", links[i], links[i + 1], inside=text.format(i + 1)) for i in range(898)]
-    path = write(tmp_path, robot(*joints, joint("j898", links[898], links[899]), links=links))
-    couplings = resolve_couplings(read_description(path), {})
-    assert {(affine.master, affine.multiplier) for affine in couplings.values()} == {("j898", 1.0)}
-    with pytest.raises(DescriptionError, match="899 moving joints; at most 150"):
-        load_arm(path, tip="l899")
 
 
 def test_every_unusable_joint_is_reported_at_once(tmp_path: Path) -> None:

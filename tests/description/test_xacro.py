@@ -82,7 +82,7 @@ PREFIXED = {
 def test_prefixed_names_come_out_as_from_xacro(case: str, tmp_path: Path) -> None:
     text = f'<robot name="r" {XMLNS} xmlns:cad="urn:cad" xmlns:sim="urn:sim">{PREFIXED[case]}</robot>'
     path = write(tmp_path, text, "arm.xacro")
-    ours, _ = expand_xacro(path, package_index(path))
+    ours = expand_xacro(path, package_index(path)).text
     assert canonicalize(ours) == canonicalize(xacro.process_file(str(path)).documentElement.toxml())
 
 
@@ -136,7 +136,7 @@ def test_files_of_any_origin(encoding: str, declared: str, tmp_path: Path) -> No
     (tmp_path / "arm.xacro").write_bytes(text.encode(encoding))
     (tmp_path / "a.yaml").write_bytes("größe: 3\r\n".encode(encoding))
     path = tmp_path / "arm.xacro"
-    expanded, _ = expand_xacro(path, package_index(path))
+    expanded = expand_xacro(path, package_index(path)).text
     assert 'name="stück"' in expanded
     assert 'b="3"' in expanded
 

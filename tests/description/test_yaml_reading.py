@@ -49,6 +49,7 @@ REFUSED = {
     "an unknown tag": ("a: !degree 1", "the tag !degree is unknown; allowed"),
     "a tab": ("a:\n\tb: 1", "limits.yaml:2: not usable YAML: found"),
     "a key twice": ("a:\n  b: 1\n  b: 2", "'b' stands there twice"),
+    "a key of many digits": ("1000000000000000001: 1", "a number of more than 18 characters"),
     "two documents": ("a: 1\n---\nb: 2", "not usable YAML: but found another"),
     "no end": ("[" * 5000, "it nests without end"),
     "a time of day": ("a: 1:30", "1:30 is a number in base 60; write it in"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import PurePath
 from random import Random
 
@@ -11,12 +11,12 @@ from . import texts, trees
 
 ET.register_namespace("xacro", "http://www.ros.org/wiki/xacro")
 
-TREES: Mapping[str, tuple[Callable[[ET.Element, Random], None], ...]] = {
+TREES: dict[str, tuple[Callable[[ET.Element, Random], None], ...]] = {
     "structure": trees.STRUCTURE,
     "numbers": trees.NUMBERS,
     "names": trees.NAMES,
 }
-TEXTS: Mapping[str, tuple[Callable[[str, Random], bytes], ...]] = {
+TEXTS: dict[str, tuple[Callable[[str, Random], bytes], ...]] = {
     "encodings": texts.ENCODINGS,
     "truncation": texts.TRUNCATION,
     "markup": texts.MARKUP,
@@ -41,24 +41,22 @@ def mutate(data: bytes, file: PurePath, rng: Random) -> tuple[str, bytes]:
     kinds = dict(KINDS.get(file.suffix, TABLES))
     (kind,) = rng.choices(list(kinds), list(kinds.values()))
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
-        data = _once(data, kind, rng)
+        data = once(data, kind, rng)
     if rng.random() < 0.15:
         (second,) = rng.choices(list(kinds), list(kinds.values()))
-        data = _once(data, second, rng)
+        data = once(data, second, rng)
     return kind, data.replace(b"@FILE@", file.name.encode())
 
 
-def _once(data: bytes, kind: str, rng: Random) -> bytes:
+def once(data: bytes, kind: str, rng: Random) -> bytes:
+    """The data after one mutation of a kind."""
     if kind in TEXTS:
         return rng.choice(TEXTS[kind])(data.decode("utf-8", "replace"), rng)
     try:
         root = ET.fromstring(data)
         rng.choice(TREES[kind])(root, rng)
-        return serialised(root)
+        # Control characters that XML forbids stand in it as they are.
+        text = ET.tostring(root, encoding="unicode")
+        return b'<?xml version="1.0"?>\n' + text.encode("utf-8", "surrogatepass")
     except (ET.ParseError, ValueError, LookupError, RecursionError):
         return data  # no tree any more, after a mutation before
-
-
-def serialised(root: ET.Element) -> bytes:
-    """The tree as a file; control characters that XML forbids stand in it as they are."""
-    return b'<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode").encode("utf-8", "surrogatepass")

@@ -1,204 +1,199 @@
-"""Mutants by the thousand: made from seeds, judged in worker processes that may hang or die without harm."""
+"""Mutants by the thousand: made from seeds, judged in processes that may hang or die without harm."""
 
 from __future__ import annotations
 
-import json
+import multiprocessing
 import os
-import queue
-import select
+import resource
 import signal
-import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
 from pathlib import Path
 from random import Random
-from typing import Any
+from typing import IO, Any
+from unittest.mock import patch
 
 from . import hostile
 from .mutations import mutate
+from .oracle import judged
 from .sources import Source
 
 LIMIT = 5.0
-"""Seconds of the worker's own computing for one mutant, loading and judging together: others use the machine too."""
+"""Seconds of a process's own computing for one mutant, loading and judging together: others use the machine too."""
 
 PATIENCE = 600.0
-"""Seconds on the clock for one mutant, and for a new worker to start: what waits for something computes nothing, and
+"""Seconds on the clock for one mutant, and for a new process to start: what waits for something computes nothing, and
 does so on an idle machine too."""
+
+MEMORY = 4 << 30
+"""Bytes of address space: a mutant that wants more gets a MemoryError, which is a failure."""
+
+SPAWNED = multiprocessing.get_context("spawn")
 
 
 @dataclass(frozen=True)
-class Case:
-    """One mutant and its verdict."""
+class Mutant:
+    """One file of a source, changed, and how the source is then loaded. The same seed gives the same mutant."""
 
-    source: str
     number: int
+    source: Source
     kind: str
     file: str
     data: bytes = field(repr=False)
-    verdict: dict[str, Any]
+    arguments: dict[str, Any]
 
-    @property
-    def problems(self) -> list[str]:
-        return list(self.verdict["problems"])
+    def judge(self, folder: Path) -> dict[str, Any]:
+        """The oracle's verdict, on the copy of the sources in `folder`."""
+        place = _place(self.source, folder)
+        beside = {name: str(place / file) for name, file in self.source.beside.items()}
+        packages = {name: place / file for name, file in self.source.packages().items()}
+        original = (place / self.file).read_bytes()
+        (place / self.file).write_bytes(self.data)
+        try:
+            return judged(place / self.source.file, self.arguments | beside, packages)
+        finally:
+            (place / self.file).write_bytes(original)
 
 
 @dataclass
 class Campaign:
-    """All verdicts of a run, counted, with the cases that failed."""
+    """All verdicts of a run, counted, with the mutants that failed."""
 
     seconds: float = 0.0
     kinds: Counter[str] = field(default_factory=Counter)
     outcomes: Counter[str] = field(default_factory=Counter)
     codes: Counter[str] = field(default_factory=Counter)
-    failed: list[Case] = field(default_factory=list)
+    failed: list[tuple[Mutant, list[str]]] = field(default_factory=list)
 
-    def add(self, case: Case) -> None:
-        self.kinds[case.kind] += 1
-        self.outcomes[case.verdict["outcome"]] += 1
-        if case.verdict.get("code"):
-            self.codes[case.verdict["code"]] += 1
-        if case.problems:
-            self.failed.append(case)
+    def add(self, mutant: Mutant, verdict: dict[str, Any]) -> None:
+        self.kinds[mutant.kind] += 1
+        self.outcomes[verdict["outcome"]] += 1
+        if verdict.get("code"):
+            self.codes[verdict["code"]] += 1
+        if verdict["problems"]:
+            self.failed.append((mutant, verdict["problems"]))
 
     def report(self, folder: Path) -> str:
         """What failed, each with the file in `folder` that it was kept as."""
         lines = []
-        for case in self.failed:
-            kept = folder / f"{case.number}_{Path(case.file).name}"
-            _written(kept, case.data)
-            lines.append(
-                f"{case.source} #{case.number} ({case.kind}): {case.problems[0].strip()[-600:]}\n  kept as {kept}"
-            )
+        for mutant, problems in self.failed:
+            kept = folder / f"{mutant.number}_{Path(mutant.file).name}"
+            _written(kept, mutant.data)
+            what = f"{mutant.source.name} #{mutant.number} ({mutant.kind})"
+            lines.append(f"{what}: {problems[0].strip()[-600:]}\n  kept as {kept}")
         return "\n".join(lines)
-
-    @property
-    def total(self) -> int:
-        return sum(self.outcomes.values())
 
     def __str__(self) -> str:
         tables = {"kinds": self.kinds, "outcomes": self.outcomes, "refusals": self.codes}
         told = [f"  {what}: {dict(counts.most_common())}" for what, counts in tables.items()]
-        return "\n".join([f"{self.total} mutants in {self.seconds:.0f} s, {len(self.failed)} failed", *told])
-
-
-class Worker:
-    """A worker process with its own copy of every source, replaced when it hangs or dies."""
-
-    def __init__(self, folder: Path, sources: Sequence[Source]) -> None:
-        self.folder, self.limit, self.patience = folder, LIMIT, PATIENCE
-        self.process: subprocess.Popen[bytes] | None = None
-        for source in sources:
-            for file, data in source.texts().items():
-                _written(self.place(source) / file, data)
-
-    def place(self, source: Source) -> Path:
-        """Where this worker's copy of a source stands: the last folder keeps its name."""
-        return self.folder / source.name.replace("/", "_").replace(" ", "_") / source.folder.name
-
-    def judge(self, source: Source, file: str, data: bytes, arguments: dict[str, Any]) -> dict[str, Any]:
-        """The verdict on the source with one file exchanged."""
-        place = self.place(source)
-        question = {
-            "path": str(place / source.file),
-            "arguments": arguments | {name: str(place / file) for name, file in source.beside.items()},
-            "packages": {name: str(place / folder) for name, folder in source.packages().items()},
-        }
-        original = (place / file).read_bytes()
-        _written(place / file, data)
-        try:
-            return self.ask(question)
-        finally:
-            _written(place / file, original)
-
-    def ask(self, question: dict[str, Any]) -> dict[str, Any]:
-        """The worker's answer, or that it hung or died."""
-        self.process = self.process or self._started()
-        start = time.perf_counter()
-        answer = self._answer(self.process, {**question, "seconds": self.limit})
-        if answer:
-            verdict: dict[str, Any] = json.loads(answer)
-            return verdict
-        status = self.process.poll() if answer is None else self.process.wait()
-        self.close()
-        if status is None:
-            outcome, problem = "hung", f"no answer within {self.patience:g} s"
-        elif status == -signal.SIGPROF:
-            outcome, problem = "hung", f"no answer after {self.limit:g} s of computing"
-        else:
-            outcome, problem = "died", f"the process ended with status {status}"
-        return {"outcome": outcome, "problems": [problem], "seconds": time.perf_counter() - start}
-
-    def close(self) -> None:
-        """End the process; the next question starts another."""
-        if self.process is not None:
-            self.process.kill()
-            self.process.communicate()
-            self.process = None
-
-    def _answer(self, process: subprocess.Popen[bytes], question: dict[str, Any]) -> bytes | None:
-        """One line; none in time: None; none ever: nothing."""
-        assert process.stdin is not None
-        assert process.stdout is not None
-        try:
-            process.stdin.write(json.dumps(question).encode() + b"\n")
-            process.stdin.flush()
-        except BrokenPipeError:
-            return b""
-        ready, _, _ = select.select([process.stdout], [], [], self.patience)
-        return process.stdout.readline() if ready else None
-
-    def _started(self) -> subprocess.Popen[bytes]:
-        tests = Path(__file__).resolve().parents[1]
-        environment = {**os.environ, "PYTHONPATH": str(tests), "OPENBLAS_NUM_THREADS": "1"}
-        command = [sys.executable, "-m", "fuzz.worker"]
-        process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, cwd=self.folder
-        )
-        assert process.stdout is not None
-        ready, _, _ = select.select([process.stdout], [], [], PATIENCE)
-        assert ready, f"the worker did not start within {PATIENCE:g} s"
-        assert process.stdout.readline() == b"ready\n", "the worker did not start; see its traceback above"
-        return process
+        head = f"{self.outcomes.total()} mutants in {self.seconds:.0f} s, {len(self.failed)} failed"
+        return "\n".join([head, *told])
 
 
 def campaign(sources: Sequence[Source], count: int, folder: Path, *, seed: int = 0, workers: int = 1) -> Campaign:
     """`count` mutants of the sources in turn; each has its own bounds of time."""
-    result, lock = Campaign(), threading.Lock()
-    numbers: queue.SimpleQueue[int] = queue.SimpleQueue()
-    for number in range(count):
-        numbers.put(number)
-    start = time.perf_counter()
+    result, lock, start = Campaign(), threading.Lock(), time.perf_counter()
 
-    def work(worker: Worker) -> None:
-        try:
-            while True:
-                case = one(worker, sources, numbers.get_nowait(), seed)
-                with lock:
-                    result.add(case)
-        except queue.Empty:
-            pass
-        finally:
-            worker.close()
+    def work(i: int) -> None:
+        for number, verdict in verdicts(sources, range(i, count, workers), folder / f"worker{i}", seed):
+            with lock:
+                result.add(mutant(sources, number, seed), verdict)
 
     with ThreadPoolExecutor(workers) as pool:
-        for done in [pool.submit(work, Worker(folder / f"worker{i}", sources)) for i in range(workers)]:
-            done.result()
+        list(pool.map(work, range(workers)))
     result.seconds = time.perf_counter() - start
     return result
 
 
-def one(worker: Worker, sources: Sequence[Source], number: int, seed: int) -> Case:
-    """The mutant of that number, made and judged."""
+def mutant(sources: Sequence[Source], number: int, seed: int) -> Mutant:
+    """The mutant of that number."""
     source = sources[number % len(sources)]
     rng = Random(f"{seed}:{source.name}:{number}")
     file = rng.choice(source.mutated)
     kind, data = mutate((source.folder / file).read_bytes(), Path(file), rng)
-    return Case(source.name, number, kind, file, data, worker.judge(source, file, data, _arguments(source, rng)))
+    return Mutant(number, source, kind, file, data, _arguments(source, rng))
+
+
+def verdicts(
+    sources: Sequence[Source], numbers: Sequence[int], folder: Path, seed: int = 0, limit: float = LIMIT
+) -> Iterator[tuple[int, dict[str, Any]]]:
+    """The verdict on each mutant, by a process that is replaced when it hangs or dies."""
+    while numbers:
+        answers, theirs = SPAWNED.Pipe(duplex=False)
+        process = SPAWNED.Process(target=_judge, args=(theirs, sources, numbers, folder, seed, limit))
+        with patch.dict(os.environ, OPENBLAS_NUM_THREADS="1"):
+            process.start()
+        theirs.close()
+        try:
+            while answers.poll(PATIENCE):
+                verdict = answers.recv()
+                yield numbers[0], verdict
+                numbers = numbers[1:]
+            problem = f"no answer within {PATIENCE:g} s"
+        except EOFError:
+            process.join()
+            late = process.exitcode == -signal.SIGPROF
+            problem = f"no answer after {limit:g} s of computing" if late else f"it ended with {process.exitcode}"
+        process.kill()
+        if numbers:
+            yield numbers[0], {"outcome": "hung or died", "problems": [problem]}
+            numbers = numbers[1:]
+
+
+def _judge(
+    answers: Connection[Any, Any],
+    sources: Sequence[Source],
+    numbers: Sequence[int],
+    folder: Path,
+    seed: int,
+    limit: float,
+) -> None:
+    """Send the verdicts, each within `limit` seconds of computing. What is printed meanwhile counts as noise."""
+    with suppress(ValueError, OSError):  # macOS knows no limit on address space
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    for source in sources:
+        for file, data in source.texts().items():
+            _written(_place(source, folder) / file, data)
+    with tempfile.TemporaryFile() as noise:
+        os.dup2(noise.fileno(), 1)
+        os.dup2(noise.fileno(), 2)
+        for number in numbers:
+            one = mutant(sources, number, seed)
+            # The timer counts what this process computes. Its signal ends the process in the middle of anything.
+            start = time.process_time()
+            signal.setitimer(signal.ITIMER_PROF, max(limit, 1e-6))
+            verdict = one.judge(folder)
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
+            if time.process_time() - start > limit:
+                signal.raise_signal(signal.SIGPROF)
+            if heard := _said(noise):
+                verdict["problems"].append(f"noise: {heard[:500]!r}")
+            answers.send(verdict)
+
+
+def _said(noise: IO[bytes]) -> str:
+    """What was written to standard output and error since the last mutant."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    noise.seek(0)
+    heard = noise.read().decode("utf-8", "replace")
+    noise.seek(0)
+    noise.truncate()
+    return heard
+
+
+def _place(source: Source, folder: Path) -> Path:
+    """Where the copy of a source stands: the last folder keeps its name."""
+    return folder / source.name.replace("/", "_").replace(" ", "_") / source.folder.name
 
 
 def _arguments(source: Source, rng: Random) -> dict[str, Any]:

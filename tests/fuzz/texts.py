@@ -10,18 +10,6 @@ from . import hostile
 
 DECLARED = ("utf-8", "UTF-16", "latin-1", "ascii", "cp1252", "utf-7", "nonsense", "", "utf-8\n", "EBCDIC-CP-US")
 
-JUNK = (
-    b"\0",
-    b"\0" * 50,
-    b"\xff",
-    b"\xfe\xff",
-    b"\xef\xbb\xbf",
-    b"\xc3",
-    b"\xed\xa0\x80",
-    b"\xf5",
-    b"\x1b[31m",
-    b"\x0c",
-)
 ENTRIES = ("[tool]", "[poses.ready]", "[limits]", "[locked_joints]", "locked = {}", "tool = 1", "name = 1", "tip = ''",
            "[[limits]]", "[a.b]")  # fmt: skip
 
@@ -60,12 +48,6 @@ def declaration(text: str, rng: Random) -> bytes:
 
 def line_ends(text: str, rng: Random) -> bytes:
     return text.replace("\n", rng.choice(("\r\n", "\r", "\n\r", "\x85", "\u2028", " ", ""))).encode()
-
-
-def insert_bytes(text: str, rng: Random) -> bytes:
-    data = text.encode()
-    at = rng.randrange(len(data) + 1)
-    return data[:at] + rng.choice(JUNK) + data[at:]
 
 
 # -- truncation, bytes and lines ---------------------------------------------------------------------------------------
@@ -166,7 +148,7 @@ def entry(text: str, rng: Random) -> bytes:
     return "\n".join(lines).encode()
 
 
-ENCODINGS = (another_encoding, declaration, line_ends, insert_bytes)
+ENCODINGS = (another_encoding, declaration, line_ends)
 TRUNCATION = (truncate, flip, delete_lines)
 MARKUP = (document_type, document_type, entity, entity, entity, deep)
 XACRO = (expression, inside_an_expression, xacro_element, namespace)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
 import re
 import xml.etree.ElementTree as ET
 from random import Random
@@ -99,11 +98,6 @@ def nest(root: ET.Element, rng: Random) -> None:
             pair = pair[1], inner
 
 
-def crowd(root: ET.Element, rng: Random) -> None:
-    if pair := _below(root, rng):
-        pair[0].extend(copy.deepcopy(pair[1]) for _ in range(rng.choice((2, 50, 200))))
-
-
 def litter(root: ET.Element, rng: Random) -> None:
     if pair := _below(root, rng):
         pair[1].text = rng.choice(("text", "0 0 1", "\u00e4", "\ufffe" if rng.random() < 0.1 else "1e400", "${1}"))
@@ -163,13 +157,6 @@ def separators(root: ET.Element, rng: Random) -> None:
         place[0].set(place[1], joiner.join(place[0].get(place[1], "").split()))
 
 
-def degrees(root: ET.Element, rng: Random) -> None:
-    for limit in root.iter("limit"):
-        for name in ("lower", "upper"):
-            if NUMBER.fullmatch(limit.get(name, "")):
-                limit.set(name, repr(math.degrees(float(limit.get(name, "")))))
-
-
 # -- names -------------------------------------------------------------------------------------------------------------
 
 
@@ -193,16 +180,9 @@ def rename(root: ET.Element, rng: Random) -> None:
                     element.set(name, new)
 
 
-def joints_named_as_links(root: ET.Element, rng: Random) -> None:
-    for joint in _joints(root):
-        child = joint.find("child")
-        if child is not None:
-            joint.set("name", child.get("link", ""))
-
-
 STRUCTURE = (
     *(delete, duplicate, move, rename_tag, drop_attribute, change_type),
-    *(reparent, mimic, nest, crowd, litter),
+    *(reparent, mimic, nest, litter),
 )
-NUMBERS = (hostile_number, hostile_vector, other_number, count, separators, degrees)
-NAMES = (hostile_name, rename, joints_named_as_links)
+NUMBERS = (hostile_number, hostile_vector, other_number, count, separators)
+NAMES = (hostile_name, rename)

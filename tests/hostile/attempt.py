@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import os
-import resource
 import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time
-from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
@@ -28,8 +26,7 @@ class Outcome:
     """What came of it: the exit code (None where it had to be killed), what was printed, and what it took.
 
     `seconds` are the clock's, `busy` the processor's; `megabytes` is the most that the process, or one that it waited
-    for, held at a time. A process inherits the peak of the one that starts it; a peak no larger than that is looked up
-    while it runs, where the system tells.
+    for, held at a time.
     """
 
     code: int | None
@@ -57,92 +54,41 @@ class Outcome:
         return f"{self.busy:.1f} s, {self.megabytes:.0f} MB"
 
 
+MEASURED = """
+import json, resource, subprocess, sys
+code = subprocess.call(sys.argv[2:])
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+json.dump([code, used.ru_maxrss, used.ru_utime + used.ru_stime], open(sys.argv[1], "w"))
+"""
+"""A small process between: a child's peak of memory begins with that of its parent, and pytest's is large."""
+
+
 def attempt(
     *arguments: str,
     folder: Path,
-    env: Mapping[str, str] | None = None,
     seconds: float = PATIENCE,
     stdin: IO[bytes] | int = subprocess.DEVNULL,
 ) -> Outcome:
     """`twistarm arguments` in `folder`, without a terminal, killed with all that it started after `seconds`."""
-    command = [sys.executable, "-m", "twistarm", *arguments]
-    with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
+    with tempfile.TemporaryDirectory() as place:
+        report, output, errors = (Path(place, name) for name in ("report", "output", "errors"))
         began = time.monotonic()
-        process = subprocess.Popen(
-            command,
-            cwd=folder,
-            env={**os.environ, "COLUMNS": "80", **(env or {})},
-            stdin=stdin,
-            stdout=output,
-            stderr=errors,
-            start_new_session=True,
-        )
-        late = threading.Event()
-
-        def end() -> None:
-            late.set()
-            os.killpg(process.pid, signal.SIGKILL)
-
-        clock = threading.Timer(seconds, end)
-        clock.start()
-        peak = _Peak(process.pid)
-        peak.start()
-        _, status, used = os.wait4(process.pid, 0)
+        with output.open("wb") as said, errors.open("wb") as wrong:
+            process = subprocess.Popen(
+                [sys.executable, "-S", "-c", MEASURED, report, sys.executable, "-m", "twistarm", *arguments],
+                cwd=folder,
+                env={**os.environ, "COLUMNS": "80"},
+                stdin=stdin,
+                stdout=said,
+                stderr=wrong,
+                start_new_session=True,
+            )
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(seconds)
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
         took = time.monotonic() - began
-        clock.cancel()
-        process.returncode = os.waitstatus_to_exitcode(status)
-        told = [file.seek(0) or file.read().decode("utf-8", "replace") for file in (output, errors)]
-    busy = used.ru_utime + used.ru_stime
-    unit = 1024 if sys.platform == "darwin" else 1
-    kilobytes = used.ru_maxrss / unit
-    if peak.kilobytes and used.ru_maxrss <= resource.getrusage(resource.RUSAGE_SELF).ru_maxrss:
-        kilobytes = peak.kilobytes
-    return Outcome(None if late.is_set() else process.returncode, told[0], told[1], took, kilobytes / 1000, busy)
-
-
-class _Peak(threading.Thread):
-    """The largest memory of the processes in a session, while one of them runs; 0 where no /proc tells."""
-
-    def __init__(self, session: int) -> None:
-        super().__init__(daemon=True)
-        self.session, self.kilobytes = session, 0
-
-    def run(self) -> None:
-        while (found := self._now()) > 0:
-            self.kilobytes = max(self.kilobytes, found)
-            time.sleep(0.02)
-
-    def _now(self) -> int:
-        found = 0
-        for folder in Path("/proc").glob("[0-9]*"):
-            with suppress(OSError, IndexError, ValueError):
-                if int((folder / "stat").read_text().rpartition(")")[2].split()[3]) == self.session:
-                    found = max(found, int((folder / "status").read_text().partition("VmHWM:")[2].split()[0]))
-        return found
-
-
-@dataclass
-class Figures:
-    """What a whole class of cases came to, printed by `make test-all`."""
-
-    title: str
-    rows: list[tuple[str, Outcome, str]] = field(default_factory=list)
-
-    def add(self, case: str, outcome: Outcome, fault: str) -> None:
-        """`fault` empty: as it should be."""
-        self.rows.append((case, outcome, fault))
-
-    @property
-    def faults(self) -> list[str]:
-        return [f"{case}: {fault}" for case, _, fault in self.rows if fault]
-
-    def __str__(self) -> str:
-        worst: Sequence[Outcome] = [outcome for _, outcome, _ in self.rows]
-        slowest = max(worst, key=lambda one: one.busy)
-        largest = max(worst, key=lambda one: one.megabytes)
-        head = (
-            f"{self.title}: {len(self.rows)} cases, {len(self.faults)} faults; at most {slowest.busy:.1f} s, "
-            f"{largest.megabytes:.0f} MB"
-        )
-        lines = [f"  {one.busy:6.1f} s {one.megabytes:6.0f} MB  {case}  {fault}" for case, one, fault in self.rows]
-        return "\n".join([head, *lines])
+        code, peak, busy = json.loads(report.read_text()) if report.exists() else (None, 0, took)
+        told = [file.read_bytes().decode("utf-8", "replace") for file in (output, errors)]
+    return Outcome(code, told[0], told[1], took, peak / (1e6 if sys.platform == "darwin" else 1e3), busy)

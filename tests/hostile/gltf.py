@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from .mesh_case import CORNERS, MALFORMED, NOT_THERE, OUT, Case, text
+from .mesh_case import CORNERS, MALFORMED, OUT, Case, text
 
 
 def tree(buffers: list[dict[str, Any]], accessor: dict[str, Any] | None = None, **more: Any) -> dict[str, Any]:
@@ -87,13 +87,11 @@ DRACO, POSITION = "KHR_draco_mesh_compression", {"POSITION": 0}
 GLTF = {
     "gltf: uri ../outside": buffer_at("../../outside/secret.bin", OUT),
     "gltf: uri /etc/passwd": buffer_at("/etc/passwd", "which is not opened"),
-    "gltf: uri http://": buffer_at("http://127.0.0.1:9/secret.bin", NOT_THERE),
     "gltf: uri percent-encoded": buffer_at("%2e%2e/%2e%2e/outside/secret.bin", OUT),
     "gltf: uri through a link to a file": buffer_at("link.bin", OUT),
     "gltf: uri to a link loop": buffer_at("loop.bin", "cannot be read"),
     "gltf: uri to a device": buffer_at("zero.bin", "no regular file"),
     "gltf: uri to 200 MB": buffer_at("huge.bin", "more than 100 MB"),
-    "gltf: uri that is empty": buffer_at("", "which is not opened"),
     "gltf: uri of its own": buffer_at("own%20one.bin", ""),
     "gltf: data that is no base64": gltf(tree([{"uri": "data:;base64,%%%"}]), "malformed"),
     "gltf: a count of 1e9": gltf(tree([data()], {"count": 10**9}), MALFORMED),
@@ -115,7 +113,6 @@ GLTF = {
         ),
         "compressed by Draco",
     ),
-    "gltf: a matrix of NaN": gltf(tree([data()], nodes=[{"mesh": 0, "matrix": [float("nan")] * 16}]), "no finite|malf"),
     "gltf: 6,000 parts": gltf(
         lambda: tree([data()], meshes=[{"primitives": [{"attributes": {"POSITION": 0}}] * 6_000}]), "parts|more than"
     ),

@@ -14,7 +14,7 @@ CORNERS = struct.pack("<9f", 0, 0, 0, 0.1, 0, 0, 0, 0.1, 0)
 """Three points."""
 
 
-OUT, NOT_THERE, MALFORMED = "a file outside its package", "which is not there", "its contents are malformed"
+OUT, MALFORMED = "a file outside its package", "its contents are malformed"
 """Why a mesh is not drawn, in the words of its note."""
 
 

@@ -8,7 +8,7 @@ import struct
 from collections.abc import Callable
 from contextlib import suppress
 
-from .target import HANDSHAKE, POSE, TEXT, Target, asked, flooded, frame
+from .target import HANDSHAKE, POSE, Target, asked, flooded, frame
 
 
 def idle(target: Target) -> None:
@@ -83,7 +83,7 @@ def foreign_origin(target: Target) -> None:
 
 def frames_before_the_answer(target: Target) -> None:
     head = target.head("/stranger/socket", **HANDSHAKE)
-    target.again(lambda: asked(target, head + frame(TEXT, POSE) * 1000))
+    target.again(lambda: asked(target, head + frame(POSE) * 1000))
 
 
 STRANGERS: dict[str, Callable[[Target], None]] = {

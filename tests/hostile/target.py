@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import socket
-import struct
 import time
 from collections.abc import Callable
 from contextlib import suppress
 from itertools import count
 
-OTHER = "127.0.0.2"
-"""Another computer, as far as the server can see."""
-
 
 class Target:
-    """Where the attack goes, from which address, and until when."""
+    """Where the attack goes, and until when."""
 
-    def __init__(self, host: str, port: int, token: str, seconds: float, source: str = "") -> None:
-        self.host, self.port, self.token, self.source = host, port, token, source
+    def __init__(self, host: str, port: int, token: str, seconds: float) -> None:
+        self.host, self.port, self.token = host, port, token
         self.end = time.monotonic() + seconds
         self.held: list[socket.socket] = []
 
@@ -30,8 +26,8 @@ class Target:
         made.settimeout(5.0)
         if receive:
             made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive)
-        if source or self.source:
-            made.bind((source or self.source, 0))
+        if source:
+            made.bind((source, 0))
         made.connect((self.host, self.port))
         return made
 
@@ -41,10 +37,10 @@ class Target:
         given = [f"{name.replace('_', '-')}: {each}" for name, each in headers.items()]
         return "\r\n".join([f"{method} {full} HTTP/1.1", f"Host: {host}", *given, "", ""]).encode()
 
-    def upgrade(self, receive: int = 0, **headers: str) -> socket.socket:
+    def upgrade(self) -> socket.socket:
         """A page's socket, its handshake done."""
-        made = self.open(receive=receive)
-        made.sendall(self.head("socket", **HANDSHAKE, **headers))
+        made = self.open()
+        made.sendall(self.head("socket", **HANDSHAKE))
         made.recv(1)
         return made
 
@@ -85,16 +81,9 @@ class Target:
         time.sleep(max(0.0, self.end - time.monotonic()))
 
 
-def frame(opcode: int, data: bytes, *, final: bool = True, length: int | None = None, reserved: int = 0) -> bytes:
-    """A masked WebSocket frame, which may lie about its length. A mask of zeros changes nothing."""
-    said = len(data) if length is None else length
-    if said < 126:
-        size = bytes([0x80 | said])
-    elif said < 65536:
-        size = struct.pack("!BH", 0x80 | 126, said)
-    else:
-        size = struct.pack("!BQ", 0x80 | 127, said)
-    return bytes([(0x80 if final else 0) | reserved | opcode]) + size + bytes(4) + data
+def frame(text: bytes) -> bytes:
+    """A masked WebSocket frame of fewer than 126 bytes. A mask of zeros changes nothing."""
+    return bytes([0x81, 0x80 | len(text)]) + bytes(4) + text
 
 
 HANDSHAKE = {
@@ -105,8 +94,6 @@ HANDSHAKE = {
 }
 
 POSE = b'{"type":"pose","name":"zero","ease":false,"number":7}'
-
-TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
 
 
 def asked(target: Target, data: bytes) -> None:

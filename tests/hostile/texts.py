@@ -23,7 +23,6 @@ ARM = (
 LIMIT = '<limit lower="-2" upper="2" velocity="1" effort="1"/>'
 COLLISION = '<collision><geometry><box size="1 1 {0}"/></geometry></collision>'
 MESH = '<visual><geometry><mesh filename="{}"/></geometry></visual>'
-INERTIAL = '<inertial><mass value="{}"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 
 Text = Callable[[], str | bytes]
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
-import xml.etree.ElementTree as ET
+from collections.abc import Callable
 from pathlib import Path, PurePath
 from random import Random
 
 import pytest
 
-from fuzz import mutations, oracle
-from fuzz.runner import Campaign, Worker, campaign, one
+from fuzz import mutations, oracle, runner
+from fuzz.runner import Campaign, campaign, verdicts
 from fuzz.sources import Source, catalogue_sources, own_sources, real_sources, seed_sources
 from twistarm import load_arm
 from urdf_text import joint, robot, two_joints, write
@@ -24,7 +25,7 @@ def run(sources: list[Source], count: int, folder: Path, workers: int) -> Campai
     result = campaign(sources, count, folder / "workers", workers=workers)
     print(f"\n{result}")
     assert not result.failed, result.report(folder / "failed")
-    assert result.total == count
+    assert result.outcomes.total() == count
     assert result.outcomes["loaded"] > count / 10, "mutants that nobody can load prove little"
     return result
 
@@ -53,51 +54,41 @@ def test_the_same_seed_gives_the_same_mutant() -> None:
     assert first == again != other
 
 
-TREE_MUTATORS = [mutator for group in mutations.TREES.values() for mutator in group]
-TEXT_MUTATORS = [mutator for group in mutations.TEXTS.values() for mutator in dict.fromkeys(group)]
+MUTATORS = {name: group for groups in (mutations.TREES, mutations.TEXTS) for name, group in groups.items()}
 
 
-@pytest.mark.parametrize("mutator", TREE_MUTATORS, ids=lambda mutator: mutator.__name__)
-def test_every_mutator_of_trees_changes_something(mutator) -> None:
-    text = (seed_sources()[0].folder / "seed.urdf").read_bytes()
-    mutants = []
-    for seed in range(10):
-        root = ET.fromstring(text)
-        mutator(root, Random(seed))
-        mutants.append(mutations.serialised(root))
-    assert mutations.serialised(ET.fromstring(text)) != mutants[0] or len(set(mutants)) > 1
+@pytest.mark.parametrize(
+    ("kind", "mutator"), [(kind, one) for kind, group in MUTATORS.items() for one in dict.fromkeys(group)]
+)
+def test_every_mutator_changes_something(
+    kind: str, mutator: Callable[..., object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(mutations.TREES if kind in mutations.TREES else mutations.TEXTS, kind, (mutator,))
+    file = "seed.urdf" if kind in mutations.TREES else "seed.xacro"
+    text = (seed_sources()[0].folder / file).read_bytes()
+    assert len({mutations.once(text, kind, Random(seed)) for seed in range(10)} - {text}) > 1
 
 
-@pytest.mark.parametrize("mutator", TEXT_MUTATORS, ids=lambda mutator: mutator.__name__)
-def test_every_mutator_of_texts_changes_something(mutator) -> None:
-    text = (seed_sources()[0].folder / "seed.xacro").read_text("utf-8")
-    assert len({mutator(text, Random(seed)) for seed in range(10)} - {text.encode()}) > 0
+@pytest.mark.parametrize(
+    ("how", "problem"), [(signal.SIGKILL, "it ended with -9"), (signal.SIGSTOP, "no answer within 0 s")]
+)
+def test_a_process_that_dies_or_waits_is_replaced(
+    how: signal.Signals, problem: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = verdicts(seed_sources()[:1], range(20), tmp_path)
+    assert next(found)[1]["problems"] == []
+    for child in multiprocessing.active_children():
+        os.kill(child.pid, how)
+    if how == signal.SIGSTOP:
+        monkeypatch.setattr(runner, "PATIENCE", 0.0)
+    answered = list(iter(lambda: next(found)[1]["problems"], [problem]))
+    monkeypatch.undo()
+    assert answered + [verdict["problems"] for _, verdict in found] == [[]] * 18
 
 
-def test_a_worker_that_hangs_or_dies_is_replaced(tmp_path: Path) -> None:
-    sources = seed_sources()[:1]
-    worker = Worker(tmp_path, sources)
-    try:
-        for name, problem in (("limit", "no answer after 0 s of computing"), ("patience", "no answer within 0 s")):
-            if name == "patience":  # a stopped one is late, however long this process waits for its own turn
-                assert one(worker, sources, 0, 0).problems == []
-                assert worker.process is not None
-                worker.process.send_signal(signal.SIGSTOP)
-            with pytest.MonkeyPatch.context() as patched:
-                patched.setattr(worker, name, 0.0)
-                hung = one(worker, sources, 0, 0)
-            assert hung.verdict["outcome"] == "hung"
-            assert hung.problems == [problem]
-            assert worker.process is None
-        assert one(worker, sources, 0, 0).problems == []
-        assert worker.process is not None
-        worker.process.kill()
-        died = one(worker, sources, 0, 0)
-        assert died.verdict["outcome"] == "died"
-        assert died.problems == ["the process ended with status -9"]
-        assert one(worker, sources, 0, 0).problems == []
-    finally:
-        worker.close()
+def test_a_mutant_that_computes_for_long_is_given_up(tmp_path: Path) -> None:
+    told = [verdict["problems"] for _, verdict in verdicts(seed_sources()[:1], range(2), tmp_path, limit=0.0)]
+    assert told == [["no answer after 0 s of computing"]] * 2
 
 
 def judged_as(monkeypatch: pytest.MonkeyPatch, path: Path, load) -> dict:

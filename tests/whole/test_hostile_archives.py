@@ -12,7 +12,7 @@ from hostile.sandbox import TOKEN, XMLNS
 from twistarm import Arm, load_arm
 from twistarm.cli.application import run
 from twistarm.description.companions.companion_files import files_beside
-from twistarm.description.expansion.confinement import confinement
+from twistarm.description.expansion.confinement import Confinement
 from twistarm.description.expansion.expand import expand_xacro
 from twistarm.description.expansion.work import Refused
 from twistarm.description.packages import package_index
@@ -115,35 +115,19 @@ def test_an_srdf_that_is_a_link_is_none_that_stands_beside(victim: Reader) -> No
     assert files_beside(victim.archive / "arm.urdf", "*.srdf") == (victim.archive / "config" / "arm.srdf",)
 
 
-def swapped_reads(victim: Reader, tries: int) -> tuple[int, int, int]:
-    """How often a folder was swapped for a link into the secret meanwhile, and what was read: ours, the secret."""
-    lay(victim.archive, {"arm.xacro": PART, "config/key.yaml": "key: open"})
-    guard = confinement(victim.archive / "arm.xacro", package_index(victim.archive / "arm.xacro"))
-    ours = secrets = 0
-    with swapping(victim.archive / "config", victim.secret / "config") as swaps:
-        for _ in range(tries):
-            with suppress(Refused, OSError):
-                text = guard.read(str(victim.archive / "config" / "key.yaml"))[1]
-                ours += text == "key: open"
-                secrets += TOKEN in text
-            with suppress(Refused, OSError):
-                secrets += "secret.yaml" in guard.entries(victim.archive / "config")
-    return swaps[0], ours, secrets
-
-
 def test_a_folder_that_is_swapped_for_a_link_opens_nothing(victim: Reader) -> None:
     lay(victim.secret, {"config/secret.yaml": TOKEN})
-    swaps, ours, secrets = swapped_reads(victim, 2000)
-    assert min(swaps, ours) > 20
-    assert secrets == 0
-
-
-@pytest.mark.slow
-def test_tens_of_thousands_of_tries_open_nothing(victim: Reader) -> None:
-    lay(victim.secret, {"config/secret.yaml": TOKEN})
-    swaps, ours, secrets = swapped_reads(victim, 70_000)
-    print(f"\na folder swapped for a link {swaps} times in 140,000 tries: {ours} files read, {secrets} secrets")
-    assert secrets == 0
+    lay(victim.archive, {"arm.xacro": PART, "config/key.yaml": "key: open"})
+    guard = Confinement(victim.archive / "arm.xacro", package_index(victim.archive / "arm.xacro"))
+    found: list[str] = []
+    with swapping(victim.archive / "config", victim.secret / "config") as swaps:
+        for _ in range(2000):
+            with suppress(Refused, OSError):
+                found.append(guard.read(str(victim.archive / "config" / "key.yaml"))[1])
+            with suppress(Refused, OSError):
+                found += guard.entries(victim.archive / "config")
+    assert min(swaps[0], found.count("key: open")) > 20
+    assert set(found) == {"key: open", "key.yaml"}
 
 
 OBJECTS = ("sin", "math", "python.type(1)")
@@ -176,7 +160,7 @@ def test_a_variable_that_nobody_allows_counts_as_not_set(
 
     def asked(env: tuple[str, ...]) -> tuple[str, list[str]]:
         try:
-            text, noted = expand_xacro(path, package_index(path), env_vars=env)
+            text, noted, _ = expand_xacro(path, package_index(path), env_vars=env)
         except DescriptionError as error:
             return str(error), []
         return text, [f"{one.code}: {one.what}; {one.remedy}" for one in noted]

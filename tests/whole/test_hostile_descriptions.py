@@ -7,14 +7,12 @@ import re
 import signal
 import subprocess
 import sys
-import threading
 import time
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from hostile.attempt import MEGABYTES, SECONDS, Figures, Outcome, attempt
+from hostile.attempt import SECONDS, attempt
 from hostile.descriptions import CASES
 from hostile.texts import Case
 from twistarm import load_arm
@@ -28,8 +26,8 @@ SAMPLE = (
     *("200 manifests of 1 MB, the name at the end", "links in circles"),
 )
 
-PROMPT, HANGS = 0.5, 60.0
-"""Seconds of the processor within which Ctrl-C ends a command; those on the clock after which it counts as stuck."""
+PROMPT, HANGS = 1.0, 60.0
+"""Seconds within which Ctrl-C ends a command, and after which it counts as stuck."""
 
 
 def judged(case: Case, code: int | None, errors: str) -> str:
@@ -55,21 +53,11 @@ def test_much_work_is_done_or_refused_soon(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_every_description_that_asks_for_much_work(tmp_path: Path) -> None:
-    figures = Figures("descriptions that ask for much work")
-    for number, (name, case) in enumerate(CASES.items()):
-        folder = tmp_path / str(number)
-        folder.mkdir()
-        outcome = attempt("info", *case.write(folder), folder=folder)
-        figures.add(name, outcome, outcome.fault or judged(case, outcome.code, outcome.errors) or _greedy(outcome))
-    print(figures)
-    assert not figures.faults
-
-
-def _greedy(outcome: Outcome) -> str:
-    """By the processor's seconds: a machine with other work to do is none of the case's faults."""
-    within = outcome.busy <= SECONDS and outcome.megabytes <= MEGABYTES
-    return "" if within else f"{outcome.busy:.1f} s, {outcome.megabytes:.0f} MB"
+@pytest.mark.parametrize("name", CASES)
+def test_every_description_that_asks_for_much_work(name: str, tmp_path: Path) -> None:
+    outcome = attempt("info", *CASES[name].write(tmp_path), folder=tmp_path)
+    assert not outcome.within()
+    assert not judged(CASES[name], outcome.code, outcome.errors)
 
 
 INTERRUPTED = {
@@ -95,10 +83,7 @@ def test_ctrl_c_ends_it_at_any_moment(command: str, name: str, tmp_path: Path) -
 
 
 def _interrupted(arguments: tuple[str, ...], folder: Path, after: float) -> float:
-    """Seconds that it computes from a Ctrl-C to the end of `twistarm arguments`; 0 where that came first.
-
-    Those of the clock, which count other programs too, where the system does not tell.
-    """
+    """Seconds from a Ctrl-C to the end of `twistarm arguments`."""
     process = subprocess.Popen(
         [sys.executable, "-m", "twistarm", *arguments],
         cwd=folder,
@@ -107,23 +92,11 @@ def _interrupted(arguments: tuple[str, ...], folder: Path, after: float) -> floa
         stderr=subprocess.DEVNULL,
         env={**os.environ, "COLUMNS": "80"},
     )
-    time.sleep(after)
-    began, clock = _computed(process.pid), time.monotonic()
-    process.send_signal(signal.SIGINT)
-    stuck = threading.Timer(HANGS, process.kill)
-    stuck.start()
-    with suppress(ChildProcessError):  # it had ended before the signal
-        os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)  # its times are still there
-    stuck.cancel()
-    took = _computed(process.pid) - began
-    assert process.wait() != -signal.SIGKILL, f"not ended {HANGS:g} s after Ctrl-C"
-    return took if began > 0.0 else time.monotonic() - clock
-
-
-def _computed(pid: int) -> float:
-    """The seconds of the processor that a process took until now; 0 where no /proc tells."""
     try:
-        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    except OSError:
-        return 0.0
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        time.sleep(after)
+        began = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        process.wait(HANGS)
+        return time.monotonic() - began
+    finally:
+        process.kill()

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from hostile.attempt import Figures, Outcome, attempt
+from hostile.attempt import Outcome, attempt
 from hostile.mesh_case import CANARY, Case, lay
 from hostile.meshes import CASES, NO_FILES
 from twistarm import load_arm
@@ -17,15 +17,6 @@ from twistarm.description.meshes import MeshReader, UnreadableMeshError
 
 SECONDS, MEGABYTES = 25.0, 1_300.0
 """A mesh has 3 s and more of a processor, four times that on the clock, and the memory of the process that reads it."""
-
-
-def fault_of(case: Case, folder: Path, figures: Figures, name: str) -> None:
-    """What is wrong with how `doctor` and `view` take it, added to the figures."""
-    path = lay(case, folder)
-    outcome = attempt("doctor", str(path), "--json", folder=folder)
-    figures.add(f"{name}: doctor", outcome, outcome.within(SECONDS, MEGABYTES) or _told(case, outcome))
-    outcome = attempt("view", str(path), "-o", str(folder / "page.html"), folder=folder)
-    figures.add(f"{name}: view", outcome, outcome.within(SECONDS, MEGABYTES) or _shown(case, outcome, folder))
 
 
 def _told(case: Case, outcome: Outcome) -> str:
@@ -56,26 +47,20 @@ QUICK = re.compile("uri|mtllib (?!with a line)|unit|document|laughs|NaN|count of
 """Of which each takes some milliseconds."""
 
 
-def test_what_a_mesh_refers_to_is_its_own_and_its_numbers_are_numbers(tmp_path: Path) -> None:
-    wrong, tried = [], 0
-    with MeshReader() as meshes:
-        for k, (name, case) in enumerate(CASES.items()):
-            if QUICK.search(name) and name not in NO_FILES:
-                (tmp_path / str(k)).mkdir()
-                lay(case, tmp_path / str(k))
-                (mesh,) = (path for path in (tmp_path / str(k) / "arm/meshes").glob("mesh*") if path.suffix != ".mtl")
-                told = _read(meshes, mesh)
-                tried += 1
-                if (not re.search(case.said, told)) if case.said else told:
-                    wrong.append(f"{name}: {told}")
-    assert tried > 25
-    assert not wrong
+@pytest.mark.parametrize("name", [name for name in CASES if QUICK.search(name) and name not in NO_FILES])
+def test_what_a_mesh_refers_to_is_its_own_and_its_numbers_are_numbers(name: str, tmp_path: Path) -> None:
+    case = CASES[name]
+    lay(case, tmp_path)
+    (mesh,) = (path for path in (tmp_path / "arm/meshes").glob("mesh*") if path.suffix != ".mtl")
+    told = _read(mesh)
+    assert re.search(case.said, told) if case.said else not told
 
 
-def _read(meshes: MeshReader, mesh: Path) -> str:
+def _read(mesh: Path) -> str:
     """Why it is not drawn, or what of the canary is; empty where all is well."""
     try:
-        drawn = b"".join(part.vertices.astype("<f4").tobytes() for part in meshes.parts(mesh))
+        with MeshReader() as meshes:
+            drawn = b"".join(part.vertices.astype("<f4").tobytes() for part in meshes.parts(mesh))
     except UnreadableMeshError as error:
         return error.reason
     return "the canary is drawn" if any(CANARY[i : i + 12] in drawn for i in (0, 12)) else ""
@@ -88,13 +73,10 @@ def test_a_mesh_that_is_no_file_is_missing(tmp_path: Path, name: str) -> None:
 
 
 @pytest.mark.slow
-def test_no_mesh_takes_more_than_its_share_or_shows_what_is_not_its_own(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    figures = Figures("hostile meshes")
-    for k, (name, case) in enumerate(CASES.items()):
-        (tmp_path / str(k)).mkdir()
-        fault_of(case, tmp_path / str(k), figures, name)
-    with capsys.disabled():
-        print(f"\n{figures}")
-    assert not figures.faults
+@pytest.mark.parametrize("name", CASES)
+def test_no_mesh_takes_more_than_its_share_or_shows_what_is_not_its_own(name: str, tmp_path: Path) -> None:
+    case, path = CASES[name], str(lay(CASES[name], tmp_path))
+    outcome = attempt("doctor", path, "--json", folder=tmp_path)
+    assert (outcome.within(SECONDS, MEGABYTES) or _told(case, outcome)) == ""
+    outcome = attempt("view", path, "-o", "page.html", folder=tmp_path)
+    assert (outcome.within(SECONDS, MEGABYTES) or _shown(case, outcome, tmp_path)) == ""

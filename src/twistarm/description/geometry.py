@@ -106,7 +106,7 @@ class Geometries:
         self._materials.note_odd()
         causes: dict[tuple[str, str], list[str]] = {}
         for uri in dict.fromkeys(self._missing):
-            cause = why_missing(uri, self._reading.path, self._reading.packages)
+            cause = why_missing(uri, self._reading.packages)
             causes.setdefault(cause, []).append(without_places(uri, Path(uri.removeprefix("file://"))))
         for (why, remedy), names in causes.items():
             self._reading.note(
@@ -167,7 +167,7 @@ class Geometries:
         return bool(seen)
 
     def _mesh(self, uri: str) -> Path | None:
-        path = resolve_uri(uri, self._reading.path, self._reading.packages)
+        path = resolve_uri(uri, self._reading.packages)
         if path is None:
             self._missing.append(uri)
         return path

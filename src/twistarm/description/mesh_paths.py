@@ -18,9 +18,6 @@ from .packages import PackageIndex
 
 _IN_PACKAGE = re.compile(r"(?:(?:package|model)://([^/\\]*)|\$\(find\s+([^)\s]+)\))[/\\]*")
 
-NEAR = 3
-"""Folders above the description that may be its package."""
-
 SIMILAR, MOST_ENTRIES = 0.7, 1_000
 """Similarity of a name and its misspelling, and most files of a folder to compare."""
 
@@ -51,38 +48,38 @@ def plain(uri: str) -> str:
     return scheme + re.sub(r"(?<=.)[/\\]+", "/", path)
 
 
-def resolve_uri(uri: str, file: Path, packages: PackageIndex) -> Path | None:
+def resolve_uri(uri: str, packages: PackageIndex) -> Path | None:
     """The mesh file of a URI: `package://`, `model://`, `file://`, `$(find p)/…`, absolute, or beside the file.
 
     Without a package's name, `package://` begins at the file's folder, at those above, or at the caller's folders.
     None if there is no such file.
     """
-    found = (folder / path for folder in _folders(parsed(uri), file, packages) for path in _spellings(parsed(uri).path))
+    found = (folder / path for folder in _folders(parsed(uri), packages) for path in _spellings(parsed(uri).path))
     path = next((path for path in found if is_file(path)), None)
     return None if path is None else Path(os.path.realpath(path))
 
 
-def why_missing(uri: str, file: Path, packages: PackageIndex) -> tuple[str, str]:
+def why_missing(uri: str, packages: PackageIndex) -> tuple[str, str]:
     """Why there is no file at a URI, and the remedy. Both are equal for files with one remedy."""
     head, package, path = parsed(uri)
-    folders = list(_folders(parsed(uri), file, packages))
+    folders = list(_folders(parsed(uri), packages))
     if package and not folders:
-        return _package_missing(package, path, file, packages)
+        return _package_missing(package, path, packages)
     if near := next((near for folder in folders if (near := _near(folder, _spellings(path)[-1]))), None):
         return "other names stand there", f"write {plain(head + near)!r}"
     where = f"in package {package!r}" if package else "where the description looks for them"
     return f"no such file stands {where}", "correct the paths, or put the files there"
 
 
-def _folders(uri: MeshUri, file: Path, packages: PackageIndex) -> Iterator[Path]:
+def _folders(uri: MeshUri, packages: PackageIndex) -> Iterator[Path]:
     """The folders in which its path may begin."""
     if uri.package:
         folder = packages.find_for_mesh(uri.package)
         yield from () if folder is None else (folder,)
     else:
-        yield file.parent
+        yield packages.file.parent
         if uri.head not in ("", "file://"):
-            yield from (*file.parents[1:NEAR], *packages.user_dirs)
+            yield from packages.near[1:]
 
 
 def _spellings(path: str) -> list[str]:
@@ -91,10 +88,10 @@ def _spellings(path: str) -> list[str]:
     return list(dict.fromkeys((path, decoded, path.replace("\\", "/"), decoded.replace("\\", "/"))))
 
 
-def _package_missing(package: str, path: str, file: Path, packages: PackageIndex) -> tuple[str, str]:
+def _package_missing(package: str, path: str, packages: PackageIndex) -> tuple[str, str]:
     what, near = f"package {package!r} not found", closest(package, packages.names())
     correct = f"correct the name{near}, or " if near else ""
-    for folder in (*list(file.parents)[:NEAR], *packages.user_dirs):
+    for folder in packages.near:
         if path and any(is_file(folder / name) for name in _spellings(path)):
             remedy = f"{correct}give the folder {folder.name!r} the name {package}"
             return f"{what}, but the path is relative to the folder {folder.name!r}", remedy

@@ -22,6 +22,9 @@ MAX_DEPTH = 4
 MAX_PARENTS = 8
 """Parents of the description that the search covers, with their children."""
 
+NEAR = 3
+"""Parents of the description that may be its package."""
+
 MANIFEST_BYTES = 16_384
 """Bytes read of a package.xml. The name is near the head, behind a licence at most."""
 
@@ -110,6 +113,11 @@ class PackageIndex:
             folders = [folder for name, those in self._by_name.items() if name.startswith(package) for folder in those]
             self._copies[key] = find_copy(package, folders, self.file, marked=marked)
         return self._copies[key]
+
+    @property
+    def near(self) -> tuple[Path, ...]:
+        """Folders that may be packages under another name: those above the description, and the user's."""
+        return (*list(self.file.parents)[:NEAR], *self.user_dirs)
 
     def searched(self) -> str:
         """The places of the search, in words."""

@@ -51,11 +51,6 @@ def _check_counts(robot: ET.Element, reading: Reading) -> None:
             raise refusal("too-many-parts", reading.whole, what, "is it a whole scene? leave out all but the robot")
 
 
-def root_link(robot: ET.Element) -> str:
-    """The link without a parent."""
-    return _roots(robot)[0]
-
-
 def _check_names(elements: list[ET.Element], reading: Reading) -> None:
     for element in elements:
         if not element.get("name"):
@@ -91,14 +86,15 @@ def _check_parents(joints: list[ET.Element], reading: Reading) -> None:
         first[child] = joint
 
 
-def _roots(robot: ET.Element) -> list[str]:
+def root_links(robot: ET.Element) -> list[str]:
+    """The links without a parent."""
     children = {joint.find("child").get("link") for joint in robot.findall("joint")}  # type: ignore[union-attr]
     return [name for link in robot.findall("link") if (name := link.get("name", "")) not in children]
 
 
 def _check_connected(robot: ET.Element, reading: Reading) -> None:
     """Check for one root, no cycle, and a depth that Pinocchio can read."""
-    roots = _roots(robot)
+    roots = root_links(robot)
     if len(roots) > 1:
         what = f"{len(roots)} root links: {listed(roots)}"
         raise refusal("several-roots", reading.whole, what, "a robot has one: join them with fixed joints")

@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
@@ -26,21 +27,19 @@ from .inertial import INERTIA, drop_unusable_inertials
 from .numerals import floats
 from .packages import package_index
 from .planar import split_planar_joints
-from .spelling import note_unread_words
-from .structure import check_structure, root_link
+from .spelling import note_unread_words, settle_version
+from .structure import check_structure, root_links
 from .tree import Description, Joint, JointType, Link, Mimic
-from .version import settle_version
 
 MOST_TURNED = 6.3
 """A whole turn [rad], generously rounded."""
 
-MOVING_ALONE = ("revolute", "continuous", "prismatic")
 Rates = dict[str, dict[str, float]]
 """The numbers of each joint's `<limit>` as written, by joint name."""
 
 _MACRO = re.compile(r"<xacro:macro\s[^>]*?\bname\s*=\s*[\"']([^\"']+)")
 
-_JOINT_TYPES: tuple[JointType, ...] = ("revolute", "continuous", "prismatic", "fixed", "planar", "floating")
+_JOINT_TYPES: tuple[JointType, ...] = get_args(JointType)
 
 
 def read_description(
@@ -63,7 +62,7 @@ def read_description(
     file = existing_file(path, "a URDF or xacro file, an arm.toml or a catalogue name").resolve()
     packages = package_index(file, package_dirs, mesh_dirs)
     if is_xacro(file):
-        text, noted = expand_xacro(file, packages, xacro_args, ignore_packages, env_vars)
+        text, noted, _ = expand_xacro(file, packages, xacro_args, ignore_packages, env_vars)
         _require_links(text, file)
         reading = Reading(file, packages, show_lines=False)
     elif xacro_args:
@@ -112,7 +111,7 @@ def build_description(text: str, reading: Reading) -> Description:
     return Description(
         name=robot.get("name", ""),
         path=reading.path,
-        root=root_link(robot),
+        root=root_links(robot)[0],
         links=links,
         joints=joints,
         text=text,
@@ -231,7 +230,7 @@ def _read_mimic(element: ET.Element, reading: Reading) -> Mimic | None:
 
 def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading) -> None:
     """Add a finding for each kind of rate, with the joints that do not give it and the value there."""
-    moving = [joint.name for joint in joints if joint.type in MOVING_ALONE and joint.mimic is None]
+    moving = [joint.name for joint in joints if joint.scalar and joint.mimic is None]
     for kind in ("velocity", "effort"):
         absent = {name: given[name].get(kind, 0.0) for name in moving if given[name].get(kind, 0.0) <= 0}
         if absent:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arm.arm import Arm
-from ..description.companions.toml_text import toml_key
+from ..description.companions.toml_entries import toml_key
 
 STEP = {"rad": 0.2, "m": 0.05}
 """How far the first joint that can moves away from the ready pose."""

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ...description.companions.companion_files import files_beside, srdf_beside
-from ...description.companions.toml_text import toml_key, toml_text
-from ...description.expansion.expand import is_xacro, xacro_arguments
+from ...description.companions.toml_entries import toml_key, toml_text
+from ...description.expansion.expand import expand_xacro, is_xacro
 from ...description.packages import package_index, package_names, variable_names
 from ...description.tips.choice import candidates
 from ...description.tree import Description
@@ -77,8 +77,9 @@ def draft_arm_file(
         if not any(finding.code == "no-tip" for finding in error.findings):
             raise
         unclear = str(error)
-    index = package_index(file, folders)
-    declared = xacro_arguments(file.resolve(), index, arguments, absent, env_vars) if is_xacro(file) else {}
+    index, declared = package_index(file, folders), {}
+    if is_xacro(file):
+        declared = expand_xacro(file.resolve(), index, arguments, absent, env_vars).arguments
     where = Path(folder).resolve()
     parts = [
         _head(description, file, where),

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ...arm.arm import Arm
-from ...description.companions.toml_text import toml_key
+from ...description.companions.toml_entries import toml_key
 from ...description.coupling import Affine
 from ...description.findings import Finding, Place, finding
 from ...description.tree import Description, Joint

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ...description.companions.toml_text import toml_key
+from ...description.companions.toml_entries import toml_key
 from ...description.findings import Finding, Place, finding
 from ...description.tree import Description, Joint, Link
 from ...support.errors import listed

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from ..tree import Description, Joint
@@ -41,34 +41,23 @@ def arm_groups(semantics: Semantics, description: Description) -> tuple[ArmGroup
 
 
 class _Tree:
-    """Ancestors of links by an interval of numbers, in constant time, because a large SRDF needs many."""
+    """The joints by name, parents before children, and the links above each link."""
 
     def __init__(self, description: Description) -> None:
-        order = description.outward_joints()
-        self.joints = {joint.name: joint for joint in order}
-        self.joint_to = {joint.child: joint for joint in order}
-        self._size = dict.fromkeys(description.links, 1)
-        for joint in reversed(order):
-            self._size[joint.parent] += self._size[joint.child]
-        self._first, free = {description.root: 0}, {description.root: 1}
-        for joint in order:
-            self._first[joint.child] = free[joint.parent]
-            free[joint.parent] += self._size[joint.child]
-            free[joint.child] = self._first[joint.child] + 1
+        self.joints = {joint.name: joint for joint in description.outward_joints()}
+        self.joint_to = {joint.child: joint for joint in self.joints.values()}
 
-    def above(self, link: str, other: str) -> bool:
-        """Whether `other` is `link` or beyond it."""
-        if link not in self._first or other not in self._first:
-            return False
-        return self._first[link] <= self._first[other] < self._first[link] + self._size[link]
+    def inward(self, link: str) -> Iterator[str]:
+        """The link and those above it, up to the root."""
+        yield link
+        while link in self.joint_to:
+            link = self.joint_to[link].parent
+            yield link
 
     def chain(self, base: str, tip: str) -> list[str]:
         """The joints from `base` to `tip`. Empty if a link is unknown, or `base` is not above `tip`."""
-        path: list[str] = []
-        while self.above(base, tip) and tip != base:
-            path.append(self.joint_to[tip].name)
-            tip = self.joint_to[tip].parent
-        return path
+        path = list(self.inward(tip))
+        return [self.joint_to[link].name for link in path[: path.index(base)]] if base in path else []
 
 
 def _preferred(groups: list[ArmGroup], better: Callable[[ArmGroup], bool]) -> list[ArmGroup]:
@@ -81,7 +70,7 @@ def _path(group: Group, members: list[Joint], tree: _Tree) -> ArmGroup | None:
     # Fixed joints beyond the last moving one lead on to the tip only where they do not branch.
     for joints in (members, moving) if moving else ():
         tip = joints[-1].child
-        if all(tree.above(joint.child, tip) for joint in joints):
+        if {joint.child for joint in joints}.issubset(tree.inward(tip)):
             alone = len(group.chains) == 1 and not (group.joints or group.links or group.subgroups)
             base = group.chains[0][0] if alone else None
             return ArmGroup(group.name, base, tip, tuple(joint.name for joint in moving))
@@ -112,7 +101,7 @@ def _members(group: Group, semantics: Semantics, own: dict[str, set[str]], tree:
 def _gripping(effector: EndEffector, members: dict[str, list[Joint]], tree: _Tree) -> tuple[str, ...]:
     """The moving joints of an end effector's group, if they lie beyond its parent link."""
     joints = [joint for joint in members.get(effector.group, ()) if joint.moving]
-    beyond = all(tree.above(effector.parent_link, joint.parent) for joint in joints)
+    beyond = all(effector.parent_link in tree.inward(joint.parent) for joint in joints)
     return tuple(joint.name for joint in joints) if beyond else ()
 
 
@@ -121,4 +110,4 @@ def _hangs_on(effector: EndEffector, group: ArmGroup, tree: _Tree) -> bool:
     if effector.parent_group:
         return effector.parent_group == group.name
     first = tree.joints[group.joints[0]].child
-    return tree.above(first, effector.parent_link) and tree.above(effector.parent_link, group.tip)
+    return first in tree.inward(effector.parent_link) and effector.parent_link in tree.inward(group.tip)

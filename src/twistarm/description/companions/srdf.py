@@ -107,7 +107,7 @@ def read_srdf(
         return _semantics(read_text(file), Reading(file, index))
     known = declared_arguments([file])
     given = {name: value for name, value in xacro_args.items() if name in known}
-    text, _ = expand_xacro(file, index, given, ignore_packages, env_vars)
+    text = expand_xacro(file, index, given, ignore_packages, env_vars).text
     return _semantics(text, Reading(file, index, show_lines=False))
 
 

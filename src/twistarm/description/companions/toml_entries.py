@@ -1,7 +1,9 @@
-"""Checks of the entries of an arm.toml. Errors name the file, the entry and the allowed values."""
+"""Entries of an arm.toml, checked and written. Errors name the file, the entry and the allowed values."""
 
 from __future__ import annotations
 
+import json
+import re
 import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -90,3 +92,13 @@ def bounded(value: Any, path: Path, place: str, wanted: str = "finite") -> float
         allowed = f"at most {LARGEST:g} in size" if np.isfinite(number) else wanted
         raise unusable(path, f"{place} must be {allowed}; got {number:g}")
     return number
+
+
+def toml_key(name: str) -> str:
+    """A key: bare where TOML allows that, else quoted."""
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else toml_text(name)
+
+
+def toml_text(text: str) -> str:
+    """A TOML string; JSON's escapes are TOML's, except delete."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

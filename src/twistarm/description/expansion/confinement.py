@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from ...support.caller_words import package_folder
@@ -24,7 +23,6 @@ _PARTS = ("urdf", "xacro", "robots", "robot", "description", "model", "models")
 """Names of folders that usually lie inside the folder of an arm."""
 
 
-@dataclass(frozen=True)
 class Confinement:
     """The folders that `file` and its includes may read from.
 
@@ -37,10 +35,10 @@ class Confinement:
     other folders, because an archive may hold any link. Links of the user's build are an exception (`_is_built_from`).
     """
 
-    file: Path
-    packages: PackageIndex
-    roots: tuple[Path, ...] = ()
-    _known: dict[Path, bool] = field(default_factory=dict, repr=False, compare=False)
+    def __init__(self, file: Path, packages: PackageIndex) -> None:
+        self._file, self._packages = _real(file), packages
+        self.roots = tuple(root for root in _own_folders(self._file) if not is_too_wide(root))
+        self._known: dict[Path, bool] = {}
 
     def read(self, name: str) -> tuple[Path, str]:
         """The real path and the text of the regular file `name`.
@@ -77,7 +75,7 @@ class Confinement:
 
     def require_inside(self, real: Path) -> None:
         """Refused if `real`, a path without links, lies outside the folders."""
-        inside = real == self.file or any(real.is_relative_to(root) for root in self.roots)
+        inside = real == self._file or any(real.is_relative_to(root) for root in self.roots)
         if not inside and not any(map(self._is_known, real.parents)):
             allowed = ", ".join(map(str, self.roots)) or "none"
             what = f"{real} lies outside the folders that may be read ({allowed}, and packages found by their name)"
@@ -87,23 +85,17 @@ class Confinement:
         """Whether the index finds a package in it, directly or through the user's build."""
         if folder not in self._known:
             name = None if is_too_wide(folder) else package_name(folder)
-            found = None if name is None else self.packages.find(name)
+            found = None if name is None else self._packages.find(name)
             named = found is not None and (
                 found == folder or _is_built_from(found, folder) or folder in self._sourced(str(name))
             )
-            self._known[folder] = named or self.packages.is_copy(folder)
+            self._known[folder] = named or self._packages.is_copy(folder)
         return self._known[folder]
 
     def _sourced(self, package: str) -> Iterator[Path]:
         """Targets of links of the environment's packages of a name. The user has built a workspace that is sourced."""
-        for found in self.packages.sourced(package):
+        for found in self._packages.sourced(package):
             yield from (_real(found), _real(found / "package.xml").parent)
-
-
-def confinement(file: Path, packages: PackageIndex) -> Confinement:
-    """The confinement of `file`, with the packages that the index finds."""
-    real = _real(file)
-    return Confinement(real, packages, tuple(root for root in _own_folders(real) if not is_too_wide(root)))
 
 
 def _real(path: Path) -> Path:

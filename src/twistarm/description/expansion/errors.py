@@ -18,10 +18,6 @@ MOST_NEIGHBOURS = 8
 """Most names of a folder in a message about a missing one."""
 
 
-NEAR = 3
-"""Folders above a description that may be its package."""
-
-
 def explain(error: Exception, expansion: Expansion, place: Place) -> DescriptionError:
     """The error to raise. `place` is the file or the macro that xacro was expanding."""
     chain = list(causes(error))
@@ -77,8 +73,7 @@ def _folder_with(wanted: Path, expansion: Expansion) -> Path | None:
     """A folder near the description, or of the user, with the wanted file of a package."""
     if not wanted.name or ".." in wanted.parts:
         return None
-    near = (*expansion.packages.user_dirs, *list(expansion.path.parents)[:NEAR])
-    return next((folder for folder in near if (folder / wanted).is_file()), None)
+    return next((folder for folder in expansion.packages.near if (folder / wanted).is_file()), None)
 
 
 def _missing_file(error: OSError, expansion: Expansion) -> tuple[str, str]:

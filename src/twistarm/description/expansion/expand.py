@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from ..document import read_text
 from ..findings import Finding
@@ -20,67 +21,54 @@ _LOCK = threading.Lock()
 """xacro keeps arguments, file stack and verbosity in module globals: one expansion at a time."""
 
 
+class Expanded(NamedTuple):
+    """The URDF text, findings, and every argument that the file and its includes take, {name: default}.
+
+    A required argument has the default None.
+    """
+
+    text: str
+    findings: tuple[Finding, ...]
+    arguments: dict[str, str | None]
+
+
 def expand_xacro(
     path: Path,
     packages: PackageIndex,
     arguments: Mapping[str, object] | None = None,
     ignore_packages: Iterable[str] = (),
     env_vars: Iterable[str] = (),
-) -> tuple[str, tuple[Finding, ...]]:
-    """The URDF text of `path`, and findings.
+) -> Expanded:
+    """Expand the file at `path`.
 
     Files outside the packages stay closed (`confinement`). Expressions only compute (`expressions`). They read only the
     environment variables in `env_vars` (`environment`). The work is counted (`work`). A missing package is an error
     only if an include or a YAML load needs it. Parts of the packages in `ignore_packages` are left out (`left_out`).
     Raises DescriptionError with the file, the cause and the remedy.
     """
-    text, expansion = _expanded(path, packages, arguments or {}, ignore_packages, env_vars)
-    known = expansion.found.all()
-    for name in expansion.given:
-        if name not in known:
-            raise unknown_argument(name, path, known)
-    unknown = (package_finding(path, name) for name in sorted(expansion.unknown_packages))
-    noted = (*unknown, *expansion.environment.findings(), *expansion.left_out.findings(expansion.found.packages))
-    return text, noted
-
-
-def xacro_arguments(
-    path: Path,
-    packages: PackageIndex,
-    arguments: Mapping[str, object] | None = None,
-    ignore_packages: Iterable[str] = (),
-    env_vars: Iterable[str] = (),
-) -> dict[str, str | None]:
-    """Every argument that `path` and its includes take, {name: default}, with None for a required one.
-
-    The includes may depend on `arguments`. Unknown arguments have no effect. Raises DescriptionError as `expand_xacro`.
-    """
-    return _expanded(path, packages, arguments or {}, ignore_packages, env_vars)[1].found.all()
-
-
-def is_xacro(path: Path) -> bool:
-    """Whether a file needs expansion, by its name or by a xacro element in it."""
-    return path.suffix == ".xacro" or "<xacro:" in read_text(path)
-
-
-def _expanded(
-    path: Path,
-    packages: PackageIndex,
-    arguments: Mapping[str, object],
-    ignore_packages: Iterable[str],
-    env_vars: Iterable[str],
-) -> tuple[str, Expansion]:
-    given = {name: _argument_text(value) for name, value in arguments.items()}
+    given = {name: _argument_text(value) for name, value in (arguments or {}).items()}
     with _LOCK:
         xacro = own_xacro()
         expansion = Expansion(xacro, path, packages, given, ignore_packages, env_vars)
         with hooked(xacro, expansion.for_xacro()):
             try:
                 document = xacro.process_file(str(path), mappings=dict(given), verbosity=0)
-                return _portable(document.documentElement.toxml()), expansion
+                text = _portable(document.documentElement.toxml())
             except Exception as error:
                 explained = explain(error, expansion, expansion.place)
                 raise blamed(explained, expansion.left_out.findings(())) from error
+    known = expansion.found.all()
+    for name in given:
+        if name not in known:
+            raise unknown_argument(name, path, known)
+    unknown = (package_finding(path, name) for name in sorted(expansion.unknown_packages))
+    noted = (*unknown, *expansion.environment.findings(), *expansion.left_out.findings(expansion.found.packages))
+    return Expanded(text, noted, known)
+
+
+def is_xacro(path: Path) -> bool:
+    """Whether a file needs expansion, by its name or by a xacro element in it."""
+    return path.suffix == ".xacro" or "<xacro:" in read_text(path)
 
 
 def _portable(robot: str) -> str:

@@ -245,7 +245,6 @@ class Expressions:
             yield names
             return
         for value in self._value(generators[0].iter, names):
-            self._work.charge(1)
             inner = _Scope(_bound(generators[0].target, value), names)
             if all(self._value(test, inner) for test in generators[0].ifs):
                 yield from self._rounds(generators[1:], inner)

@@ -19,7 +19,7 @@ from ..document import Reading, note_file, parse_xml
 from ..findings import Place, refusal
 from ..packages import PackageIndex, is_package_name
 from .arguments import Arguments
-from .confinement import confinement
+from .confinement import Confinement
 from .environment import Environment
 from .evaluation import WORKING_FOLDER, Evaluation, say_nothing
 from .left_out import NEEDED, LeftOut
@@ -80,7 +80,7 @@ class Expansion:
         self.unknown_packages: set[str] = set()
         self._xacro = xacro
         self._original: dict[str, Any] = {name: getattr(xacro, name, None) for name in _KEPT}
-        self._confinement = confinement(path, packages)
+        self._confinement = Confinement(path, packages)
         self._in_leavable = False
         self.work = Work()
         self.environment = Environment(path, tuple(env_vars))

@@ -76,6 +76,14 @@ def format_of(path: Path) -> str:
     return ending
 
 
+def size_of(path: Path) -> int:
+    """The bytes of the file, 0 if there is none."""
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
+
+
 def mesh_file(path: Path, read: Callable[[int], None] = lambda size: None) -> MeshFile:
     """Read the file at `path`.
 

@@ -14,7 +14,7 @@ from multiprocessing import Pipe
 from pathlib import Path
 from typing import Any
 
-from ...support.errors import TwistarmError, missing_extra, one_line
+from ...support.errors import TwistarmError, one_line
 
 PROGRAM = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
@@ -34,7 +34,7 @@ LAST = 0.2
 class Process:
     """A process in a separate session, which a Ctrl-C in the terminal does not reach. It ends with this one.
 
-    Raises TwistarmError if it cannot start, MissingExtraError if it has no trimesh.
+    Raises TwistarmError if it cannot start.
     """
 
     def __init__(self) -> None:
@@ -87,11 +87,9 @@ class Process:
 
     def _begin(self) -> None:
         try:
-            lacking = self._answer(START)["lacking"]
+            self._answer(START)
         except (EOFError, TimeoutError) as error:
             raise _unavailable(f"it did not begin: {type(error).__name__}") from error
-        if lacking:
-            raise missing_extra("drawing a mesh", "trimesh", "view")
         self._ready = True
 
     def _answer(self, seconds: float) -> dict[str, Any]:
@@ -118,32 +116,30 @@ def _unavailable(why: str) -> TwistarmError:
     return TwistarmError(one_line(f"no mesh is drawn: the process that reads them could not be started here ({why})"))
 
 
-_idle: list[Process] = []
-_lock = threading.Lock()
+class Shared:
+    """The process of this program, which has imported all it needs. Readers take turns with it."""
+
+    def __init__(self) -> None:
+        self.forget()
+
+    def forget(self) -> None:
+        """Start anew after a fork: the process is the parent's."""
+        self.turn, self._lock = threading.Lock(), threading.Lock()
+        self._process: Process | None = None
+
+    def process(self) -> Process:
+        """The process, started if there is none."""
+        with self._lock:
+            if self._process is None or not self._process.alive:
+                self._process = Process()
+            return self._process
+
+    def end(self) -> None:
+        """Kill the process."""
+        if self._process is not None:
+            self._process.kill()
 
 
-def taken() -> Process:
-    """An idle process, which has imported all it needs, or a new one."""
-    with _lock:
-        while _idle:
-            if (process := _idle.pop()).alive:
-                return process
-    return Process()
-
-
-def given_back(process: Process) -> None:
-    """Keep the process for the next arm."""
-    if process.alive:
-        with _lock:
-            _idle.append(process)
-
-
-@atexit.register
-def _end() -> None:
-    with _lock:
-        for process in _idle:
-            process.kill()
-        _idle.clear()
-
-
-os.register_at_fork(after_in_child=_idle.clear)  # they are the parent's
+shared = Shared()
+atexit.register(shared.end)
+os.register_at_fork(after_in_child=shared.forget)

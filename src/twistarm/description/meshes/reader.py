@@ -12,8 +12,8 @@ from typing import Any
 from ...support.closeable import Closeable
 from ...support.errors import InputError, TwistarmError, missing_extra, one_line
 from .limits import ARM_SECONDS, ARM_SECONDS_AT_MOST, MEMORY, PATIENCE, SECONDS_PER_MEGABYTE, seconds_for
-from .mesh_file import LIGHTER, Part, UnreadableMeshError, format_of
-from .process import Process, given_back, taken
+from .mesh_file import LIGHTER, Part, UnreadableMeshError, format_of, size_of
+from .process import Process, shared
 
 LONGEST_REASON = 300
 """Characters."""
@@ -22,57 +22,49 @@ LONGEST_REASON = 300
 class MeshReader(Closeable):
     """Reads the meshes of one arm, within limits of memory and time for each mesh and for all, until `close`.
 
-    A context manager. Any thread may use it. It reads one mesh at a time, and `close` ends the current reading.
+    A context manager. Any thread may use it. All readers of a program read one mesh at a time. `close` ends the current
+    reading.
     `parts` and `length` raise UnreadableMeshError for a file that is not a mesh or exceeds a limit. They raise
     MissingExtraError without trimesh, and TwistarmError if no process can start.
     """
 
     def __init__(self) -> None:
         self._spent, self._allowed = 0.0, ARM_SECONDS
-        self._process: Process | None = None
+        self._asked: Process | None = None
         self._unavailable: TwistarmError | None = None
-        self._turn, self._lock = threading.Lock(), threading.Lock()
-        self._asking = self._closed = False
+        self._lock, self._closed = threading.Lock(), False
         self._lengths: dict[Path, float | TwistarmError] = {}
 
     def begin(self) -> None:
         """Start the process if possible, and return at once. Its imports take some tenths of a second."""
         if find_spec("trimesh") is not None:
-            with self._lock, suppress(TwistarmError):
-                self._have_process()
+            with suppress(TwistarmError):
+                shared.process()
 
     def parts(self, path: Path, most: float = inf) -> list[Part]:
         """The parts of the mesh file at `path` in its frame, simplified to about `most` triangles.
 
         They are in metres if the file names its unit.
         """
-        with self._turn:
+        with shared.turn:
             return self._read(path, most)
 
     def length(self, path: Path) -> float:
         """The longest side of the mesh's box, in metres if the file names its unit. Cached after a reading."""
-        with self._turn:
-            if path not in self._lengths:
+        if path not in self._lengths:
+            with shared.turn:
                 self._read(path, 0)
         length = self._lengths[path]
         if isinstance(length, TwistarmError):
             raise length
         return length
 
-    def rest(self) -> None:
-        """Release the process for other readers until the next mesh."""
-        with self._lock:
-            if self._process is not None and not self._asking:
-                given_back(self._process)
-                self._process = None
-
     def close(self) -> None:
         """Stop the current reading, and refuse further ones."""
         with self._lock:
             self._closed = True
-            if self._process is not None and self._asking:
-                self._process.kill()
-        self.rest()
+            if self._asked is not None:
+                self._asked.kill()
 
     def _read(self, path: Path, most: float) -> list[Part]:
         try:
@@ -88,8 +80,9 @@ class MeshReader(Closeable):
         return parts
 
     def _answer(self, path: Path, most: float) -> dict[str, Any]:
-        process, seconds = self._process_to_ask(), seconds_for(_size(path))
+        seconds = seconds_for(size_of(path))
         try:
+            process = self._process_to_ask()
             if self._spent >= self._allowed:
                 spent = f"the meshes before it took all of the {self._allowed:.0f} s that an arm has"
                 raise UnreadableMeshError(path, spent, LIGHTER)
@@ -103,7 +96,8 @@ class MeshReader(Closeable):
                 raise UnreadableMeshError(path, "its reader broke down on it") from error
             raise UnreadableMeshError(path, f"reading it takes more than {seconds:.0f} s", LIGHTER) from error
         finally:
-            self._asking = False
+            with self._lock:
+                self._asked = None
         self._spent += answer["seconds"]
         self._allowed = min(self._allowed + SECONDS_PER_MEGABYTE * answer["bytes"] / 1e6, ARM_SECONDS_AT_MOST)
         if answer["memory"]:
@@ -119,21 +113,5 @@ class MeshReader(Closeable):
                 raise self._unavailable
             if find_spec("trimesh") is None:
                 raise missing_extra("drawing a mesh", "trimesh", "view")
-            process = self._have_process()
-            self._asking = True
-            return process
-
-    def _have_process(self) -> Process:
-        try:
-            self._process = self._process if self._process and self._process.alive else taken()
-        except TwistarmError as error:
-            self._unavailable = error
-            raise
-        return self._process
-
-
-def _size(path: Path) -> int:
-    try:
-        return path.stat().st_size
-    except OSError:  # which reading it will tell
-        return 0
+            self._asked = shared.process()
+            return self._asked

@@ -42,7 +42,8 @@ def main(descriptor: int) -> None:
     """Answer the requests that come through the pipe, until it closes."""
     pipe: Connection[Any, Any] = Connection(descriptor)
     requests: queue.SimpleQueue[tuple[Path, float]] = queue.SimpleQueue()
-    answer: dict[str, Any] = {"lacking": _prepare()}
+    _prepare()
+    answer: dict[str, Any] = {}
     threading.Thread(target=_take, args=(pipe, requests), daemon=True).start()
     while True:
         pipe.send(answer)
@@ -57,23 +58,19 @@ def _take(pipe: Connection[Any, Any], requests: queue.SimpleQueue[tuple[Path, fl
     os._exit(0)
 
 
-def _prepare() -> str:
-    """Import the readers, then limit the process. Returns why trimesh cannot be imported, or an empty text."""
+def _prepare() -> None:
+    """Import the readers, then limit the process."""
     guess = types.ModuleType("charset_normalizer")  # of text that is no UTF-8: its numbers are the same in any
     guess.detect = lambda text: {"encoding": "latin-1", "confidence": 1.0}  # type: ignore[attr-defined]
     sys.modules["charset_normalizer"] = sys.modules["chardet"] = guess
     sys.meta_path[:] = [_Needed(sys.meta_path)]
-    try:
-        import trimesh  # noqa: F401
+    import trimesh  # noqa: F401
 
-        with suppress(ImportError):  # then COLLADA is not read
-            import collada  # noqa: F401
-    except ImportError as error:
-        return str(error)
+    with suppress(ImportError):  # then COLLADA is not read
+        import collada  # noqa: F401
     for what, most in ((resource.RLIMIT_AS, MEMORY), (resource.RLIMIT_FSIZE, 0), (resource.RLIMIT_CORE, 0)):
         with suppress(ValueError, OSError):  # where the system has no such limit, the clock is left
             resource.setrlimit(what, (most, most))
-    return ""
 
 
 def _answer(path: Path, most: float) -> dict[str, Any]:

@@ -47,7 +47,6 @@ class Scene:
         self._begin()
 
     def _begin(self) -> None:
-        self.reader.rest()
         self.left, self._meshes, self.reader = 0, iter(()), MeshReader()
         if self._description is not None:
             self.left = count_meshes(self._description)
@@ -76,9 +75,7 @@ class Scene:
             piece = next(meshes, None)
             with self._lock:
                 anew = meshes is not self._meshes
-                if anew or piece is None:
-                    self._reading.rest()
-                else:
+                if piece is not None and not anew:
                     self._add(piece)
                 return anew or piece is not None
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...description.meshes import LIGHTER, REMEDY, MeshReader, Part, UnreadableMeshError
+from ...description.meshes import LIGHTER, REMEDY, MeshReader, Part, UnreadableMeshError, size_of
 from ...description.tree import Description, Geometry, Link
 from ...support.errors import TwistarmError, listed, one_line
 from ...support.files import stamp
@@ -120,16 +120,9 @@ def _stands_in(link: Link) -> bool:
 def _shares(description: Description) -> Mapping[Path, int]:
     """The number of triangles for each file, by its size and the number of its uses."""
     files = [path for link in description.links.values() for _, _, path in _found(link)]
-    sizes = {path: _bytes(path) for path in files}
+    sizes = {path: size_of(path) for path in files}
     whole = max(sum(sizes[path] for path in files), 1)
     return {path: max(ceil(TRIANGLES * size / whole), FEWEST) for path, size in sizes.items()}
-
-
-def _bytes(path: Path) -> int:
-    try:
-        return path.stat().st_size
-    except OSError:  # which reading it will tell
-        return 0
 
 
 def _parts_or_reason(reader: MeshReader, path: Path, most: float) -> list[Part] | str:
