@@ -5,9 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stream_stand_ins import clock as clock
-from stream_stand_ins import robot as robot
-from stream_stand_ins import stream as stream
 from twistarm.control.stream import StateInbox
 
 NAMES = ("slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll")

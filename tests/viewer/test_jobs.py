@@ -13,8 +13,6 @@ from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.protocol.jobs import Job, Progress, ReplacedError, Workers
 from viewer_page import WAIT, Page, until, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
 
 
 class Loop:

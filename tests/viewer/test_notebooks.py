@@ -13,8 +13,6 @@ from twistarm import Arm, Viewer, arm_from_screws, joints
 from twistarm.support.errors import InputError
 from twistarm.viewer import Inline, page_html
 from viewer_page import THETA, get, stored, swing
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
 
 
 class Frames(HTMLParser):

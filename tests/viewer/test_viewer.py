@@ -16,8 +16,6 @@ from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.stage import Stage
 from viewer_page import ROUNDING, THETA, Page, stored, swing, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
 
 # Python's side ----------------------------------------------------------------------------------------
 

@@ -9,9 +9,7 @@ import pytest
 from twistarm import Arm
 from twistarm.viewer import Viewer
 from twistarm.viewer.server.authentication import Authentication
-from viewer_page import arm as arm
 from viewer_page import get, swing
-from viewer_page import viewer as viewer
 
 GUARD = Authentication("127.0.0.1")
 

@@ -16,8 +16,6 @@ from twistarm.viewer.protocol.change_publisher import ChangePublisher
 from twistarm.viewer.protocol.messages import Request
 from twistarm.viewer.stage import Stage
 from viewer_page import Page, nothing, swing, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
 
 
 def read(texts: dict[str, str]) -> dict[str, Any]:

@@ -15,9 +15,7 @@ from recorded_poses import HOME, REACH
 from twistarm import Arm, load_arm
 from twistarm.planning.joint_space import plan_joint
 from twistarm.viewer import Viewer
-from viewer_page import arm as arm
 from viewer_page import get, swing
-from viewer_page import viewer as viewer
 
 
 def test_the_motion_on_show_is_downloaded_and_reads_back(arm: Arm, viewer: Viewer) -> None:

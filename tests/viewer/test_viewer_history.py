@@ -7,14 +7,12 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from recorded_poses import HOME, REACH, ask, done, names, said
-from recorded_poses import stage as stage
 from twistarm import load_arm
 from twistarm.support.errors import InputError, LimitError
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts import history
 from twistarm.viewer.stage import Stage
 from viewer_page import Page, visit
-from viewer_page import arm as arm
 
 
 def undo(stage: Stage, kind: str = "undo") -> None:

@@ -17,8 +17,6 @@ from twistarm.viewer.server import listening
 from twistarm.viewer.server.downloads import DOWNLOADS
 from twistarm.viewer.server.handlers import MOST_FILES
 from viewer_page import WAIT, Page, get, port_of, until, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
 
 
 def target(viewer: Viewer) -> Target:

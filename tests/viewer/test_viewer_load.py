@@ -28,8 +28,6 @@ from twistarm.support.strict_json import LARGEST_MESSAGE
 from twistarm.viewer import Viewer
 from twistarm.viewer.protocol.messages import SCHEMA
 from viewer_page import THETA, WAIT, Page, address, nothing, port_of, until, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
 
 RATE = 60
 

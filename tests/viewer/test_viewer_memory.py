@@ -19,7 +19,6 @@ from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.server.memory import state_folder
 from viewer_page import ARM, THETA, Page, nothing, until, visit
-from viewer_page import arm as arm
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")
 

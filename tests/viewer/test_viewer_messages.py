@@ -22,8 +22,6 @@ from twistarm.viewer.protocol.messages import SCHEMA, failure, number_of, parse
 from twistarm.viewer.scene.arm_scene import Scene
 from twistarm.viewer.stage import LAYERS, Stage
 from viewer_page import THETA, Page, matrix, nothing, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
 
 BAD_MESSAGES: list[tuple[Any, str]] = [
     ("", "a message is one JSON object"),

@@ -11,7 +11,6 @@ from numpy.testing import assert_allclose
 from numpy.typing import ArrayLike, NDArray
 
 from recorded_poses import HOME, LEFT, REACH, ask, done, said
-from recorded_poses import stage as stage
 from twistarm import Arm
 from twistarm.arm.usual_limits import with_defaults
 from twistarm.planning.joint_space import plan_joint
@@ -19,7 +18,6 @@ from twistarm.planning.trajectory import Trajectory
 from twistarm.viewer.parts.playback import Playback
 from twistarm.viewer.parts.plots import MOST_POINTS, plots
 from twistarm.viewer.stage import Stage
-from viewer_page import arm as arm
 from viewer_page import swing
 
 ROUNDED = 0.5000001e-6

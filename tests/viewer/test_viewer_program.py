@@ -9,16 +9,13 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from recorded_poses import HOME, LEFT, REACH, ask, done, names, said
-from recorded_poses import stage as stage
 from twistarm.planning.joint_space import plan_joint
 from twistarm.support.errors import InputError, LimitError, TwistarmError
 from twistarm.support.strict_json import LARGEST_MESSAGE, encode
 from twistarm.viewer.parts.pose_list import LARGEST_LIST
 from twistarm.viewer.protocol.messages import parse
 from twistarm.viewer.stage import Stage
-from viewer_page import arm as arm
 from viewer_page import swing
-from viewer_page import viewer as viewer
 
 # the list ---------------------------------------------------------------------------------------------
 

@@ -27,8 +27,6 @@ from twistarm.viewer.scene.axes import anchors
 from twistarm.viewer.scene.placement import Placement, rpy
 from twistarm.viewer.stage import Stage
 from viewer_page import ARM, ROUNDING, THETA, matrix, nothing, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
 
 SINGLE = 1e-5
 """Meshes are sent in single precision, and normals are unit vectors."""

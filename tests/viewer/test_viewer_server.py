@@ -22,8 +22,6 @@ from twistarm.description.meshes import MeshReader
 from twistarm.support.errors import InputError, MissingExtraError
 from twistarm.viewer import Viewer, save_html
 from viewer_page import WAIT, Page, get, nothing, port_of, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
 
 # who may come in --------------------------------------------------------------------------------------
 

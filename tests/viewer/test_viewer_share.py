@@ -14,8 +14,6 @@ from twistarm import Arm, Trajectory, Viewer
 from twistarm.viewer.files import scene_snapshot as exhibit
 from twistarm.viewer.parts.findings import examined, loaded
 from viewer_page import THETA, get, stored, swing, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
 
 ROUNDED = 1e-8
 """Of joint values with nine decimals."""

@@ -22,8 +22,6 @@ from twistarm.viewer import Viewer
 from twistarm.viewer.scene.arm_scene import Scene
 from twistarm.viewer.server.watching import loaded
 from viewer_page import ARM, THETA, WAIT, Page, matrix, nothing, until, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
 
 XACRO = """<robot name="small" xmlns:xacro="http://www.ros.org/wiki/xacro">
   <xacro:include filename="links.xacro"/>
