@@ -15,7 +15,7 @@ from twistarm.planning.joint_space import plan_joint
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.stage import Stage
-from viewer_page import ROUNDING, THETA, Page, stored, swing, visit
+from viewer_page import THETA, stored, swing
 
 # Python's side ----------------------------------------------------------------------------------------
 
@@ -34,28 +34,6 @@ def test_a_bad_configuration_is_refused_at_the_door(arm: Arm, viewer: Viewer, th
         with pytest.raises(InputError, match=reason):
             door(theta)
     assert_array_equal(viewer.theta, THETA)
-
-
-def test_a_trajectory_plays_in_real_time_and_can_be_paused_and_sought(arm: Arm, viewer: Viewer) -> None:
-    motion = swing(arm)
-
-    async def watch(page: Page) -> None:
-        viewer.play(motion, speed=0.25)  # slow: however seldom a busy machine shows a frame, some show it under way
-        await page.until(lambda: page.latest.get("player", {}).get("duration") == motion.duration)
-        await page.until(lambda: page.latest["frame"]["running"] and page.latest["frame"]["time"] > 0.01)
-        frame = page.latest["frame"]
-        assert_allclose(frame["theta"], motion(frame["time"]), atol=ROUNDING)
-        await page.ask(type="pause")
-        assert not page.latest["frame"]["running"]
-        await page.ask(type="seek", time=1.0)
-        assert_allclose(page.latest["frame"]["theta"], motion(1.0), atol=ROUNDING)
-        await page.ask(type="seek", time=motion.duration - 0.01)
-        await page.ask(type="play")
-        await page.until(lambda: not page.latest["frame"]["running"])
-        assert page.latest["frame"]["time"] == motion.duration
-
-    visit(viewer, watch)
-    assert_allclose(viewer.theta, motion(motion.duration), atol=ROUNDING)
 
 
 def test_a_motion_without_length_stops_at_once(arm: Arm) -> None:

@@ -13,7 +13,6 @@ from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.theory import SHOWN
 from twistarm.viewer.protocol.change_publisher import ChangePublisher
-from twistarm.viewer.protocol.messages import Request
 from twistarm.viewer.stage import Stage
 from viewer_page import Page, nothing, swing, visit
 
@@ -112,13 +111,6 @@ def test_numbers_end_with_the_last_page_and_what_people_switched_on_stays(viewer
     visit(viewer, look)
     later = visit(viewer, nothing).latest["visible"]
     assert [layer for layer in SHOWN if not later[layer]] == ["numbers"]
-
-
-def test_a_request_that_no_part_answers_is_refused(arm: Arm) -> None:
-    stage = Stage(arm)
-    for answers in (stage.handle, lambda request, now: stage.parts[2].handle(request, stage, now)):
-        with pytest.raises(InputError, match="no such request: stop"):
-            answers(Request("stop", {}, 0), 0.0)
 
 
 def test_a_speed_that_python_set_is_kept_when_a_page_loops(arm: Arm, viewer: Viewer) -> None:

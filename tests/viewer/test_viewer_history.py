@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
@@ -102,30 +105,31 @@ def test_the_way_to_a_pose_is_straight_eased_and_ends_on_it_to_the_bit(stage: St
     assert_array_equal(stage.theta, HOME)
 
 
-@pytest.mark.parametrize("other", ["joint", "play", "show", "undo", "servo"])
+def pause_after_play(stage: Stage) -> None:
+    ask(stage, "play")
+    assert stage.running
+    ask(stage, "pause")
+
+
+OTHERS: dict[str, Callable[[Stage], Any]] = {
+    "joint": lambda stage: ask(stage, "joint", name=stage.arm.joint_names[0], value=0.11),
+    "play": pause_after_play,
+    "show": lambda stage: stage.show(stage.theta),
+    "undo": undo,
+    "servo": lambda stage: stage.begin_drive(""),
+}
+
+
+@pytest.mark.parametrize("other", OTHERS)
 def test_whatever_else_moves_the_arm_ends_the_way_to_a_pose(stage: Stage, other: str) -> None:
     ask(stage, "theta", theta=list(HOME))
     done(ask(stage, "plan", kind="cubic", stop=False))
     ask(stage, "go", id=said(stage, "program")["poses"][1]["id"], ease=True)
     stage.advance(0.2)
-    here = stage.theta
-    if other == "joint":
-        ask(stage, "joint", name=stage.arm.joint_names[0], value=0.11)
-        here = np.array([0.11, *here[1:]])
-    elif other == "play":
-        ask(stage, "play")
-        assert stage.running
-        ask(stage, "pause")
-    elif other == "show":
-        stage.show(here)
-    elif other == "undo":
-        undo(stage)
-        here = stage.theta
-        assert_array_equal(here, HOME)
-    else:
-        stage.begin_drive("")
+    there = {"joint": np.array([0.11, *stage.theta[1:]]), "undo": HOME}.get(other, stage.theta)
+    OTHERS[other](stage)
     stage.advance(0.3)
-    assert_array_equal(stage.theta, here)
+    assert_array_equal(stage.theta, there)
     assert not stage.moving
 
 

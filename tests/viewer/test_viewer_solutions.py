@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from recorded_poses import ask
-from test_viewer_target import finish, xyzw
+from test_viewer_target import LATE, finish, xyzw
 from twistarm import Approach, Arm, InputError, load_arm, solve_ik_all
 from twistarm.viewer import Viewer
 from twistarm.viewer.protocol.messages import SCHEMA
@@ -120,16 +120,14 @@ def test_a_step_glides_and_is_undone() -> None:
     assert told(stage)[0]["asked"] is False
 
 
-@pytest.mark.parametrize("meanwhile", ["slider", "servo", "asked again"])
-def test_an_answer_that_comes_too_late_changes_nothing(meanwhile: str) -> None:
+AGAIN = {"asked again": lambda stage: ask(stage, "solutions", kind="position", **pose_at(ROVER, ROVER.ready))}
+
+
+@pytest.mark.parametrize("late", ["slider", "servo", "asked again"])
+def test_an_answer_that_comes_too_late_changes_nothing(late: str) -> None:
     stage = Stage(ROVER)
     job = ask(stage, "solutions", kind="approach", **pose_at(ROVER, ROVER.ready))
-    if meanwhile == "slider":
-        ask(stage, "joint", name="wrist_roll", value=0.3)
-    elif meanwhile == "servo":
-        stage.take_commands()
-    else:
-        ask(stage, "solutions", kind="position", **pose_at(ROVER, ROVER.ready))
+    (LATE | AGAIN)[late](stage)
     finish(job)
     assert told(stage)[0]["asked"] is False
 
