@@ -15,7 +15,7 @@ from twistarm.support.errors import InputError, LimitError
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts import history
 from twistarm.viewer.stage import Stage
-from viewer_page import Page, visit
+from viewer_page import Page
 
 
 def undo(stage: Stage, kind: str = "undo") -> None:
@@ -188,17 +188,14 @@ def test_a_joint_beside_the_arm_is_put_back_alone_and_while_a_servo_drives() -> 
 
 
 def test_over_the_socket_a_pose_is_reached_frame_by_frame() -> None:
-    async def use(page: Page) -> None:
+    with Viewer(load_arm("rover_arm"), open_browser=False) as viewer, Page(viewer) as page:
         seen = set()
-        await page.ask(type="pose", name="zero", ease=True)
+        page.ask(type="pose", name="zero", ease=True)
 
         def there() -> bool:
             seen.add(page.latest["frame"]["theta"][1])
             return not any(page.latest["frame"]["theta"])
 
-        await page.until(there)
+        page.until(there)
         assert len(seen) > 4
         assert page.latest["history"] == {"type": "history", "undo": "go to zero", "redo": None}
-
-    with Viewer(load_arm("rover_arm"), open_browser=False) as viewer:
-        visit(viewer, use)

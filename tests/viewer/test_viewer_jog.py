@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import asyncio
-import itertools
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -18,7 +16,7 @@ from twistarm import ArmBuilder, plan_joint
 from twistarm.control.servo import JogCommand, TwistCommand
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.servo_words import SILENT
-from viewer_page import WAIT, Page, visit
+from viewer_page import Page, until
 
 ARM = (
     ArmBuilder("pair")
@@ -29,8 +27,6 @@ ARM = (
 )
 
 TWIST = [0.1, 0.0, -0.05, 0.0, 0.4, 0.0]
-
-NUMBERS = itertools.count(1)
 
 BAD_COMMANDS = [
     ({"type": "jog", "twist": TWIST}, "jog needs twist, frame; got ['twist']"),
@@ -48,15 +44,8 @@ def viewer() -> Iterator[Viewer]:
         yield served
 
 
-async def ask(page: Page, **request: Any) -> None:
-    """Send, and wait for the answer to exactly this."""
-    number = next(NUMBERS)
-    await page.send(json.dumps({**request, "number": number}))
-    await page.until(lambda: page.latest.get("done", {}).get("number") == number)
-
-
-async def jog(page: Page, frame: str = "tool") -> None:
-    await ask(page, type="jog", twist=TWIST, frame=frame)
+def jog(page: Page, frame: str = "tool") -> None:
+    page.ask(type="jog", twist=TWIST, frame=frame)
 
 
 def reading(viewer: Viewer) -> Any:
@@ -64,70 +53,51 @@ def reading(viewer: Viewer) -> Any:
     return viewer.commands.read(time.monotonic())
 
 
-async def other(page: Page) -> Page:
-    return await Page(page.address, {}).open()
-
-
-async def eventually(reached: Callable[[], bool]) -> None:
-    end = time.monotonic() + WAIT
-    while not reached():
-        assert time.monotonic() < end
-        await asyncio.sleep(0.005)
-
-
 # commands in ------------------------------------------------------------------------------------------
 
 
 def test_nothing_is_taken_before_somebody_asks_for_commands(viewer: Viewer) -> None:
-    async def try_it(page: Page) -> None:
+    with Page(viewer) as page:
         assert page.latest["servo"] == {"type": "servo", "jog": False, "driven": False, **SILENT}
-        await jog(page)
+        jog(page)
         assert page.latest["error"]["message"].startswith("no servo takes commands here: start one by `twistarm servo")
-
-    visit(viewer, try_it)
     assert reading(viewer).command is None
 
 
 def test_a_page_s_twist_and_its_stop_are_what_the_servo_reads(viewer: Viewer) -> None:
     _ = viewer.commands
-
-    async def drive(page: Page) -> None:
-        await page.until(lambda: page.latest.get("servo", {}).get("jog", False))
+    with Page(viewer) as page:
+        page.until(lambda: page.latest.get("servo", {}).get("jog", False))
         for frame in ("tool", "base"):
-            await jog(page, frame)
+            jog(page, frame)
             command = reading(viewer).command
             assert isinstance(command, TwistCommand)
             assert (command.twist.tolist(), command.frame) == (TWIST, frame)
-        await ask(page, type="stop")
+        page.ask(type="stop")
         command = reading(viewer).command
         assert isinstance(command, JogCommand)
         assert command.theta_dot.tolist() == [0, 0]
         assert "error" not in page.latest
 
-    visit(viewer, drive)
-
 
 def test_nonsense_from_a_page_that_jogs_stops_the_arm_and_says_why(viewer: Viewer) -> None:
     _ = viewer.commands
-
-    async def drive(page: Page) -> None:
+    with Page(viewer) as page:
         for text, reason in [*((json.dumps({**message, "number": 8}), why) for message, why in BAD_COMMANDS),
                              *BAD_MESSAGES[:8]]:  # fmt: skip
-            await jog(page)
-            await page.send(text)
-            await page.until(lambda: "error" in page.latest)
+            jog(page)
+            page.send(text)
+            page.until(lambda: "error" in page.latest)
             stopped = reading(viewer)
             assert reason in page.latest["error"]["message"]
             assert stopped.command is None
             assert reason in stopped.reason
-        bystander = await other(page)
-        await jog(page)  # sense again
-        await bystander.send("{")
-        await bystander.until(lambda: "error" in bystander.latest)
+        bystander = page.other()
+        jog(page)  # sense again
+        bystander.send("{")
+        bystander.until(lambda: "error" in bystander.latest)
         assert reading(viewer).command is not None
-        bystander.connection.close()
-
-    visit(viewer, drive)
+        bystander.close()
 
 
 # more than one page, and none ------------------------------------------------------------------------------
@@ -135,52 +105,43 @@ def test_nonsense_from_a_page_that_jogs_stops_the_arm_and_says_why(viewer: Viewe
 
 def test_two_pages_that_jog_are_two_commanders_and_the_arm_stands(viewer: Viewer) -> None:
     _ = viewer.commands
-
-    async def drive(page: Page) -> None:
-        second = await other(page)
-        await jog(page)
-        await jog(second)
+    with Page(viewer) as page:
+        second = page.other()
+        jog(page)
+        jog(second)
         both = reading(viewer)
         assert both.command is None
         assert both.reason == "two senders of a command, page 1 and page 2: stop one of them"
-        await asyncio.sleep(viewer.commands.timeout + 0.05)
-        await jog(second)
+        time.sleep(viewer.commands.timeout + 0.05)
+        jog(second)
         assert isinstance(reading(viewer).command, TwistCommand)
-        second.connection.close()
-
-    visit(viewer, drive)
+        second.close()
 
 
 def test_a_page_that_goes_while_it_jogs_stops_the_arm(viewer: Viewer) -> None:
     _ = viewer.commands
-
-    async def drive(page: Page) -> None:
-        driver = await other(page)
-        await jog(driver)
+    with Page(viewer) as page:
+        driver = page.other()
+        jog(driver)
         assert reading(viewer).command is not None
-        driver.connection.close()
-        await eventually(lambda: reading(viewer).command is None)
+        driver.close()
+        until(lambda: reading(viewer).command is None)
         assert reading(viewer).reason == "command from page 2 refused: its page has gone"
         assert reading(viewer).age < viewer.commands.timeout
-
-    visit(viewer, drive)
 
 
 def test_a_page_that_goes_and_does_not_jog_disturbs_nobody(viewer: Viewer) -> None:
     _ = viewer.commands
-
-    async def drive(page: Page) -> None:
-        visitor, driver = await other(page), await other(page)
-        await jog(visitor)
-        await ask(visitor, type="stop")
-        await asyncio.sleep(viewer.commands.timeout + 0.05)
-        visitor.connection.close()
-        await eventually(lambda: len(viewer._server.clients) == 2)
-        await jog(driver)
+    with Page(viewer) as page:
+        visitor, driver = page.other(), page.other()
+        jog(visitor)
+        visitor.ask(type="stop")
+        time.sleep(viewer.commands.timeout + 0.05)
+        visitor.close()
+        until(lambda: len(viewer._server.clients) == 2)
+        jog(driver)
         assert reading(viewer).command is not None
-        driver.connection.close()
-
-    visit(viewer, drive)
+        driver.close()
 
 
 # what pages are told -----------------------------------------------------------------------------------
@@ -189,28 +150,24 @@ def test_a_page_that_goes_and_does_not_jog_disturbs_nobody(viewer: Viewer) -> No
 def test_commands_move_nothing_on_show_and_send_no_frames(viewer: Viewer) -> None:
     _ = viewer.commands
     _ = viewer.theta  # the change is applied
-
-    async def drive(page: Page) -> None:
-        onlooker = await other(page)
+    with Page(viewer) as page:
+        onlooker = page.other()
         onlooker.latest.clear()
         for _ in range(50):
-            await jog(page)
-            await ask(page, type="stop")
-        await ask(page, type="visible", what="frames", visible=False)
-        await onlooker.until(lambda: bool(onlooker.latest))
+            jog(page)
+            page.ask(type="stop")
+        page.ask(type="visible", what="frames", visible=False)
+        onlooker.until(lambda: bool(onlooker.latest))
         assert set(onlooker.latest) == {"visible"}
-        onlooker.connection.close()
-
-    visit(viewer, drive)
+        onlooker.close()
     assert viewer.theta.tolist() == [0.2, 0.3]
 
 
 def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: Viewer) -> None:
     _ = viewer.commands
     viewer.play(plan_joint(ARM, [[0, 0], [1, 1]], limits={"velocity": 1.0, "acceleration": 1.0}))
-
-    async def meddle(page: Page) -> None:
-        await ask(page, type="pause")
+    with Page(viewer) as page:
+        page.ask(type="pause")
         assert "error" not in page.latest
         held = viewer.theta
         for request in (
@@ -221,12 +178,10 @@ def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: View
             {"type": "seek", "time": 0.1},
             {"type": "random", "ease": False},
         ):
-            await ask(page, **request)
+            page.ask(**request)
             assert page.latest["error"]["message"].startswith(
                 "a servo drives pair: sliders, poses and trajectories are free"
             )
         assert_array_equal(viewer.theta, held)
-        await ask(page, type="visible", what="screws", visible=False)
+        page.ask(type="visible", what="screws", visible=False)
         assert "error" not in page.latest
-
-    visit(viewer, meddle)

@@ -26,7 +26,7 @@ from twistarm.viewer.scene.arm_scene import Scene, build_scene
 from twistarm.viewer.scene.axes import anchors
 from twistarm.viewer.scene.placement import Placement, rpy
 from twistarm.viewer.stage import Stage
-from viewer_page import ARM, ROUNDING, THETA, matrix, nothing, visit
+from viewer_page import ARM, ROUNDING, THETA, matrix, visit
 
 SINGLE = 1e-5
 """Meshes are sent in single precision, and normals are unit vectors."""
@@ -47,7 +47,7 @@ def drawn_by(scene: Scene) -> dict[str, Any]:
 
 
 def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: Arm, viewer: Viewer) -> None:
-    page = visit(viewer, nothing)
+    page = visit(viewer)
     hello, frame = page.latest["hello"], page.latest["frame"]
     assert [joint["name"] for joint in hello["arm"]["joints"]] == ["yaw", "pitch", "slide"]
     assert [joint["unit"] for joint in hello["arm"]["joints"]] == ["rad", "rad", "m"]

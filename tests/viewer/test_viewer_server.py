@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import re
 import socket
 import subprocess
@@ -18,7 +17,7 @@ import pytest
 from numpy.testing import assert_array_equal
 from tornado.httpclient import HTTPClientError
 
-from hostile.target import HANDSHAKE, Target
+from hostile.target import HANDSHAKE
 from twistarm import Arm
 from twistarm.description.meshes import MeshReader
 from twistarm.support.errors import InputError, MissingExtraError
@@ -27,7 +26,7 @@ from twistarm.viewer.server import listening
 from twistarm.viewer.server.authentication import Authentication
 from twistarm.viewer.server.downloads import DOWNLOADS
 from twistarm.viewer.server.handlers import MOST_FILES
-from viewer_page import WAIT, Page, get, nothing, port_of, swing, until, visit
+from viewer_page import WAIT, Page, get, port_of, swing, target, until, visit
 
 # who may come in --------------------------------------------------------------------------------------
 
@@ -58,8 +57,8 @@ def test_hosts_and_origins_are_asked_of_the_page_and_of_its_socket(viewer: Viewe
     assert "<title>" not in text
     assert get(viewer.url, Host="localhost:1234")[0] == 200
     with pytest.raises(HTTPClientError, match="403"):
-        visit(viewer, nothing, Origin="http://evil.example")
-    assert "hello" in visit(viewer, nothing, Origin="http://localhost:9999").latest
+        visit(viewer, Origin="http://evil.example")
+    assert "hello" in visit(viewer, Origin="http://localhost:9999").latest
 
 
 def test_every_module_that_the_page_runs_is_named_once_and_served(viewer: Viewer) -> None:
@@ -120,7 +119,7 @@ def test_odd_requests_are_refused_in_a_line_and_nothing_is_printed(
 
 def raw(viewer: Viewer, head: bytes) -> bytes:
     """What comes back for this request, as far as its first packet."""
-    with socket.create_connection(("127.0.0.1", port_of(viewer)), timeout=WAIT) as sent:
+    with target(viewer).open() as sent:
         sent.sendall(head + b"\r\n")
         with suppress(ConnectionResetError):
             return sent.recv(4096)
@@ -158,12 +157,9 @@ def test_closing_leaves_nothing(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> No
     threads = set(threading.enumerate())
     viewer = Viewer(arm, open_browser=False)
     port = port_of(viewer)
-
-    async def outlive(page: Page) -> None:
-        await asyncio.to_thread(viewer.close)
-        await page.until_closed()
-
-    visit(viewer, outlive)
+    with Page(viewer) as page:
+        viewer.close()
+        page.until_closed()
     viewer.close()
     assert set(threading.enumerate()) - threads == set()
     with pytest.raises(OSError, match="refused"):
@@ -292,10 +288,6 @@ def test_no_answer_s_type_is_guessed_by_the_browser(arm: Arm, viewer: Viewer) ->
     assert (status, headers["X-Content-Type-Options"]) == (403, "nosniff")
 
 
-def target(viewer: Viewer) -> Target:
-    return Target("127.0.0.1", port_of(viewer), viewer.url.split("/")[3], WAIT)
-
-
 def is_closed(one: socket.socket) -> bool:
     """Whether the other side has ended it."""
     one.settimeout(WAIT)
@@ -329,17 +321,15 @@ def test_a_body_is_not_waited_for(viewer: Viewer, method: str, path: str) -> Non
 
 def test_who_waits_outside_gives_way_and_pages_stay(viewer: Viewer) -> None:
     there = target(viewer)
-
-    async def outlive(page: Page) -> None:
+    with Page(viewer) as page:
         with ExitStack() as stack:
             waiting = [stack.enter_context(there.open()) for _ in range(listening.MOST_CONNECTIONS + 5)]
             assert get(viewer.url)[0] == 200
             assert all(map(is_closed, waiting[:5]))
             waiting[-1].sendall(there.head("nothing.js"))
             assert waiting[-1].recv(12) == b"HTTP/1.1 404"
-        await page.ask(type="pose", name="zero", ease=False)
-
-    assert visit(viewer, outlive).latest["frame"]["theta"] == [0, 0, 0]
+        page.ask(type="pose", name="zero", ease=False)
+        assert page.latest["frame"]["theta"] == [0, 0, 0]
 
 
 def test_where_all_are_pages_the_next_is_closed_until_one_goes(viewer: Viewer) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import threading
 import time
 from dataclasses import replace
@@ -10,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from test_viewer_jog import ARM, TWIST, ask, jog
+from test_viewer_jog import ARM, TWIST, jog
 from test_viewer_jog import viewer as viewer
 from twistarm.control.servo import AnyCommand, JogCommand, ServoOutput, ServoStatus, TwistCommand
 from twistarm.control.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.servo_words import SILENT, servo_words
-from viewer_page import Page, visit
+from viewer_page import Page
 
 
 def answer(status: ServoStatus, joint: str | None, reason: str) -> ServoOutput:
@@ -30,25 +29,22 @@ def cycle(reading: Reading, output: ServoOutput | None, reason: str = "") -> Cyc
 
 def test_a_servo_that_nobody_on_the_page_commands_and_its_end(viewer: Viewer) -> None:
     viewer.show_servo(cycle(Reading(None, np.inf, "none"), None, "no joint state has arrived"))
-
-    async def read(page: Page) -> None:
-        await page.until(lambda: page.latest["servo"]["reason"] == "no joint state has arrived")
+    with Page(viewer) as page:
+        page.until(lambda: page.latest["servo"]["reason"] == "no joint state has arrived")
         assert not page.latest["servo"]["jog"]
         assert page.latest["servo"]["driven"]
-        await ask(page, type="pose", name="zero", ease=False)
+        page.ask(type="pose", name="zero", ease=False)
         assert page.latest["error"]["message"].startswith("a servo drives pair")
         _ = viewer.commands
-        await page.until(lambda: page.latest["servo"]["jog"])
+        page.until(lambda: page.latest["servo"]["jog"])
         viewer.show_servo(None)
-        await page.until(lambda: not page.latest["servo"]["jog"])
+        page.until(lambda: not page.latest["servo"]["jog"])
         assert not page.latest["servo"]["driven"]
         assert page.latest["servo"]["reason"] == ""
-        await jog(page)
+        jog(page)
         assert page.latest["error"]["message"].startswith("no servo takes commands here")
-        await ask(page, type="pose", name="zero", ease=False)
+        page.ask(type="pose", name="zero", ease=False)
         assert "error" not in page.latest
-
-    visit(viewer, read)
     assert viewer.theta.tolist() == [0, 0]
 
 
@@ -127,19 +123,16 @@ def test_a_page_drives_the_simulated_joints_and_its_silence_stops_them(viewer: V
         reports.append(run(arm, viewer.commands, simulated, simulated, duration=20.0, until=rest, on_cycle=show))
 
     thread = threading.Thread(target=loop)
-
-    async def drive(page: Page) -> None:
+    with Page(viewer) as page:
         thread.start()
         start = time.monotonic()
         for _ in range(20):
-            await ask(page, type="jog", twist=[0, 0, 0, 0, 0.5, 0], frame="tool")  # joint b turns about the tool's y
-            await asyncio.sleep(0.03)
+            page.ask(type="jog", twist=[0, 0, 0, 0, 0.5, 0], frame="tool")  # joint b turns about the tool's y
+            time.sleep(0.03)
         spans.append(time.monotonic() - start)
         silent.set()
-        await page.until(lambda: page.latest["servo"]["status"] == "OK")
+        page.until(lambda: page.latest["servo"]["status"] == "OK")
         assert "error" not in page.latest
-
-    visit(viewer, drive)
     thread.join()
     (report,) = reports
     moved = simulated.theta - [0.2, 0.3]

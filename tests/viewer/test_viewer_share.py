@@ -20,7 +20,7 @@ from twistarm.planning.joint_space import plan_joint
 from twistarm.viewer import Viewer
 from twistarm.viewer.files import scene_snapshot as exhibit
 from twistarm.viewer.parts.findings import examined, loaded
-from viewer_page import THETA, get, stored, swing, visit
+from viewer_page import THETA, Page, get, stored, swing
 
 ROUNDED = 1e-8
 """Of joint values with nine decimals."""
@@ -42,19 +42,14 @@ def assert_stands(arm: Arm, data: Any, told: Any, theta: Any) -> None:
 
 def load_paused(viewer: Viewer, motion: Trajectory, time: float) -> None:
     viewer.play(motion, speed=0.5, loop=True)
-
-    async def pause(page: Any) -> None:
-        await page.ask(type="seek", time=time)
-
-    visit(viewer, pause)
+    with Page(viewer) as page:
+        page.ask(type="seek", time=time)
 
 
 def test_the_page_has_every_joint_and_layer_as_it_stands(arm: Arm, viewer: Viewer) -> None:
-    async def move(page: Any) -> None:
-        await page.ask(type="joint", name="finger", value=0.03)
-        await page.ask(type="visible", what="frames", visible=False)
-
-    visit(viewer, move)
+    with Page(viewer) as page:
+        page.ask(type="joint", name="finger", value=0.03)
+        page.ask(type="visible", what="frames", visible=False)
     data = downloaded(viewer)
     assert data["others"] == {"finger": 0.03}
     assert data["visible"]["frames"] is False
@@ -88,11 +83,9 @@ def test_an_arm_that_was_moved_aside_stands_there_and_keeps_its_motion(arm: Arm,
 
 
 def test_the_page_has_the_poses_of_the_arm_and_those_recorded(arm: Arm, viewer: Viewer) -> None:
-    async def record(page: Any) -> None:
+    with Page(viewer) as page:
         for name in ("mine", "zero"):
-            await page.ask(type="record", name=name)
-
-    visit(viewer, record)
+            page.ask(type="record", name=name)
     poses = downloaded(viewer)["poses"]
     assert list(poses) == ["zero", "ready", "mine", "zero (recorded)"]
     assert poses["zero"] == [0.0, 0.0, 0.0]
