@@ -138,13 +138,6 @@ def test_a_servo_that_says_nothing_else_stops_the_arm_at_once(rover, robot, stre
     assert failure.startswith("the servo failed, and the arm was stopped at once: its setpoint is not finite")
 
 
-def test_until(robot, clock, stream):
-    report = stream(until=lambda: clock.now() >= 100.5, duration=None)
-    assert report.ending is Ending.DONE
-    assert report.ok
-    assert not robot.rates[-1].any()
-
-
 def test_time_that_goes_back_brakes(rover, robot, clock, stream):
     seen = []
 
