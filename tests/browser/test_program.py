@@ -295,12 +295,14 @@ def test_a_list_is_saved_and_loaded_and_the_motion_exported(
     press_of_the_list(page, "Delete zwei")
     until_listed(page, ["one", "三"])
     order = [2, 0, 1, 4, 3]
-    turned = {"joints": [arm.joint_names[i] for i in order], "poses": [
-        {"name": pose["name"], "theta": [pose["theta"][i] for i in order]} for pose in saved["poses"]]}  # fmt: skip
+    poses = [{**pose, "theta": [pose["theta"][i] for i in order]} for pose in saved["poses"]]
+    turned = {"joints": [arm.joint_names[i] for i in order], "poses": poses}
     path.write_text(json.dumps(turned), "utf-8")
     choose(page, path)
     until_listed(page, ["one", "zwei", "三"])
     assert_array_equal(list(viewer.recorded.values()), thetas)
+    assert page.evaluate("twistarm.parts.program.poses.map(({ by }) => by)") == ["joint", "joint", "screw"]
+    moves[2].select_option("joint")
 
     plan(page, "trapezoid")
     with page.expect_download() as exporting:

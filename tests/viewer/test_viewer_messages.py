@@ -11,6 +11,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import schema_samples as samples
+from recorded_poses import ask, done
 from twistarm import Arm
 from twistarm.control.servo import ServoOutput
 from twistarm.support.errors import InputError
@@ -130,23 +131,17 @@ def told(arm: Arm) -> Iterator[dict[str, Any]]:
     yield from ({"type": "done", "number": 1}, {"type": "work", "jobs": [{"key": "plan", "share": 0.5}]})
     yield from stage.messages()
     for layer in LAYERS:
-        do(stage, type="visible", what=layer, visible=True)
+        done(ask(stage, "visible", what=layer, visible=True))
     for name, theta in (("a", THETA), ("b", (0.0, 0.1, 0.05))):
-        do(stage, type="theta", theta=list(theta))
-        do(stage, type="record", name=name)
+        done(ask(stage, "theta", theta=list(theta)))
+        done(ask(stage, "record", name=name))
         yield from stage.messages()
-    do(stage, type="plan", kind="cubic", stop=True, corner=0.0, linear_speed=0.0)
+    done(ask(stage, "plan", kind="cubic", stop=True))
     stage.draw_path(tool_path(arm, [THETA, (0.0, 0.1, 0.05)]))
     yield from stage.messages()
     stage.take_commands()
     stage.set_servo_status(servo_words(ServoOutput.stale(np.zeros(3), "the link is lost")))
     yield from stage.messages()
-
-
-def do(stage: Stage, **request: Any) -> None:
-    job = stage.handle(parse(json.dumps(request)), 0.0)
-    if job is not None:
-        job.finish(job.work(lambda share: None))
 
 
 def test_whatever_the_process_says_keeps_to_the_schema(arm: Arm) -> None:

@@ -9,7 +9,6 @@ import sys
 import threading
 import time
 from contextlib import ExitStack, suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +17,13 @@ from numpy.testing import assert_array_equal
 from tornado.httpclient import HTTPClientError
 
 from hostile.target import HANDSHAKE
+from test_viewer_closing import Writing
 from twistarm import Arm
 from twistarm.description.meshes import MeshReader
 from twistarm.support.errors import InputError, MissingExtraError
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.server import listening
 from twistarm.viewer.server.authentication import Authentication
-from twistarm.viewer.server.downloads import DOWNLOADS
 from twistarm.viewer.server.handlers import MOST_FILES
 from viewer_page import WAIT, Page, get, port_of, swing, target, until, visit
 
@@ -355,23 +354,13 @@ def get_or_none(url: str) -> int | None:
 
 
 def test_files_under_way_are_counted(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
-    begun, leave = threading.Event(), threading.Event()
-
-    def write() -> str:
-        begun.set()
-        assert leave.wait(WAIT)
-        return "written"
-
-    slow = replace(DOWNLOADS["motion.csv"], prepare=lambda stage, scene: write)
-    monkeypatch.setitem(DOWNLOADS, "motion.csv", slow)
-    there = target(viewer)
+    writing, there = Writing(monkeypatch), target(viewer)
     with ExitStack() as stack:
         waiting = [stack.enter_context(there.open()) for _ in range(MOST_FILES)]
         for one in waiting:
             one.sendall(there.head("motion.csv"))
-        assert begun.wait(WAIT)
         until(lambda: viewer._server.files == MOST_FILES)
         assert get(viewer.url + "motion.csv")[:2] == (503, f"503 {MOST_FILES} files are under way: try again\n")
-        leave.set()
+        writing.leave.set()
         assert [one.recv(12) for one in waiting] == [b"HTTP/1.1 200"] * MOST_FILES
     assert get(viewer.url + "motion.csv")[0] == 200

@@ -12,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from ik_targets import require_core
-from recorded_poses import ask, said
+from recorded_poses import ask, done, said
 from twistarm import Arm, InputError, arm_from_screws, joints, load_arm, solve_ik
 from twistarm.arm.engine import MOST_JOINTS
 from twistarm.ik import Position
@@ -42,14 +42,8 @@ def begin(stage: Stage, position: Any, quaternion: Any, kind: str = "position") 
 
 def aim(stage: Stage, kind: str, position: Any, quaternion: Any) -> dict[str, Any]:
     """Ask for a target, do the job at once, and return what the pages are told of it."""
-    finish(begin(stage, position, quaternion, kind))
+    done(begin(stage, position, quaternion, kind))
     return told(stage)
-
-
-def finish(job: Any) -> None:
-    """Do the job at once, where there is one: most targets are answered without."""
-    if job is not None:
-        job.finish(job.work(lambda share: None))
 
 
 @pytest.fixture
@@ -154,7 +148,7 @@ def test_an_answer_that_comes_too_late_changes_nothing(meanwhile: Callable[[Stag
     job = begin(stage, *near(ROVER))
     meanwhile(stage)
     theta = stage.theta
-    finish(job)
+    done(job)
     assert stage.theta is theta
     assert told(stage)["given"] is None
 
@@ -165,8 +159,8 @@ def test_of_a_drag_each_answer_is_shown() -> None:
     position, quaternion = near(ROVER)
     first = begin(stage, position, quaternion)
     second = begin(stage, position + [0, 0, 0.01], quaternion)
-    finish(first)
-    finish(second)
+    done(first)
+    done(second)
     assert_allclose(ROVER.fk(stage.theta)[:3, 3], position + [0, 0, 0.01], atol=MET)
 
 
@@ -220,7 +214,7 @@ def test_an_answer_that_a_later_target_has_overtaken_is_not_shown() -> None:
     slow = ask(stage, "target", kind="position", position=[9.0, 0.0, 0.0], xyzw=quaternion)
     assert aim(stage, "position", position, quaternion)["met"]
     theta = stage.theta
-    finish(slow)
+    done(slow)
     assert stage.theta is theta
     assert told(stage)["met"]
 
@@ -265,7 +259,7 @@ def test_a_target_stops_what_plays_before_its_answer_comes() -> None:
     stage.load(MOTION, 1, True, 0)
     job = begin(stage, *near(ROVER))
     assert not stage.running
-    finish(job)
+    done(job)
     assert told(stage)["met"]
 
 
@@ -276,7 +270,7 @@ def test_play_straight_after_a_target_goes_first() -> None:
     stage.stand_by(MOTION, ROVER.limits)
     job = begin(stage, *near(ROVER))
     ask(stage, "play")
-    finish(job)
+    done(job)
     assert stage.running
     assert_array_equal(stage.theta, MOTION(0.0))
     stage.advance(0.5 * MOTION.duration)
@@ -289,7 +283,7 @@ def test_dragged_beyond_its_reach_the_arm_on_show_does_not_flip() -> None:
     stage, thetas = Stage(ROVER), []
     p = ROVER.fk(ROVER.ready)[:3, 3]
     for k in range(30):
-        finish(ask(stage, "target", kind="position", position=[p[0], p[1], p[2] + 2.0 + 0.01 * k], xyzw=[0, 0, 0, 1]))
+        done(ask(stage, "target", kind="position", position=[p[0], p[1], p[2] + 2.0 + 0.01 * k], xyzw=[0, 0, 0, 1]))
         assert told(stage)["met"] is False
         thetas.append(stage.theta)
     assert np.abs(np.diff(thetas, axis=0)).max() < 0.1
