@@ -15,6 +15,12 @@ from twistarm.control.stream.report import Tally
 from twistarm.support.errors import InputError
 
 
+def test_positions_that_are_not_finite_are_refused(rover):
+    names = ["slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll"]
+    with pytest.raises(InputError, match="finite"):
+        ros.positions_of(rover, msg.JointState(name=names, position=[0.0, np.nan, 0.0, 0.0, 0.0]))
+
+
 def test_a_frame_is_the_base_s_the_tool_s_or_unsaid(rover):
     assert ros.frame_of(rover, rover.base, "neither") == "base"
     assert ros.frame_of(rover, rover.tip, "neither") == "tool"
