@@ -287,7 +287,7 @@ def test_all_configurations_are_stepped_through_and_drawn(rover: Desk) -> None:
     page, viewer, arm = rover.page, rover.viewer, rover.arm
     flips = solve_ik_all(arm, Approach([0.8, 0.1, 0.7], direction=[1, 0, 0]))
     assert (len(flips), len(flips.outside)) == (2, 0)
-    rover.reset(theta=flips[0])
+    rover.reset("approach", theta=flips[0])
     page.get_by_role("button", name="All configurations").click()
     until(page, "twistarm.parts.solutions.at === 0")
     place = page.locator("#solution-place")
