@@ -33,9 +33,9 @@ def names(stage: Stage) -> list[str]:
 
 
 def done(job: Job | None) -> None:
-    """Do a job at once, as its thread and the loop would."""
-    assert job is not None
-    job.finish(job.work(lambda share: None))
+    """Do a job at once, as its thread and the loop would; most targets are answered without one."""
+    if job is not None:
+        job.finish(job.work(lambda share: None))
 
 
 @pytest.fixture

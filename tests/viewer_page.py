@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 import json
 import re
+import threading
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,9 @@ import pytest
 import umsgpack
 from numpy.typing import NDArray
 from tornado.httpclient import HTTPRequest
-from tornado.websocket import websocket_connect
+from tornado.websocket import WebSocketClientConnection, websocket_connect
 
+from hostile.target import Target
 from twistarm import Arm, load_arm
 from twistarm.planning.joint_space import plan_joint
 from twistarm.planning.trajectory import Trajectory
@@ -74,30 +76,62 @@ def matrix(columns: list[float]) -> NDArray[np.float64]:
     return placed
 
 
+LOOP = asyncio.new_event_loop()
+"""Of all pages, in a thread of its own."""
+
+threading.Thread(target=LOOP.run_forever, name="pages", daemon=True).start()
+
+
+def on_loop(coroutine: Coroutine[Any, Any, Any]) -> Any:
+    """What a coroutine returns, within the usual patience."""
+    return asyncio.run_coroutine_threadsafe(asyncio.wait_for(coroutine, WAIT), LOOP).result()
+
+
 class Page:
     """A page as a program: a socket whose messages are kept by type."""
 
-    def __init__(self, address: str, headers: dict[str, str]) -> None:
-        self.address, self.headers = address, headers
+    def __init__(self, viewer: Viewer, **headers: str) -> None:
+        self.viewer, self.number = viewer, 0
         self.latest: dict[str, Any] = {}
         self.objects: list[dict[str, Any]] = []
+        self.connection = on_loop(self._connected(HTTPRequest(address(viewer), headers=headers)))
+        self.until(lambda: "frame" in self.latest)
 
-    async def open(self) -> Page:
-        self.connection = await websocket_connect(HTTPRequest(self.address, headers=self.headers))
-        await self.until(lambda: "frame" in self.latest)
+    def __enter__(self) -> Page:
         return self
 
-    async def send(self, text: str | bytes) -> None:
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        LOOP.call_soon_threadsafe(self.connection.close)
+
+    def other(self) -> Page:
+        """Another page of the same view."""
+        return Page(self.viewer)
+
+    def send(self, text: str | bytes) -> None:
         self.latest.pop("done", None)
         self.latest.pop("error", None)
+        on_loop(self._write(text))
+
+    def ask(self, **request: Any) -> None:
+        """Send, and wait for the answer to exactly this."""
+        self.number += 1
+        self.send(json.dumps({**request, "number": self.number}))
+        self.until(lambda: self.latest.get("done", {}).get("number") == self.number)
+
+    def until(self, reached: Callable[[], bool]) -> None:
+        on_loop(self._read_until(reached))
+
+    def until_closed(self) -> None:
+        on_loop(self._read_to_the_end())
+
+    async def _connected(self, request: HTTPRequest) -> WebSocketClientConnection:
+        return await websocket_connect(request)
+
+    async def _write(self, text: str | bytes) -> None:
         await self.connection.write_message(text, binary=isinstance(text, bytes))
-
-    async def ask(self, **request: Any) -> None:
-        await self.send(json.dumps({**request, "number": 7}))
-        await self.until(lambda: "done" in self.latest)
-
-    async def until(self, reached: Callable[[], bool]) -> None:
-        await asyncio.wait_for(self._read_until(reached), WAIT)
 
     async def _read_until(self, reached: Callable[[], bool]) -> None:
         while not reached():
@@ -108,24 +142,15 @@ class Page:
             else:
                 self.latest[json.loads(message)["type"]] = json.loads(message)
 
-    async def until_closed(self) -> None:
-        while await asyncio.wait_for(self.connection.read_message(), WAIT) is not None:
+    async def _read_to_the_end(self) -> None:
+        while await self.connection.read_message() is not None:
             pass
 
 
-def visit(viewer: Viewer, visitor: Callable[[Page], Any], **headers: str) -> Page:
-    """Open a page, let `visitor` use it, and return it."""
-
-    async def go() -> Page:
-        page = await Page(address(viewer), headers).open()
-        await visitor(page)
-        page.connection.close()
+def visit(viewer: Viewer, **headers: str) -> Page:
+    """What a page is told, which then goes."""
+    with Page(viewer, **headers) as page:
         return page
-
-    return asyncio.run(go())
-
-
-async def nothing(page: Page) -> None: ...
 
 
 def address(viewer: Viewer) -> str:
@@ -135,6 +160,11 @@ def address(viewer: Viewer) -> str:
 
 def port_of(viewer: Viewer) -> int:
     return int(viewer.url.split(":")[2].split("/")[0])
+
+
+def target(viewer: Viewer) -> Target:
+    """As an attack sees it."""
+    return Target("127.0.0.1", port_of(viewer), viewer.url.split("/")[3], WAIT)
 
 
 def until(reached: Callable[[], bool]) -> None:

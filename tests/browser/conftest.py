@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
-from functools import partial
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -118,6 +118,24 @@ def arm(request: pytest.FixtureRequest) -> Arm:
 def viewer(arm: Arm) -> Iterator[Viewer]:
     with Viewer(arm, open_browser=False) as served:
         yield served
+
+
+Shown = Callable[..., tuple[Any, Viewer]]
+
+
+@pytest.fixture(scope="module")
+def shown(open_page: Callable[[], AbstractContextManager[Any]]) -> Iterator[Shown]:
+    """A page and its viewer for each arm by name, in a window of `size`: opening one takes a second or two."""
+    with ExitStack() as stack:
+
+        @cache
+        def of(name: str, size: tuple[int, int] = (1280, 720)) -> tuple[Any, Viewer]:
+            viewer = stack.enter_context(Viewer(load(name), open_browser=False))
+            page = stack.enter_context(open_page())
+            page.set_viewport_size({"width": size[0], "height": size[1]})
+            return settled(page, viewer.url), viewer
+
+        yield of
 
 
 @pytest.fixture(scope="module")

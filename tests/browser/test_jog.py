@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from jogging import AS_OPENED, BESIDE, HIDE, PAD, Heard
-from twistarm import ArmBuilder, load_arm
-from twistarm.control.servo import ServoOutput, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm import ArmBuilder
+from twistarm.control.servo import ServoOutput, ServoStatus
 from twistarm.viewer import Viewer
 from waiting import settled, until
 
@@ -30,6 +29,40 @@ KEYS = {
     "q": (3, 1), "e": (3, -1), "ArrowUp": (4, -1), "ArrowDown": (4, 1), "ArrowLeft": (5, 1), "ArrowRight": (5, -1),
 }  # fmt: skip
 """The component of (v, w) and its sign, as the page's legend has them."""
+
+PAD = """(state) => {
+  const buttons = Array.from({ length: 17 }, (_, i) => {
+    const value = state.buttons?.[i] ?? 0;
+    return { value, pressed: value > 0.5 };
+  });
+  const pad = { connected: true, mapping: state.mapping ?? "standard", axes: state.axes ?? [0, 0, 0, 0], buttons };
+  navigator.getGamepads = () => [null, pad];
+}"""
+"""A gamepad that does not exist, in the words of the W3C's Gamepad interface."""
+
+HIDE = """(hidden) => {
+  Object.defineProperty(document, "hidden", { value: hidden, configurable: true });
+  document.dispatchEvent(new Event("visibilitychange"));
+}"""
+
+BESIDE = """() => {
+  const slider = document.querySelector(".joint input").cloneNode();
+  Object.assign(slider, { id: "beside", disabled: false });
+  document.getElementById("joints").append(slider);
+}"""
+"""The slider of a joint beside the arm, which works while a servo drives."""
+
+AS_OPENED = """() => {
+  delete navigator.getGamepads;
+  document.activeElement?.blur();
+  delete document.hidden;
+  document.getElementById("jog").open = false;
+  twistarm.panel.showError("");
+  document.getElementById("beside")?.remove();
+  Object.assign(twistarm.jog, { frame: "base", step: 3 });
+  Object.assign(twistarm.jog.line, { slowed: NaN, staled: NaN });
+}"""
+"""What tests leave behind on the page, undone."""
 
 LB, RB, LT, RT, LEFT, RIGHT = 4, 5, 6, 7, 14, 15
 
@@ -57,6 +90,47 @@ INTERRUPTIONS = {
     "a shortcut": ("window.dispatchEvent(new KeyboardEvent('keydown', { key: 'a', ctrlKey: true }))", "null"),
 }
 """What hides from the page that a key goes up, and what ends it."""
+
+
+class Heard:
+    """What pages command, as it arrives: (time [s], kind, fields)."""
+
+    def __init__(self, viewer: Viewer) -> None:
+        self.messages: list[tuple[float, str, dict[str, Any]]] = []
+        self._viewer = viewer
+        _ = viewer.commands
+        self._take = viewer._server.commands.take
+        viewer._server.commands.take = self._record  # type: ignore[method-assign]
+
+    def _record(self, request: Any, sender: str) -> None:
+        self.messages.append((time.monotonic(), request.kind, dict(request.fields)))
+        self._take(request, sender)
+
+    def close(self) -> None:
+        """Hear no more."""
+        del self._viewer._server.commands.take
+
+    @property
+    def kinds(self) -> list[str]:
+        return [kind for _, kind, _ in self.messages]
+
+    def await_kind(self, kind: str) -> None:
+        end = time.monotonic() + 10
+        while kind not in self.kinds:
+            assert time.monotonic() < end, f"no {kind} arrived"
+            time.sleep(0.01)
+
+    def quiet(self) -> None:
+        """Nothing more comes."""
+        count = len(self.messages)
+        time.sleep(0.15)  # almost four periods
+        assert len(self.messages) == count
+
+    def jog(self) -> dict[str, Any]:
+        """The next jog."""
+        self.messages.clear()
+        self.await_kind("jog")
+        return next(fields for _, kind, fields in self.messages if kind == "jog")
 
 
 @pytest.fixture(scope="module")
@@ -201,32 +275,6 @@ def test_keys_for_a_slider_do_not_jog_until_the_view_is_clicked(page: Any, heard
     until(page, "document.getElementById('jog-line').textContent.startsWith('Jog on')")
     page.keyboard.down("w")
     heard.await_kind("jog")
-
-
-def raised(command: dict[str, Any]) -> float:
-    """How much the tool's z axis of the rover's arm, which looks along x of the base, rises in half a second [rad]."""
-    arm = load_arm("rover_arm")
-    assert_allclose(arm.fk(arm.ready)[:3, 2], [1, 0, 0], atol=1e-12)
-    state = ServoState.at(arm, arm.ready)
-    for _ in range(50):
-        state, _ = servo_step(arm, state, TwistCommand(command["twist"], command["frame"]), 0.01)
-    return float(np.arcsin(arm.fk(state.theta)[2, 2]))
-
-
-def test_up_is_up(page: Any, heard: Heard) -> None:
-    """0.4 rad/s for half a second, but for the time to get there."""
-    for key, sign in (("ArrowUp", 1), ("ArrowDown", -1)):
-        for _ in ("base", "tool"):
-            page.keyboard.down(key)
-            assert 0.15 < sign * raised(heard.jog()) < 0.2
-            page.keyboard.up(key)
-            heard.await_kind("stop")
-            page.keyboard.press("t")
-        page.keyboard.press("t")  # from the view's axes on to the base's
-    for ahead in (-1, 1):  # a stick forward is −1
-        let_go(page)
-        page.evaluate(PAD, {"axes": [0, 0, 0, ahead], "buttons": {LB: 1}})
-        assert 0.15 < -ahead * raised(heard.jog()) < 0.2
 
 
 def test_a_lost_socket_is_a_stop_even_with_a_key_held(page: Any, heard: Heard) -> None:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import time
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, ExitStack
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,11 +12,11 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from arms import ARMS
-from jogging import HIDE
-from twistarm import Arm, load_arm
-from twistarm.control.servo import ServoOutput, ServoSettings
+from test_jog import HIDE
+from twistarm import Arm
+from twistarm.control.servo import ServoOutput
 from twistarm.viewer import Viewer
-from waiting import settled, until
+from waiting import until
 
 pytestmark = pytest.mark.browser
 
@@ -41,12 +39,8 @@ FROM_MESHCAT = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
 class Bench:
     """A page with Drive switched on, and the view behind it; small."""
 
-    def __init__(self, name: str, open_page: Callable[[], AbstractContextManager[Any]], stack: ExitStack) -> None:
-        self.arm = load_arm(name)
-        self.viewer = stack.enter_context(Viewer(self.arm, open_browser=False))
-        self.page = stack.enter_context(open_page())
-        self.page.set_viewport_size({"width": 480, "height": 640})
-        settled(self.page, self.viewer.url)
+    def __init__(self, page: Any, viewer: Viewer) -> None:
+        self.page, self.viewer, self.arm = page, viewer, viewer.arm
         self.page.get_by_role("tab", name="Jog").click()
 
     def drive(self, theta: Any) -> Any:
@@ -83,23 +77,12 @@ class Bench:
         return before, self.standing()
 
 
-class Benches(dict[str, Bench]):
-    """The pages of these tests by arm, each opened when it is first asked for: that takes a second or two."""
-
-    def __init__(self, open_page: Callable[[], AbstractContextManager[Any]], stack: ExitStack) -> None:
-        super().__init__()
-        self._open = open_page, stack
-
-    def __missing__(self, name: str) -> Bench:
-        self[name] = Bench(name, *self._open)
-        return self[name]
+Benches = Callable[[str], Bench]
 
 
 @pytest.fixture(scope="module")
-def benches(open_page: Callable[[], AbstractContextManager[Any]]) -> Iterator[Benches]:
-    """Closed after the module."""
-    with ExitStack() as stack:
-        yield Benches(open_page, stack)
+def benches(shown: Callable[..., tuple[Any, Viewer]]) -> Benches:
+    return lambda name: Bench(*shown(name, (480, 640)))
 
 
 def button(page: Any, name: str, frame: str) -> Any:
@@ -127,7 +110,7 @@ def along(actual: Any, expected: Any) -> None:
 @pytest.mark.smoke
 @pytest.mark.parametrize("name", ARMS)
 def test_a_button_held_by_mouse_moves_the_tool_along_its_axis(benches: Benches, name: str) -> None:
-    bench = benches[name]
+    bench = benches(name)
     arm, page = bench.arm, bench.drive(bench.arm.ready)
     before, after = bench.held("Move −z", "base")
     along(moved(arm, before, after)[0], [0, 0, -1])
@@ -149,7 +132,8 @@ def test_a_button_held_by_mouse_moves_the_tool_along_its_axis(benches: Benches, 
 
 
 def test_what_hands_push_in_view_axes_is_ahead_left_and_up(benches: Benches) -> None:
-    page = benches["rover_arm_6dof"].drive(benches["rover_arm_6dof"].arm.ready)
+    bench = benches("rover_arm_6dof")
+    page = bench.drive(bench.arm.ready)
     page.keyboard.press("t")
     page.keyboard.press("t")
     assert page.get_by_role("radio", name="view").is_checked()
@@ -177,7 +161,7 @@ def test_what_hands_push_in_view_axes_is_ahead_left_and_up(benches: Benches) -> 
 
 
 def test_buttons_by_keyboard_and_whatever_ends_a_press(benches: Benches) -> None:
-    bench = benches["rover_arm"]
+    bench = benches("rover_arm")
     arm, page = bench.arm, bench.drive(bench.arm.ready)
     page.get_by_role("button", name="Faster").click()
     until(page, "document.getElementById('jog-pace').textContent === '0.175 m/s, 40°/s'")
@@ -214,7 +198,7 @@ def test_buttons_by_keyboard_and_whatever_ends_a_press(benches: Benches) -> None
 
 
 def test_what_happens_where_the_arm_cannot_follow_is_chosen_there(benches: Benches) -> None:
-    bench = benches["rover_arm"]
+    bench = benches("rover_arm")
     page = bench.drive(bench.arm.ready)
     slide, stop = (page.get_by_role("radio", name=name, exact=True) for name in ("slide along", "stop"))
     assert slide.is_checked()
@@ -232,17 +216,14 @@ def test_what_happens_where_the_arm_cannot_follow_is_chosen_there(benches: Bench
 
 
 def test_the_gauges_near_a_singularity_and_near_a_limit(benches: Benches) -> None:
-    bench = benches["rover_arm_6dof"]
+    """tests/viewer/test_viewer_gauge.py has the numbers."""
+    bench = benches("rover_arm_6dof")
     arm, theta = bench.arm, bench.arm.ready.copy()
     upper = arm.limits.upper[1]
     theta[[1, 2, 4]] = upper - np.radians(2.0), 1.0, 0.12  # the wrist almost straight, the elbow far from its ends
     page = bench.drive(theta)
     singularity, limit = (page.get_by_role("meter", name=name) for name in ("singularity", "limit"))
-    J = arm.by_pinocchio(theta)[2]
-    scaled = np.diag([1 / arm.reach] * 3 + [1.0] * 3) @ J  # all joints turn
-    share = np.linalg.svd(scaled, compute_uv=False)[-1] / ServoSettings().singularity_threshold
-    assert share < 1
-    assert float(singularity.get_attribute("aria-valuenow")) == pytest.approx(share, abs=0.006)
+    assert 0 < float(singularity.get_attribute("aria-valuenow")) < 1
     assert singularity.get_attribute("aria-valuetext").startswith("near: slowed")
     assert limit.get_attribute("aria-valuetext") == "shoulder_pitch, 2.0° to its upper limit"
 
@@ -251,9 +232,7 @@ def test_the_gauges_near_a_singularity_and_near_a_limit(benches: Benches) -> Non
     until(page, f"twistarm.state.frame.theta[1] < {upper - np.radians(4.0)}")
     page.mouse.up()
     room = np.degrees(upper - bench.standing()[1])
-    found = re.fullmatch(r"shoulder_pitch, (\d+\.\d)° to its upper limit", limit.get_attribute("aria-valuetext"))
-    assert found is not None, limit.get_attribute("aria-valuetext")
-    assert float(found[1]) == pytest.approx(room, abs=0.06)
+    assert limit.get_attribute("aria-valuetext") == f"shoulder_pitch, {room:.1f}° to its upper limit"
 
     page.get_by_role("button", name="+ wrist_pitch", exact=True).hover()
     page.mouse.down()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -283,18 +282,6 @@ def contrast(one: list[int], other: list[int]) -> float:
     return float((high + 0.05) / (low + 0.05))
 
 
-def test_random_goes_somewhere_else_inside_the_limits(page: Any, viewer: Viewer) -> None:
-    page.emulate_media(reduced_motion="reduce")  # at once
-    before = START
-    for _ in range(4):
-        page.get_by_role("button", name="random").press("Enter")
-        until(page, f"{before}.every((value, i) => value !== twistarm.state.frame.theta[i])")
-        before = viewer.theta.tolist()
-        assert np.all((before >= ARM.limits.lower) & (before <= ARM.limits.upper))
-    stands(page, before)
-    assert_drawn(page, ARM, before)
-
-
 def test_theta_is_copied_as_a_python_list(page: Any, viewer: Viewer) -> None:
     viewer.show(at(shoulder=1 / 3))
     stands(page, at(shoulder=1 / 3))
@@ -336,48 +323,3 @@ def test_under_a_servo_the_arm_s_boxes_are_shut(page: Any, viewer: Viewer) -> No
     viewer.show_servo(None)
     until(page, "!document.querySelector('.joint .number').disabled")
     assert viewer.theta.tolist() == START
-
-
-def test_seven_joints_and_a_gripper_need_no_scrolling(opened: Any, tmp_path: Path) -> None:
-    (tmp_path / "seven.urdf").write_text(seven())
-    opened.set_viewport_size({"width": 1280, "height": 720})
-    with Viewer(load_arm(tmp_path / "seven.urdf", tip="the_long_link_7"), open_browser=False) as viewer:
-        settled(opened, viewer.url)
-        until(opened, "document.querySelectorAll('.joint').length === 8")
-        viewer.show([-2.9] * 7)  # near the limit: −166.2°, the widest there is to show
-        until(opened, "document.querySelectorAll('[data-limit=near]').length === 7")
-        for radians in (False, True):
-            opened.get_by_label("Radians", exact=True).set_checked(radians)
-            assert opened.evaluate("panel.scrollHeight <= panel.clientHeight && panel.scrollWidth <= panel.clientWidth")
-            assert opened.evaluate(
-                "[...document.querySelectorAll('.joint .number')].every((b) => b.scrollWidth <= b.clientWidth)"
-            )
-        assert_cut_once(opened, "a_rather_long_name_of_joint_0")
-        opened.evaluate("twistarm.parts.target.type([9, 0, 0, 0, 0, 0])")
-        until(opened, "document.getElementById('target-words').dataset.met === 'false'")
-        verdict = opened.locator("#verdict").bounding_box()
-        assert verdict["y"] + verdict["height"] <= 720  # though the panel is full
-        assert opened.locator("#panel").evaluate("(panel) => panel.scrollTop") == 0
-        assert opened.get_by_role("spinbutton", name="tool x, metres").get_attribute("title").count("step by 0.001 m")
-
-
-def assert_cut_once(page: Any, name: str) -> None:
-    """In its middle: its end is seen, before that there is the one cut, and the whole is told."""
-    first = page.locator(".joint .name").first
-    assert first.get_attribute("title") == name
-    assert page.evaluate(
-        """() => [...document.querySelectorAll(".joint .name")].map(({ children }) =>
-             [...children].map((part) => [part.textContent, part.scrollWidth > part.clientWidth]))[0]"""
-    ) == [[name[:-9], True], [name[-9:], False]]
-
-
-def seven() -> str:
-    """Seven joints in a row and a finger, with nothing to draw."""
-    links = "".join(f'<link name="the_long_link_{i}"/>' for i in range(9))
-    limit = '<limit lower="{}" upper="{}" velocity="1" effort="1"/>'
-    joint = '<joint name="{}" type="{}"><parent link="the_long_link_{}"/><child link="the_long_link_{}"/>{}</joint>'
-    rows = [
-        joint.format(f"a_rather_long_name_of_joint_{i}", "revolute", i, i + 1, limit.format(-3, 3)) for i in range(7)
-    ]
-    rows.append(joint.format("finger", "prismatic", 7, 8, limit.format(0, 0.04)))
-    return f'<robot name="seven">{links}{"".join(rows)}</robot>'

@@ -1,9 +1,7 @@
 from __future__ import annotations
 
-import functools
 import io
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, ExitStack
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,7 +10,7 @@ from numpy.testing import assert_allclose
 from PIL import Image
 from scipy.spatial import KDTree
 
-from arms import ARMS, assert_drawn, load
+from arms import ARMS, assert_drawn
 from twistarm import Arm
 from twistarm.planning.joint_space import plan_joint
 from twistarm.viewer import Viewer
@@ -20,23 +18,7 @@ from waiting import after_frames, draw, settled, until
 
 pytestmark = pytest.mark.browser
 
-
-Opened = Callable[[], AbstractContextManager[Any]]
-
 Shown = Callable[[str], tuple[Any, Viewer]]
-
-
-@pytest.fixture(scope="module")
-def shown(open_page: Opened) -> Iterator[Shown]:
-    """A page for each arm and its viewer, for tests that do no more than move the arm: opening one takes seconds."""
-    with ExitStack() as stack:
-
-        @functools.cache
-        def of(name: str) -> tuple[Any, Viewer]:
-            viewer = stack.enter_context(Viewer(load(name), open_browser=False))
-            return settled(stack.enter_context(open_page()), viewer.url), viewer
-
-        yield of
 
 
 def picture(page: Any) -> np.ndarray[Any, Any]:

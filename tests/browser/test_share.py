@@ -6,7 +6,8 @@ import io
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
@@ -259,43 +260,27 @@ def test_a_picture_has_the_size_asked_for_and_shows_what_is_seen(page: Any, tmp_
 
 
 @contextmanager
-def served(html: str) -> Iterator[str]:
-    """A notebook's server on a port of its own: the page's address, by the name localhost."""
-
-    class Notebook(BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            self.send_response(200)
-            self.send_header("Content-Type", "text/html; charset=utf-8")
-            self.end_headers()
-            self.wfile.write(html.encode())
-
-        def log_message(self, *words: Any) -> None: ...
-
-    server = ThreadingHTTPServer(("127.0.0.1", 0), Notebook)
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    try:
-        yield f"http://localhost:{server.server_port}/"
-    finally:
+def served(folder: Path) -> Iterator[str]:
+    """By a server of its own, as a notebook's, under the name localhost."""
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(SimpleHTTPRequestHandler, directory=folder)) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://localhost:{server.server_port}"
         server.shutdown()
-        server.server_close()
 
 
-def notebook(cell: str) -> str:
-    return f"<!DOCTYPE html><link rel='icon' href='data:,'><title>notebook</title>{cell}"
-
-
-def test_a_local_notebook_frames_the_live_page_and_the_static_one(page: Any) -> None:
+def test_a_local_notebook_frames_the_live_page_and_the_static_one(page: Any, tmp_path: Path) -> None:
     arm = load("rover_arm")
-    with Viewer(arm, open_browser=False) as viewer:
-        both = notebook(viewer._repr_html_() + viewer.inline(300, static=True).html)
-        with served(both) as address:
-            page.goto(address)
-            live, static = (page.locator("iframe").nth(i).element_handle().content_frame() for i in (0, 1))
-            until(live, "globalThis.twistarm?.state.fitted")
-            until(static, "document.body?.dataset.drawn === ''")
-            assert_drawn(live, arm, arm.ready)
-            assert_drawn(static, arm, arm.ready, tol=ROUNDED)
-            live.get_by_role("button", name="zero").click()
-            until(live, "twistarm.state.frame.theta.every((x) => x === 0)")
-            assert_allclose(viewer.theta, 0.0)
-            assert static.evaluate("origin") == "null", "it reaches nothing of the notebook"
+    with Viewer(arm, open_browser=False) as viewer, served(tmp_path) as address:
+        frames = viewer._repr_html_() + viewer.inline(300, static=True).html
+        head = "<!DOCTYPE html><meta charset='utf-8'><link rel='icon' href='data:,'><title>notebook</title>"
+        (tmp_path / "notebook.html").write_text(head + frames, "utf-8")
+        page.goto(f"{address}/notebook.html")
+        live, static = (page.locator("iframe").nth(i).element_handle().content_frame() for i in (0, 1))
+        until(live, "globalThis.twistarm?.state.fitted")
+        until(static, "document.body?.dataset.drawn === ''")
+        assert_drawn(live, arm, arm.ready)
+        assert_drawn(static, arm, arm.ready, tol=ROUNDED)
+        live.get_by_role("button", name="zero").click()
+        until(live, "twistarm.state.frame.theta.every((x) => x === 0)")
+        assert_allclose(viewer.theta, 0.0)
+        assert static.evaluate("origin") == "null", "it reaches nothing of the notebook"

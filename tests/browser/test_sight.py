@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from arms import load
 from test_target import PROJECT
-from twistarm import Arm, solve_ik
+from twistarm import solve_ik
 from twistarm.ik import Pose
 from twistarm.viewer import Viewer
 from waiting import after_frames, until
@@ -30,24 +30,17 @@ TOWARDS = """() => {
 SIDES = {"front": [1, 0, 0], "right": [0, -1, 0], "top": [0, 0, 1], "back": [-1, 0, 0], "left": [0, 1, 0]}
 
 
-@pytest.fixture(scope="module")
-def arm() -> Arm:
-    return load("rover_arm_6dof")
-
-
-@pytest.fixture(scope="module")
-def viewer(arm: Arm) -> Iterator[Viewer]:
-    with Viewer(arm, open_browser=False) as served:
-        yield served
+ARM = load("rover_arm_6dof")
 
 
 @pytest.fixture
-def page(opened: Any, viewer: Viewer, arm: Arm) -> Any:
+def page(shown: Callable[[str], tuple[Any, Viewer]]) -> Any:
     """The one page, as it was at first."""
-    viewer.show(arm.ready)
-    until(opened, f"twistarm.state.frame.theta.every((value, i) => value === {arm.ready.tolist()}[i])")
-    opened.evaluate("twistarm.parts.links.recall({ hidden: [], opacity: 1 }), twistarm.view.fit()")
-    return opened
+    page, viewer = shown(ARM.name)
+    viewer.show(ARM.ready)
+    until(page, f"twistarm.state.frame.theta.every((value, i) => value === {ARM.ready.tolist()}[i])")
+    page.evaluate("twistarm.parts.links.recall({ hidden: [], opacity: 1 }), twistarm.view.fit()")
+    return page
 
 
 OUTERMOST = """() => {
@@ -109,7 +102,7 @@ def in_front(page: Any) -> str:
     return name
 
 
-def test_links_are_hidden_and_seen_through_and_another_page_can_be_told(page: Any, arm: Arm) -> None:
+def test_links_are_hidden_and_seen_through_and_another_page_can_be_told(page: Any) -> None:
     forearm = page.evaluate("twistarm.state.hello.links.forearm")
     shown = f"twistarm.view.node({forearm!r}).visible"
     page.get_by_text("View", exact=True).click()
@@ -131,12 +124,12 @@ def test_links_are_hidden_and_seen_through_and_another_page_can_be_told(page: An
     assert not page.evaluate(shown)
     assert not page.get_by_role("checkbox", name="forearm", exact=True).is_checked()
     page.keyboard.press("Escape")
-    assert arm.description is not None
-    assert page.locator("#links label").count() == len(arm.description.links)
+    assert ARM.description is not None
+    assert page.locator("#links label").count() == len(ARM.description.links)
 
 
-def test_the_link_under_the_pointer_is_named_unless_the_view_turns(page: Any, arm: Arm) -> None:
-    poses = arm.poses(arm.ready)
+def test_the_link_under_the_pointer_is_named_unless_the_view_turns(page: Any) -> None:
+    poses = ARM.poses(ARM.ready)
     middle = (poses["upper_arm"][:3, 3] + poses["forearm"][:3, 3]) / 2
     x, y, _ = page.evaluate(PROJECT, [middle.tolist()])
     page.mouse.move(x, y)
@@ -161,12 +154,12 @@ def test_the_link_under_the_pointer_is_named_unless_the_view_turns(page: Any, ar
     page.mouse.move(700, 600)
 
 
-def forbidden(arm: Arm) -> Any:
+def forbidden() -> Any:
     """A pose that the arm would meet but for the limit of its elbow."""
-    theta = arm.ready.copy()
-    theta[2] = arm.limits.upper[2] + 0.4
-    g = arm.fk(theta)
-    found = solve_ik(arm, Pose(g))
+    theta = ARM.ready.copy()
+    theta[2] = ARM.limits.upper[2] + 0.4
+    g = ARM.fk(theta)
+    found = solve_ik(ARM, Pose(g))
     assert not found.converged
     assert found.unlimited is not None
     return g
@@ -182,8 +175,8 @@ GHOST = """() => {
 }"""
 
 
-def test_an_unmet_target_is_drawn_with_the_arm_that_would_meet_it(page: Any, arm: Arm) -> None:
-    g = forbidden(arm)
+def test_an_unmet_target_is_drawn_with_the_arm_that_would_meet_it(page: Any) -> None:
+    g = forbidden()
     page.get_by_label("What the tool is to meet").select_option("pose")
     page.evaluate(
         """() => {
@@ -195,7 +188,7 @@ def test_an_unmet_target_is_drawn_with_the_arm_that_would_meet_it(page: Any, arm
     page.evaluate(ASK, [g[:3, 3].tolist(), Rotation.from_matrix(g[:3, :3]).as_quat().tolist()])
     until(page, "globalThis.told?.met === false")
     transforms, copies, parts, place = page.evaluate(GHOST)
-    tip = page.evaluate(f"twistarm.state.hello.links[{arm.tip!r}]")
+    tip = page.evaluate(f"twistarm.state.hello.links[{ARM.tip!r}]")
     assert_allclose(np.array(transforms[tip]).reshape(4, 4).T, g, atol=1e-5)  # it does meet the target
     assert copies > 10
     assert parts == 4  # three axes and the origin

@@ -1,9 +1,8 @@
-"""The tool dragged by its handles and told where to be, as a person does it: by mouse, by keyboard, in numbers."""
+"""The tool dragged by its handles and told where to be, and all configurations of a target."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, ExitStack
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,11 +10,10 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from arms import ARMS, DRAWN, assert_drawn, load
-from twistarm import solve_ik
-from twistarm.ik import Approach
+from arms import ARMS, DRAWN, assert_drawn
+from twistarm import Approach, solve_ik, solve_ik_all
 from twistarm.viewer import Viewer
-from waiting import after_frames, settled, until
+from waiting import after_frames, until
 
 pytestmark = pytest.mark.browser
 
@@ -25,8 +23,6 @@ MET = 3e-6
 
 ALONG, ABOUT = 92.0, 64.0
 """Pixels from the middle of the handles to an arrow's head and to a ring."""
-
-Opened = Callable[[], AbstractContextManager[Any]]
 
 PROJECT = """([point]) => {
   const { scene, camera, renderer } = twistarm.view.viewer;
@@ -91,20 +87,8 @@ class Desk:
 
 
 @pytest.fixture(scope="module")
-def desks(open_page: Opened) -> Iterator[Callable[[str], Desk]]:
-    """A page for each arm: opening one takes seconds."""
-    with ExitStack() as stack:
-        made: dict[str, Desk] = {}
-
-        def desk(name: str) -> Desk:
-            if name not in made:
-                viewer = stack.enter_context(Viewer(load(name), open_browser=False))
-                page = stack.enter_context(open_page())
-                page.set_viewport_size({"width": 740, "height": 560})
-                made[name] = Desk(settled(page, viewer.url), viewer)
-            return made[name]
-
-        yield desk
+def desks(shown: Callable[..., tuple[Any, Viewer]]) -> Callable[[str], Desk]:
+    return lambda name: Desk(*shown(name, (740, 560)))
 
 
 @pytest.fixture
@@ -115,13 +99,6 @@ def rover(desks: Callable[[str], Desk]) -> Desk:
 @pytest.fixture(params=ARMS)
 def desk(request: pytest.FixtureRequest, desks: Callable[[str], Desk]) -> Desk:
     return desks(request.param)
-
-
-def wanted(given: dict[str, Any]) -> Any:
-    """The pose (4, 4) of a target given."""
-    g = np.eye(4)
-    g[:3, :3], g[:3, 3] = Rotation.from_quat(given["xyzw"]).as_matrix(), given["position"]
-    return g
 
 
 @pytest.mark.smoke
@@ -204,17 +181,14 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     rover.drag(tip, tip + [0, 0, 0.7], steps=1)  # one step, one request: its search begins at the pose on show
     given = rover.answered()
     assert given["met"] is False
-    g = wanted(given)
-    expected = solve_ik(rover.arm, Approach(g[:3, 3], g[:3, 2]), start, posture="theta0")
+    p, R = given["position"], Rotation.from_quat(given["xyzw"]).as_matrix()
+    expected = solve_ik(rover.arm, Approach(p, R[:, 2]), start, posture="theta0")
     shown = rover.page.locator("#target-words").inner_text()
     assert shown.startswith("✕ not met")
     for line in expected.explain().splitlines():
         assert line.strip() in shown
+    assert np.linalg.norm(rover.drawn()[:3, 3] - p) == pytest.approx(expected.position_error, abs=MET)
     theta = rover.viewer.theta
-    assert rover.arm.limits.contains(theta)
-    reached = rover.drawn()
-    assert_allclose(reached, rover.arm.fk(theta), atol=DRAWN)
-    assert np.linalg.norm(reached[:3, 3] - g[:3, 3]) == pytest.approx(expected.position_error, abs=MET)
     ball, warning, tether = rover.page.evaluate(
         """() => {
           const { gizmo } = twistarm.parts.target;
@@ -226,7 +200,7 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     assert ball == warning
     assert tether
     after_frames(rover.page)
-    assert_allclose(rover.page.evaluate("twistarm.parts.target.gizmo.group.position.toArray()"), g[:3, 3])
+    assert_allclose(rover.page.evaluate("twistarm.parts.target.gizmo.group.position.toArray()"), p)
     rover.page.get_by_role("button", name="Let go").click()
     until(rover.page, "twistarm.parts.target.given === null")
     assert rover.page.locator("#target-words").inner_text() == ""
@@ -297,3 +271,56 @@ def test_tolerances_are_typed_beside_the_target_and_hold_at_once(rover: Desk) ->
     rover.page.locator("#target-position-tol").fill("")
     rover.page.locator("#target-position-tol").press("Enter")
     until(rover.page, "twistarm.parts.target.given?.met === false")
+
+
+START = np.radians([0.0, 29.64, -111.9, -97.74, 0.0]).tolist()
+"""Of the rover arm's two configurations for where its tool points here, the other is outside the limits."""
+
+GHOSTS = """twistarm.parts.solutions.arms.map(({ group, parts }) => ({
+  drawn: group.children.length === parts.length && parts.length > 0,
+  color: parts[0].copy.material.color.getHexString(),
+}))"""
+
+
+@pytest.mark.smoke
+def test_all_configurations_are_stepped_through_and_drawn(rover: Desk) -> None:
+    page, viewer, arm = rover.page, rover.viewer, rover.arm
+    flips = solve_ik_all(arm, Approach([0.8, 0.1, 0.7], direction=[1, 0, 0]))
+    assert (len(flips), len(flips.outside)) == (2, 0)
+    rover.reset("approach", theta=flips[0])
+    page.get_by_role("button", name="All configurations").click()
+    until(page, "twistarm.parts.solutions.at === 0")
+    place = page.locator("#solution-place")
+    assert place.inner_text() == "1 of 2"
+    assert (
+        "2 configurations inside the limits, each with wrist_roll free; all there are"
+        in page.locator("#solutions-words").inner_text()
+    )
+    assert [ghost["drawn"] for ghost in page.evaluate(GHOSTS)] == [True], "the other one"
+    page.get_by_role("button", name="Next configuration").click()
+    until(page, "document.getElementById('solution-place').textContent === '2 of 2'")
+    until(page, f"Math.abs(twistarm.state.frame.theta[2] - {flips[1][2]}) < 1e-9")
+    assert_allclose(viewer.theta, flips[1], atol=1e-9)
+    page.keyboard.press("n")
+    until(page, "document.getElementById('solution-place').textContent === '1 of 2'")
+    page.get_by_label("Ghosts").set_checked(False)
+    assert page.evaluate(GHOSTS) == []
+    page.get_by_role("button", name="Done").click()
+    until(page, "document.getElementById('solutions').hidden")
+
+    # One beyond the limits: said and drawn in red, and the arm stays.
+    viewer.show(START)
+    until(page, f"twistarm.state.frame.theta[1] === {START[1]}")
+    page.get_by_label("Ghosts").evaluate("(box) => box.checked = true")
+    page.locator("#pane").click(position={"x": 20, "y": 500})
+    page.keyboard.press("n")
+    until(page, "twistarm.parts.solutions.at === 0")
+    page.keyboard.press("p")
+    until(page, "twistarm.parts.solutions.at === 1")
+    assert page.locator("#solution-words").inner_text().startswith("outside the limits: ")
+    (ghost,) = page.evaluate(GHOSTS)
+    warn = page.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--warn').trim()")
+    assert f"#{ghost['color']}" == warn
+    assert np.abs(viewer.theta - START).max() < 1e-6
+    viewer.show(arm.ready)
+    until(page, "document.getElementById('solutions').hidden")

@@ -142,17 +142,6 @@ def test_typed_numbers_stay_as_typed_at_a_pitch_of_90_degrees(page: Any) -> None
     assert read == ["45.0", "90.0", "10.0"]
 
 
-def test_the_legend_and_the_switches_do_not_overlap(page: Any) -> None:
-    page.evaluate("twistarm.panel.showPath(true)")
-    for width in (1280, 1000, 900):
-        page.set_viewport_size({"width": width, "height": 600})
-        legend, switches = page.locator("#legend").bounding_box(), page.locator("#switches").bounding_box()
-        beside = legend["x"] + legend["width"] <= switches["x"]
-        assert beside or legend["y"] >= switches["y"] + switches["height"]
-        assert switches["x"] + switches["width"] <= width
-    page.evaluate("twistarm.panel.showPath(false)")
-
-
 def test_a_hand_on_the_scrubber_is_not_pulled_along(page: Any, viewer: Viewer, arm: Arm) -> None:
     motion = plan_joint(arm, [np.zeros(3), 0.5 * np.ones(3)], limits={"velocity": 0.1, "acceleration": 1.0})
     for speed in (0.7, 0.3):

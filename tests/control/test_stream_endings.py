@@ -9,9 +9,6 @@ import numpy as np
 import pytest
 
 from stream_stand_ins import PERIOD, Says, jog
-from stream_stand_ins import clock as clock
-from stream_stand_ins import robot as robot
-from stream_stand_ins import stream as stream
 from twistarm.control.servo import servo_step
 from twistarm.control.stream import Ending, Reading
 
@@ -139,13 +136,6 @@ def test_a_servo_that_says_nothing_else_stops_the_arm_at_once(rover, robot, stre
     assert np.array_equal(robot.setpoints[-1].theta, robot.setpoints[-2].theta)
     (failure,) = report.failures
     assert failure.startswith("the servo failed, and the arm was stopped at once: its setpoint is not finite")
-
-
-def test_until(robot, clock, stream):
-    report = stream(until=lambda: clock.now() >= 100.5, duration=None)
-    assert report.ending is Ending.DONE
-    assert report.ok
-    assert not robot.rates[-1].any()
 
 
 def test_time_that_goes_back_brakes(rover, robot, clock, stream):

@@ -9,9 +9,6 @@ import numpy as np
 import pytest
 
 from stream_stand_ins import PERIOD, Robot, Says, jog
-from stream_stand_ins import clock as clock
-from stream_stand_ins import robot as robot
-from stream_stand_ins import stream as stream
 from twistarm.control.stream import Measured, Metronome, Reading
 from twistarm.support.errors import InputError
 

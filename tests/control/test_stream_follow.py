@@ -10,8 +10,6 @@ import pytest
 
 from rate_plant import RateDrives
 from stream_stand_ins import PERIOD, FakeClock, Robot
-from stream_stand_ins import clock as clock
-from stream_stand_ins import robot as robot
 from twistarm import Actuators, JointLimits, load_arm, plan_joint
 from twistarm.control.stream import Ending, FollowControl, Interlock, Measured, SimulatedJoints, follow
 from twistarm.support.errors import InputError, LimitError

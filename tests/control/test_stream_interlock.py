@@ -9,9 +9,6 @@ import numpy as np
 import pytest
 
 from stream_stand_ins import PERIOD, Says, jog
-from stream_stand_ins import clock as clock
-from stream_stand_ins import robot as robot
-from stream_stand_ins import stream as stream
 from twistarm.control.servo import JogCommand, PoseCommand, TwistCommand
 from twistarm.control.stream import Interlock, UdpFeedback, UdpSource
 

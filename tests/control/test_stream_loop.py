@@ -8,9 +8,6 @@ import numpy as np
 import pytest
 
 from stream_stand_ins import PERIOD, Robot, Says, jog
-from stream_stand_ins import clock as clock
-from stream_stand_ins import robot as robot
-from stream_stand_ins import stream as stream
 from twistarm.control.servo import ServoSettings, ServoStatus, TwistCommand
 from twistarm.control.stream import Cycle, Ending, Inbox, Measured, Reading
 from twistarm.support.errors import InputError

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import select
 import sys
 from contextlib import suppress
 
 import numpy as np
 import pytest
 
-from stream_stand_ins import FakeClock, Robot, Says, answer, jog
+from stream_stand_ins import FakeClock, Robot, Says, answer
 from twistarm.control.stream import Ending, SerialRobot, SerialSource, Setpoint, run
 from twistarm.control.stream.links.serial_link import checksum, parse_state_line, setpoint_line
 from twistarm.support.errors import InputError, MissingExtraError
@@ -24,14 +23,6 @@ def wire():
     for end in (ours, theirs):
         with suppress(OSError):
             os.close(end)
-
-
-def heard(end):
-    """All that was written: the system may hand it on in parts."""
-    text = b""
-    while select.select([end], [], [], 0.2)[0]:
-        text += os.read(end, 65536)
-    return text
 
 
 def test_a_setpoint_as_a_line_with_the_checksum_of_nmea():
@@ -99,25 +90,6 @@ def test_a_line_without_end_is_let_go(rover, wire):
             source.read(1.0 + 0.01 * k)
         os.write(ours, b'{"stop": true}\n')  # a line of its own, as nothing is left of the other
         assert source.read(1.1).command is not None
-
-
-def test_a_robot_on_a_wire(rover, wire):
-    ours, port = wire
-    clock = FakeClock()
-    with SerialRobot(rover, port) as robot:
-        robot.read(clock.now())
-
-        def answer(cycle):
-            os.write(ours, state_line(rover, round(1000 * cycle.time), rover.ready))
-
-        report = run(rover, Says(jog(rover, elbow=-0.1)), robot, robot, duration=0.2, clock=clock, on_cycle=answer)
-        lines = heard(ours).splitlines()
-    assert report.ok
-    number, *values = lines[-1].rpartition(b"*")[0].split(b",")
-    assert int(number) == len(lines) - 1
-    assert values[10:] == [b"E5"]
-    assert [float(value) for value in values[5:10]] == [0.0] * 5
-    assert report.waited == pytest.approx(0.01)
 
 
 def test_a_wire_that_is_pulled_ends_the_stream(rover, wire):

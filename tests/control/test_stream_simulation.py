@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from stream_stand_ins import answer
-from stream_stand_ins import clock as clock
 from twistarm.control.stream import Setpoint, SimulatedJoints
 from twistarm.support.errors import InputError
 

@@ -12,9 +12,7 @@ from twistarm import Arm
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.protocol.jobs import Job, Progress, ReplacedError, Workers
-from viewer_page import WAIT, Page, until, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
+from viewer_page import WAIT, Page, until
 
 
 class Loop:
@@ -174,15 +172,13 @@ def test_pages_see_work_errors_and_results(viewer: Viewer) -> None:
     def fail(progress: Progress) -> None:
         raise InputError("there is no way")
 
-    async def watch(page: Page) -> None:
+    with Page(viewer) as page:
         job = Job("plan", "planning", work, lambda result: server.stage.show(server.stage.theta + 0.01))
         server._workers.submit(job)
-        await page.until(lambda: page.latest["work"]["jobs"] == [{"key": "plan", "share": 0.5}])
+        page.until(lambda: page.latest["work"]["jobs"] == [{"key": "plan", "share": 0.5}])
         before = page.latest["frame"]["theta"]
         seen.set()
-        await page.until(lambda: page.latest["frame"]["theta"] != before)
-        await page.until(lambda: page.latest["work"]["jobs"] == [])
+        page.until(lambda: page.latest["frame"]["theta"] != before)
+        page.until(lambda: page.latest["work"]["jobs"] == [])
         server._workers.submit(Job("plan", "planning", fail, lambda result: None))
-        await page.until(lambda: page.latest.get("error", {}).get("message") == "planning: there is no way")
-
-    visit(viewer, watch)
+        page.until(lambda: page.latest.get("error", {}).get("message") == "planning: there is no way")

@@ -1,8 +1,9 @@
-"""The view from Python: configurations, trajectories, and the stand-alone page."""
+"""The view from Python: configurations, trajectories, the stand-alone page, and frames in a notebook."""
 
 from __future__ import annotations
 
 import re
+from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from twistarm import Arm, arm_from_screws, joints
 from twistarm.planning.joint_space import plan_joint
 from twistarm.support.errors import InputError
-from twistarm.viewer import Viewer, save_html
+from twistarm.viewer import Inline, Viewer, page_html, save_html
 from twistarm.viewer.stage import Stage
-from viewer_page import ROUNDING, THETA, Page, stored, swing, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
+from viewer_page import THETA, get, stored, swing
 
 # Python's side ----------------------------------------------------------------------------------------
 
@@ -36,28 +35,6 @@ def test_a_bad_configuration_is_refused_at_the_door(arm: Arm, viewer: Viewer, th
         with pytest.raises(InputError, match=reason):
             door(theta)
     assert_array_equal(viewer.theta, THETA)
-
-
-def test_a_trajectory_plays_in_real_time_and_can_be_paused_and_sought(arm: Arm, viewer: Viewer) -> None:
-    motion = swing(arm)
-
-    async def watch(page: Page) -> None:
-        viewer.play(motion, speed=0.25)  # slow: however seldom a busy machine shows a frame, some show it under way
-        await page.until(lambda: page.latest.get("player", {}).get("duration") == motion.duration)
-        await page.until(lambda: page.latest["frame"]["running"] and page.latest["frame"]["time"] > 0.01)
-        frame = page.latest["frame"]
-        assert_allclose(frame["theta"], motion(frame["time"]), atol=ROUNDING)
-        await page.ask(type="pause")
-        assert not page.latest["frame"]["running"]
-        await page.ask(type="seek", time=1.0)
-        assert_allclose(page.latest["frame"]["theta"], motion(1.0), atol=ROUNDING)
-        await page.ask(type="seek", time=motion.duration - 0.01)
-        await page.ask(type="play")
-        await page.until(lambda: not page.latest["frame"]["running"])
-        assert page.latest["frame"]["time"] == motion.duration
-
-    visit(viewer, watch)
-    assert_allclose(viewer.theta, motion(motion.duration), atol=ROUNDING)
 
 
 def test_a_motion_without_length_stops_at_once(arm: Arm) -> None:
@@ -101,3 +78,69 @@ def test_a_stand_alone_page_is_written_whole_or_not_at_all(arm: Arm, tmp_path: P
     with pytest.raises(InputError, match="does not exist; create it first"):
         save_html(arm, tmp_path / "nowhere" / "view.html")
     assert list(tmp_path.iterdir()) == []
+
+
+# in a notebook -----------------------------------------------------------------------------------------
+
+
+class Frames(HTMLParser):
+    """The attributes of each iframe, unescaped; nothing else may stand in what a notebook is given."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.found: list[dict[str, str | None]] = []
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        assert tag == "iframe"
+        self.found.append(dict(attrs))
+
+    def handle_data(self, data: str) -> None:
+        pytest.fail(f"text beside the frame: {data[:80]}")
+
+
+def frame(shown: Any) -> dict[str, str]:
+    (only,) = Frames(shown._repr_html_()).found
+    return {name: value or "" for name, value in only.items()}
+
+
+def test_a_viewer_as_the_last_line_of_a_cell_is_its_live_page(viewer: Viewer) -> None:
+    assert frame(viewer) == frame(viewer.inline())
+    shown = frame(viewer.inline(height=300))
+    assert shown["src"] == viewer.url
+    assert shown["height"] == "300"
+    assert shown["title"] == "small · twistarm"
+    assert {word.strip() for word in shown["allow"].split(";")} == {"clipboard-write", "gamepad", "fullscreen"}
+
+
+def test_a_static_frame_holds_the_page_of_what_is_on_show_and_is_shut_in(viewer: Viewer) -> None:
+    shown = frame(viewer.inline(static=True))
+    assert set(shown["sandbox"].split()) == {"allow-scripts", "allow-downloads"}
+    assert viewer.url.split("/")[3] not in shown["srcdoc"], "the token is not handed on"
+    assert stored(shown["srcdoc"])["samples"]["theta"] == [list(THETA)]
+
+
+def test_a_page_of_an_arm_without_a_viewer(arm: Arm) -> None:
+    motion = swing(arm)
+    shown = frame(Inline.page(page_html(arm, trajectory=motion), arm.name))
+    assert stored(shown["srcdoc"])["samples"]["times"][-1] == motion.duration
+
+
+@pytest.mark.parametrize("static", [False, True])
+def test_no_name_breaks_out_of_the_frame(static: bool) -> None:
+    nasty = '"></iframe><script>hacked()</script>'
+    other = arm_from_screws(joints.revolute([0, 0, 1], [0, 0, 0]), np.eye(4), joints=[nasty], name=nasty)
+    with Viewer(other, open_browser=False) as view:
+        assert frame(view.inline(static=static))["title"] == f"{nasty} · twistarm"
+
+
+@pytest.mark.parametrize("height", [0, -5, float("nan"), "tall"])
+def test_a_bad_height_is_refused(viewer: Viewer, height: Any) -> None:
+    with pytest.raises(InputError, match="height must be a positive number; got"):
+        viewer.inline(height=height)
+
+
+def test_only_pages_of_this_machine_may_frame_the_live_page(viewer: Viewer) -> None:
+    _, _, headers = get(viewer.url)
+    (ancestors,) = re.findall(r"frame-ancestors ([^;]*)", headers["Content-Security-Policy"])
+    assert ancestors.split() == ["http://localhost:*", "http://127.0.0.1:*"]

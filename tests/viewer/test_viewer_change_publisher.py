@@ -13,11 +13,8 @@ from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts.theory import SHOWN
 from twistarm.viewer.protocol.change_publisher import ChangePublisher
-from twistarm.viewer.protocol.messages import Request
 from twistarm.viewer.stage import Stage
-from viewer_page import Page, nothing, swing, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
+from viewer_page import Page, swing, visit
 
 
 def read(texts: dict[str, str]) -> dict[str, Any]:
@@ -75,63 +72,47 @@ def test_a_part_that_fails_stops_neither_frames_nor_newcomers(viewer: Viewer, mo
     def fail(stage: Stage) -> None:
         raise InputError("the plots are lost")
 
-    async def watch(page: Page) -> None:
+    with Page(viewer) as page:
         monkeypatch.setattr(viewer._server.stage.parts[-1], "messages", fail)
-        await page.ask(type="joint", name="pitch", value=0.25)
-        await page.until(lambda: page.latest["frame"]["theta"][1] == 0.25 and "error" in page.latest)
+        page.ask(type="joint", name="pitch", value=0.25)
+        page.until(lambda: page.latest["frame"]["theta"][1] == 0.25 and "error" in page.latest)
         assert page.latest["error"]["message"] == "the plots are lost"
-        newcomer = await Page(page.address, {}).open()
-        await newcomer.until(lambda: "error" in newcomer.latest)
+        newcomer = page.other()
+        newcomer.until(lambda: "error" in newcomer.latest)
         assert newcomer.latest["frame"]["theta"][1] == 0.25
-        newcomer.connection.close()
-
-    visit(viewer, watch)
+        newcomer.close()
 
 
 def test_a_newcomer_takes_nothing_from_those_who_are_there(viewer: Viewer) -> None:
-    async def watch(page: Page) -> None:
+    with Page(viewer) as page:
         viewer._server.ask(lambda stage: stage.set_visible("frames", False))  # and nobody is told as yet
-        newcomer = await Page(page.address, {}).open()
+        newcomer = page.other()
         assert not newcomer.latest["visible"]["frames"]
-        await page.until(lambda: not page.latest["visible"]["frames"])
-        newcomer.connection.close()
-
-    visit(viewer, watch)
+        page.until(lambda: not page.latest["visible"]["frames"])
+        newcomer.close()
 
 
 def test_numbers_end_with_the_last_page_and_what_people_switched_on_stays(viewer: Viewer) -> None:
-    async def look(page: Page) -> None:
+    with Page(viewer) as page:
         for layer in SHOWN:
-            await page.ask(type="visible", what=layer, visible=True)
-        other = await Page(page.address, {}).open()
-        other.connection.close()
-        await other.until_closed()
-        await page.ask(type="visible", what="frames", visible=True)
+            page.ask(type="visible", what=layer, visible=True)
+        other = page.other()
+        other.close()
+        other.until_closed()
+        page.ask(type="visible", what="frames", visible=True)
         assert page.latest["visible"]["numbers"]
-        page.connection.close()
-        await page.until_closed()
-
-    visit(viewer, look)
-    later = visit(viewer, nothing).latest["visible"]
+        page.close()
+        page.until_closed()
+    later = visit(viewer).latest["visible"]
     assert [layer for layer in SHOWN if not later[layer]] == ["numbers"]
-
-
-def test_a_request_that_no_part_answers_is_refused(arm: Arm) -> None:
-    stage = Stage(arm)
-    for answers in (stage.handle, lambda request, now: stage.parts[2].handle(request, stage, now)):
-        with pytest.raises(InputError, match="no such request: stop"):
-            answers(Request("stop", {}, 0), 0.0)
 
 
 def test_a_speed_that_python_set_is_kept_when_a_page_loops(arm: Arm, viewer: Viewer) -> None:
     viewer.play(swing(arm), speed=50.0)
-
-    async def pace(page: Page) -> None:
-        await page.until(lambda: page.latest["player"]["speed"] == 50.0)
-        await page.ask(type="pace", speed=50.0, loop=True)
-        await page.until(lambda: page.latest["player"]["loop"])
-        await page.ask(type="pace", speed=49.0, loop=False)
+    with Page(viewer) as page:
+        page.until(lambda: page.latest["player"]["speed"] == 50.0)
+        page.ask(type="pace", speed=50.0, loop=True)
+        page.until(lambda: page.latest["player"]["loop"])
+        page.ask(type="pace", speed=49.0, loop=False)
         assert "speed must be 0.05 … 20 times" in page.latest["error"]["message"]
         assert (page.latest["player"]["speed"], page.latest["player"]["loop"]) == (50.0, True)
-
-    visit(viewer, pace)

@@ -19,8 +19,6 @@ from twistarm.viewer.server import driver, server
 from twistarm.viewer.server.downloads import DOWNLOADS
 from twistarm.viewer.stage import Stage
 from viewer_page import THETA, WAIT, get, swing
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
 
 
 def test_methods_answer_after_the_loop_s_end(arm: Arm, viewer: Viewer) -> None:

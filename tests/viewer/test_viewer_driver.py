@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from test_viewer_jog import ask, eventually, other
 from twistarm import Arm, ArmBuilder, load_arm, plan_joint
 from twistarm.arm.usual_limits import DEFAULTS
 from twistarm.control.servo import ServoOutput, ServoSettings
@@ -25,7 +24,7 @@ from twistarm.viewer.parts.commands import PageCommands
 from twistarm.viewer.parts.part import NO_DRIVE
 from twistarm.viewer.server.driver import Drive, Driver
 from twistarm.viewer.stage import Stage
-from viewer_page import WAIT, Page, visit
+from viewer_page import WAIT, Page, until
 
 SPEED = 0.05
 """Of the twists that pages command here [m/s]."""
@@ -47,27 +46,27 @@ def driving() -> list[threading.Thread]:
     return [thread for thread in threading.enumerate() if thread.name == "twistarm drive"]
 
 
-async def switch(page: Page, on: bool) -> None:
-    await ask(page, type="servo", on=on)
-    await page.until(lambda: page.latest["drive"]["on"] == page.latest["servo"]["driven"] == on)
+def switch(page: Page, on: bool) -> None:
+    page.ask(type="servo", on=on)
+    page.until(lambda: page.latest["drive"]["on"] == page.latest["servo"]["driven"] == on)
 
 
-async def push(page: Page, reached: Callable[[], bool], **command: Any) -> None:
+def push(page: Page, reached: Callable[[], bool], **command: Any) -> None:
     """A command said again every 30 ms until something is reached."""
     end = time.monotonic() + WAIT
     while not reached():
         assert time.monotonic() < end
-        await ask(page, **command)
-        await asyncio.sleep(0.03)
+        page.ask(**command)
+        time.sleep(0.03)
 
 
-async def still(page: Page, viewer: Viewer) -> None:
+def still(page: Page, viewer: Viewer) -> None:
     """Stop, until the arm stands."""
-    await ask(page, type="stop")
+    page.ask(type="stop")
     looks: list[list[float]] = []
     while len(looks) < 4 or any(look != looks[-1] for look in looks[-4:]):
         looks.append(viewer.theta.tolist())
-        await asyncio.sleep(0.1)
+        time.sleep(0.1)
 
 
 def away(viewer: Viewer, least: float) -> Callable[[], bool]:
@@ -76,14 +75,12 @@ def away(viewer: Viewer, least: float) -> Callable[[], bool]:
     return lambda: bool(np.abs(viewer.theta - start).max() > least)
 
 
-def drive(viewer: Viewer, visitor: Callable[[Page], Any]) -> Page:
-    """Visit with Drive switched on."""
-
-    async def go(page: Page) -> None:
-        await switch(page, True)
-        await visitor(page)
-
-    return visit(viewer, go)
+@contextmanager
+def driven(viewer: Viewer) -> Iterator[Page]:
+    """A page with Drive switched on."""
+    with Page(viewer) as page:
+        switch(page, True)
+        yield page
 
 
 # driving -----------------------------------------------------------------------------------------------
@@ -93,15 +90,12 @@ def drive(viewer: Viewer, visitor: Callable[[Page], Any]) -> Page:
 def test_a_jog_moves_the_tool_straight_in_its_axes(viewer: Viewer, arm: Arm, frame: str) -> None:
     before = viewer.theta
     direction = np.array([0.6, 0.0, 0.8]) if frame == "base" else np.array([0.0, -1.0, 0.0])
-
-    async def jog(page: Page) -> None:
+    with driven(viewer) as page:
         assert page.latest["servo"]["driven"]
         assert page.latest["servo"]["jog"]
-        await push(page, away(viewer, 0.03), type="jog", twist=[*(SPEED * direction), 0, 0, 0], frame=frame)
-        await still(page, viewer)
+        push(page, away(viewer, 0.03), type="jog", twist=[*(SPEED * direction), 0, 0, 0], frame=frame)
+        still(page, viewer)
         assert "error" not in page.latest
-
-    drive(viewer, jog)
     start, end = arm.poses(before)[arm.tip], arm.poses(viewer.theta)[arm.tip]
     way = end[:3, 3] - start[:3, 3]
     along = direction if frame == "base" else start[:3, :3] @ direction
@@ -113,12 +107,9 @@ def test_a_jog_moves_the_tool_straight_in_its_axes(viewer: Viewer, arm: Arm, fra
 def test_joints_are_jogged_by_their_rates(viewer: Viewer, arm: Arm) -> None:
     before, rates = viewer.theta, np.zeros(arm.n)
     rates[[1, 3]] = 0.2, -0.4
-
-    async def jog(page: Page) -> None:
-        await push(page, away(viewer, 0.1), type="jog_joints", rates=rates.tolist())
-        await still(page, viewer)
-
-    drive(viewer, jog)
+    with driven(viewer) as page:
+        push(page, away(viewer, 0.1), type="jog_joints", rates=rates.tolist())
+        still(page, viewer)
     moved = viewer.theta - before
     assert_allclose(moved[[0, 2, 4, 5]], 0.0, atol=1e-9)
     assert moved[3] < -0.1
@@ -131,19 +122,17 @@ def test_it_stops_at_a_limit_and_says_which(arm: Arm) -> None:
     near[joint] = arm.limits.upper[joint] - 0.05
     rates = np.zeros(arm.n)
     rates[joint] = 0.5
-
-    async def jog(page: Page) -> None:
-        def halted() -> bool:
-            """Below 3 % of what is commanded, on the way to the limit; the gauge, measured now and then, too."""
-            return bool(page.latest["servo"]["status"] == "HALTED_LIMIT" and page.latest["gauge"]["room"] < 1e-2)
-
-        await push(page, halted, type="jog_joints", rates=rates.tolist())
-        assert page.latest["servo"]["joint"] == arm.joint_names[joint]
-        gauge = page.latest["gauge"]
-        assert (gauge["joint"], gauge["end"]) == (arm.joint_names[joint], "upper")
-
     with Viewer(arm, near, open_browser=False) as viewer:
-        drive(viewer, jog)
+        with driven(viewer) as page:
+
+            def halted() -> bool:
+                """Below 3 % of what is commanded, on the way to the limit; the gauge, measured now and then, too."""
+                return bool(page.latest["servo"]["status"] == "HALTED_LIMIT" and page.latest["gauge"]["room"] < 1e-2)
+
+            push(page, halted, type="jog_joints", rates=rates.tolist())
+            assert page.latest["servo"]["joint"] == arm.joint_names[joint]
+            gauge = page.latest["gauge"]
+            assert (gauge["joint"], gauge["end"]) == (arm.joint_names[joint], "upper")
         assert viewer.theta[joint] <= arm.limits.upper[joint]
 
 
@@ -152,16 +141,12 @@ def test_limits_that_an_arm_does_not_give_are_the_usual_ones_and_said(arm: Arm) 
     fastest = DEFAULTS["velocity"]["rad"]
     rates = [5.0 * fastest, *[0.0] * (arm.n - 1)]
     slowed = f"slowed by the velocity limit of {arm.joint_names[0]}"
-
-    async def jog(page: Page) -> None:
+    with Viewer(bare, open_browser=False) as viewer, driven(viewer) as page:
         assert page.latest["drive"]["note"].startswith("no limits given, used instead: velocity 1 rad/s for ")
         start = time.monotonic()
-        await push(page, lambda: page.latest["servo"]["reason"] == slowed, type="jog_joints", rates=rates)
-        await push(page, away(viewer, 0.3), type="jog_joints", rates=rates)
+        push(page, lambda: page.latest["servo"]["reason"] == slowed, type="jog_joints", rates=rates)
+        push(page, away(viewer, 0.3), type="jog_joints", rates=rates)
         assert viewer.theta[0] - bare.ready[0] < fastest * (time.monotonic() - start)
-
-    with Viewer(bare, open_browser=False) as viewer:
-        drive(viewer, jog)
 
 
 def test_sliding_or_stopping_is_chosen_while_it_drives(viewer: Viewer, arm: Arm) -> None:
@@ -170,41 +155,36 @@ def test_sliding_or_stopping_is_chosen_while_it_drives(viewer: Viewer, arm: Arm)
     def side() -> float:
         return float(arm.poses(viewer.theta)[arm.tip][1, 3])
 
-    async def end_of_the_way(page: Page) -> float:
+    def end_of_the_way(page: Page) -> float:
         looks: list[float] = []
         while len(looks) < 10 or np.ptp(looks[-10:]) > 1e-4:
             for _ in range(3):
-                await ask(page, **out)
-                await asyncio.sleep(0.03)
+                page.ask(**out)
+                time.sleep(0.03)
             looks.append(side())
         return looks[-1]
 
-    async def jog(page: Page) -> None:
+    with driven(viewer) as page:
         assert page.latest["drive"]["on_unreachable"] == "slide"
-        await ask(page, type="on_unreachable", what="stop")
-        await page.until(lambda: page.latest["drive"]["on_unreachable"] == "stop")
+        page.ask(type="on_unreachable", what="stop")
+        page.until(lambda: page.latest["drive"]["on_unreachable"] == "stop")
         assert page.latest["drive"]["on"]
-        stopped = await end_of_the_way(page)
-        second = await other(page)
-        await second.until(lambda: second.latest["drive"]["on_unreachable"] == "stop")
-        await ask(page, type="on_unreachable", what="slide")
-        await push(page, lambda: side() > stopped + 0.01, **out)
-
-    drive(viewer, jog)
+        stopped = end_of_the_way(page)
+        second = page.other()
+        second.until(lambda: second.latest["drive"]["on_unreachable"] == "stop")
+        page.ask(type="on_unreachable", what="slide")
+        push(page, lambda: side() > stopped + 0.01, **out)
 
 
 def test_a_servo_of_the_program_heeds_the_choice_if_it_says_so(viewer: Viewer) -> None:
     settings = viewer.servo_settings(ServoSettings(damping=0.1, on_unreachable="stop"))
-
-    async def choose(page: Page) -> None:
-        await page.until(lambda: page.latest["drive"] == NO_DRIVE | {"on_unreachable": "stop", "free": True})
-        await ask(page, type="on_unreachable", what="slide")
+    assert settings() == ServoSettings(damping=0.1, on_unreachable="stop")
+    with Page(viewer) as page:
+        page.until(lambda: page.latest["drive"] == NO_DRIVE | {"on_unreachable": "stop", "free": True})
+        page.ask(type="on_unreachable", what="slide")
         assert settings() == ServoSettings(damping=0.1)
         viewer.show_servo(None)
-        await page.until(lambda: page.latest["drive"] == NO_DRIVE)
-
-    assert settings() == ServoSettings(damping=0.1, on_unreachable="stop")
-    visit(viewer, choose)
+        page.until(lambda: page.latest["drive"] == NO_DRIVE)
     with pytest.raises(InputError, match="settings must be a ServoSettings"):
         viewer.servo_settings("stop")  # type: ignore[arg-type]
 
@@ -213,58 +193,52 @@ def test_a_servo_of_the_program_heeds_the_choice_if_it_says_so(viewer: Viewer) -
 
 
 def test_switched_off_it_comes_to_rest_and_frees_the_sliders(viewer: Viewer, arm: Arm) -> None:
-    async def jog(page: Page) -> None:
+    with driven(viewer) as page:
         turn = {"type": "jog_joints", "rates": [0.5, *[0.0] * (arm.n - 1)]}
-        await push(page, away(viewer, 0.05), **turn)
-        await ask(page, type="pose", name="ready", ease=False)
+        push(page, away(viewer, 0.05), **turn)
+        page.ask(type="pose", name="ready", ease=False)
         assert page.latest["error"]["message"] == (
             f"a servo drives {arm.name}: sliders, poses and trajectories are free again once Drive in the Jog panel "
             "is switched off"
         )
-        await push(page, away(viewer, 0.05), **turn)
+        push(page, away(viewer, 0.05), **turn)
         moving = viewer.theta[0]
-        await switch(page, False)
+        switch(page, False)
         assert viewer.theta[0] - moving > 1e-3  # braked, not cut off
         assert not page.latest["servo"]["driven"]
         assert page.latest["gauge"]["sigma"] is None
         assert driving() == []
         left = viewer.theta
-        await ask(page, type="joint", name=arm.joint_names[0], value=0.25)
+        page.ask(type="joint", name=arm.joint_names[0], value=0.25)
         assert "error" not in page.latest
-        await eventually(lambda: viewer.theta[0] == 0.25)
+        until(lambda: viewer.theta[0] == 0.25)
         assert viewer.theta[1:].tolist() == left[1:].tolist()
-        await ask(page, type="jog", twist=[0.1, 0, 0, 0, 0, 0], frame="base")
+        page.ask(type="jog", twist=[0.1, 0, 0, 0, 0, 0], frame="base")
         assert page.latest["error"]["message"].startswith("no servo takes commands here")
-
-    drive(viewer, jog)
 
 
 def test_it_can_be_switched_on_again_at_once(viewer: Viewer, arm: Arm) -> None:
-    async def jog(page: Page) -> None:
-        await push(page, away(viewer, 0.05), type="jog_joints", rates=[0.5, *[0.0] * (arm.n - 1)])
-        await ask(page, type="servo", on=False)
-        await switch(page, True)
+    with driven(viewer) as page:
+        push(page, away(viewer, 0.05), type="jog_joints", rates=[0.5, *[0.0] * (arm.n - 1)])
+        page.ask(type="servo", on=False)
+        switch(page, True)
         assert "error" not in page.latest
-        await asyncio.sleep(0.3)
+        time.sleep(0.3)
         assert len(driving()) == 1
-        await push(page, away(viewer, 0.02), type="jog_joints", rates=[0.5, *[0.0] * (arm.n - 1)])
+        push(page, away(viewer, 0.02), type="jog_joints", rates=[0.5, *[0.0] * (arm.n - 1)])
         for on in (True, True, False, False):  # harmless when repeated
-            await ask(page, type="servo", on=on)
+            page.ask(type="servo", on=on)
             assert "error" not in page.latest
-
-    drive(viewer, jog)
 
 
 def test_the_last_page_s_end_is_its_end(viewer: Viewer, arm: Arm) -> None:
-    async def jog(page: Page) -> None:
-        second = await other(page)
-        await push(second, away(viewer, 0.02), type="jog_joints", rates=[0.5, *[0.0] * (arm.n - 1)])
-        second.connection.close()
-        await eventually(lambda: len(viewer._server.clients) == 1)
-        await still(page, viewer)  # who jogged has gone: at rest
+    with driven(viewer) as page:
+        second = page.other()
+        push(second, away(viewer, 0.02), type="jog_joints", rates=[0.5, *[0.0] * (arm.n - 1)])
+        second.close()
+        until(lambda: len(viewer._server.clients) == 1)
+        still(page, viewer)  # who jogged has gone: at rest
         assert len(driving()) == 1
-
-    drive(viewer, jog)
     end = time.monotonic() + 3.0
     while driving():
         assert time.monotonic() < end
@@ -274,13 +248,10 @@ def test_the_last_page_s_end_is_its_end(viewer: Viewer, arm: Arm) -> None:
 
 def test_the_view_s_end_leaves_no_thread(arm: Arm) -> None:
     viewer = Viewer(arm, open_browser=False)
-
-    async def jog(page: Page) -> None:
-        await push(page, away(viewer, 0.02), type="jog_joints", rates=[0.5, *[0.0] * (arm.n - 1)])
-        await asyncio.to_thread(viewer.close)
+    with driven(viewer) as page:
+        push(page, away(viewer, 0.02), type="jog_joints", rates=[0.5, *[0.0] * (arm.n - 1)])
+        viewer.close()
         assert driving() == []
-
-    drive(viewer, jog)
     assert viewer.theta[0] > arm.ready[0]
 
 
@@ -289,59 +260,49 @@ def test_the_view_s_end_leaves_no_thread(arm: Arm) -> None:
 
 def test_it_does_not_begin_where_a_servo_of_the_program_drives(viewer: Viewer, arm: Arm) -> None:
     reason = f"a servo of the program drives {arm.name}: Drive is free once it has ended"
-
-    async def begin(page: Page) -> None:
+    with Page(viewer) as page:
         _ = viewer.commands
-        await ask(page, type="servo", on=True)
+        page.ask(type="servo", on=True)
         assert page.latest["error"]["message"] == reason
         viewer.show_servo(None)
         viewer.show_servo(ServoOutput.stale(np.zeros(arm.n), "waiting"))  # one that pages do not command
-        await ask(page, type="servo", on=True)
+        page.ask(type="servo", on=True)
         assert page.latest["error"]["message"] == reason
         assert driving() == []
         viewer.show_servo(None)
-        await switch(page, True)
-
-    visit(viewer, begin)
+        switch(page, True)
 
 
 def test_a_servo_of_the_program_takes_over(viewer: Viewer, arm: Arm) -> None:
-    async def take_over(page: Page) -> None:
+    with driven(viewer) as page:
         _ = viewer.commands
-        await page.until(lambda: not page.latest["drive"]["on"])
+        page.until(lambda: not page.latest["drive"]["on"])
         assert page.latest["servo"]["driven"]
         theta = arm.ready + 0.1
         viewer.show_servo(Cycle(0.0, None, theta, None, "not yet"))
-        await page.until(lambda: page.latest["servo"]["reason"] == "not yet")
+        page.until(lambda: page.latest["servo"]["reason"] == "not yet")
         assert viewer.theta.tolist() == theta.tolist()
         assert driving() == []
         viewer.show_servo(None)
-        await page.until(lambda: not page.latest["servo"]["driven"])
-
-    drive(viewer, take_over)
+        page.until(lambda: not page.latest["servo"]["driven"])
 
 
 def test_the_end_of_no_servo_does_not_end_it(viewer: Viewer) -> None:
-    async def end(page: Page) -> None:
+    with driven(viewer) as page:
         viewer.show_servo(None)
-        await push(page, away(viewer, 0.01), type="jog", twist=[SPEED, 0, 0, 0, 0, 0], frame="base")
+        push(page, away(viewer, 0.01), type="jog", twist=[SPEED, 0, 0, 0, 0, 0], frame="base")
         assert "error" not in page.latest
         assert page.latest["servo"]["driven"]
-
-    drive(viewer, end)
 
 
 def test_what_the_program_shows_goes_first_and_is_told(viewer: Viewer, arm: Arm) -> None:
     theta = arm.ready + 0.05
-
-    async def show(page: Page) -> None:
-        await push(page, away(viewer, 0.01), type="jog", twist=[SPEED, 0, 0, 0, 0, 0], frame="base")
+    with driven(viewer) as page:
+        push(page, away(viewer, 0.01), type="jog", twist=[SPEED, 0, 0, 0, 0, 0], frame="base")
         viewer.show(theta)
-        await page.until(lambda: "error" in page.latest)
+        page.until(lambda: "error" in page.latest)
         assert page.latest["error"]["message"] == "the program moves the arm: Drive was switched off"
-        await page.until(lambda: not page.latest["servo"]["driven"])
-
-    drive(viewer, show)
+        page.until(lambda: not page.latest["servo"]["driven"])
     assert viewer.theta.tolist() == theta.tolist()
 
 
@@ -349,44 +310,36 @@ def test_a_trajectory_that_plays_is_stopped_first(viewer: Viewer, arm: Arm) -> N
     goal = arm.ready.copy()
     goal[0] += 0.5
     viewer.play(plan_joint(arm, [arm.ready, goal], limits={"velocity": 0.2, "acceleration": 1.0}))
-
-    async def look(page: Page) -> None:
+    with driven(viewer) as page:
         assert not page.latest["frame"]["running"]
         at = viewer.theta
-        await asyncio.sleep(0.2)
+        time.sleep(0.2)
         assert_allclose(viewer.theta, at, atol=1e-12)
-
-    drive(viewer, look)
 
 
 def test_outside_the_limits_it_does_not_begin(arm: Arm) -> None:
     theta, joint = arm.ready.copy(), int(np.flatnonzero(np.isfinite(arm.limits.upper))[0])
     theta[joint] = arm.limits.upper[joint] + 0.1
-
-    async def begin(page: Page) -> None:
-        await ask(page, type="servo", on=True)
-        assert page.latest["error"]["message"].startswith(f"{arm.joint_names[joint]} = ")
-        assert "is outside its limits" in page.latest["error"]["message"]
-        assert not page.latest["drive"]["on"]
-
     with Viewer(arm, theta, open_browser=False) as viewer:
-        visit(viewer, begin)
+        with Page(viewer) as page:
+            page.ask(type="servo", on=True)
+            assert page.latest["error"]["message"].startswith(f"{arm.joint_names[joint]} = ")
+            assert "is outside its limits" in page.latest["error"]["message"]
+            assert not page.latest["drive"]["on"]
         assert driving() == []
 
 
 def test_an_arm_that_stands_tells_the_pages_nothing(viewer: Viewer) -> None:
-    async def look(page: Page) -> None:
-        await push(page, away(viewer, 0.01), type="jog", twist=[SPEED, 0, 0, 0, 0, 0], frame="base")
-        await still(page, viewer)
+    with driven(viewer) as page:
+        push(page, away(viewer, 0.01), type="jog", twist=[SPEED, 0, 0, 0, 0, 0], frame="base")
+        still(page, viewer)
         end = time.monotonic() + WAIT
         while set(page.latest) != {"done"}:  # a cycle that a busy computer delays is told
             assert time.monotonic() < end
-            await ask(page, type="servo", on=True)  # it is: all that was told until now is read
+            page.ask(type="servo", on=True)  # it is: all that was told until now is read
             page.latest.clear()
-            await asyncio.sleep(0.4)
-            await ask(page, type="servo", on=True)
-
-    drive(viewer, look)
+            time.sleep(0.4)
+            page.ask(type="servo", on=True)
 
 
 # without a loop: clocks and joints of the test's own -----------------------------------------------------

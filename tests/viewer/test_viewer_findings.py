@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import threading
 import time
 from collections import Counter
@@ -22,7 +21,7 @@ from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.parts import findings as module
 from twistarm.viewer.parts.findings import MOST, PENDING, examined, loaded, node_of
 from twistarm.viewer.server import server as server_module
-from viewer_page import Page, nothing, stored, visit
+from viewer_page import Page, stored, until, visit
 
 SCRIPT = "</script><script>hacked = 1</script>"
 ESCAPED = SCRIPT.replace("<", "&lt;").replace(">", "&gt;")
@@ -77,17 +76,9 @@ def note(code: str, place: Place) -> Finding:
 
 def hear(viewer: Viewer, heard: Callable[[dict[str, Any]], bool]) -> Page:
     """A page that stays until the findings are as `heard` wants them."""
-
-    async def read(page: Page) -> None:
-        await page.until(lambda: "findings" in page.latest and heard(page.latest["findings"]))
-
-    return visit(viewer, read)
-
-
-async def stay(page: Page) -> None:
-    """Until the doctor is at work."""
-    while "twistarm doctor" not in {thread.name for thread in threading.enumerate()}:
-        await asyncio.sleep(0.01)
+    with Page(viewer) as page:
+        page.until(lambda: "findings" in page.latest and heard(page.latest["findings"]))
+        return page
 
 
 @pytest.mark.parametrize(
@@ -115,7 +106,7 @@ def test_the_node_that_a_finding_points_at(arm: Arm, element: str, name: str, no
 def test_every_node_that_is_pointed_at_is_placed_in_the_scene(arm: Arm, viewer: Viewer) -> None:
     nodes = {told["node"] for told in examined(arm)["findings"]} - {None}
     assert {"/screws/screw:0", UPPER, "/arm/link:left"} <= nodes
-    assert nodes <= set(visit(viewer, nothing).latest["frame"]["transforms"])
+    assert nodes <= set(visit(viewer).latest["frame"]["transforms"])
 
 
 def test_the_findings_are_those_of_diagnose_gravest_first(arm: Arm) -> None:
@@ -144,7 +135,7 @@ def test_an_arm_without_a_description_has_its_notes_alone(
     assert node_of(bare, Place("bare", None, "joint", "turn")) == "/screws/screw:0"
     assert node_of(bare, Place("bare", None, "link", "turn")) is None
     with Viewer(bare, open_browser=False) as viewer:
-        assert visit(viewer, nothing).latest["findings"] == loaded(bare)
+        assert visit(viewer).latest["findings"] == loaded(bare)
 
 
 def test_of_very_many_findings_the_gravest_are_sent_and_all_are_counted(arm: Arm) -> None:
@@ -167,18 +158,15 @@ def test_the_page_lives_while_the_doctor_is_slow(arm: Arm, viewer: Viewer, monke
     done = threading.Event()
     late = Diagnosis((note("axis-zero", Place("late")),))
     monkeypatch.setattr(module, "examine_arm", lambda arm, reader: done.wait(10) and late)
-
-    async def look(page: Page) -> None:
+    viewer.show(arm.random_theta(np.random.default_rng(0)))
+    with Page(viewer) as page:
         assert page.latest["findings"] == loaded(arm)
-        await page.ask(type="pose", name="zero", ease=False)
-        await page.until(lambda: not any(page.latest["frame"]["theta"]))
+        page.ask(type="pose", name="zero", ease=False)
+        page.until(lambda: not any(page.latest["frame"]["theta"]))
         assert page.latest["findings"]["note"] == PENDING
         done.set()
-        await page.until(lambda: page.latest["findings"]["note"] == "")
+        page.until(lambda: page.latest["findings"]["note"] == "")
         assert page.latest["findings"]["findings"][0]["place"] == "late"
-
-    viewer.show(arm.random_theta(np.random.default_rng(0)))
-    visit(viewer, look)
 
 
 def test_a_doctor_who_fails_is_told_and_the_page_lives(
@@ -198,16 +186,13 @@ def test_a_doctor_who_fails_is_told_and_the_page_lives(
 
 def test_while_a_servo_drives_the_doctor_waits(viewer: Viewer, visits: list[Arm]) -> None:
     _ = viewer.commands
-
-    async def look(page: Page) -> None:
-        await asyncio.sleep(0.1)  # five times the doctor's patience
+    with Page(viewer) as page:
+        time.sleep(0.1)  # five times the doctor's patience
         assert visits == []
         assert page.latest["findings"]["note"] == PENDING
         viewer.show_servo(None)
-        await page.until(lambda: page.latest["findings"]["note"] == "")
+        page.until(lambda: page.latest["findings"]["note"] == "")
         assert len(visits) == 1
-
-    visit(viewer, look)
 
 
 def test_while_meshes_are_read_the_doctor_waits(
@@ -218,18 +203,14 @@ def test_while_meshes_are_read_the_doctor_waits(
     (tmp_path / "arm.urdf").write_text(URDF.replace('<link name="tool0"/>', f'<link name="tool0">{mesh}</link>'))
     leave = threading.Event()
     monkeypatch.setattr(MeshReader, "parts", lambda self, path, most: leave.wait(10) and [])
-
-    async def look(page: Page) -> None:
-        await asyncio.sleep(0.1)
+    with Viewer(load_arm(tmp_path / "arm.urdf", tip="tool0"), open_browser=False) as viewer, Page(viewer) as page:
+        time.sleep(0.1)
         assert visits == []
         assert page.latest["scene"]["left"] == 1
         leave.set()
-        await page.until(lambda: page.latest["findings"]["note"] == "")
+        page.until(lambda: page.latest["findings"]["note"] == "")
         assert page.latest["scene"]["left"] == 0
         assert len(visits) == 1
-
-    with Viewer(load_arm(tmp_path / "arm.urdf", tip="tool0"), open_browser=False) as viewer:
-        visit(viewer, look)
 
 
 def test_closing_does_not_wait_for_ever_for_the_doctor(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -237,7 +218,8 @@ def test_closing_does_not_wait_for_ever_for_the_doctor(arm: Arm, monkeypatch: py
     monkeypatch.setattr(module, "examine_arm", lambda arm, reader: (done.wait(10), Diagnosis(()))[1])
     monkeypatch.setattr(server_module, "STOP_TIME", 0.5)
     with Viewer(arm, open_browser=False) as viewer:
-        visit(viewer, stay)
+        with Page(viewer):
+            until(lambda: "twistarm doctor" in {thread.name for thread in threading.enumerate()})
         start = time.monotonic()
     assert time.monotonic() - start < 3
     done.set()

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from recorded_poses import HOME, REACH, ask, done, names, said
-from recorded_poses import stage as stage
 from twistarm import load_arm
 from twistarm.support.errors import InputError, LimitError
 from twistarm.viewer import Viewer
 from twistarm.viewer.parts import history
 from twistarm.viewer.stage import Stage
-from viewer_page import Page, visit
-from viewer_page import arm as arm
+from viewer_page import Page
 
 
 def undo(stage: Stage, kind: str = "undo") -> None:
@@ -104,30 +105,31 @@ def test_the_way_to_a_pose_is_straight_eased_and_ends_on_it_to_the_bit(stage: St
     assert_array_equal(stage.theta, HOME)
 
 
-@pytest.mark.parametrize("other", ["joint", "play", "show", "undo", "servo"])
+def pause_after_play(stage: Stage) -> None:
+    ask(stage, "play")
+    assert stage.running
+    ask(stage, "pause")
+
+
+OTHERS: dict[str, Callable[[Stage], Any]] = {
+    "joint": lambda stage: ask(stage, "joint", name=stage.arm.joint_names[0], value=0.11),
+    "play": pause_after_play,
+    "show": lambda stage: stage.show(stage.theta),
+    "undo": undo,
+    "servo": lambda stage: stage.begin_drive(""),
+}
+
+
+@pytest.mark.parametrize("other", OTHERS)
 def test_whatever_else_moves_the_arm_ends_the_way_to_a_pose(stage: Stage, other: str) -> None:
     ask(stage, "theta", theta=list(HOME))
     done(ask(stage, "plan", kind="cubic", stop=False))
     ask(stage, "go", id=said(stage, "program")["poses"][1]["id"], ease=True)
     stage.advance(0.2)
-    here = stage.theta
-    if other == "joint":
-        ask(stage, "joint", name=stage.arm.joint_names[0], value=0.11)
-        here = np.array([0.11, *here[1:]])
-    elif other == "play":
-        ask(stage, "play")
-        assert stage.running
-        ask(stage, "pause")
-    elif other == "show":
-        stage.show(here)
-    elif other == "undo":
-        undo(stage)
-        here = stage.theta
-        assert_array_equal(here, HOME)
-    else:
-        stage.begin_drive("")
+    there = {"joint": np.array([0.11, *stage.theta[1:]]), "undo": HOME}.get(other, stage.theta)
+    OTHERS[other](stage)
     stage.advance(0.3)
-    assert_array_equal(stage.theta, here)
+    assert_array_equal(stage.theta, there)
     assert not stage.moving
 
 
@@ -186,17 +188,14 @@ def test_a_joint_beside_the_arm_is_put_back_alone_and_while_a_servo_drives() -> 
 
 
 def test_over_the_socket_a_pose_is_reached_frame_by_frame() -> None:
-    async def use(page: Page) -> None:
+    with Viewer(load_arm("rover_arm"), open_browser=False) as viewer, Page(viewer) as page:
         seen = set()
-        await page.ask(type="pose", name="zero", ease=True)
+        page.ask(type="pose", name="zero", ease=True)
 
         def there() -> bool:
             seen.add(page.latest["frame"]["theta"][1])
             return not any(page.latest["frame"]["theta"])
 
-        await page.until(there)
+        page.until(there)
         assert len(seen) > 4
         assert page.latest["history"] == {"type": "history", "undo": "go to zero", "redo": None}
-
-    with Viewer(load_arm("rover_arm"), open_browser=False) as viewer:
-        visit(viewer, use)

@@ -1,12 +1,12 @@
-"""Commands of the pages: each page is a commander, its nonsense, its silence and its end stop the arm."""
+"""Commands of the pages to a servo, what it says on the pages, and the loop with a page at its head."""
 
 from __future__ import annotations
 
-import asyncio
-import itertools
 import json
+import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,10 +15,11 @@ from numpy.testing import assert_array_equal
 
 from test_viewer_messages import BAD_MESSAGES
 from twistarm import ArmBuilder, plan_joint
-from twistarm.control.servo import JogCommand, TwistCommand
+from twistarm.control.servo import AnyCommand, JogCommand, ServoOutput, ServoStatus, TwistCommand
+from twistarm.control.stream import Cycle, Inbox, Reading, Setpoint, SimulatedJoints, StreamReport, run
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts.servo_words import SILENT
-from viewer_page import WAIT, Page, visit
+from twistarm.viewer.parts.servo_words import SILENT, servo_words
+from viewer_page import Page, until
 
 ARM = (
     ArmBuilder("pair")
@@ -29,8 +30,6 @@ ARM = (
 )
 
 TWIST = [0.1, 0.0, -0.05, 0.0, 0.4, 0.0]
-
-NUMBERS = itertools.count(1)
 
 BAD_COMMANDS = [
     ({"type": "jog", "twist": TWIST}, "jog needs twist, frame; got ['twist']"),
@@ -48,15 +47,8 @@ def viewer() -> Iterator[Viewer]:
         yield served
 
 
-async def ask(page: Page, **request: Any) -> None:
-    """Send, and wait for the answer to exactly this."""
-    number = next(NUMBERS)
-    await page.send(json.dumps({**request, "number": number}))
-    await page.until(lambda: page.latest.get("done", {}).get("number") == number)
-
-
-async def jog(page: Page, frame: str = "tool") -> None:
-    await ask(page, type="jog", twist=TWIST, frame=frame)
+def jog(page: Page, frame: str = "tool") -> None:
+    page.ask(type="jog", twist=TWIST, frame=frame)
 
 
 def reading(viewer: Viewer) -> Any:
@@ -64,70 +56,51 @@ def reading(viewer: Viewer) -> Any:
     return viewer.commands.read(time.monotonic())
 
 
-async def other(page: Page) -> Page:
-    return await Page(page.address, {}).open()
-
-
-async def eventually(reached: Callable[[], bool]) -> None:
-    end = time.monotonic() + WAIT
-    while not reached():
-        assert time.monotonic() < end
-        await asyncio.sleep(0.005)
-
-
 # commands in ------------------------------------------------------------------------------------------
 
 
 def test_nothing_is_taken_before_somebody_asks_for_commands(viewer: Viewer) -> None:
-    async def try_it(page: Page) -> None:
+    with Page(viewer) as page:
         assert page.latest["servo"] == {"type": "servo", "jog": False, "driven": False, **SILENT}
-        await jog(page)
+        jog(page)
         assert page.latest["error"]["message"].startswith("no servo takes commands here: start one by `twistarm servo")
-
-    visit(viewer, try_it)
     assert reading(viewer).command is None
 
 
 def test_a_page_s_twist_and_its_stop_are_what_the_servo_reads(viewer: Viewer) -> None:
     _ = viewer.commands
-
-    async def drive(page: Page) -> None:
-        await page.until(lambda: page.latest.get("servo", {}).get("jog", False))
+    with Page(viewer) as page:
+        page.until(lambda: page.latest.get("servo", {}).get("jog", False))
         for frame in ("tool", "base"):
-            await jog(page, frame)
+            jog(page, frame)
             command = reading(viewer).command
             assert isinstance(command, TwistCommand)
             assert (command.twist.tolist(), command.frame) == (TWIST, frame)
-        await ask(page, type="stop")
+        page.ask(type="stop")
         command = reading(viewer).command
         assert isinstance(command, JogCommand)
         assert command.theta_dot.tolist() == [0, 0]
         assert "error" not in page.latest
 
-    visit(viewer, drive)
-
 
 def test_nonsense_from_a_page_that_jogs_stops_the_arm_and_says_why(viewer: Viewer) -> None:
     _ = viewer.commands
-
-    async def drive(page: Page) -> None:
+    with Page(viewer) as page:
         for text, reason in [*((json.dumps({**message, "number": 8}), why) for message, why in BAD_COMMANDS),
                              *BAD_MESSAGES[:8]]:  # fmt: skip
-            await jog(page)
-            await page.send(text)
-            await page.until(lambda: "error" in page.latest)
+            jog(page)
+            page.send(text)
+            page.until(lambda: "error" in page.latest)
             stopped = reading(viewer)
             assert reason in page.latest["error"]["message"]
             assert stopped.command is None
             assert reason in stopped.reason
-        bystander = await other(page)
-        await jog(page)  # sense again
-        await bystander.send("{")
-        await bystander.until(lambda: "error" in bystander.latest)
+        bystander = page.other()
+        jog(page)  # sense again
+        bystander.send("{")
+        bystander.until(lambda: "error" in bystander.latest)
         assert reading(viewer).command is not None
-        bystander.connection.close()
-
-    visit(viewer, drive)
+        bystander.close()
 
 
 # more than one page, and none ------------------------------------------------------------------------------
@@ -135,52 +108,43 @@ def test_nonsense_from_a_page_that_jogs_stops_the_arm_and_says_why(viewer: Viewe
 
 def test_two_pages_that_jog_are_two_commanders_and_the_arm_stands(viewer: Viewer) -> None:
     _ = viewer.commands
-
-    async def drive(page: Page) -> None:
-        second = await other(page)
-        await jog(page)
-        await jog(second)
+    with Page(viewer) as page:
+        second = page.other()
+        jog(page)
+        jog(second)
         both = reading(viewer)
         assert both.command is None
         assert both.reason == "two senders of a command, page 1 and page 2: stop one of them"
-        await asyncio.sleep(viewer.commands.timeout + 0.05)
-        await jog(second)
+        time.sleep(viewer.commands.timeout + 0.05)
+        jog(second)
         assert isinstance(reading(viewer).command, TwistCommand)
-        second.connection.close()
-
-    visit(viewer, drive)
+        second.close()
 
 
 def test_a_page_that_goes_while_it_jogs_stops_the_arm(viewer: Viewer) -> None:
     _ = viewer.commands
-
-    async def drive(page: Page) -> None:
-        driver = await other(page)
-        await jog(driver)
+    with Page(viewer) as page:
+        driver = page.other()
+        jog(driver)
         assert reading(viewer).command is not None
-        driver.connection.close()
-        await eventually(lambda: reading(viewer).command is None)
+        driver.close()
+        until(lambda: reading(viewer).command is None)
         assert reading(viewer).reason == "command from page 2 refused: its page has gone"
         assert reading(viewer).age < viewer.commands.timeout
-
-    visit(viewer, drive)
 
 
 def test_a_page_that_goes_and_does_not_jog_disturbs_nobody(viewer: Viewer) -> None:
     _ = viewer.commands
-
-    async def drive(page: Page) -> None:
-        visitor, driver = await other(page), await other(page)
-        await jog(visitor)
-        await ask(visitor, type="stop")
-        await asyncio.sleep(viewer.commands.timeout + 0.05)
-        visitor.connection.close()
-        await eventually(lambda: len(viewer._server.clients) == 2)
-        await jog(driver)
+    with Page(viewer) as page:
+        visitor, driver = page.other(), page.other()
+        jog(visitor)
+        visitor.ask(type="stop")
+        time.sleep(viewer.commands.timeout + 0.05)
+        visitor.close()
+        until(lambda: len(viewer._server.clients) == 2)
+        jog(driver)
         assert reading(viewer).command is not None
-        driver.connection.close()
-
-    visit(viewer, drive)
+        driver.close()
 
 
 # what pages are told -----------------------------------------------------------------------------------
@@ -189,28 +153,24 @@ def test_a_page_that_goes_and_does_not_jog_disturbs_nobody(viewer: Viewer) -> No
 def test_commands_move_nothing_on_show_and_send_no_frames(viewer: Viewer) -> None:
     _ = viewer.commands
     _ = viewer.theta  # the change is applied
-
-    async def drive(page: Page) -> None:
-        onlooker = await other(page)
+    with Page(viewer) as page:
+        onlooker = page.other()
         onlooker.latest.clear()
         for _ in range(50):
-            await jog(page)
-            await ask(page, type="stop")
-        await ask(page, type="visible", what="frames", visible=False)
-        await onlooker.until(lambda: bool(onlooker.latest))
+            jog(page)
+            page.ask(type="stop")
+        page.ask(type="visible", what="frames", visible=False)
+        onlooker.until(lambda: bool(onlooker.latest))
         assert set(onlooker.latest) == {"visible"}
-        onlooker.connection.close()
-
-    visit(viewer, drive)
+        onlooker.close()
     assert viewer.theta.tolist() == [0.2, 0.3]
 
 
 def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: Viewer) -> None:
     _ = viewer.commands
     viewer.play(plan_joint(ARM, [[0, 0], [1, 1]], limits={"velocity": 1.0, "acceleration": 1.0}))
-
-    async def meddle(page: Page) -> None:
-        await ask(page, type="pause")
+    with Page(viewer) as page:
+        page.ask(type="pause")
         assert "error" not in page.latest
         held = viewer.theta
         for request in (
@@ -221,12 +181,161 @@ def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: View
             {"type": "seek", "time": 0.1},
             {"type": "random", "ease": False},
         ):
-            await ask(page, **request)
+            page.ask(**request)
             assert page.latest["error"]["message"].startswith(
                 "a servo drives pair: sliders, poses and trajectories are free"
             )
         assert_array_equal(viewer.theta, held)
-        await ask(page, type="visible", what="screws", visible=False)
+        page.ask(type="visible", what="screws", visible=False)
         assert "error" not in page.latest
 
-    visit(viewer, meddle)
+
+# a servo on the pages ----------------------------------------------------------------------------------
+
+
+def answer(status: ServoStatus, joint: str | None, reason: str) -> ServoOutput:
+    return replace(ServoOutput.stale(np.zeros(2), reason), status=status, joint=joint)
+
+
+def cycle(reading: Reading, output: ServoOutput | None, reason: str = "") -> Cycle:
+    setpoint = None if output is None else Setpoint(0, 0.0, np.zeros(2), np.zeros(2), output)
+    return Cycle(0.0, reading, None if output is None else np.array([0.1, -0.1]), setpoint, reason)
+
+
+def test_a_servo_that_nobody_on_the_page_commands_and_its_end(viewer: Viewer) -> None:
+    viewer.show_servo(cycle(Reading(None, np.inf, "none"), None, "no joint state has arrived"))
+    with Page(viewer) as page:
+        page.until(lambda: page.latest["servo"]["reason"] == "no joint state has arrived")
+        assert not page.latest["servo"]["jog"]
+        assert page.latest["servo"]["driven"]
+        page.ask(type="pose", name="zero", ease=False)
+        assert page.latest["error"]["message"].startswith("a servo drives pair")
+        _ = viewer.commands
+        page.until(lambda: page.latest["servo"]["jog"])
+        viewer.show_servo(None)
+        page.until(lambda: not page.latest["servo"]["jog"])
+        assert not page.latest["servo"]["driven"]
+        assert page.latest["servo"]["reason"] == ""
+        jog(page)
+        assert page.latest["error"]["message"].startswith("no servo takes commands here")
+        page.ask(type="pose", name="zero", ease=False)
+        assert "error" not in page.latest
+    assert viewer.theta.tolist() == [0, 0]
+
+
+STOP = JogCommand([0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("said", "idle"),
+    [
+        ([], True),  # nobody ever commanded
+        ([TwistCommand(TWIST)], False),  # cut off in the middle of a motion
+        ([TwistCommand(TWIST), STOP], True),
+        ([STOP, TwistCommand(TWIST)], False),
+        ([TwistCommand(TWIST), STOP, "nonsense"], False),
+    ],
+)
+def test_silence_is_trouble_only_in_the_middle_of_a_motion(said: list[AnyCommand | str], idle: bool) -> None:
+    """Read first when all of it is old: a loop that stalls may miss a stop, and still it is one."""
+    inbox, stale = Inbox(), answer(ServoStatus.STALE, None, "why")
+    for each in said:
+        if isinstance(each, str):
+            inbox.refuse("page 1", each, 1.0)
+        else:
+            inbox.put("page 1", each, 1.0)
+    reading = inbox.read(4.0)
+    spoken = {"status": "STALE", "joint": None, "reason": "why", "share": None}
+    assert servo_words(cycle(reading, stale, reading.reason)) == (SILENT if idle else spoken)
+    assert servo_words(cycle(reading, stale, "the last joint state is 1 s old")) == spoken
+
+
+@pytest.mark.parametrize(
+    ("command", "scale", "lost", "share"),
+    [
+        (TwistCommand(TWIST), 1.0, 0.0, 1.0),
+        (TwistCommand(TWIST), 0.6, 0.3, 0.42),  # 60 % of the 70 % that can be reached
+        (TwistCommand(TWIST), 1.0, 1.5, 0.0),
+        (TwistCommand([0.0] * 6), 0.0, 0.0, None),
+        (STOP, 0.0, 0.0, None),
+        (None, 1.0, 0.0, None),
+    ],
+)
+def test_how_much_of_a_command_is_done(
+    command: AnyCommand | None, scale: float, lost: float, share: float | None
+) -> None:
+    output = replace(answer(ServoStatus.OK, None, "moving"), scale=scale, lost_share=lost)
+    assert servo_words(cycle(Reading(command, 0.0), output))["share"] == share
+
+
+def test_setpoints_that_nobody_hears_go_before_what_the_servo_says() -> None:
+    lost = replace(cycle(Reading(TwistCommand(TWIST), 0.0), answer(ServoStatus.OK, None, "")), delivered=False)
+    words = servo_words(replace(lost, reason="nobody listens at 127.0.0.1:5005"))
+    assert words == {**SILENT, "reason": "nobody listens at 127.0.0.1:5005"}
+
+
+def test_a_stop_says_nothing_of_two_commanders() -> None:
+    inbox, stale = Inbox(), answer(ServoStatus.STALE, None, "why")
+    inbox.put("page 1", TwistCommand(TWIST), 1.0)
+    inbox.put("page 2", STOP, 1.01)
+    reading = inbox.read(1.02)
+    assert servo_words(cycle(reading, stale, reading.reason))["status"] == "STALE"
+
+
+def test_a_page_drives_the_simulated_joints_and_its_silence_stops_them(viewer: Viewer) -> None:
+    arm = replace(ARM, limits=ARM.limits.with_({"velocity": 1.0, "acceleration": 3.0}, ARM.joint_names))
+    simulated = SimulatedJoints(arm, [0.2, 0.3])
+    reports: list[StreamReport] = []
+    spans: list[float] = []  # how long the page commanded
+
+    silent = threading.Event()
+
+    def loop() -> None:
+        def rest() -> bool:
+            return silent.is_set() and not simulated.theta_dot.any()
+
+        show = viewer.show_servo
+        reports.append(run(arm, viewer.commands, simulated, simulated, duration=20.0, until=rest, on_cycle=show))
+
+    thread = threading.Thread(target=loop)
+    with Page(viewer) as page:
+        thread.start()
+        start = time.monotonic()
+        for _ in range(20):
+            page.ask(type="jog", twist=[0, 0, 0, 0, 0.5, 0], frame="tool")  # joint b turns about the tool's y
+            time.sleep(0.03)
+        spans.append(time.monotonic() - start)
+        silent.set()
+        page.until(lambda: page.latest["servo"]["status"] == "OK")
+        assert "error" not in page.latest
+    thread.join()
+    (report,) = reports
+    moved = simulated.theta - [0.2, 0.3]
+    assert abs(moved[0]) < 1e-6
+    assert 0.2 < moved[1] < 0.5 * (spans[0] + viewer.commands.timeout) + 0.1  # at 0.5 rad/s, and 0.04 rad to stop
+    assert not simulated.theta_dot.any()
+    assert report.ok
+    assert viewer.theta[1] == pytest.approx(simulated.theta[1], abs=1e-3)
+
+
+def test_a_loop_at_any_rate_is_shown_at_most_60_times_a_second(viewer: Viewer) -> None:
+    shown: list[float] = []
+    publish = viewer._server.publish
+    viewer._server.publish = lambda: (shown.append(time.monotonic()), publish())[1]  # type: ignore[func-returns-value,method-assign]
+    start = time.monotonic()
+    for i in range(600):
+        viewer.show([i / 1000, 0.0])
+        viewer.show_servo(answer(ServoStatus.OK, None, str(i)))
+        time.sleep(0.001)
+    took = time.monotonic() - start
+    assert len(shown) <= 61 * took + 2
+    assert viewer.theta[0] == 0.599  # the last is never lost
+    assert viewer._server.ask(lambda stage: stage.servo()["reason"]) == "599"
+
+
+def test_what_was_posted_last_is_there_after_closing() -> None:
+    viewer = Viewer(ARM, open_browser=False)
+    for i in range(10):
+        viewer.show([i / 10, 0.0])
+    viewer.close()
+    assert viewer.theta[0] == 0.9

@@ -21,15 +21,12 @@ from contextlib import ExitStack, contextmanager
 
 import pytest
 from numpy.testing import assert_array_equal
-from tornado.websocket import websocket_connect
 
 import schema_samples as samples
 from twistarm.support.strict_json import LARGEST_MESSAGE
 from twistarm.viewer import Viewer
 from twistarm.viewer.protocol.messages import SCHEMA
-from viewer_page import THETA, WAIT, Page, address, nothing, port_of, until, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
+from viewer_page import LOOP, THETA, WAIT, Page, target, until, visit
 
 RATE = 60
 
@@ -64,21 +61,6 @@ def collected() -> int:
     return tracemalloc.get_traced_memory()[0]
 
 
-@contextmanager
-def mute(viewer: Viewer) -> Iterator[socket.socket]:
-    """A page that greets and never reads, as a computer that was closed."""
-    host, port = "127.0.0.1", port_of(viewer)
-    with socket.socket() as page:
-        page.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-        page.connect((host, port))
-        page.sendall(
-            f"GET /{viewer.url.split('/', 3)[3]}socket HTTP/1.1\r\nHost: {host}:{port}\r\nUpgrade: websocket\r\n"
-            "Connection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-            "Sec-WebSocket-Version: 13\r\n\r\n".encode()
-        )
-        yield page
-
-
 class Counter(Page):
     """A page that counts its frames and notes when the latest came."""
 
@@ -106,22 +88,19 @@ def post_frames(viewer: Viewer, seconds: float, sent: dict[float, float]) -> Non
 
 def watch_frames(viewer: Viewer, pages: int, seconds: float) -> list[Counter]:
     """Post frames for so many seconds, and let so many pages count them."""
-
-    async def go() -> list[Counter]:
-        opened = [await Counter(address(viewer), {}).open() for _ in range(pages)]
-        sent: dict[float, float] = {}
-        poster = threading.Thread(target=post_frames, args=(viewer, seconds, sent))
-        poster.start()
-        last = int(seconds * RATE) / 2**16
-        await asyncio.gather(*(page.count(last, sent) for page in opened))  # type: ignore[attr-defined]
-        poster.join()
-        for page in opened:
-            page.connection.close()
-            page.objects.clear()
-            page.latest.clear()
-        return opened  # type: ignore[return-value]
-
-    return asyncio.run(go())
+    opened = [Counter(viewer) for _ in range(pages)]
+    sent: dict[float, float] = {}
+    poster = threading.Thread(target=post_frames, args=(viewer, seconds, sent))
+    poster.start()
+    last = int(seconds * RATE) / 2**16
+    counting = [asyncio.run_coroutine_threadsafe(page.count(last, sent), LOOP) for page in opened]
+    for page, counted in zip(opened, counting, strict=True):
+        counted.result(seconds + WAIT)
+        page.close()
+        page.objects.clear()
+        page.latest.clear()
+    poster.join()
+    return opened
 
 
 # many frames ------------------------------------------------------------------------------------------
@@ -140,7 +119,7 @@ def test_pages_that_never_read_neither_grow_nor_delay_the_others(viewer: Viewer)
     kinds = len(SCHEMA["messages"])
     with ExitStack() as stack:
         for _ in range(5):
-            stack.enter_context(mute(viewer))
+            stack.enter_context(target(viewer).upgrade(receive=4096))
         until(lambda: len(viewer._server.clients) == 5)
         mutes = list(viewer._server.clients)
         (page,) = watch_frames(viewer, 1, 2.0)
@@ -153,7 +132,7 @@ def test_pages_that_never_read_neither_grow_nor_delay_the_others(viewer: Viewer)
 
 def test_pages_that_vanish_amid_messages_are_forgotten(viewer: Viewer, caplog: pytest.LogCaptureFixture) -> None:
     for k in range(2):
-        with mute(viewer) as page:
+        with target(viewer).upgrade(receive=4096) as page:
             until(lambda: len(viewer._server.clients) == 1)
             for j in range(1, 3):  # more than fits between here and there
                 viewer._server.post("way", lambda stage, j=j: stage.draw_path({"points": LONG_WAY, "radius": 1.0 / j}))
@@ -167,22 +146,17 @@ def test_pages_that_vanish_amid_messages_are_forgotten(viewer: Viewer, caplog: p
 
 @pytest.mark.slow
 def test_a_hundred_reconnections_leave_nothing(viewer: Viewer) -> None:
-    async def come_and_go(times: int) -> None:
+    def come_and_go(times: int) -> None:
         for _ in range(times):
-            connection = await websocket_connect(address(viewer))
-            while isinstance(message := await connection.read_message(), bytes) or "frame" not in message:
-                assert message is not None, "the socket was closed"
-            connection.close()
-            while await connection.read_message() is not None:
-                pass
+            visit(viewer).until_closed()
 
-    asyncio.run(come_and_go(5))
+    come_and_go(5)
     with flat_memory(viewer):
         threads = set(threading.enumerate())
-        asyncio.run(come_and_go(100))
+        come_and_go(100)
         until(lambda: not viewer._server.clients)
     assert set(threading.enumerate()) <= threads
-    assert visit(viewer, nothing).latest["frame"]["theta"] == list(THETA)
+    assert visit(viewer).latest["frame"]["theta"] == list(THETA)
 
 
 # hostile messages -------------------------------------------------------------------------------------
@@ -199,14 +173,15 @@ def hostile() -> list[str | bytes]:
 def test_hostile_messages_leave_the_server_alive_and_its_memory_flat(viewer: Viewer) -> None:
     messages = (hostile() * 10)[:10_000]
 
-    async def flood(page: Page, texts: list[str | bytes]) -> None:
-        for text in texts:
-            await page.connection.write_message(text, binary=isinstance(text, bytes))
-        await page.ask(type="pose", name="zero", ease=False)
+    def flood(texts: list[str | bytes]) -> None:
+        with Page(viewer) as page:
+            for text in texts:
+                page.send(text)
+            page.ask(type="pose", name="zero", ease=False)
 
-    visit(viewer, lambda page: flood(page, messages[:1000]))
+    flood(messages[:1000])
     with flat_memory(viewer):
-        visit(viewer, lambda page: flood(page, messages))
+        flood(messages)
     assert_array_equal(viewer.theta, [0, 0, 0])
 
 

@@ -6,7 +6,6 @@ import json
 import os
 import re
 import socket
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +17,7 @@ from twistarm import Arm, load_arm
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.server.memory import state_folder
-from viewer_page import ARM, THETA, Page, nothing, until, visit
-from viewer_page import arm as arm
+from viewer_page import ARM, THETA, Page, until, visit
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")
 
@@ -42,12 +40,10 @@ def at(arm: Arm, port: int, **options: Any) -> Viewer:
     return Viewer(arm, port=port, open_browser=False, keep=True, **options)
 
 
-def record(*names: str) -> Callable[[Page], Any]:
-    async def visitor(page: Page) -> None:
+def record(viewer: Viewer, *names: str) -> None:
+    with Page(viewer) as page:
         for name in names:
-            await page.ask(type="record", name=name)
-
-    return visitor
+            page.ask(type="record", name=name)
 
 
 def kept(home: Path, ending: str) -> Path:
@@ -71,7 +67,7 @@ def test_the_poses_and_theta_are_those_of_the_last_run_and_the_token_is_new(arm:
     with at(arm, port) as first:
         assert_allclose(first.theta, arm.ready)
         first.show(THETA)
-        visit(first, record("one", "two"))
+        record(first, "one", "two")
         address = first.url
     with at(arm, port) as second:
         assert second.url != address
@@ -88,7 +84,7 @@ def test_nothing_is_kept_unless_it_is_asked_for(arm: Arm, home: Path, port: int)
     addresses = set()
     for _ in range(2):
         with Viewer(arm, port=port, open_browser=False) as viewer:
-            visit(viewer, record("one"))
+            record(viewer, "one")
             addresses.add(viewer.url)
     assert len(addresses) == 2
     assert not home.exists()
@@ -98,7 +94,7 @@ def test_nothing_is_kept_unless_it_is_asked_for(arm: Arm, home: Path, port: int)
 
 def test_arms_have_their_own(arm: Arm, home: Path, port: int) -> None:
     with at(arm, port) as viewer:
-        visit(viewer, record("one"))
+        record(viewer, "one")
     with at(load_arm("rr_planar"), port) as viewer:
         assert viewer.recorded == {}
         assert viewer.notes == ()
@@ -108,7 +104,7 @@ def test_arms_have_their_own(arm: Arm, home: Path, port: int) -> None:
 
 def test_a_port_in_use_leaves_what_is_kept_alone(arm: Arm, home: Path, port: int) -> None:
     with at(arm, port) as viewer:
-        visit(viewer, record("one"))
+        record(viewer, "one")
         until_kept(home)
         before = {file.name: file.read_bytes() for file in home.iterdir()}
         with pytest.raises(InputError, match="in use"):
@@ -122,20 +118,16 @@ def test_a_port_in_use_leaves_what_is_kept_alone(arm: Arm, home: Path, port: int
 def test_what_no_longer_fits_the_arm_stays_on_the_disk(tmp_path: Path, home: Path, port: int) -> None:
     path = tmp_path / "arm.urdf"
     path.write_text(ARM)
-
-    async def two_poses(page: Page) -> None:
-        await page.ask(type="record", name="bent")
-        await page.ask(type="joint", name="pitch", value=0.3)
-        await page.ask(type="record", name="low")
-
-    with at(load_arm(path, tip="tool0"), port, theta=(0.4, 1.2, 0.1)) as viewer:
-        visit(viewer, two_poses)
+    with at(load_arm(path, tip="tool0"), port, theta=(0.4, 1.2, 0.1)) as viewer, Page(viewer) as page:
+        page.ask(type="record", name="bent")
+        page.ask(type="joint", name="pitch", value=0.3)
+        page.ask(type="record", name="low")
     path.write_text(ARM.replace('upper="1.5"', 'upper="0.5"'))
     with at(load_arm(path, tip="tool0"), port) as viewer:
         assert list(viewer.recorded) == ["low"]
         (note,) = viewer.notes
         assert re.search(r"one does not fit: the pose 'bent': pitch = 68.7549° is outside", note)
-        assert visit(viewer, nothing).latest["notice"] == {"type": "notice", "words": note, "wrong": False}
+        assert visit(viewer).latest["notice"] == {"type": "notice", "words": note, "wrong": False}
     (old,) = home.glob("*.old.json")
     assert poses_in(old) == ["bent", "low"]
     path.write_text(ARM.replace('name="pitch"', 'name="elbow"'))
@@ -152,15 +144,15 @@ def test_poses_left_out_by_one_load_after_another_are_on_the_disk_still(tmp_path
     path = tmp_path / "arm.urdf"
     path.write_text(ARM)
     with at(load_arm(path, tip="tool0"), port, theta=(0.4, 1.2, 0.1)) as viewer:
-        visit(viewer, record("bent"))
+        record(viewer, "bent")
         viewer.show((0.4, 0.3, 0.1))
-        visit(viewer, record("low"))
+        record(viewer, "low")
         for upper in ("0.5", "0.51", "0.2", "0.21"):
             path.write_text(ARM.replace('upper="1.5"', f'upper="{upper}"'))
             words = viewer.load(load_arm(path, tip="tool0"))
             assert any("what was kept is in" in word for word in words) == (upper in ("0.5", "0.2"))
         viewer.show((0.4, 0.1, 0.1))
-        visit(viewer, record("flat"))
+        record(viewer, "flat")
     assert poses_in(kept(home, ".json")) == ["flat"]
     assert {name for file in home.glob("*.old*.json") for name in poses_in(file)} == {"bent", "low"}
 
@@ -181,7 +173,7 @@ def test_a_damaged_list_is_told_and_set_aside(arm: Arm, home: Path, port: int, t
         assert viewer.recorded == {}
         assert "are not taken" in viewer.notes[0]
         assert "\n" not in viewer.notes[0]
-        visit(viewer, record("one"))
+        record(viewer, "one")
     (old,) = home.glob("*.old.json")
     assert old.read_text() == text
     with at(arm, port) as viewer:
@@ -194,7 +186,7 @@ def test_without_a_folder_the_view_is_served_all_the_same(
     home.parent.mkdir()
     home.write_text("a file where the folder should be")
     with at(arm, port) as viewer:
-        visit(viewer, record("one"))
+        record(viewer, "one")
         assert "will not be kept" in viewer.notes[0]
     monkeypatch.delenv("XDG_STATE_HOME")
     monkeypatch.setenv("HOME", "nowhere")

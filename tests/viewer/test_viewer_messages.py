@@ -11,6 +11,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import schema_samples as samples
+from recorded_poses import ask, done
 from twistarm import Arm
 from twistarm.control.servo import ServoOutput
 from twistarm.support.errors import InputError
@@ -21,9 +22,7 @@ from twistarm.viewer.parts.tool_path import tool_path
 from twistarm.viewer.protocol.messages import SCHEMA, failure, number_of, parse
 from twistarm.viewer.scene.arm_scene import Scene
 from twistarm.viewer.stage import LAYERS, Stage
-from viewer_page import THETA, Page, matrix, nothing, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
+from viewer_page import THETA, Page, matrix, visit
 
 BAD_MESSAGES: list[tuple[Any, str]] = [
     ("", "a message is one JSON object"),
@@ -53,16 +52,14 @@ BAD_MESSAGES: list[tuple[Any, str]] = [
 
 
 def test_a_bad_message_gets_its_reason_and_the_server_lives_on(viewer: Viewer) -> None:
-    async def misbehave(page: Page) -> None:
+    with Page(viewer) as page:
         for text, reason in BAD_MESSAGES:
-            await page.send(text)
-            await page.until(lambda: "error" in page.latest)
+            page.send(text)
+            page.until(lambda: "error" in page.latest)
             assert reason in page.latest["error"]["message"], text[:60]
             assert page.latest["frame"]["theta"] == list(THETA)
-        await page.ask(type="joint", name="pitch", value=0.5)
-        await page.until(lambda: page.latest["frame"]["theta"][1] == 0.5)
-
-    visit(viewer, misbehave)
+        page.ask(type="joint", name="pitch", value=0.5)
+        page.until(lambda: page.latest["frame"]["theta"][1] == 0.5)
 
 
 @pytest.mark.parametrize(
@@ -75,12 +72,9 @@ def test_a_bad_message_gets_its_reason_and_the_server_lives_on(viewer: Viewer) -
 )
 def test_what_is_refused_before_it_is_read_is_done_too(viewer: Viewer, text: str) -> None:
     """A page waits for the `done` of what it asked before it asks again."""
-
-    async def misbehave(page: Page) -> None:
-        await page.send(text)
-        await page.until(lambda: "error" in page.latest and page.latest.get("done", {}).get("number") == 7)
-
-    visit(viewer, misbehave)
+    with Page(viewer) as page:
+        page.send(text)
+        page.until(lambda: "error" in page.latest and page.latest.get("done", {}).get("number") == 7)
 
 
 @pytest.mark.parametrize(
@@ -93,13 +87,11 @@ def test_a_number_that_cannot_be_read(text: str | bytes) -> None:
 
 
 def test_a_message_too_long_closes_that_page_only(viewer: Viewer) -> None:
-    async def shout(page: Page) -> None:
-        await page.send(" " * 100_000)
-        await page.until_closed()  # what the process told before may come first
+    with Page(viewer) as page:
+        page.send(" " * 100_000)
+        page.until_closed()  # what the process told before may come first
         assert page.connection.close_code == 1009  # message too big
-
-    visit(viewer, shout)
-    assert "hello" in visit(viewer, nothing).latest
+    assert "hello" in visit(viewer).latest
 
 
 @pytest.mark.parametrize("kind", SCHEMA["requests"])
@@ -117,19 +109,17 @@ def test_requests_are_taken_in_the_schema_s_shape_alone(kind: str) -> None:
 
 
 def test_a_page_moves_the_arm_and_python_and_other_pages_see_it(arm: Arm, viewer: Viewer) -> None:
-    async def move(page: Page) -> None:
-        other = await Page(page.address, {}).open()
-        await page.ask(type="theta", theta=[0.1, 0.2, 0.05])
-        await page.ask(type="joint", name="finger", value=0.03)
-        await other.until(lambda: other.latest["frame"]["others"] == {"finger": 0.03})
+    with Page(viewer) as page:
+        other = page.other()
+        page.ask(type="theta", theta=[0.1, 0.2, 0.05])
+        page.ask(type="joint", name="finger", value=0.03)
+        other.until(lambda: other.latest["frame"]["others"] == {"finger": 0.03})
         path = other.latest["hello"]["links"]["right"]
         expected = arm.poses([0.1, 0.2, 0.05], {"finger": 0.03})["right"]
         assert_array_equal(matrix(other.latest["frame"]["transforms"][path]), expected)
-        await page.ask(type="visible", what="screws", visible=False)
-        await other.until(lambda: not other.latest["visible"]["screws"])
-        other.connection.close()
-
-    visit(viewer, move)
+        page.ask(type="visible", what="screws", visible=False)
+        other.until(lambda: not other.latest["visible"]["screws"])
+        other.close()
     assert_array_equal(viewer.theta, [0.1, 0.2, 0.05])
 
 
@@ -141,23 +131,17 @@ def told(arm: Arm) -> Iterator[dict[str, Any]]:
     yield from ({"type": "done", "number": 1}, {"type": "work", "jobs": [{"key": "plan", "share": 0.5}]})
     yield from stage.messages()
     for layer in LAYERS:
-        do(stage, type="visible", what=layer, visible=True)
+        done(ask(stage, "visible", what=layer, visible=True))
     for name, theta in (("a", THETA), ("b", (0.0, 0.1, 0.05))):
-        do(stage, type="theta", theta=list(theta))
-        do(stage, type="record", name=name)
+        done(ask(stage, "theta", theta=list(theta)))
+        done(ask(stage, "record", name=name))
         yield from stage.messages()
-    do(stage, type="plan", kind="cubic", stop=True, corner=0.0, linear_speed=0.0)
+    done(ask(stage, "plan", kind="cubic", stop=True))
     stage.draw_path(tool_path(arm, [THETA, (0.0, 0.1, 0.05)]))
     yield from stage.messages()
     stage.take_commands()
     stage.set_servo_status(servo_words(ServoOutput.stale(np.zeros(3), "the link is lost")))
     yield from stage.messages()
-
-
-def do(stage: Stage, **request: Any) -> None:
-    job = stage.handle(parse(json.dumps(request)), 0.0)
-    if job is not None:
-        job.finish(job.work(lambda share: None))
 
 
 def test_whatever_the_process_says_keeps_to_the_schema(arm: Arm) -> None:

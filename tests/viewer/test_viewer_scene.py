@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 import umsgpack
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
@@ -26,9 +27,8 @@ from twistarm.viewer.scene.arm_scene import Scene, build_scene
 from twistarm.viewer.scene.axes import anchors
 from twistarm.viewer.scene.placement import Placement, rpy
 from twistarm.viewer.stage import Stage
-from viewer_page import ARM, ROUNDING, THETA, matrix, nothing, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
+from urdf_text import joint, write
+from viewer_page import ARM, ROUNDING, THETA, matrix, visit
 
 SINGLE = 1e-5
 """Meshes are sent in single precision, and normals are unit vectors."""
@@ -49,7 +49,7 @@ def drawn_by(scene: Scene) -> dict[str, Any]:
 
 
 def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: Arm, viewer: Viewer) -> None:
-    page = visit(viewer, nothing)
+    page = visit(viewer)
     hello, frame = page.latest["hello"], page.latest["frame"]
     assert [joint["name"] for joint in hello["arm"]["joints"]] == ["yaw", "pitch", "slide"]
     assert [joint["unit"] for joint in hello["arm"]["joints"]] == ["rad", "rad", "m"]
@@ -175,14 +175,18 @@ def test_slider_range(kind: str, lower: float, upper: float, expected: tuple[flo
 # meshes -----------------------------------------------------------------------------------------------
 
 
+def arm_of(folder: Path, base: str, tip: str = "") -> Arm:
+    """Two links and what is drawn of them."""
+    links = f'<link name="base">{base}</link><link name="tip">{tip}</link>'
+    return load_arm(write(folder, f'<robot name="r">{links}{joint("j", "base", "tip", "continuous")}</robot>'))
+
+
 def load_parts(path: Path) -> list[Part]:
     with MeshReader() as reader:
         return reader.parts(path)
 
 
 def test_a_collada_file_in_millimetres_is_drawn_in_metres(tmp_path: Path) -> None:
-    import trimesh
-
     text = trimesh.creation.box((100, 200, 300)).export(file_type="dae").decode()
     path = tmp_path / "box.dae"
     path.write_text(text.replace("<up_axis>", '<unit name="millimeter" meter="0.001"/><up_axis>'))
@@ -234,13 +238,9 @@ def test_an_obj_has_the_colours_of_its_mtl_and_none_without_it(tmp_path: Path) -
 
 def test_a_mesh_is_scaled_mirrored_and_coloured_as_the_description_has_it(tmp_path: Path) -> None:
     (tmp_path / "part.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    (tmp_path / "arm.urdf").write_text(
-        '<robot name="r"><link name="base"><visual><origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/>'
-        '<geometry><mesh filename="part.obj" scale="-0.5 2 1"/></geometry>'
-        '<material name="m"><color rgba="0 1 0 1"/></material></visual></link><link name="tip"/>'
-        '<joint name="j" type="continuous"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/></joint></robot>'
-    )
-    drawn = drawn_by(Scene(load_arm(tmp_path / "arm.urdf")).whole())
+    turned = '<origin xyz="0 0 1" rpy="0 0 1.5707963267948966"/>'
+    mesh = '<geometry><mesh filename="part.obj" scale="-0.5 2 1"/></geometry>'
+    drawn = drawn_by(Scene(arm_of(tmp_path, f"<visual>{turned}{mesh}{GREEN}</visual>")).whole())
     part = drawn["/arm/link:base/visual0/part0"]
     placed = matrix(part["object"]["matrix"])
     assert_allclose(placed @ [1, 0, 0, 1], [0, -0.5, 1, 1], atol=ROUNDING)
@@ -254,19 +254,13 @@ def test_a_file_s_own_colours_come_before_the_description_s_placeholder(tmp_path
     (tmp_path / "plain.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     visuals = [f'<visual><geometry><mesh filename="{name}.obj"/></geometry>{colour}</visual>' for name, colour in [
         ("part", GREEN), ("plain", GREEN), ("plain", "")]]  # fmt: skip
-    (tmp_path / "arm.urdf").write_text(
-        f'<robot name="r"><link name="base">{"".join(visuals)}</link><link name="tip"/>'
-        '<joint name="j" type="continuous"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/></joint></robot>'
-    )
-    objects = drawn_by(Scene(load_arm(tmp_path / "arm.urdf")).whole())
+    objects = drawn_by(Scene(arm_of(tmp_path, "".join(visuals))).whole())
     drawn = {path: each["materials"][0]["color"] for path, each in objects.items() if "materials" in each}
     colours = [{drawn[path] for path in drawn if path.startswith(f"/arm/link:base/visual{i}/")} for i in range(3)]
     assert colours == [{0xFF0000, 0x0000FF}, {0x00FF00}, {0x9EA8B8}]  # 158, 168, 184: a light grey
 
 
 def test_a_scene_is_drawn_mesh_by_mesh_or_whole_on_demand(tmp_path: Path) -> None:
-    import trimesh
-
     trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / "lost.stl")
     (tmp_path / "arm.urdf").write_text(ARM)
     scene = Scene(load_arm(tmp_path / "arm.urdf", tip="tool0"))
@@ -285,16 +279,10 @@ def test_a_scene_is_drawn_mesh_by_mesh_or_whole_on_demand(tmp_path: Path) -> Non
 def test_whatever_ails_one_mesh_the_others_are_drawn(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
 ) -> None:
-    import trimesh
-
     for name in ("good", "bad"):
         trimesh.creation.box((0.1, 0.1, 0.1)).export(tmp_path / f"{name}.stl")
     mesh = '<visual><geometry><mesh filename="{}.stl"/></geometry></visual>'
-    (tmp_path / "arm.urdf").write_text(
-        f'<robot name="r"><link name="base">{mesh.format("bad")}{mesh.format("good")}</link><link name="tip">'
-        f'{mesh.format("bad")}</link><joint name="j" type="continuous"><parent link="base"/><child link="tip"/>'
-        '<origin xyz="0 0 1"/></joint></robot>'
-    )
+    arm = arm_of(tmp_path, mesh.format("bad") + mesh.format("good"), mesh.format("bad"))
     if place == "reading":
         parts = MeshReader.parts
         monkeypatch.setattr(
@@ -303,7 +291,7 @@ def test_whatever_ails_one_mesh_the_others_are_drawn(
     else:
         draw = links._mesh
         monkeypatch.setattr(links, "_mesh", lambda node, *rest: 1 / 0 if "0" in node else draw(node, *rest))
-    scene = Scene(load_arm(tmp_path / "arm.urdf")).whole()
+    scene = Scene(arm).whole()
     assert scene.left == 0
     assert len(scene.notes) == 1
     assert "bad.stl: division by zero" in scene.notes[0]
@@ -313,8 +301,6 @@ def test_whatever_ails_one_mesh_the_others_are_drawn(
 
 
 def test_a_mesh_whose_colour_cannot_be_told_is_drawn_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import trimesh
-
     box = trimesh.creation.box((0.1, 0.1, 0.1))
     box.visual = trimesh.visual.TextureVisuals(material=trimesh.visual.material.MultiMaterial())
     monkeypatch.setattr(trimesh, "load_scene", lambda file, **kind: trimesh.Scene(box))

@@ -1,15 +1,14 @@
-"""The server of the view: who may come in, how it starts, and that it leaves nothing."""
+"""The server of the view: who may come in, how it starts, that it leaves nothing; its connections and their cap."""
 
 from __future__ import annotations
 
-import asyncio
 import re
 import socket
 import subprocess
 import sys
 import threading
 import time
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +16,16 @@ import pytest
 from numpy.testing import assert_array_equal
 from tornado.httpclient import HTTPClientError
 
+from hostile.target import HANDSHAKE
+from test_viewer_closing import Writing
 from twistarm import Arm
 from twistarm.description.meshes import MeshReader
 from twistarm.support.errors import InputError, MissingExtraError
 from twistarm.viewer import Viewer, save_html
-from viewer_page import WAIT, Page, get, nothing, port_of, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
+from twistarm.viewer.server import listening
+from twistarm.viewer.server.authentication import Authentication
+from twistarm.viewer.server.handlers import MOST_FILES
+from viewer_page import WAIT, Page, get, port_of, swing, target, until, visit
 
 # who may come in --------------------------------------------------------------------------------------
 
@@ -54,8 +56,8 @@ def test_hosts_and_origins_are_asked_of_the_page_and_of_its_socket(viewer: Viewe
     assert "<title>" not in text
     assert get(viewer.url, Host="localhost:1234")[0] == 200
     with pytest.raises(HTTPClientError, match="403"):
-        visit(viewer, nothing, Origin="http://evil.example")
-    assert "hello" in visit(viewer, nothing, Origin="http://localhost:9999").latest
+        visit(viewer, Origin="http://evil.example")
+    assert "hello" in visit(viewer, Origin="http://localhost:9999").latest
 
 
 def test_every_module_that_the_page_runs_is_named_once_and_served(viewer: Viewer) -> None:
@@ -116,7 +118,7 @@ def test_odd_requests_are_refused_in_a_line_and_nothing_is_printed(
 
 def raw(viewer: Viewer, head: bytes) -> bytes:
     """What comes back for this request, as far as its first packet."""
-    with socket.create_connection(("127.0.0.1", port_of(viewer)), timeout=WAIT) as sent:
+    with target(viewer).open() as sent:
         sent.sendall(head + b"\r\n")
         with suppress(ConnectionResetError):
             return sent.recv(4096)
@@ -154,12 +156,9 @@ def test_closing_leaves_nothing(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> No
     threads = set(threading.enumerate())
     viewer = Viewer(arm, open_browser=False)
     port = port_of(viewer)
-
-    async def outlive(page: Page) -> None:
-        await asyncio.to_thread(viewer.close)
-        await page.until_closed()
-
-    visit(viewer, outlive)
+    with Page(viewer) as page:
+        viewer.close()
+        page.until_closed()
     viewer.close()
     assert set(threading.enumerate()) - threads == set()
     with pytest.raises(OSError, match="refused"):
@@ -233,3 +232,135 @@ def test_other_hosts(arm: Arm, host: str, name: str) -> None:
     with Viewer(arm, host=host, open_browser=False) as viewer:
         assert viewer.url.startswith(f"http://{name}:")
         assert get(viewer.url)[0] == 200
+
+
+GUARD = Authentication("127.0.0.1")
+
+
+def test_a_view_on_every_interface_admits_addresses_but_no_foreign_names() -> None:
+    guard = Authentication("0.0.0.0")
+    assert guard.admits_host("192.168.1.7:8000")
+    assert guard.admits_host(f"{socket.gethostname()}:8000")
+    assert not guard.admits_host("evil.example:8000")
+    assert Authentication("rover.local").admits_host("rover.local:80")
+    assert not GUARD.admits_host("192.168.1.7")
+
+
+@pytest.mark.parametrize("host", ["x@127.0.0.1", "x:y@127.0.0.1", "x@localhost:80", "@127.0.0.1", ":@[::1]:8080"])
+def test_a_host_with_a_user_is_refused(host: str) -> None:
+    assert not GUARD.admits_host(host)
+    assert not GUARD.admits_origin(f"http://{host}")
+    assert not Authentication("0.0.0.0").admits_host(host)
+
+
+@pytest.mark.parametrize(
+    "host",
+    ["127.0.0.1/x", "127.0.0.1?x", "127.0.0.1#x", "127.0.0.1:99999", "127.0.0.1:x", "", "127.0.0.1.evil.example"],
+)
+def test_what_is_no_host_of_ours_is_refused(host: str) -> None:
+    assert not GUARD.admits_host(host)
+
+
+@pytest.mark.parametrize(
+    "origin",
+    ["vscode-webview://localhost", "ftp://127.0.0.1", "ws://127.0.0.1", "file://localhost", "//localhost", "localhost",
+     "chrome-extension://127.0.0.1", "https:localhost", "", "null", "http://127.0.0.1.evil.example"],
+)  # fmt: skip
+def test_an_origin_of_another_scheme_is_refused_though_its_host_is_ours(origin: str) -> None:
+    assert not GUARD.admits_origin(origin)
+
+
+@pytest.mark.parametrize("origin", ["http://127.0.0.1:8000", "https://localhost", "http://[::1]:9", None])
+def test_an_origin_of_ours_is_admitted(origin: str | None) -> None:
+    assert GUARD.admits_origin(origin)
+    assert GUARD.admits_host("LOCALHOST")
+
+
+def test_no_answer_s_type_is_guessed_by_the_browser(arm: Arm, viewer: Viewer) -> None:
+    viewer.play(swing(arm))
+    assert viewer.theta.shape == (3,)  # applied
+    answers = {"": 200, "main.js": 200, "motion.csv": 200, "motion.json": 200, "nothing.js": 404}
+    for name, expected in answers.items():
+        status, _, headers = get(viewer.url + name)
+        assert (status, headers["X-Content-Type-Options"]) == (expected, "nosniff"), name
+    status, _, headers = get(viewer.url, Origin="ftp://127.0.0.1")
+    assert (status, headers["X-Content-Type-Options"]) == (403, "nosniff")
+
+
+def is_closed(one: socket.socket) -> bool:
+    """Whether the other side has ended it."""
+    one.settimeout(WAIT)
+    try:
+        while one.recv(1 << 20):
+            pass
+    except TimeoutError:
+        return False
+    except ConnectionError:
+        pass
+    return True
+
+
+@pytest.mark.parametrize("sent", [b"", b"GET / HTT", b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: y"])
+def test_who_sends_no_request_in_time_is_closed(arm: Arm, sent: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(listening, "IDLE_TIME", 0.3)
+    with Viewer(arm, open_browser=False) as viewer, target(viewer).open() as one:
+        one.sendall(sent)
+        assert is_closed(one)
+
+
+@pytest.mark.parametrize("path", ["/stranger/", ""])
+@pytest.mark.parametrize("method", ["POST", "PUT", "GET"])
+def test_a_body_is_not_waited_for(viewer: Viewer, method: str, path: str) -> None:
+    there = target(viewer)
+    with there.open() as one:
+        one.sendall(there.head(path, method, Content_Length="60000") + b"a")
+        assert one.recv(12) == b"HTTP/1.1 400"
+        assert is_closed(one)
+
+
+def test_who_waits_outside_gives_way_and_pages_stay(viewer: Viewer) -> None:
+    there = target(viewer)
+    with Page(viewer) as page:
+        with ExitStack() as stack:
+            waiting = [stack.enter_context(there.open()) for _ in range(listening.MOST_CONNECTIONS + 5)]
+            assert get(viewer.url)[0] == 200
+            assert all(map(is_closed, waiting[:5]))
+            waiting[-1].sendall(there.head("nothing.js"))
+            assert waiting[-1].recv(12) == b"HTTP/1.1 404"
+        page.ask(type="pose", name="zero", ease=False)
+        assert page.latest["frame"]["theta"] == [0, 0, 0]
+
+
+def test_where_all_are_pages_the_next_is_closed_until_one_goes(viewer: Viewer) -> None:
+    there = target(viewer)
+    pages = there.crowd(listening.MOST_CONNECTIONS, there.upgrade)
+    assert len(pages) == listening.MOST_CONNECTIONS
+    with there.open() as one:
+        one.sendall(there.head("socket", **HANDSHAKE))
+        assert is_closed(one)
+    for page in pages:
+        page.close()
+    end = time.monotonic() + WAIT
+    while get_or_none(viewer.url) != 200:
+        assert time.monotonic() < end
+
+
+def get_or_none(url: str) -> int | None:
+    """The status; None where the connection was closed."""
+    try:
+        return get(url)[0]
+    except OSError:
+        return None
+
+
+def test_files_under_way_are_counted(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
+    writing, there = Writing(monkeypatch), target(viewer)
+    with ExitStack() as stack:
+        waiting = [stack.enter_context(there.open()) for _ in range(MOST_FILES)]
+        for one in waiting:
+            one.sendall(there.head("motion.csv"))
+        until(lambda: viewer._server.files == MOST_FILES)
+        assert get(viewer.url + "motion.csv")[:2] == (503, f"503 {MOST_FILES} files are under way: try again\n")
+        writing.leave.set()
+        assert [one.recv(12) for one in waiting] == [b"HTTP/1.1 200"] * MOST_FILES
+    assert get(viewer.url + "motion.csv")[0] == 200

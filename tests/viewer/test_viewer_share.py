@@ -1,4 +1,4 @@
-"""What the live view hands on as a stand-alone page: all that is on show, and the motion that is loaded."""
+"""What the live view hands on: a stand-alone page of all that is on show, and the motion as a file."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from recorded_poses import HOME, REACH
 from test_viewer_kinematics import placed
-from twistarm import Arm, Trajectory, Viewer
+from twistarm import Arm, Trajectory, load_arm
+from twistarm.planning.joint_space import plan_joint
+from twistarm.viewer import Viewer
 from twistarm.viewer.files import scene_snapshot as exhibit
 from twistarm.viewer.parts.findings import examined, loaded
-from viewer_page import THETA, get, stored, swing, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
+from viewer_page import THETA, Page, get, stored, swing
 
 ROUNDED = 1e-8
 """Of joint values with nine decimals."""
@@ -37,19 +38,14 @@ def assert_stands(arm: Arm, data: Any, told: Any, theta: Any) -> None:
 
 def load_paused(viewer: Viewer, motion: Trajectory, time: float) -> None:
     viewer.play(motion, speed=0.5, loop=True)
-
-    async def pause(page: Any) -> None:
-        await page.ask(type="seek", time=time)
-
-    visit(viewer, pause)
+    with Page(viewer) as page:
+        page.ask(type="seek", time=time)
 
 
 def test_the_page_has_every_joint_and_layer_as_it_stands(arm: Arm, viewer: Viewer) -> None:
-    async def move(page: Any) -> None:
-        await page.ask(type="joint", name="finger", value=0.03)
-        await page.ask(type="visible", what="frames", visible=False)
-
-    visit(viewer, move)
+    with Page(viewer) as page:
+        page.ask(type="joint", name="finger", value=0.03)
+        page.ask(type="visible", what="frames", visible=False)
     data = downloaded(viewer)
     assert data["others"] == {"finger": 0.03}
     assert data["visible"]["frames"] is False
@@ -83,11 +79,9 @@ def test_an_arm_that_was_moved_aside_stands_there_and_keeps_its_motion(arm: Arm,
 
 
 def test_the_page_has_the_poses_of_the_arm_and_those_recorded(arm: Arm, viewer: Viewer) -> None:
-    async def record(page: Any) -> None:
+    with Page(viewer) as page:
         for name in ("mine", "zero"):
-            await page.ask(type="record", name=name)
-
-    visit(viewer, record)
+            page.ask(type="record", name=name)
     poses = downloaded(viewer)["poses"]
     assert list(poses) == ["zero", "ready", "mine", "zero (recorded)"]
     assert poses["zero"] == [0.0, 0.0, 0.0]
@@ -138,3 +132,51 @@ def test_the_download_is_named_after_the_arm(viewer: Viewer) -> None:
     _, _, headers = get(viewer.url + "arm.html")
     assert headers["Content-Disposition"] == 'attachment; filename="small.html"'
     assert headers["Content-Type"] == "text/html; charset=utf-8"
+
+
+def test_the_motion_on_show_is_downloaded(arm: Arm, viewer: Viewer, tmp_path: Path) -> None:
+    """As the trajectory writes it, which tests/planning/test_export.py reads back."""
+    status, text, headers = get(viewer.url + "motion.csv")
+    assert (status, text) == (404, "nothing to export: no trajectory is loaded\n")
+    assert headers["Content-Type"] == "text/plain; charset=utf-8"
+    motion = swing(arm)
+    viewer.play(motion)
+    assert viewer.theta.shape == (3,)  # applied
+    writers = {"csv": motion.to_csv, "json": motion.to_json, "yaml": motion.to_yaml, "h": motion.to_header}
+    for kind, write in writers.items():
+        status, text, headers = get(viewer.url + f"motion.{kind}")
+        assert (status, text) == (200, write(tmp_path / f"motion.{kind}").read_text())
+        assert headers["Content-Disposition"] == f'attachment; filename="small_motion.{kind}"'
+        assert headers["Cache-Control"] == "no-store"
+        assert kind != "csv" or headers["Content-Type"] == "text/csv; charset=utf-8"
+
+
+def test_a_download_needs_the_token_and_a_host_of_ours(viewer: Viewer) -> None:
+    token = viewer.url.split("/")[3]
+    assert get(viewer.url.replace(token, "guess") + "motion.csv")[0] == 403
+    assert get(viewer.url + "motion.csv", Host="evil.example")[0] == 403
+    assert get(viewer.url + "motion.csv", Origin="http://evil.example")[0] == 403
+    assert get(viewer.url + "motion.txt")[0] == 404
+
+
+def test_a_very_long_motion_is_exported_more_coarsely(arm: Arm, viewer: Viewer) -> None:
+    times = {"times": [0.0, 10_000.0]}
+    viewer.play(plan_joint(arm, [HOME, REACH], limits={"velocity": 1.0, "acceleration": 1.0}, **times))
+    assert viewer.theta.shape == (3,)
+    text = get(viewer.url + "motion.csv")[1]
+    assert text.count("\n") == 1 + 20_001
+    assert text.rstrip().split("\n")[-1].startswith("10000.0,1.0,")
+
+
+def test_a_file_s_name_has_letters_that_a_header_takes(tmp_path: Path) -> None:
+    path = tmp_path / "odd.urdf"
+    path.write_text(
+        '<robot name="a&quot;b/ü c"><link name="b"/><link name="t"/><joint name="j" type="continuous">'
+        '<parent link="b"/><child link="t"/></joint></robot>'
+    )
+    arm = load_arm(path)
+    with Viewer(arm, open_browser=False) as viewer:
+        viewer.play(plan_joint(arm, [[0.0], [1.0]], limits={"velocity": 1.0, "acceleration": 1.0}))
+        assert viewer.theta.shape == (1,)
+        headers = get(viewer.url + "motion.csv")[2]
+    assert headers["Content-Disposition"] == 'attachment; filename="a_b___c_motion.csv"'

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from recorded_poses import ask
-from test_viewer_target import finish, xyzw
+from recorded_poses import ask, done
+from test_viewer_target import LATE, xyzw
 from twistarm import Approach, Arm, InputError, load_arm, solve_ik_all
 from twistarm.viewer import Viewer
 from twistarm.viewer.protocol.messages import SCHEMA
@@ -33,7 +33,7 @@ def told(stage: Stage) -> tuple[dict[str, Any], int | None]:
 def asked(arm: Arm, kind: str = "pose", theta: Any = None) -> Stage:
     """A stage that was asked for all configurations of the pose that the tool has at theta."""
     stage = Stage(arm)
-    finish(ask(stage, "solutions", kind=kind, **pose_at(arm, arm.ready if theta is None else theta)))
+    done(ask(stage, "solutions", kind=kind, **pose_at(arm, arm.ready if theta is None else theta)))
     return stage
 
 
@@ -120,23 +120,21 @@ def test_a_step_glides_and_is_undone() -> None:
     assert told(stage)[0]["asked"] is False
 
 
-@pytest.mark.parametrize("meanwhile", ["slider", "servo", "asked again"])
-def test_an_answer_that_comes_too_late_changes_nothing(meanwhile: str) -> None:
+AGAIN = {"asked again": lambda stage: ask(stage, "solutions", kind="position", **pose_at(ROVER, ROVER.ready))}
+
+
+@pytest.mark.parametrize("late", ["slider", "servo", "asked again"])
+def test_an_answer_that_comes_too_late_changes_nothing(late: str) -> None:
     stage = Stage(ROVER)
     job = ask(stage, "solutions", kind="approach", **pose_at(ROVER, ROVER.ready))
-    if meanwhile == "slider":
-        ask(stage, "joint", name="wrist_roll", value=0.3)
-    elif meanwhile == "servo":
-        stage.take_commands()
-    else:
-        ask(stage, "solutions", kind="position", **pose_at(ROVER, ROVER.ready))
-    finish(job)
+    (LATE | AGAIN)[late](stage)
+    done(job)
     assert told(stage)[0]["asked"] is False
 
 
 def test_none_is_an_answer() -> None:
     stage = Stage(ROVER)
-    finish(ask(stage, "solutions", kind="position", position=[9.0, 0.0, 0.0], xyzw=[0, 0, 0, 1]))
+    done(ask(stage, "solutions", kind="position", position=[9.0, 0.0, 0.0], xyzw=[0, 0, 0, 1]))
     message, at = told(stage)
     assert message["asked"]
     assert message["places"] == message["ghosts"] == []
@@ -152,7 +150,7 @@ def test_none_is_an_answer() -> None:
 def test_joints_that_the_target_leaves_free_stay_where_they_are() -> None:
     start = ROVER.ready + [0.0, 0.0, 0.0, 0.1, 0.2]
     stage = Stage(ROVER, start)
-    finish(ask(stage, "solutions", kind="position", **pose_at(ROVER, start)))
+    done(ask(stage, "solutions", kind="position", **pose_at(ROVER, start)))
     message, _ = told(stage)
     assert "held where the arm stands" in message["words"]
     assert "there may be more" not in message["words"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from ik_targets import require_core
-from recorded_poses import ask, said
+from recorded_poses import ask, done, said
 from twistarm import Arm, InputError, arm_from_screws, joints, load_arm, solve_ik
 from twistarm.arm.engine import MOST_JOINTS
 from twistarm.ik import Position
@@ -34,16 +35,15 @@ def xyzw(R: Any) -> list[float]:
     return numbers
 
 
+def begin(stage: Stage, position: Any, quaternion: Any, kind: str = "position") -> Any:
+    """Ask for a target: the job, if it is one."""
+    return ask(stage, "target", kind=kind, position=np.asarray(position).tolist(), xyzw=quaternion)
+
+
 def aim(stage: Stage, kind: str, position: Any, quaternion: Any) -> dict[str, Any]:
     """Ask for a target, do the job at once, and return what the pages are told of it."""
-    finish(ask(stage, "target", kind=kind, position=np.asarray(position).tolist(), xyzw=quaternion))
+    done(begin(stage, position, quaternion, kind))
     return told(stage)
-
-
-def finish(job: Any) -> None:
-    """Do the job at once, where there is one: most targets are answered without."""
-    if job is not None:
-        job.finish(job.work(lambda share: None))
 
 
 @pytest.fixture
@@ -132,22 +132,23 @@ def test_a_target_let_go_leaves_the_arm_where_it_is() -> None:
     assert stage.theta is theta
 
 
+LATE: dict[str, Callable[[Stage], Any]] = {
+    "slider": lambda stage: ask(stage, "joint", name="wrist_roll", value=0.3),
+    "servo": Stage.take_commands,
+    "release": lambda stage: ask(stage, "release"),
+    "trajectory": lambda stage: stage.load(MOTION, 1.0, False, 0.0),
+}
+"""What may happen before an answer comes."""
+
+
 @pytest.mark.usefixtures("in_the_thread")
-@pytest.mark.parametrize("meanwhile", ["release", "slider", "servo", "trajectory"])
-def test_an_answer_that_comes_too_late_changes_nothing(meanwhile: str) -> None:
+@pytest.mark.parametrize("meanwhile", LATE.values(), ids=LATE)
+def test_an_answer_that_comes_too_late_changes_nothing(meanwhile: Callable[[Stage], Any]) -> None:
     stage = Stage(ROVER)
-    position, quaternion = near(ROVER)
-    job = ask(stage, "target", kind="position", position=position.tolist(), xyzw=quaternion)
-    if meanwhile == "release":
-        ask(stage, "release")
-    elif meanwhile == "slider":
-        ask(stage, "joint", name="wrist_roll", value=0.3)
-    elif meanwhile == "servo":
-        stage.take_commands()
-    else:
-        stage.load(MOTION, 1.0, False, 0.0)
+    job = begin(stage, *near(ROVER))
+    meanwhile(stage)
     theta = stage.theta
-    finish(job)
+    done(job)
     assert stage.theta is theta
     assert told(stage)["given"] is None
 
@@ -156,10 +157,10 @@ def test_an_answer_that_comes_too_late_changes_nothing(meanwhile: str) -> None:
 def test_of_a_drag_each_answer_is_shown() -> None:
     stage = Stage(ROVER)
     position, quaternion = near(ROVER)
-    first = ask(stage, "target", kind="position", position=position.tolist(), xyzw=quaternion)
-    second = ask(stage, "target", kind="position", position=[*position[:2], position[2] + 0.01], xyzw=quaternion)
-    finish(first)
-    finish(second)
+    first = begin(stage, position, quaternion)
+    second = begin(stage, position + [0, 0, 0.01], quaternion)
+    done(first)
+    done(second)
     assert_allclose(ROVER.fk(stage.theta)[:3, 3], position + [0, 0, 0.01], atol=MET)
 
 
@@ -173,7 +174,7 @@ def test_a_short_search_answers_as_one_with_all_its_time(kind: str) -> None:
         slow = aim(patient, kind, position, quaternion)
     for _ in range(20):  # on a machine that others use too, a search may be interrupted
         stage.show(SIX.ready)
-        if ask(stage, "target", kind=kind, position=position.tolist(), xyzw=quaternion) is None:
+        if begin(stage, position, quaternion, kind) is None:
             break
     assert told(stage) == slow
     assert_array_equal(stage.theta, patient.theta)
@@ -213,7 +214,7 @@ def test_an_answer_that_a_later_target_has_overtaken_is_not_shown() -> None:
     slow = ask(stage, "target", kind="position", position=[9.0, 0.0, 0.0], xyzw=quaternion)
     assert aim(stage, "position", position, quaternion)["met"]
     theta = stage.theta
-    finish(slow)
+    done(slow)
     assert stage.theta is theta
     assert told(stage)["met"]
 
@@ -256,10 +257,9 @@ def test_without_the_compiled_core(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_target_stops_what_plays_before_its_answer_comes() -> None:
     stage = Stage(ROVER)
     stage.load(MOTION, 1, True, 0)
-    position, quaternion = near(ROVER)
-    job = ask(stage, "target", kind="position", position=position.tolist(), xyzw=quaternion)
+    job = begin(stage, *near(ROVER))
     assert not stage.running
-    finish(job)
+    done(job)
     assert told(stage)["met"]
 
 
@@ -268,10 +268,9 @@ def test_play_straight_after_a_target_goes_first() -> None:
     """The trajectory runs, and the arm has not left its place yet."""
     stage = Stage(ROVER)
     stage.stand_by(MOTION, ROVER.limits)
-    position, quaternion = near(ROVER)
-    job = ask(stage, "target", kind="position", position=position.tolist(), xyzw=quaternion)
+    job = begin(stage, *near(ROVER))
     ask(stage, "play")
-    finish(job)
+    done(job)
     assert stage.running
     assert_array_equal(stage.theta, MOTION(0.0))
     stage.advance(0.5 * MOTION.duration)
@@ -284,7 +283,7 @@ def test_dragged_beyond_its_reach_the_arm_on_show_does_not_flip() -> None:
     stage, thetas = Stage(ROVER), []
     p = ROVER.fk(ROVER.ready)[:3, 3]
     for k in range(30):
-        finish(ask(stage, "target", kind="position", position=[p[0], p[1], p[2] + 2.0 + 0.01 * k], xyzw=[0, 0, 0, 1]))
+        done(ask(stage, "target", kind="position", position=[p[0], p[1], p[2] + 2.0 + 0.01 * k], xyzw=[0, 0, 0, 1]))
         assert told(stage)["met"] is False
         thetas.append(stage.theta)
     assert np.abs(np.diff(thetas, axis=0)).max() < 0.1

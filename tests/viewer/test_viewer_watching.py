@@ -21,9 +21,7 @@ from twistarm.support.errors import DescriptionError, InputError
 from twistarm.viewer import Viewer
 from twistarm.viewer.scene.arm_scene import Scene
 from twistarm.viewer.server.watching import loaded
-from viewer_page import ARM, THETA, WAIT, Page, matrix, nothing, until, visit
-from viewer_page import arm as arm
-from viewer_page import viewer as viewer
+from viewer_page import ARM, THETA, WAIT, Page, matrix, until, visit
 
 XACRO = """<robot name="small" xmlns:xacro="http://www.ros.org/wiki/xacro">
   <xacro:include filename="links.xacro"/>
@@ -58,20 +56,21 @@ def words(viewer: Viewer) -> str:
     return str(viewer._server.notice["words"])
 
 
-async def two_poses(page: Page) -> None:
-    await page.ask(type="record", name="one")
-    await page.ask(type="joint", name="pitch", value=1.2)
-    await page.ask(type="record", name="two")
-    await page.ask(type="joint", name="pitch", value=-0.7)
-    await page.ask(type="joint", name="finger", value=0.03)
-    await page.ask(type="visible", what="frames", visible=False)
+def two_poses(viewer: Viewer) -> None:
+    with Page(viewer) as page:
+        page.ask(type="record", name="one")
+        page.ask(type="joint", name="pitch", value=1.2)
+        page.ask(type="record", name="two")
+        page.ask(type="joint", name="pitch", value=-0.7)
+        page.ask(type="joint", name="finger", value=0.03)
+        page.ask(type="visible", what="frames", visible=False)
 
 
 # another arm ------------------------------------------------------------------------------------------
 
 
 def test_theta_poses_layers_and_motion_stay_where_the_arm_allows_them(viewer: Viewer, path: Path) -> None:
-    visit(viewer, two_poses)
+    two_poses(viewer)
     motion = plan_joint(viewer.arm, [(0, 0, 0), (0.5, 1.0, 0.1)], limits={"velocity": 1.0, "acceleration": 2.0})
     viewer.play(motion)
     viewer.show_path(motion)
@@ -81,7 +80,7 @@ def test_theta_poses_layers_and_motion_stay_where_the_arm_allows_them(viewer: Vi
     assert viewer.arm is longer
     assert_allclose(viewer.theta, THETA)
     assert list(viewer.recorded) == ["one", "two"]
-    page = visit(viewer, nothing)
+    page = visit(viewer)
     assert page.latest["frame"]["others"] == {"finger": 0.03}
     assert not page.latest["visible"]["frames"]
     assert page.latest["player"]["duration"] == motion.duration
@@ -98,7 +97,7 @@ def test_theta_poses_layers_and_motion_stay_where_the_arm_allows_them(viewer: Vi
 
 
 def test_joints_that_come_and_go(viewer: Viewer, path: Path) -> None:
-    visit(viewer, two_poses)
+    two_poses(viewer)
     fixed = changed(path, ('name="slide" type="prismatic"', 'name="slide" type="fixed"'))
     (left,) = viewer.load(fixed)
     assert "the list moves yaw, pitch, slide; small has yaw, pitch" in left
@@ -110,23 +109,20 @@ def test_joints_that_come_and_go(viewer: Viewer, path: Path) -> None:
 
 def test_open_pages_are_given_the_arm_and_their_answers(viewer: Viewer, path: Path) -> None:
     other = load_arm("rr_planar")
-
-    async def stay(page: Page) -> None:
+    with Page(viewer) as page:
         objects = len(page.objects)
         page.latest.clear()
         viewer.load(other)
-        await page.until(lambda: page.latest.get("hello", {}).get("arm", {}).get("name") == other.name)
-        await page.until(lambda: "frame" in page.latest and page.latest["scene"]["left"] == 0)
-        await page.until(lambda: len(page.objects) == objects + page.latest["scene"]["objects"])
+        page.until(lambda: page.latest.get("hello", {}).get("arm", {}).get("name") == other.name)
+        page.until(lambda: "frame" in page.latest and page.latest["scene"]["left"] == 0)
+        page.until(lambda: len(page.objects) == objects + page.latest["scene"]["objects"])
         assert set(page.latest["frame"]["transforms"]) >= set(page.latest["hello"]["links"].values())
         g = matrix(page.latest["frame"]["transforms"]["/frames/tool"])
         assert_allclose(g, other.fk(viewer.theta), atol=1e-12)
-        await page.ask(type="theta", theta=[0.1, 0.2])
+        page.ask(type="theta", theta=[0.1, 0.2])
         assert_allclose(viewer.theta, [0.1, 0.2])
-        await page.ask(type="theta", theta=[0.1, 0.2, 0.3])
+        page.ask(type="theta", theta=[0.1, 0.2, 0.3])
         assert "error" in page.latest
-
-    visit(viewer, stay)
     with pytest.raises(InputError, match=r"got \(3,\)|3"):
         viewer.show(THETA)
 
@@ -156,7 +152,7 @@ def test_arms_exchanged_while_the_program_shows_and_pages_come_and_go(viewer: Vi
     thread.start()
     for _ in range(5):
         viewer.load(two)
-        assert "error" not in visit(viewer, nothing).latest
+        assert "error" not in visit(viewer).latest
         viewer.load(three)
     stop.set()
     thread.join()

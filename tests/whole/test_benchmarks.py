@@ -18,12 +18,10 @@ sys.path.append(str(ROOT))
 from benchmarks import problems  # noqa: E402
 from benchmarks.__main__ import main  # noqa: E402
 from benchmarks.conductor import Worker, interleave  # noqa: E402
-from benchmarks.environments import NotInstalled, python_of  # noqa: E402
 from benchmarks.figures import single_calls  # noqa: E402
 from benchmarks.judge import Judge  # noqa: E402
 from benchmarks.robots import ARMS, make_robot  # noqa: E402
 from benchmarks.servo import main as servo_main  # noqa: E402
-from benchmarks.servo_time import Swing, growth  # noqa: E402
 
 
 @pytest.fixture(scope="module", params=ARMS)
@@ -179,16 +177,6 @@ def test_answers_that_are_wrongly_called_converged_are_counted(ur5, tmp_path):
     assert figures.median == 1
 
 
-def test_what_cannot_be_installed_says_so_in_a_line(tmp_path):
-    (tmp_path / "requirements-absent.txt").write_text("absent @ file:///nowhere/absent-1.0-py3-none-any.whl\n")
-    said = []
-    with pytest.raises(NotInstalled, match="nowhere/absent-1.0") as error:
-        python_of("absent", tmp_path / "environments", said.append, requirements=tmp_path)
-    assert "\n" not in str(error.value)
-    assert len(said) == 1
-    assert python_of("twistarm", tmp_path, said.append) == Path(sys.executable)
-
-
 # -- the whole -----------------------------------------------------------------------------------------------------
 
 
@@ -245,17 +233,3 @@ def test_a_quick_run_of_the_servo(tmp_path, capsys):
         assert [row["arm"] for row in found[part]] == ["rover_arm", "four_joints"]
     assert [(row["shaking"], row["unlimited"], row["unsteady"]) for row in found["held"]] == 2 * [(0, 0, 0)]
     assert [row["acceleration"] for row in found["joystick"]] == [0, 0]
-
-
-@pytest.mark.slow
-def test_memory_that_is_kept_is_seen():
-    kept = []
-
-    class Leaking(Swing):
-        def step(self):
-            super().step()
-            kept.append(bytes(1000))
-
-    arm = load_arm("rover_arm")
-    assert growth([Leaking(arm, "jog")], 500)["python"] > 500 * 1000
-    assert growth([Swing(arm, "jog")], 500)["python"] < 500 * 16

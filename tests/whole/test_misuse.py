@@ -18,12 +18,9 @@ from catalogue import load
 from stream_stand_ins import Says
 from twistarm import calibration, stream
 
-SOURCE = str(Path(twistarm.__file__).parent)
-
 ARM, OTHER = load("rover_arm"), load("ur5")
 N, G = ARM.n, ARM.fk(ARM.ready)
 STATE = twistarm.ServoState.at(ARM, ARM.ready)
-SETTINGS = twistarm.ServoSettings()
 MOTION = twistarm.plan_joint(ARM, ["ready", "stowed"])
 SOLUTION = twistarm.solve_ik(ARM, G)
 SOLUTIONS = twistarm.solve_ik_all(ARM, G, redundancy_samples=2)

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..description.companions.toml_entries import parse_toml
-from ..description.companions.toml_entries import toml_key, toml_text
+from ..description.companions.toml_entries import parse_toml, toml_key, toml_text
 from ..description.document import read_text
 from ..description.yaml_reading import parse_yaml
 from ..support.checks import Array, as_flag, as_number, as_vector, require_mapping, require_names

@@ -1,0 +1,267 @@
+"""A trajectory on show: its clock by hand, what pages may do to it, its plots, and the way of the tool."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from numpy.typing import ArrayLike, NDArray
+
+from recorded_poses import HOME, LEFT, REACH, ask, done, said
+from twistarm import Arm, ArmBuilder, Viewer, plan_joint
+from twistarm.arm.usual_limits import with_defaults
+from twistarm.limits.joint_limits import JointLimits
+from twistarm.planning.trajectory import Trajectory
+from twistarm.support.errors import InputError
+from twistarm.viewer.parts.playback import Playback
+from twistarm.viewer.parts.plots import MOST_POINTS, plots
+from twistarm.viewer.parts.tool_path import tool_path
+from twistarm.viewer.stage import Stage
+from viewer_page import swing
+
+ARM = ArmBuilder("one").revolute("a", [0, 0, 1], [0, 0, 0], lower=-3, upper=3).tool(np.eye(4)).build()
+LINE = Trajectory(ARM.joint_names, ARM.units, [[0.0], [2.0]], [0, 2], [0, 2], [[[1.0]], [[0.0]]])
+"""theta(t) = t until t = 2 s."""
+
+
+@pytest.fixture
+def standing() -> Stage:
+    """The line is loaded and waits at its start."""
+    stage = Stage(ARM)
+    stage.stand_by(LINE, JointLimits.unbounded(1))
+    return stage
+
+
+# the clock --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("asked", "shown"), [(-1.0, 0.0), (0.0, 0.0), (0.5, 0.5), (2.0, 2.0), (2.5, 2.0), (1e6, 2.0)])
+def test_a_moment_is_sought_or_the_nearer_end(standing: Stage, asked: float, shown: float) -> None:
+    ask(standing, "play")
+    ask(standing, "seek", time=asked)
+    assert not standing.running
+    assert (said(standing, "frame")["time"], standing.theta[0]) == (shown, shown)
+
+
+def test_played_at_the_end_it_starts_anew(standing: Stage) -> None:
+    for end in (2.0, 3.0):
+        ask(standing, "seek", time=end)
+        ask(standing, "play")  # at 0 s of the clock
+        assert (standing.running, standing.playback.time) == (True, 0.0)
+        standing.advance(0.75)
+        assert (standing.running, standing.theta[0]) == (True, 0.75)
+    standing.advance(9.0)
+    assert (standing.running, standing.playback.time, standing.theta[0]) == (False, 2.0, 2.0)
+    ask(standing, "play")
+    assert standing.playback.time == 0.0
+
+
+def test_paused_it_goes_on_from_where_it_was() -> None:
+    at = Playback(LINE, speed=0.5)
+    at.play(10.0)
+    at.advance(11.0)
+    at.running = False
+    at.advance(12.0)
+    assert at.time == 0.5
+    at.play(20.0)
+    at.advance(21.0)
+    assert at.time == 1.0
+
+
+def test_again_and_again_it_passes_the_end() -> None:
+    at = Playback(LINE, loop=True)
+    at.play(0.0)
+    at.advance(5.5)
+    assert (at.running, at.time) == (True, 1.5)
+    assert_array_equal(at.theta(), [1.5])
+
+
+# what pages may ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("speed", [0.05, 1.0, 20.0])
+def test_a_pace_that_pages_may_set(standing: Stage, speed: float) -> None:
+    ask(standing, "pace", speed=speed, loop=True)
+    player = said(standing, "player")
+    assert (player["speed"], player["loop"]) == (speed, True)
+    ask(standing, "play")
+    standing.advance(0.01)
+    assert standing.theta[0] == pytest.approx(0.01 * speed, abs=1e-15)
+
+
+@pytest.mark.parametrize("speed", [-1.0, 0.0, 0.01, 0.049, 20.1, 21.0])
+def test_a_pace_that_is_refused_and_changes_nothing(standing: Stage, speed: float) -> None:
+    ask(standing, "pace", speed=2.0, loop=True)
+    with pytest.raises(InputError) as refused:
+        ask(standing, "pace", speed=speed, loop=False)
+    assert str(refused.value) == f"speed must be 0.05 … 20 times the trajectory's own; got {speed:g}"
+    player = said(standing, "player")
+    assert (player["speed"], player["loop"]) == (2.0, True)
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields"), [("play", {}), ("pause", {}), ("seek", {"time": 1.0}), ("pace", {"speed": 1.0, "loop": False})]
+)
+def test_without_a_trajectory_there_is_nothing_to_play(kind: str, fields: dict[str, Any]) -> None:
+    stage = Stage(ARM)
+    with pytest.raises(InputError, match=f"nothing to {kind}: no trajectory is loaded"):
+        ask(stage, kind, **fields)
+    assert_array_equal(stage.theta, np.zeros(1))
+
+
+# plots ------------------------------------------------------------------------------------------------
+
+ROUNDED = 0.5000001e-6
+"""Plots have six decimals."""
+
+
+@pytest.mark.parametrize("kind", ["cubic", "trapezoid"])
+def test_plots_are_samples_of_the_trajectory_and_of_what_limits_it(stage: Stage, kind: Any) -> None:
+    assert said(stage, "plots")["times"] == []
+    done(ask(stage, "plan", kind=kind, stop=False))
+    message = said(stage, "plots")
+    motion = plan_joint(stage.arm, [HOME, REACH, LEFT], kind=kind, limits=with_defaults(stage.arm))
+    times = np.array(message["times"])
+    assert (times[0], times[-1]) == (0.0, motion.duration)
+    assert (np.diff(times) > 0).all()
+    assert len(times) <= MOST_POINTS
+    for order, rate in enumerate(("position", "velocity", "acceleration")):
+        assert_allclose(np.transpose(message[rate]), motion(times, order), rtol=0, atol=ROUNDED)
+        worst = np.abs(motion(np.linspace(0, motion.duration, 20_001), order)).max(axis=0)
+        assert_allclose([joint["peak"][rate] for joint in message["joints"]], worst, rtol=1e-3)
+    yaw, pitch, slide = message["joints"]
+    assert (yaw["name"], yaw["unit"], slide["unit"]) == ("yaw", "rad", "m")
+    assert yaw["limits"] == {"position": [None, None], "velocity": 1.0, "acceleration": 3.0}
+    assert yaw["usual"] == ["velocity", "acceleration"]
+    assert_allclose(yaw["range"], [-np.pi, np.pi])
+    assert pitch["limits"] == {"position": [-1.5, 1.5], "velocity": 2.0, "acceleration": 3.0}
+    assert slide["usual"] == ["acceleration"]
+
+
+def test_a_jump_is_plotted_as_a_jump(arm: Arm) -> None:
+    """A trapezoid's acceleration changes at once: between two samples a nanosecond of the motion apart."""
+    motion = plan_joint(arm, [HOME, REACH], kind="trapezoid", limits={"velocity": 1.0, "acceleration": 2.0})
+    message = plots(arm, Playback(motion))
+    times, values = np.array(message["times"]), np.array(message["acceleration"])
+    jumps = np.abs(np.diff(values, axis=1)).max(axis=0) > 1e-6
+    assert jumps.sum() == len(motion.breakpoints) - 2
+    assert np.diff(times)[jumps].max() < 1e-8
+
+
+def test_a_trajectory_of_python_is_plotted_against_the_arm_s_own_limits(arm: Arm) -> None:
+    stage = Stage(arm)
+    stage.load(swing(arm), 1.0, False, 0.0)
+    joints = said(stage, "plots")["joints"]
+    assert [joint["limits"]["velocity"] for joint in joints] == [None, 2.0, 0.5]
+    assert [joint["limits"]["acceleration"] for joint in joints] == [None] * 3
+    assert all(joint["usual"] == [] for joint in joints)
+
+
+def test_a_motion_of_many_pieces_and_one_of_none(arm: Arm) -> None:
+    rng = np.random.default_rng(4)
+    many = plan_joint(arm, arm.random_theta(rng, size=200), kind="trapezoid", limits=with_defaults(arm))
+    assert len(plots(arm, Playback(many))["times"]) == MOST_POINTS <= 300  # about a plot's width in pixels
+    still = plan_joint(arm, [HOME, HOME], limits=with_defaults(arm))
+    assert plots(arm, Playback(still))["times"] == [0.0]
+
+
+class Odd(Trajectory):
+    """A motion of Python's own, one of whose rates, or one of whose peaks, is no number."""
+
+    at: int
+    number: float
+    of_peak: bool
+
+    def __call__(self, t: ArrayLike, order: int = 0) -> NDArray[np.float64]:
+        values = np.array(super().__call__(t, order))
+        if order == self.at and not self.of_peak:
+            values[..., -1, 1] = self.number
+        return values
+
+    def peak(self, order: int) -> NDArray[np.float64]:
+        values = np.array(super().peak(order))
+        if order == self.at and self.of_peak:
+            values[1] = self.number
+        return values
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("at", [0, 1, 2])
+@pytest.mark.parametrize("of_peak", [False, True])
+def test_one_value_that_is_no_number_is_enough(arm: Arm, number: float, at: int, of_peak: bool) -> None:
+    motion = swing(arm)
+    odd = Odd(**{field.name: getattr(motion, field.name) for field in fields(Trajectory)})
+    for name, value in {"at": at, "number": number, "of_peak": of_peak}.items():
+        object.__setattr__(odd, name, value)
+    message = plots(arm, Playback(odd))
+    assert (message["times"], message["joints"], message["velocity"]) == ([], [], [])
+
+
+# the way of the tool ----------------------------------------------------------------------------------
+
+TOOL = np.array([[1, 0, 0, 0.3], [0, 1, 0, 0], [0, 0, 1, 0.4], [0, 0, 0, 1.0]])
+TURNER = ArmBuilder("turner").revolute("a", [0, 0, 1], [0, 0, 0.1]).tool(TOOL).build()
+TURN = plan_joint(TURNER, [[0.0], [np.pi / 2]], limits={"velocity": 1.0, "acceleration": 2.0})
+
+
+def test_a_turn_draws_its_arc_from_end_to_end() -> None:
+    drawn = tool_path(TURNER, TURN)
+    points = np.array(drawn["points"])
+    assert_allclose(np.linalg.norm(points[:, :2], axis=1), 0.3, atol=2e-6)
+    assert_allclose(points[[0, -1]], [[0.3, 0, 0.4], [0, 0.3, 0.4]], atol=1e-4)
+    assert len(points) <= 400
+    assert 0 < drawn["radius"] < 0.01
+
+
+def test_configurations_in_their_order() -> None:
+    drawn = tool_path(TURNER, [[0.0], [np.pi], [np.pi], [np.pi / 2]])
+    assert_allclose(drawn["points"], [[0.3, 0, 0.4], [-0.3, 0, 0.4], [0, 0.3, 0.4]], atol=1e-6)
+
+
+def test_a_long_way_is_drawn_by_400_points_and_ends_where_it_ends() -> None:
+    """Evenly along an arc of 3 rad: steps of 2 mm, whose chords are 2 µm from the arc."""
+    points = np.array(tool_path(TURNER, np.linspace(0, 3, 5000)[:, None])["points"])
+    assert len(points) == 400
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    assert_allclose(steps, 0.3 * 3 / 399, rtol=5e-2)  # 12 or 13 of the 4999 steps
+    assert_allclose(points[-1], [0.3 * np.cos(3), 0.3 * np.sin(3), 0.4], atol=1e-6)
+    moving = np.array(tool_path(TURNER, TURN)["points"])
+    assert 350 < len(moving) <= 400  # some steps beside rest are too short to be seen
+    assert np.linalg.norm(np.diff(moving, axis=0), axis=1).max() < 2 * 0.3 * np.pi / 2 / 399  # twice the mean speed
+
+
+def test_a_tool_that_stays_draws_nothing() -> None:
+    still = ArmBuilder("still").revolute("a", [0, 0, 1], TOOL[:3, 3]).tool(TOOL).build()
+    assert tool_path(still, [[0.0], [1.0], [2.0]])["points"] == []
+    assert tool_path(TURNER, [[0.5]])["points"] == []
+
+
+@pytest.mark.parametrize(
+    ("motion", "message"),
+    [
+        ([0.1], "motion must be a Trajectory or configurations (k, 1); got shape (1,)"),
+        (np.zeros((0, 1)), "motion must be a Trajectory or configurations (k, 1); got shape (0, 1)"),
+        ([[0.1, 0.2]], "motion must have shape (..., 1): a; got (1, 2)"),
+        ([[np.nan]], "motion must be finite"),
+        ([[0.0], [1e9]], "theta must be at most 1e+06 in size"),
+        ("up", "motion must be an array of real numbers"),
+    ],
+)
+def test_what_is_no_motion(motion: object, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        tool_path(TURNER, motion)  # type: ignore[arg-type]
+    assert message in str(caught.value)
+
+
+def test_the_view_draws_it_and_takes_it_away() -> None:
+    with Viewer(TURNER, open_browser=False) as viewer:
+        viewer.show_path(TURN)
+        way = viewer._server.ask(lambda stage: stage.path)
+        assert way == {"type": "path", **tool_path(TURNER, TURN)}
+        assert json.loads(viewer._server.ask(lambda stage: viewer._server.state())["path"]) == way
+        viewer.show_path(None)
+        assert viewer._server.ask(lambda stage: stage.path)["points"] == []
