@@ -32,7 +32,7 @@ UNITS = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254, "kilometre
 ALIKE = 3.0
 """Two logs of one arm differ less than by this factor in how far the tool is from the base."""
 
-POSTURES = 200
+CONFIGURATIONS = 200
 
 
 def check_wiring(
@@ -141,7 +141,7 @@ def _plausible_units(wiring: Wiring) -> list[str]:
 
     The arm's distances are those of random configurations, because the motors' readings may be wrong.
     """
-    usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(0, POSTURES))[:, :3, 3])
+    usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(0, CONFIGURATIONS))[:, :3, 3])
     measured = _mean_distance(wiring.position)
     if not usual or not measured or 1 / ALIKE < measured / usual < ALIKE:
         return []

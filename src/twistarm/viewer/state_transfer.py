@@ -27,10 +27,10 @@ def carry(old: Stage, new: Stage) -> list[str]:
     stay if they fit the arm; omitted poses return with an arm that allows them.
     """
     new.visible, new.tolerances = old.visible, old.tolerances
-    return [*_posture(old, new), *_poses(old, new), *_motion(old, new)]
+    return [*_configuration(old, new), *_poses(old, new), *_motion(old, new)]
 
 
-def _posture(old: Stage, new: Stage) -> Iterator[str]:
+def _configuration(old: Stage, new: Stage) -> Iterator[str]:
     values = dict(zip(old.arm.joint_names, old.theta.tolist(), strict=True)) | dict(old.others)
     names, limits = new.arm.joint_names, new.arm.limits
     stood: Array = np.array([values.get(name, start) for name, start in zip(names, new.theta, strict=True)])

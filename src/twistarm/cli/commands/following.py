@@ -28,7 +28,7 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ...viewer import Viewer
 from ..asked_motion import motion_of_file
-from ..options import POSTURE, Json, Radians, takes_arm
+from ..options import CONFIGURATION, Json, Radians, takes_arm
 from ..output import console, print_json, progress_bar, say
 from ..robot import Hertz, Robot, Tolerance, require_inside, require_positive, takes_robot
 from ..servo_report import follow_json, follow_table
@@ -42,7 +42,7 @@ Motion = Annotated[
         metavar="MOTION", help="A *.csv, *.json or *.yaml, as `twistarm plan -o` writes it, or a motion.toml to plan."
     ),
 ]
-Stand = Annotated[str | None, POSTURE]
+Stand = Annotated[str | None, CONFIGURATION]
 Approach = Annotated[
     bool,
     typer.Option("--approach", help="Where the arm is elsewhere, move to the start first, straight in joint space."),

@@ -64,7 +64,7 @@ def tool_velocity(J_s: Array, p: Array, rates: Array) -> Array:
     return velocity
 
 
-def _postures(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+def _configurations(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
     for twists, _, x in chains(rng, arm):
         yield twists, x
 
@@ -104,7 +104,7 @@ EXERCISES = (
     Exercise(
         spatial_jacobian,
         spatial_columns,
-        _postures,
+        _configurations,
         (
             Slip(
                 "columns not moved",

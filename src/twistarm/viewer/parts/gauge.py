@@ -85,8 +85,8 @@ class Measure:
         motors = arm.actuators.motor_units[: len(self.bounds.motion.names) - arm.n] if arm.actuators else ()
         self.units = (*motors, *arm.units)
         self._slides = np.array(arm.units) == "m"
-        postures = [arm.ready, *arm.random_theta(0, SAMPLES)]
-        ranks = [[len(sigma) for sigma, _ in self._levels(theta)] for theta in postures]
+        configurations = [arm.ready, *arm.random_theta(0, SAMPLES)]
+        ranks = [[len(sigma) for sigma, _ in self._levels(theta)] for theta in configurations]
         self._ranks = np.max(ranks, axis=0)
 
     def words(self, theta: Array) -> dict[str, Any]:

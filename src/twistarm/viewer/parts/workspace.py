@@ -22,7 +22,7 @@ POINTS = 20_000
 SEED = 0
 
 BATCH = 1000
-"""Postures between two words of progress: some 30 ms."""
+"""Configurations between two reports of progress: some 30 ms."""
 
 
 class Workspace(Part):
