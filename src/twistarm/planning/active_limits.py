@@ -22,10 +22,10 @@ from .trajectory import Trajectory
 Rate = Literal["velocity", "acceleration", "jerk", "linear speed", "angular speed"]
 
 LOOKS = 2000
-"""Instants of a motion that are looked at, about; at least three in each of its pieces."""
+"""About how many instants of a motion are sampled; at least three in each of its pieces."""
 
 ALIKE = 1e-3
-"""A share that is less by no more than this part is as great: where joints move in proportion, one of them is named."""
+"""Shares that differ by no more than this are equal. Of joints that move in proportion one is named."""
 
 SLIVER = 5e-3
 """A stretch shorter than this part of the motion belongs to the one before it."""
@@ -108,7 +108,7 @@ def _instants(motion: Trajectory) -> tuple[Array, Array]:
 def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
     """Return (m, 3 r + 2): velocity, acceleration and jerk of joints and motors, then the tool's two speeds.
 
-    Each is a share of its limit, 0 where there is none.
+    Each is a share of its limit, 0 without a limit.
     """
     limits = (bounds.velocity, bounds.acceleration, bounds.given_jerk)
     rates = [np.abs(motion(t, order) @ bounds.C.T) / limit for order, limit in enumerate(limits, 1)]

@@ -1,7 +1,7 @@
 """Bernstein coefficients of piecewise polynomials, which bound them between their ends without samples.
 
-p(σ) = Σ b_k C(d, k) σ^k (1 − σ)^(d−k) on σ in [0, 1] lies between the least and the largest b_k. Its values at the ends
-are b_0 and b_d. Source: Farin, Curves and Surfaces for CAGD, chapters 4 and 5.
+p(σ) = Σ b_k C(d, k) σ^k (1 − σ)^(d−k) on σ in [0, 1] lies between the least and the largest b_k. It starts at b_0 and
+ends at b_d. Source: Farin, Curves and Surfaces for CAGD, chapters 4 and 5.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from .trajectory import Trajectory
 from .within import require_waypoints
 
 ROUNDED, LARGEST = 0.45, 0.1
-"""Radius of a rounded corner: as a part of the way to the nearer neighbour, and at most in reaches of the arm."""
+"""Radius of a rounded corner: greatest share of the way to the nearer neighbour, and of the arm's reach."""
 
 Planner = Callable[[Sequence[Segment]], Trajectory]
 """Plans segments from the start of the motion."""
@@ -50,7 +50,7 @@ def planned_in(
 def _ways(
     scene: Scene, arm: Arm, segments: list[Segment], origin: Array, limits: JointLimits, max_time: float, plan: Planner
 ) -> list[Array]:
-    """For each segment the waypoints (k, n) of its way round, start and goal included; (0, n) if it is no free move."""
+    """For each segment the waypoints (k, n) of its free path with start and goal; (0, n) for other moves."""
     ways: list[Array] = []
     at, known = origin, 0
     for i, segment in enumerate(segments):
@@ -74,7 +74,7 @@ def _ways(
 
 
 def _goal(scene: Scene, arm: Arm, segment: FreeMove, at: Array) -> Array:
-    """The configuration (n,) at which a free move ends: that of its target nearest to `at` that is free."""
+    """The configuration (n,) at the end of a free move: the free one nearest to `at` that meets its target."""
     goal = segment.to
     if not isinstance(goal, KINDS):
         return arm.theta_from(goal)
@@ -91,7 +91,7 @@ def _goal(scene: Scene, arm: Arm, segment: FreeMove, at: Array) -> Array:
 def _expanded(
     arm: Arm, segments: Sequence[Segment], ways: Sequence[Array], rounded: bool
 ) -> tuple[list[Segment], list[int]]:
-    """The segments with joint moves for free moves, and for each the index of the segment that it belongs to."""
+    """The segments with joint moves in place of free moves, and the index of the original segment of each."""
     expanded: list[Segment] = []
     numbers: list[int] = []
     for i, (segment, way) in enumerate(zip(segments, ways, strict=True)):

@@ -14,7 +14,7 @@ from .piecewise import derivative, evaluate, rescaled, shifted, spread
 Indices = NDArray[np.intp]
 
 ROUNDING = 1e-9
-"""A piece longer than it may be by this part is not cut once more."""
+"""A piece may exceed its greatest length by this share before it is cut again."""
 
 STILL = 1e-12
 """A joint that moves by less [rad, m] stays where it is."""

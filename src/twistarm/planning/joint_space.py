@@ -49,13 +49,13 @@ MERGE_TOL = 1e-6
 """Consecutive waypoints nearer than this [rad, m] in every joint are one: IK answers no finer."""
 
 STAY, STAY_SHARE, STAY_WIDTH = 15, 5.0, 1.9
-"""A stay has so many waypoints, so many times as many as usual, in so many times the tolerance."""
+"""A stay: its least number of waypoints, how many times the usual density, within how many tolerances."""
 
 MOST_NAMED = 12
-"""Of waypoints that are merged so many are named."""
+"""Greatest number of merged waypoints that a note names."""
 
 LEAST_SEGMENT = 1e-7
-"""Given times are nearer together than this part of the whole by mistake, and no spline could be computed."""
+"""Times closer than this share of the duration are a mistake. No spline can be computed for them."""
 
 FITS = {
     ("cubic", False): spline.cubic,
@@ -90,9 +90,8 @@ def plan_joint(
 
     A waypoint is a configuration or a target of the tool (`Pose`, `Position`, `Approach`, `TolerancedPose` or a pose
     (4, 4)). `solve_ik` finds the configuration of a target from the waypoint before it, or from `arm.ready`. Joints
-    that a whole turn brings back, with room for one, go to a target by the shorter way. To a configuration they go as
-    it says, from 0 to 2π by a full turn. With `unwrap` they take the shorter way there too: from 3.1 to −3.1 by 0.08
-    rad, to 3.18.
+    that can turn by 2π go to a target by the shorter way. To a configuration they go as written: from 0 to 2π by a full
+    turn. `unwrap` chooses the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18.
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
     - `quintic`: the C⁴ spline, acceleration zero at both ends. It is smoother and swings wider between waypoints.
@@ -243,7 +242,7 @@ def _as_times(times: ArrayLike, count: int) -> Array:
 
 
 def _distinct(points: Array) -> tuple[Array, Array]:
-    """Return the waypoints (j, n) that differ from the one before, and the index of each given one."""
+    """Return the waypoints (j, n) without repetitions, and the index in it of each given one."""
     kept, owner = [0], [0]
     for i in range(1, len(points)):
         if np.abs(points[i] - points[kept[-1]]).max(initial=0.0) > MERGE_TOL:

@@ -31,7 +31,7 @@ SHORTEST_STEP = 0.9e-9
 """Seconds between two points: a message counts nanoseconds, and a polynomial divides by the fifth power."""
 
 LARGEST = 1e9
-"""Times [s], positions [rad, m] and rates of every arm are less by far: beyond, polynomials overflow."""
+"""Times [s], positions [rad, m] and rates of every arm are far smaller. Larger values overflow in polynomials."""
 
 BEYOND_LIMIT = 1e-6
 """Beyond a position limit by less [rad, m] is rounding of the file."""

@@ -61,9 +61,9 @@ def plan(
     """Plan a motion through `segments`, from rest to rest, inside the limits of joints and motors.
 
     Joint moves go straight in joint space. Lines, screws and arcs keep the tool within 0.1 mm and 0.05° of the ideal,
-    or within wider tolerances. Where curves follow a joint move to a target, `plan` chooses the branch that follows all
-    of them with the least joint motion. The arm stops between two moves, or rounds the corner inside a ball of radius
-    `blend`. It stops there too if that takes less time.
+    or within wider tolerances. If curves follow a joint move to a target, `plan` chooses the branch that follows all of
+    them with the least joint motion. Between two moves the arm stops, or rounds the corner inside a ball of radius
+    `blend`. It also stops if that takes less time.
 
     - `s_curve`: acceleration is continuous and jerk within its limits. A joint without a jerk limit takes 0.1 s to its
       acceleration limit. A joint move that stops at both ends is the shortest possible.
@@ -229,7 +229,7 @@ def _timed(arm: Arm, legs: list[Leg], limits: JointLimits, kind: str) -> Timed:
         return Timed(legs, np.array([0.0, stay]), theta[None, None], np.array([stay]))
     path, ends, ceiling = path_along(arm, legs, limits)
     bounds = PathBounds(limits, arm.actuators, ceiling)
-    # A double-S for each joint leaves the straight line, which a free move was proven along.
+    # A double-S for each joint would leave the straight line along which the free move was proven.
     straight = isinstance(segment, FreeMove)
     if kind == "s_curve" and ceiling is None and not straight and path.coefficients.shape[:2] == (2, 1):
         breakpoints, coefficients = double_s(path.start, path.end, bounds)

@@ -39,7 +39,7 @@ def evaluate(coefficients: Array, tau: Array) -> Array:
 
 
 def rescaled(coefficients: Array, unit: float | Array) -> Array:
-    """Return p(unit · u) of polynomials (d + 1, ...), with one unit for all pieces or one for each (s,)."""
+    """Return p(unit · u) of polynomials (d + 1, ...), with one unit for all pieces or one per piece (s,)."""
     powers = np.arange(len(coefficients) - 1, -1, -1.0)
     factors = np.asarray(unit) ** powers.reshape(-1, *[1] * np.ndim(unit))
     scaled: Array = coefficients * factors.reshape(*factors.shape, *[1] * (coefficients.ndim - factors.ndim))
@@ -47,7 +47,7 @@ def rescaled(coefficients: Array, unit: float | Array) -> Array:
 
 
 def spread(count: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Number `count` (s,) places in each piece: return the piece of each place, and its number there."""
+    """Return for `count` (s,) places in each piece the piece of each place, and its number there."""
     piece = np.repeat(np.arange(len(count)), count)
     return piece, np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)
 
@@ -96,11 +96,11 @@ def _binomials(degree: int) -> tuple[Array, Array]:
 
 
 def extremes(coefficients: Array, durations: Array) -> tuple[Array, Array]:
-    """Return times tau (c, s, n) [s] since each segment's start that include every extreme, and the values there.
+    """Return times tau (c, s, n) [s] since each segment's start that include every extreme, and their values.
 
     The candidates are both ends and the zeros of the derivative. These lie between the zeros of the next derivative,
-    and so on up to the linear one. Between those the polynomial is monotone and bisection cannot fail. Where there is
-    no zero, the candidate falls harmlessly on an interval's end.
+    and so on up to the linear one. The polynomial is monotone between those, so bisection cannot fail. Without a zero,
+    the candidate falls harmlessly on an interval's end.
     """
     tau = _edges(derivative(rescaled(coefficients, durations))) * durations[:, None]
     return tau, evaluate(coefficients, tau)

@@ -26,15 +26,15 @@ from .tolerances import rounding_note
 from .unwrapping import unwrapped
 
 NEAREST = 8
-"""Of the configurations in which a run of curves may begin so many, the nearest, are tried before all others."""
+"""How many of the nearest start configurations of a run of curves are tried before all others."""
 
 FOLLOWED = 4
-"""Of the ways through a ladder so many, of least joint motion, are followed until one can be."""
+"""How many ways through a ladder, least joint motion first, are tried."""
 
 
 @dataclass(frozen=True, eq=False)
 class Leg:
-    """The joint path of segment `index`. The path is None for a dwell and where the arm does not move."""
+    """The joint path of segment `index`. The path is None for a dwell, and if the arm does not move."""
 
     index: int
     segment: Segment
@@ -49,7 +49,7 @@ class Leg:
 
 
 _End = tuple[Array, float, Node | None]
-"""Where a run has come to: theta (n,), its cost [s], and the last node of the curve before, None at the beginning."""
+"""The end of a run so far: theta (n,), cost [s], and the last node of the curve before (None at the beginning)."""
 
 
 class _BlockedError(Exception):
@@ -93,7 +93,7 @@ class Router:
         return legs
 
     def _next(self, i: int, theta: Array) -> list[Leg]:
-        """Return the leg of segment i. For a joint move to a target also return those of the curves and dwells after
+        """Return the leg of segment i. For a joint move to a target also return the legs of the curves and dwells after
         it.
         """
         segment = self.segments[i]
@@ -122,7 +122,7 @@ class Router:
         return Leg(i, self.segments[i], end, path)
 
     def _run(self, run: range, starts: Array, theta: Array) -> tuple[Array, list[Leg]]:
-        """Return which of `starts` (b, n), nearest first, begins a run of curves and dwells, and its legs.
+        """Return the first of `starts` (b, n), nearest first, that begins a run of curves and dwells, and its legs.
 
         A curve may follow several parts of a pose. Each is tried when the one before fails.
         """
@@ -142,7 +142,7 @@ class Router:
             raise refusal(self.arm, self.limits, farthest.blocked, *where, others=not tried)
 
     def _nearest(self, run: range, starts: Array, theta: Array, options: dict[int, int]) -> tuple[Array, list[Leg]]:
-        """Do the same for chosen options: from the nearest starts, from all others, then by a wide ladder."""
+        """Do the same for the chosen options: from the nearest starts, then all others, then by a wide ladder."""
         farthest: _BlockedError | None = None
         for group, wide in ((starts[:NEAREST], False), (starts[NEAREST:], False), (starts, True)):
             if not len(group) or (wide and farthest and not farthest.blocked.moving.freedom(self.arm.n)):

@@ -25,7 +25,7 @@ from ..support.display import Brief
 from ..support.errors import InputError, shown
 
 Goal = Row | Mapping[str, float] | str | AnyTarget
-"""Where a move ends: a configuration (n,), {joint: value}, the name of one, a target, or a pose (4, 4)."""
+"""End of a move: a configuration (n,), {joint: value}, its name, a target, or a pose (4, 4)."""
 
 Constrained = Literal["pose", "approach", "position"]
 CONSTRAINED: tuple[Constrained, ...] = ("pose", "approach", "position")
@@ -43,7 +43,7 @@ class Segment(Brief):
 class Move(Segment):
     """The options of every move.
 
-    blend: radius [m] of the ball about the move's end in which the tool may round the corner; 0 stops there.
+    blend: radius [m] of the ball at the move's end in which the tool may round the corner; 0 stops there.
 
     velocity_scaling: the greatest share, in (0, 1], of the joints' velocity limits.
 
@@ -128,10 +128,10 @@ class _CurveMove(Move):
 class LineMove(_CurveMove):
     """The tool's origin along a straight line, its rotation about one fixed axis (slerp), in proportion.
 
-    What the target leaves free stays free on the way: the rotation for a `Position`, the turn about the tool axis for
-    an `Approach`. The direction of the tool axis then swings in one plane. A `TolerancedPose` keeps its tolerances. To
-    a configuration the tool goes to its pose there. An arm of fewer than six joints keeps what it can: all but the turn
-    about the tool axis, or the position.
+    The components that the target leaves free stay free on the way: the rotation for a `Position`, the turn about the
+    tool axis for an `Approach`. The direction of the tool axis then swings in one plane. A `TolerancedPose` keeps its
+    tolerances. To a configuration the tool goes to its pose there. An arm of fewer than six joints keeps what it can:
+    all but the turn about the tool axis, or only the position.
 
     Raises InputError for a goal, a blend, a speed or a label that cannot be used.
     """

@@ -21,17 +21,17 @@ LOOKS = 17
 """Places in each segment at which rates are looked at."""
 
 NORMS = (2.0**5, 2.0**7, 2.0**9, 2.0**10)
-"""Powers: the first sees the whole motion, the last comes within a per cent of the largest of very many.
+"""Orders of the norm. The first sees the whole motion; the last is within a per cent of the maximum of very many.
 
-With fewer between them, a search ends where one rate after the other is in its way.
+With fewer orders between them, a search stops at one rate after the other.
 """
 
 STEPS, GAIN = 60, 3e-6
-"""Of the search with each norm: at most so many, until one gains less than this part."""
+"""Greatest number of steps for each norm, and the least gain of a step."""
 
 
 def shortest_spline(way: Array, degree: int, rates: JointLimits, durations: Array) -> Array:
-    """Durations (s,), up to one factor, of as short a motion as the search finds near the given ones.
+    """Durations (s,), up to one factor, of the shortest motion that the search finds near the given ones.
 
     The cubic or quintic spline goes `way` (s, r) on each segment, each row within its `rates`.
     """
@@ -57,7 +57,7 @@ def in_numpy(way: Array, degree: int, limits: tuple[Array, ...], durations: Arra
 
 
 def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power: float) -> tuple[float, Array, float]:
-    """The logarithm of the time with durations exp(x) (s,) by the p-norm, its gradient (s,), and by the largest rate.
+    """The logarithm of the time with durations exp(x) (s,): by the p-norm, its gradient (s,), and by the largest rate.
 
     The unknown derivatives u at inner waypoints minimize E = ½ ∫ |q^(R+1)|² dt, degree = 2 R + 1. In unit time a
     segment has the ends e, e_k ~ d^k u_k, and E is the sum of ½ d^(−degree) eᵀ K e. So ∂E/∂u = 0 is a symmetric linear

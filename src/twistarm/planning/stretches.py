@@ -33,7 +33,7 @@ ROUNDING = 1e-12
 """A piece shorter than this part of its path is rounding."""
 
 SHRINKS, SMALLER = 20, 0.8
-"""How often, and by what factor, a corner shrinks that leaves the ball or the position limits."""
+"""How often a corner shrinks that leaves the ball or the position limits, and by what factor."""
 
 
 def runs(legs: list[Leg]) -> Iterator[list[Leg]]:
@@ -50,8 +50,8 @@ def runs(legs: list[Leg]) -> Iterator[list[Leg]]:
 def path_along(arm: Arm, run: list[Leg], limits: JointLimits) -> tuple[JointPath, Array, Array | None]:
     """Return one path along moving legs, the end of each leg, and the greatest ṡ on each piece (m,).
 
-    A leg that is rounded ends in the middle of its rounding. The greatest ṡ is None where nothing limits it. Raises
-    InputError where a blend does not fit.
+    A rounded leg ends in the middle of its corner. The greatest ṡ is None without a limit. Raises InputError if a blend
+    does not fit.
     """
     paths = [_of_unit_speed(leg, limits) for leg in run]
     at, begins, parts, ends, caps = 0.0, 0.0, list[JointPath](), list[float](), list[Array]()

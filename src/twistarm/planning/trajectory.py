@@ -30,7 +30,7 @@ MAX_SAMPLES = 10_000_000
 """More samples than this are a mistaken `dt`."""
 
 LAST_STEP = 1e-3
-"""A last step shorter than this part of `dt` joins the step before it: between points as near numbers say little."""
+"""A last step shorter than this share of `dt` joins the step before it."""
 
 
 class Samples(NamedTuple):
@@ -50,12 +50,12 @@ class Samples(NamedTuple):
 class Trajectory:
     """theta(t) of n joints, a polynomial on each of s pieces. The motion begins and ends at rest.
 
-    `breakpoints` (s + 1,) [s] starts at 0 and increases. `coefficients` (degree + 1, s, n) hold the highest power of t
-    − breakpoints[i] first, as SciPy's `PPoly` does. The motion passes the planned `waypoints` (k, n) at `times` (k,)
-    [s]. Merged waypoints have equal times. A motion from a point to itself has duration 0 and one piece of no length.
-    `actuators` are the motors of the arm, or None; files hold their values too. `labels` are actions on the way in the
-    order of time, pairs such as (1.5, "close gripper"). Every file carries them. `notes` tell you what was assumed,
-    such as limits. No file carries them.
+    `breakpoints` (s + 1,) [s] starts at 0 and increases. `coefficients` (degree + 1, s, n) has the highest power of t −
+    breakpoints[i] first, like SciPy's `PPoly`. The motion passes the planned `waypoints` (k, n) at `times` (k,) [s].
+    Merged waypoints have equal times. A motion from a point to itself has duration 0 and one piece of no length.
+    `actuators` are the arm's motors or None; files hold their values too. `labels` are actions on the way in order of
+    time, pairs such as (1.5, "close gripper"). Every file contains them. `notes` say what was assumed, such as limits.
+    No file contains them.
     """
 
     joint_names: tuple[str, ...]
@@ -138,7 +138,7 @@ class Trajectory:
     def to_motors(self, actuators: Actuators | None = None) -> Trajectory:
         """Return the same motion of its k motors, motor = G theta + o [rad or m].
 
-        `actuators` default to those of the arm. Raises InputError where there are none, or they drive other joints.
+        `actuators` default to those of the arm. Raises InputError if there are none, or if they drive other joints.
         """
         motors = require_motors(motors_of(self, actuators))
         if motors.joint_names != self.joint_names:

@@ -10,11 +10,11 @@ from ..support.caller_words import argument, quantity
 from ..support.checks import Array
 
 FAR = np.pi * (1.0 + 1e-9)
-"""A joint that turns farther than this [rad] could come to the same place by a shorter way."""
+"""A joint that turns farther than this [rad] can reach the same place by a shorter way."""
 
 
 def unwrapped(arm: Arm, theta: Array, near: Array, where: str, asked: bool) -> tuple[Array, list[str]]:
-    """Return theta (n,) by whole turns nearest to `near` (n,) within the limits, if `asked`, and notes.
+    """Return theta (n,), if `asked` shifted by whole turns nearest to `near` (n,) within the limits, and notes.
 
     It moves only joints that come back to the same place after a whole turn.
     """

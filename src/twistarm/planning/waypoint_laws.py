@@ -16,7 +16,7 @@ from .time_laws import PathBounds, double_s, time_optimal
 from .within import RATE_TOL
 
 EXPONENTS = (0.5, 1.0)
-"""Powers of each segment's least time by which the path's parameter grows: the centripetal and the chordal spline."""
+"""Exponents of each segment's least time in the path's parameter: the centripetal and the chordal spline."""
 
 Motion = tuple[Array, Array, Array]
 """Times of the waypoints (k,), breakpoints (p + 1,) and coefficients (degree + 1, p, n)."""
@@ -25,8 +25,7 @@ Motion = tuple[Array, Array, Array]
 def fastest_along_spline(points: Array, bounds: PathBounds, progress: Progress | None = None) -> Motion:
     """The shortest motion along a spline through distinct waypoints (k, n), inside the limits.
 
-    It takes the faster of two natural cubic splines, with centripetal and chordal parameter, pulled inside the position
-    limits.
+    It takes the faster of two natural cubic splines, centripetal and chordal, pulled inside the position limits.
     """
     laws = [(time_optimal(path, bounds, progress), path, s) for path, s in _splines(points, bounds)]
     law, path, s = min(laws, key=lambda timed: timed[0].duration)

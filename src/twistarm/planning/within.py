@@ -17,10 +17,10 @@ from .piecewise import derivative, evaluate, extremes, rescaled
 from .trajectory import RATE_UNITS, Trajectory
 
 POSITION_TOL = 1e-9
-"""Beyond a position limit by less [rad, m] is the rounding of a motion that ends on the limit."""
+"""Excess over a position limit [rad, m] that is rounding of a motion that ends on the limit."""
 
 RATE_TOL = 1e-9
-"""Above a rate limit by a smaller part of it is the rounding of a motion timed to meet it exactly."""
+"""Relative excess over a rate limit that is rounding of a motion timed to meet it exactly."""
 
 RATES = ("velocity", "acceleration", "jerk")
 
@@ -73,7 +73,7 @@ def _samplers(degree: int, order: int) -> Array:
 
 
 def farthest_outside(theta: Array, limits: JointLimits) -> tuple[tuple[int, ...], float, str]:
-    """Return where theta (..., n) is farthest beyond a position limit, how far [rad, m], and on which side."""
+    """Return where theta (..., n) is farthest beyond a position limit, by how much [rad, m], and on which side."""
     beyond = np.maximum(limits.lower - theta, theta - limits.upper)
     at = tuple(int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
     return at, float(beyond[at]), "lower" if theta[at] < limits.lower[at[-1]] else "upper"

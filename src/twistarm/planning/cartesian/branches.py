@@ -15,13 +15,13 @@ from ..tolerances import leeway
 from .nodes import ALL_BUT_EXACT, EXACT
 
 MOST = 96
-"""Searches from random starts, beside the one from where the arm is; configurations of a closed form, at most."""
+"""Searches from random starts, besides the one from the arm's configuration; also the most closed-form answers."""
 
 TURNED = 12
-"""Values of joints of which each leaves the others as they are, the turn about an approach's axis."""
+"""Values tried for the turn about an approach's axis, and for each joint that changes no other."""
 
 APART = 0.02
-"""Configurations nearer together than this [rad, m] in every joint are one; branches may come near each other."""
+"""Configurations nearer together than this [rad, m] in every joint are one. Branches may come close to each other."""
 
 SEED = 0
 
@@ -29,10 +29,10 @@ SEED = 0
 def branches(arm: Arm, target: AnyTarget, near: Array, tolerances: Tolerances = USUAL) -> Array:
     """Return configurations (b, n) that meet the target, b ≥ 0, nearest to `near` (n,) first.
 
-    The closed form of the arm's family gives them, at random values of joints that stay free. Without a closed form, or
-    for a continuous family, searches from random starts find them. Of close answers the nearest stays. Joints with room
-    for whole turns give all their windings. Tolerances count where nothing meets the target exactly, or where they are
-    wide.
+    The closed form of the arm's family gives them, with random values for free joints. Without a closed form, or for a
+    continuous family, searches from random starts find them. Of close answers the nearest stays. Joints with room for
+    whole turns give all their windings. Tolerances are used if they are wide, or if no configuration meets the target
+    exactly.
     """
     starts = np.vstack([near, arm.random_theta(SEED, MOST)])
     met, all_found = _by_closed_form(arm, target, starts)

@@ -25,10 +25,10 @@ from .tool_derivatives import deviation_bend
 Flags = NDArray[np.bool_]
 
 POSITION_TOL, ANGLE_TOL = 1e-4, np.radians(0.05)
-"""How far the tool may be from the curve [m, rad], between samples too, where its tolerances are narrower."""
+"""Greatest distance of the tool from the curve [m, rad], also between samples. Wider tolerances replace it."""
 
 WELL = 0.95
-"""A path whose error is no greater a part of a wide tolerance is looked at more closely, and not led elsewhere."""
+"""A path that uses less than this share of a wide tolerance is sampled more densely and keeps its targets."""
 
 MOST_SAMPLES = 4096
 
@@ -38,12 +38,12 @@ ROUNDS = 12
 """Halvings of intervals in which the tool is too far from the curve."""
 
 EVENINGS = 20
-"""How often the samples of an arm that is left free are drawn to the line between their neighbours."""
+"""How often the samples of a redundant arm are smoothed toward the line between their neighbours."""
 
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """A joint path, s from 0 to 1, and bounds of the tool's distance from the curve [m, rad]."""
+    """A joint path on s in [0, 1], and bounds of the tool's distance from the curve [m, rad]."""
 
     path: JointPath
     position_error: float
@@ -53,9 +53,9 @@ class Followed:
 def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed | Blocked:
     """Return the joint path through samples of one curve, or the place where it leaps.
 
-    A C² cubic spline goes through the samples. Intervals are halved where the tool may be too far from the curve: by
-    `POSITION_TOL`, `ANGLE_TOL` or wider tolerances. The deviation is measured at check points. The curvature of the
-    tool's path bounds it between them. `even`: samples of an arm that is left free are evened out first.
+    A C² cubic spline goes through the samples. Intervals where the tool may be too far from the curve are halved. Too
+    far means beyond `POSITION_TOL`, `ANGLE_TOL` or wider tolerances. The deviation is measured at check points and
+    bounded between them by the curvature of the tool's path. `even` first evens out the samples of a redundant arm.
     """
     moving = samples[0].moving
     s, theta = np.array([node.s for node in samples]), np.array([node.theta for node in samples])
@@ -93,7 +93,7 @@ def _well_within(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flag
 
 
 def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
-    """Draw the samples (k, n) to the line between their neighbours, as far as the targets allow."""
+    """Pull the samples (k, n) toward the line between their neighbours, as far as the targets allow."""
     ideal = moving.curve(s[1:-1])
     share = ((s[1:-1] - s[:-2]) / (s[2:] - s[:-2]))[:, None]
     theta = theta.copy()
@@ -111,9 +111,9 @@ def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) ->
 
 
 def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, float, float]:
-    """Return in which pieces (m,) the tool may be too far away, and its greatest distance [m, rad].
+    """Return the pieces (m,) in which the tool may be too far away, and its greatest distance [m, rad].
 
-    Between check points a distance d apart the deviation e is at most the greater of both plus d² ‖e''‖ / 8.
+    Between check points a distance d apart, the deviation e exceeds the larger end by at most d² ‖e''‖ / 8.
     """
     h = np.diff(path.breakpoints)
     bend = deviation_bend(arm, moving, path)

@@ -18,17 +18,17 @@ FEWEST = 4
 """Rungs of the shortest curve."""
 
 UNMET = 8
-"""Where a rung has no answer, others are tried back to so small a part of the step."""
+"""A rung without an answer is tried again nearer, back to this fraction (1/8) of the step."""
 
 FINEST = 2**-12
-"""Rungs are no nearer together than this in s; a path that needs them nearer does not continue."""
+"""Least distance of rungs in s. A path that needs less does not continue."""
 
 MOST_HALVINGS = 4096
 """Rungs in between of one climb, at most."""
 
 
 def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
-    """Return the configurations at the ends of the curves, least joint motion first, or where all stop.
+    """Return the configurations at the ends of the curves, least joint motion first, or the place where all stop.
 
     Each rung is solved from every configuration at the one before, in one batch. The closed form does it if no joint is
     held. Where a joint would leap or there is no answer, a rung halfway comes first.
@@ -83,7 +83,7 @@ class _Climber:
         return met_near(self.arm, nodes[0].moving, g, near, self._by_closed_form)
 
     def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Met | None:
-        """Return the nearest answer to each target, if the arm's family gives all of them and no joint is held."""
+        """Return the nearest answer to each target. The arm's family must give all of them and hold no joint."""
         method = family_method(self.arm, moving.like)
         if method.compiled is None or method.swept:
             return None

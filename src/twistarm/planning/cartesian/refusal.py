@@ -24,13 +24,13 @@ from .moving_target import MovingTarget
 from .nodes import LONGEST_JUMP, Blocked, Node, way
 
 AT_LIMIT = 0.01
-"""A joint that is nearer to its limit than this [rad, m] where a path ends has come to it."""
+"""A joint nearer to its limit than this [rad, m] at the end of a path is at the limit."""
 
 MORE_ROOM = 0.5
-"""So much farther [rad, m] a joint may go to see whether its limit is what blocks."""
+"""Extra room [rad, m] for a joint, to see whether its limit blocks the path."""
 
 SINGULAR = 0.05
-"""A smaller least singular value, metres over the arm's reach, is that of a configuration near a singular one."""
+"""A configuration is nearly singular below this least singular value, with metres divided by the arm's reach."""
 
 CERTAIN = "; no configuration inside the limits meets it farther on, that is certain"
 """What the closed form shows of some targets."""
@@ -104,7 +104,7 @@ def _part(moving: MovingTarget, share: float) -> str:
 
 
 def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str | None, str]:
-    """Return reason, joint and words. A limit is the reason if the arm would go on with more room at that joint.
+    """Return reason, joint and words. The reason is a limit if more room at that joint lets the arm go on.
 
     `beyond` is the nearest solution farther on, or None where the target there is met.
     """

@@ -16,7 +16,7 @@ from ..piecewise import derivative, spread
 from .moving_target import MovingTarget
 
 LOOKS = 8
-"""Intervals of each piece at whose ends the tool's velocity is first sampled."""
+"""Intervals in each piece for the first samples of the tool's velocity."""
 
 NEAR = 1e-4
 """A bound that matters exceeds the greatest sampled speed by at most this part."""
@@ -100,9 +100,9 @@ def greatest_tool_speeds(
 ) -> tuple[Array, Array]:
     """Bound ‖p'‖ [m] and ‖ω‖ [rad] by s on each piece, (m,) each.
 
-    Between samples a distance d apart, a vector v(s) is within d² max ‖v''‖ / 8 of the chord. So ‖v‖ exceeds the
-    greater of both ends by at most that. `ToolDerivatives` bounds v''. Samples are refined until the bound is tight.
-    They stay coarse where the joints' velocity limits (n,) keep the tool below both speeds anyway.
+    Between samples a distance d apart, a vector v(s) is within d² max ‖v''‖ / 8 of the chord. ‖v‖ exceeds its larger
+    end by at most that. `ToolDerivatives` bounds v''. Samples are refined until the bound is tight. They stay coarse
+    where the joints' velocity limits (n,) keep the tool below both speeds.
     """
     bounds = ToolDerivatives.along(arm, path)
     bend = np.stack([bounds.jerk, bounds.turn_jerk], axis=1)

@@ -21,16 +21,18 @@ WIDTH = 100
 """Configurations at each rung."""
 
 SOUGHT, KICK = 500, 0.8
-"""So many are sought for the next rung, from up to so far away [rad, m] in every joint."""
+"""Candidates for the next rung, and their greatest distance [rad, m] in every joint."""
 
 PULL, LONGEST_PULL = 0.3, 0.3
-"""Each is also followed by one that is drawn by so much of its way, or so far [rad, m], to the middle of the joints."""
+"""Each candidate is also tried nearer to the middle of the joints: by this share of the way, at most so far [rad,
+m].
+"""
 
 CELL = 0.15
-"""Of configurations in one cube of this side [rad, m] the one with the least joint motion is kept."""
+"""Side [rad, m] of a cube of configurations. Each cube keeps the one with the least joint motion."""
 
 HALFWAY = 0.2
-"""Halfway the joints are nearer to the middle of both configurations than this part of how far these are apart."""
+"""Greatest distance of the joints at halfway from the middle of both ends, as a share of the ends' distance."""
 
 SEED = 0
 
@@ -38,8 +40,8 @@ SEED = 0
 def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
     """Return the configurations at the ends of the curves, least joint motion first, or how far they come.
 
-    At each rung a configuration goes on near itself, nearer to the middle of the joints, or at random. `WIDTH` of them
-    stay that are apart, each with its least joint motion.
+    Candidates at each rung are near the last configuration, nearer to the middle of the joints, or random. `WIDTH` of
+    them that are apart stay, each with its least joint motion.
     """
     rng = np.random.default_rng(SEED)
     rungs, nodes = Rungs(roots, FEWEST), list(roots)
@@ -78,7 +80,9 @@ def _spread(
 
 
 def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float, theta: Array) -> NDArray[np.bool_]:
-    """Tell which configurations (c, n) at s follow their parents without a leap: halfway the arm is about halfway."""
+    """Tell which configurations (c, n) at s follow their parents without a leap: at halfway the arm is about
+    halfway.
+    """
     before = np.array([nodes[i].theta for i in parents])
     middle = np.array(0.5 * (nodes[0].s + s))
     poses = {id(node.moving): node.moving.curve(middle) for node in nodes}

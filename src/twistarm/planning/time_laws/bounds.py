@@ -14,7 +14,7 @@ from ...support.checks import Array, frozen
 from ..joint_path import JointPath
 
 RISE = 0.1
-"""In this time [s] what has no jerk limit comes to its acceleration limit, in laws that limit the jerk."""
+"""Rise time [s] to the acceleration limit for joints without a jerk limit, in laws that limit the jerk."""
 
 Owner = tuple[Literal["joint", "motor"], int]
 
@@ -23,9 +23,9 @@ Owner = tuple[Literal["joint", "motor"], int]
 class PathBounds:
     """Limits along a path: of the joints, of any motors, and a cap of ṡ.
 
-    Every moving joint has an acceleration limit, or a motor of it has one. `limits` are of n joints. `actuators` have
-    theirs on the motors' side of the gears, motor = G theta + o. Velocity, acceleration and jerk count, positions do
-    not. `ceiling` (m,) [1/s] is the largest ṡ on each piece of the path, for limits of the tool's speed.
+    Every moving joint, or a motor of it, has an acceleration limit. `limits` are of n joints. `actuators` have their
+    limits on the motor side, motor = G theta + o. Velocity, acceleration and jerk count; positions do not. `ceiling`
+    (m,) [1/s] is the largest ṡ on each piece of the path, from limits of the tool's speed.
     """
 
     limits: JointLimits
@@ -71,7 +71,7 @@ class PathBounds:
         return replace(JointLimits.unbounded(len(self.C)), **rates)
 
     def ceiling_of(self, path: JointPath) -> Array:
-        """The largest ṡ on each of the path's pieces (m,), inf where there is none."""
+        """The largest ṡ on each of the path's pieces (m,), inf without a limit."""
         return np.full(len(path.breakpoints) - 1, np.inf) if self.ceiling is None else self.ceiling
 
     def _both(self, rate: str) -> Array:

@@ -17,7 +17,7 @@ from .law import TimeLaw
 
 
 def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array) -> TimeLaw:
-    """The law at the pace at which one rate just meets its limit; `jerk` (r,) is that limited.
+    """The law slowed until one rate just meets its limit. `jerk` (r,) is the limit of the jerk.
 
     A law f times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """

@@ -1,7 +1,7 @@
 """The largest ṡ² along a path within limits, on a grid: reachability analysis in two passes.
 
 Source: Pham & Pham, A new approach to time-optimal path parameterization based on reachability analysis, IEEE T-RO
-34(3), 2018. The rows of each interval are our own (`interval_limits`). The compiled core makes the same passes.
+34(3), 2018. The rows of each interval are from `interval_limits`. The compiled core makes the same passes.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ CORRECTIONS = 64
 """Newton's steps to a corner of a convex region; a handful are needed."""
 
 LONGEST_STEP = 1e-10
-"""No step goes farther down than to this part: what is left would be the rounding of a start much too large."""
+"""Least share of the value after a step down. Less would be rounding of a start that is much too large."""
 
 SHORTEST_STEP = 1.0 - 1e-13
-"""Every step goes down at least to this part: where a row is nearly upright, Newton's own is lost in rounding."""
+"""Greatest share of the value after a step down. Newton's step for a nearly vertical row is lost in rounding."""
 
 
 class Profile(NamedTuple):
@@ -71,8 +71,8 @@ def passes(A: Array, B: Array, most: float) -> Array:
 def _largest_start(a: Array, b: Array, end: float, most: float) -> float:
     """The largest x0 ≥ 0 for which an x1 in [0, end] has a x0 + b x1 ≤ 1.
 
-    The room for x1 is the least upper bound less the greatest lower one. It is concave in x0 and not negative at 0.
-    From a start too large, Newton's method comes down to its zero along finitely many straight lines.
+    The room for x1 is the least upper bound minus the greatest lower one. It is concave in x0 and not negative at 0.
+    From a start that is too large, Newton's method reaches its zero along finitely many lines.
     """
     level = (b == 0) & (a > 0)
     start = (1.0 / a[level]).min(initial=most)
@@ -88,7 +88,7 @@ def _largest_start(a: Array, b: Array, end: float, most: float) -> float:
 
 
 def _tightest(a: Array, b: Array, start: float, otherwise: float, sign: float) -> tuple[float, float]:
-    """The tightest bound of x1 at x0 = start and its slope: the least (sign −1), the greatest (1), or `otherwise`."""
+    """The tightest bound of x1 at x0 = start, and its slope: the least (sign −1), the greatest (1), or `otherwise`."""
     if not len(b):
         return otherwise, 0.0
     bound = (1.0 - a * start) / b

@@ -11,7 +11,7 @@ from .law import TimeLaw, apart
 
 BISECTIONS = 20
 CORRECTIONS = 3
-"""Steps to where a place is reached: by halves, then by Newton's method inside what is left."""
+"""Steps to find when a place is reached: bisections, then Newton's steps inside the bracket."""
 
 
 def smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:

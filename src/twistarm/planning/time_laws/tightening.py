@@ -26,7 +26,7 @@ class Needs:
         """By what factor each piece of the path must be slowed (m,), and ṡ (m,).
 
         The rates are p' ṡ, p'' ṡ² + p' s̈ and p''' ṡ³ + 3 p'' ṡ s̈ + p' s⃛. Each piece of the law is sampled at three
-        instants, and may lie across several of the path's.
+        instants. It may span several pieces of the path.
         """
         tau = LOOKS * np.diff(law.breakpoints)
         s, s1, s2, s3 = (evaluate(derivative(law.coefficients[:, :, None], k)[..., 0], tau).ravel() for k in range(4))
@@ -44,7 +44,7 @@ class Needs:
 
 
 def widened(ceiling: Array, breakpoints: Array, window: float) -> Array:
-    """The ceiling (m,), held for half a window [s] around each piece, so that its average is as low."""
+    """The ceiling (m,), held for half a window [s] around each piece, so that its average is no higher."""
     slow = np.flatnonzero(np.isfinite(ceiling))
     reach = 0.5 * window * ceiling[slow, None]
     before, after = breakpoints[slow, None] - reach, breakpoints[slow + 1, None] + reach

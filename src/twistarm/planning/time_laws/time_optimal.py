@@ -1,4 +1,4 @@
-"""The time-optimal law: as fast along a path as velocities, accelerations, motors and the tool's speed allow."""
+"""The time-optimal law along a path, within velocities, accelerations, motors and the tool's speed."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ LEAST = 2
 """Intervals to begin with on each piece of the path."""
 
 GAIN = 1e-3
-"""The grid is fine enough where a finer one makes the motion shorter by less than this part."""
+"""The grid is fine enough when a finer one shortens the motion by less than this share."""
 
 LEFT = 4.0
-"""Of the time that limits leave unused one in so many parts is lost to the grid."""
+"""The grid loses one in so many parts of the time that the limits leave unused."""
 
 LOSS = 3e-3
-"""Intervals are halved whose own loss exceeds this part of the motion's time, shared among all of them."""
+"""Intervals are halved if their loss exceeds this share of the motion's time, divided among all of them."""
 
 ROUNDS = 10
 """How often intervals are halved at most."""
