@@ -45,19 +45,19 @@ def check_wiring(
     base_orientation_noise: float | None = None,
     progress: Progress | None = None,
 ) -> WiringReport:
-    """Check the signs, ratios and zeros of the arm's motors against a log of counts and measured tool poses.
+    """Check the motors' signs, ratios and zeros against a log of counts and measured tool poses.
 
-    The check fits theta = G⁻¹ (s y + e) to the poses, with y the motors' readings from their configured zeros. Faults
+    The check fits theta = G⁻¹ (s y + e) to the poses. y are the motors' readings from their configured zeros. Faults
     are the fewest deviations from s = 1, e = 0 that explain the log. They are clear from the noise and larger than 1°,
     5 mm or 2 %. If others explain the log as well, all are named and none is corrected.
 
-    The verdict is "cannot tell" if the log does not show a motor's sign, scale or offset, or whether two are swapped.
-    It comes with what to move or measure. A fault that the base's pose explains as well is "possible"; an offset of
-    the first joint is an example (`model.BaseError` gives the law). A log that nothing explains takes seconds.
+    The verdict is "cannot tell" if the log does not show a motor's sign, scale, offset, or a swap. It comes with what
+    to move or measure. A fault that the base's pose explains as well is "possible". An offset of the first joint is an
+    example (law: `model.BaseError`). A log that nothing explains takes seconds.
 
     Args:
         arm: The arm, with actuators.
-        log: A `WiringLog`, or the path of a CSV file with the motors' counts and measured tool poses.
+        log: A `WiringLog`, or the path of a CSV file of counts and measured tool poses.
         position_noise: Standard deviation of the measured position [m].
         orientation_noise: Standard deviation of the measured orientation [rad].
         base_position_noise: Standard deviation of the base's position [m]. By default 0; that of a tape measure if
@@ -69,7 +69,7 @@ def check_wiring(
         The `WiringReport`: a verdict on each motor and one on the whole arm.
 
     Raises:
-        InputError: The arm has no actuators, they do not determine its joints, or the log cannot be used.
+        InputError: The arm has no actuators, they do not determine its joints, or the log is unusable.
     """
     motors = require_arm(arm).actuators
     require_callback(progress, "progress", "(fraction)")
@@ -124,7 +124,7 @@ def _wiring(arm: Arm, motors: Actuators, counts: Array, measured: Array, noise: 
 def _explained(
     wiring: Wiring, motors: Actuators, doubted: tuple[float, float], progress: Progress
 ) -> tuple[str, Wiring, Found]:
-    """The unit of the logged positions (empty for metres), the wiring in metres, and what was found."""
+    """The unit of the logged positions (empty for metres), the wiring in metres, and the findings."""
     if _still(wiring):
         return "", wiring, as_sound(_thinned(wiring))
     units = _plausible_units(wiring)
@@ -137,7 +137,7 @@ def _explained(
 
 
 def _plausible_units(wiring: Wiring) -> list[str]:
-    """The `UNITS` in which the measured distances from the base match the arm's; none if they are metres.
+    """The `UNITS` in which the measured distances match the arm's; none for metres.
 
     The arm's distances are those of random configurations, because the motors' readings may be wrong.
     """
@@ -167,7 +167,7 @@ def _thinned(wiring: Wiring) -> Wiring:
 
 
 def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progress: Progress) -> str:
-    """The row that does not fit the others, or the noise that explains the log, in words."""
+    """The outlying row, or the noise that explains the log, in words."""
     wiring = found.wiring
     K, odd = len(wiring.y), _worst_row(wiring, found.explanation.p)
     if 3 < K <= MOST_ROWS:

@@ -1,4 +1,4 @@
-"""Faults of a motor and gaps of a log: their names, their words, and what to correct or to log."""
+"""Faults of a motor and gaps of a log: names, words, and what to correct or log."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def not_shown(unseen: Sequence[str], swapped_with: Sequence[str]) -> str:
 def not_shown_of_all(
     names: Sequence[str], unseen: Sequence[Sequence[str]], swaps: Sequence[tuple[int, int]]
 ) -> tuple[str, bool]:
-    """Of the whole arm, motors with the same gaps together; and whether there is anything else that it does show."""
+    """Gaps of the whole arm, with motors of equal gaps together, and whether the log shows anything."""
     if all(tuple(each) == ALL for each in unseen):
         return "the log does not show the sign, ratio or zero of any motor", False
     alike: dict[tuple[str, ...], list[str]] = {}

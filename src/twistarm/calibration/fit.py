@@ -1,4 +1,4 @@
-"""The best fit of scales and zeros: many starts, the best refined by damped Gauss–Newton steps."""
+"""The best fit of scales and zeros: many starts, refined by damped Gauss–Newton steps."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def _most_promising(wiring: Wiring, starts: Array, count: int) -> Array:
 
 
 def sign_patterns(k: int) -> Array:
-    """Patterns of reversed motors as parameters (M, 2k), few first; with many motors one or two reversed."""
+    """Patterns of reversed motors as parameters (M, 2k), fewest first. With many motors at most two are reversed."""
     patterns = [flips for count in range(1, k + 1 if k <= MOST_SIGNS else 3) for flips in combinations(range(k), count)]
     starts = np.tile(np.repeat([1.0, 0.0], k), (len(patterns), 1))
     for start, flips in zip(starts, patterns, strict=True):

@@ -1,4 +1,4 @@
-"""The fewest faults that explain a log: each motor sound, reversed, with another ratio, zero, or both."""
+"""The fewest faults that explain a log. A motor is sound, reversed, or has another ratio, zero, or both."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ ACCOUNTS = {
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """An account for each motor (names of `ACCOUNTS`), the fitted parameters p (2k,), and the sum of squares.
+    """An account per motor (names of `ACCOUNTS`), the fitted parameters p (2k,), and the sum of squares.
 
-    `cost` is the sum of squares over `scale`, the variance of the residual, plus `CLEAR` for each claim.
+    `cost` is the sum of squares over `scale`, the residual's variance, plus `CLEAR` per claim.
     """
 
     accounts: tuple[str, ...]
@@ -64,11 +64,11 @@ class Explanation:
 
 
 def fewest_faults(wiring: Wiring, p: Array, total: float) -> Explanation:
-    """The cheapest explanation, found from the best fit p (2k,) by changing one account at a time.
+    """The cheapest explanation, found from the best fit p (2k,) by single changes of accounts.
 
-    Several fits may be equally good, and the best may lie far from the one with the fewest faults. If it claims more
-    than one fault, the search also starts from the sound arm and from the best single faulty motor. A fit that does not
-    explain the log is returned as found.
+    Several fits may be equally good. The best may be far from the one with the fewest faults. If it claims more than
+    one fault, the search also starts from the sound arm and the best single fault. A fit that does not explain the log
+    is returned as found.
     """
     k = wiring.k
     scale = max(1.0, total / freedom(wiring, 2 * k))
@@ -85,7 +85,7 @@ def fewest_faults(wiring: Wiring, p: Array, total: float) -> Explanation:
 
 
 def _one_faulty(wiring: Wiring, scale: float) -> Explanation:
-    """The explanation that leaves least with one motor of any scale and zero, and all others sound."""
+    """The explanation with the least residual that blames one motor, of any scale and zero."""
     sound = ("sound",) * wiring.k
     tried = [
         explained_by(wiring, start, with_account(sound, i, "ratio, zero"), scale)

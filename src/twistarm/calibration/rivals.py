@@ -17,9 +17,9 @@ from .search import Found, may_fit, swapped
 
 
 def rivals(found: Found, i: int) -> list[tuple[int, Found]]:
-    """Other faults that explain the log as well as those of motor i, each a motor and the explanation that blames it.
+    """Other faults that explain the log as well as those of motor i: each a motor and its explanation.
 
-    A rival claims no more faults. It has another account for motor i, or a smaller one and a fault of another motor.
+    A rival claims no more faults. It has another account for motor i, or a smaller one and another motor's fault.
     """
     wiring, best = found.wiring, found.explanation
     faults, claimed = set(named_faults(found, i)), claims(best.accounts[i])
@@ -42,7 +42,7 @@ def _added(best: Explanation, other: Explanation, j: int) -> int:
 
 
 def unseen_signs(found: Found) -> set[int]:
-    """Motors that may also turn the other way: alone with another zero, or several at once."""
+    """Motors that may also turn the other way: one with another zero, or several at once."""
     wiring, p, k = found.wiring, found.explanation.p, found.wiring.k
     unseen = {i for i in range(k) if found.as_well(_reversed(wiring, p, i))}
     patterns = sign_patterns(k)[:, :k]

@@ -1,4 +1,4 @@
-"""The verdicts on each motor and on the whole arm: what to correct, or what to log."""
+"""Verdicts on each motor and the whole arm: what to correct, or to log."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ Suspect = tuple[int, Found]
 
 
 def standard_deviations(found: Found) -> Array:
-    """Standard deviations (2k,) with all parameters fitted: √ diag (AᵀA)⁻¹, inf for what A does not see."""
+    """Standard deviations (2k,) with all parameters fitted: √ diag (AᵀA)⁻¹, inf outside the row space of A."""
     _, values, Vt = np.linalg.svd(found.wiring.slope(found.explanation.p), full_matrices=False)
     values = np.where(values > NOTHING * values[0], values, 0.0)
     # Fewer equations than parameters leave rows of Vt out: those directions are not seen either.
@@ -89,7 +89,7 @@ class Evidence:
         return groups
 
     def or_base(self, i: int) -> str:
-        """The base's place, in words, if it explains the apparent fault of motor i; else empty."""
+        """The base's place in words, if it explains the apparent fault of motor i. Otherwise empty."""
         other = self.found.or_base
         if other is None or named_faults(other, i) == named_faults(self.found, i):
             return ""
@@ -162,7 +162,7 @@ class Evidence:
         return "sound", "sign, ratio and zero fit the log", ""
 
     def _hidden_by_base(self, i: int) -> bool:
-        """Whether the log hides only the zero of motor i, and an exactly known base would show it."""
+        """Whether the log hides only the zero of motor i, and an exact base would show it."""
         if self.unseen[i] != ["zero"] or self._swapped_with(i) or self.found.wiring.base_error is None:
             return False
         exact = replace(self.found, wiring=replace(self.found.wiring, base=(0.0, 0.0)))

@@ -1,4 +1,4 @@
-"""An arm as a function of MATLAB and Octave: screws, forward kinematics, both Jacobians, and test vectors."""
+"""An arm as a function of MATLAB and Octave: screws, forward kinematics, Jacobians, test vectors."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ TOLERANCE = 1e-9
 
 
 def matlab_text(arm: Arm, file: str | None = None) -> str:
-    """The text of a file with this name, by default after the arm: MATLAB calls a function by its file's name.
+    """The text of a file with this name, by default the arm's. MATLAB calls a function by its file name.
 
     The test vectors are Pinocchio's where the arm has a description. InputError for a name that no function can have.
     """
@@ -78,7 +78,7 @@ def matlab_text(arm: Arm, file: str | None = None) -> str:
 
 
 def _function_name(name: str) -> str:
-    """The name itself if it can be a function's in MATLAB and Octave, or one near it."""
+    """The name itself if MATLAB and Octave allow it for a function, or one near it."""
     identifier = re.sub(r"[^A-Za-z0-9_]+", "_", name).lstrip("_")[:LONGEST] or "arm"
     return f"arm_{identifier}"[:LONGEST] if identifier[0].isdigit() or identifier in KEYWORDS.split() else identifier
 

@@ -68,13 +68,13 @@ def active_limits(
         arm: The arm, whose motors' limits count too.
         motion: The motion of its joints.
         limits: As given to `plan` or `plan_joint`; usual ones replace missing ones here too.
-        segments: Those given to `plan`: their shares of joint velocities and speeds of the tool count.
+        segments: Those given to `plan`. Their shares of joint velocities and speeds of the tool count.
 
     Returns:
-        The stretches in the order of time, with gaps where the arm stands; () for a motion of duration 0.
+        The stretches in order of time. Gaps are where the arm stands; () for a motion of duration 0.
 
     Raises:
-        InputError: The motion is not of this arm's joints, or does not belong to the segments.
+        InputError: The motion is of other joints, or does not belong to the segments.
     """
     require_arm(arm)
     if not isinstance(motion, Trajectory) or motion.joint_names != arm.joint_names:
@@ -106,7 +106,7 @@ def _instants(motion: Trajectory) -> tuple[Array, Array]:
 
 
 def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
-    """Return (m, 3 r + 2): velocity, acceleration and jerk of joints and motors, then the tool's two speeds.
+    """Velocity, acceleration and jerk of joints and motors, then both speeds of the tool: (m, 3 r + 2).
 
     Each is a share of its limit, 0 without a limit.
     """

@@ -1,4 +1,4 @@
-"""Motions in a scene: free moves go round obstacles, and the whole motion is proven free."""
+"""Motions in a scene: free moves avoid obstacles, and the whole motion is proven free."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def planned_in(
 def _ways(
     scene: Scene, arm: Arm, segments: list[Segment], origin: Array, limits: JointLimits, max_time: float, plan: Planner
 ) -> list[Array]:
-    """For each segment the waypoints (k, n) of its free path with start and goal; (0, n) for other moves."""
+    """Per segment the waypoints (k, n) of its free path with both ends; (0, n) for other moves."""
     ways: list[Array] = []
     at, known = origin, 0
     for i, segment in enumerate(segments):
@@ -74,7 +74,7 @@ def _ways(
 
 
 def _goal(scene: Scene, arm: Arm, segment: FreeMove, at: Array) -> Array:
-    """The configuration (n,) at the end of a free move: the free one nearest to `at` that meets its target."""
+    """The configuration (n,) at the end of a free move: the free one nearest to `at`."""
     goal = segment.to
     if not isinstance(goal, KINDS):
         return arm.theta_from(goal)
@@ -91,7 +91,7 @@ def _goal(scene: Scene, arm: Arm, segment: FreeMove, at: Array) -> Array:
 def _expanded(
     arm: Arm, segments: Sequence[Segment], ways: Sequence[Array], rounded: bool
 ) -> tuple[list[Segment], list[int]]:
-    """The segments with joint moves in place of free moves, and the index of the original segment of each."""
+    """The segments with joint moves in place of free moves, and each one's original segment."""
     expanded: list[Segment] = []
     numbers: list[int] = []
     for i, (segment, way) in enumerate(zip(segments, ways, strict=True)):

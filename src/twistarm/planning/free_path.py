@@ -31,10 +31,10 @@ SHORTENING = 0.3
 
 
 def free_path(scene: Scene, start: Array, goal: Array, limits: JointLimits, max_time: float, seed: int = 0) -> Array:
-    """Waypoints (k, n) of a collision-free path from start to goal (n,), straight in joint space between them.
+    """Waypoints (k, n) of a collision-free path from start to goal (n,), straight between them.
 
     A free straight path is taken. Otherwise RRT-Connect (Kuffner & LaValle, ICRA 2000) plans on states with a
-    clearance, and OMPL's simplifier shortens the path. `Scene.is_free` then proves it. If that fails, the search is
+    clearance. OMPL's simplifier shortens the path. `Scene.is_free` then proves it. If that fails, the search is
     repeated with smaller steps.
 
     Raises:

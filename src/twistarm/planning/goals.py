@@ -72,7 +72,7 @@ class Goals:
         return [each for each in found if not each.is_still]
 
     def _goal_pose(self, move: Curved, g0: Array, start: Array, where: str) -> tuple[list[AnyTarget], Array]:
-        """Return the target that the goal constrains, and an end pose with the least turn of its free parts."""
+        """Return the goal's target, and an end pose with the least turn of its free parts."""
         if not isinstance(move.to, KINDS):
             g1 = self.arm.fk(self.configuration(move, start, where))
             return self._likes(None, g1), g1

@@ -22,7 +22,7 @@ STILL = 1e-12
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointPath:
-    """q(s) of n joints, a polynomial on each of m pieces of a path parameter s without a unit.
+    """q(s) of n joints: polynomials on m pieces of a path parameter s without a unit.
 
     `breakpoints` (m + 1,) starts at 0 and increases. `coefficients` (degree + 1, m, n) [rad, m] hold the highest power
     of s − breakpoints[i] first. Position, tangent q' and curvature q'' are continuous. A path without motion may have

@@ -88,15 +88,15 @@ def plan_joint(
 ) -> Trajectory:
     """Plan a motion through `waypoints`, from rest to rest, inside the joint limits.
 
-    A waypoint is a configuration or a target of the tool (`Pose`, `Position`, `Approach`, `TolerancedPose` or a pose
-    (4, 4)). `solve_ik` finds the configuration of a target from the waypoint before it, or from `arm.ready`. Joints
-    that can turn by 2π go to a target by the shorter way. To a configuration they go as written: from 0 to 2π by a full
-    turn. `unwrap` chooses the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18.
+    A waypoint is a configuration or a target: `Pose`, `Position`, `Approach`, `TolerancedPose` or a pose (4, 4).
+    `solve_ik` finds the configuration of a target from the waypoint before it, or from `arm.ready`. Joints that can
+    turn by 2π go to a target by the shorter way. To a configuration they go as written: from 0 to 2π by a full turn.
+    `unwrap` chooses the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18.
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
     - `quintic`: the C⁴ spline, acceleration zero at both ends. It is smoother and swings wider between waypoints.
-    - Where either would leave the position limits it is pulled in: the joint passes nearby waypoints more slowly, or
-      rests, on added pieces. The cubic stays C² and the quintic C⁴.
+    - Either is pulled in where it would leave the position limits. Extra pieces slow or stop the joint near those
+      waypoints. The cubic stays C² and the quintic C⁴.
     - `trapezoid`: straight from waypoint to waypoint, stopping at each. All joints accelerate, coast and brake
       together. Jerk is not limited.
     - `time_optimal`: the shortest motion along a cubic spline through the waypoints. Some velocity or acceleration
@@ -124,13 +124,13 @@ def plan_joint(
         kind: "cubic", "quintic", "trapezoid", "time_optimal" or "s_curve".
         limits: By default those of the arm; a `JointLimits`, or changes such as {"velocity": 1.0, "acceleration":
             {"elbow": 2.0}} [rad/s, m/s and so on].
-        times: Times of the waypoints (k,) [s], increasing from 0; None for a motion as short as the limits allow.
+        times: Times of the waypoints (k,) [s], increasing from 0. None: as short as the limits allow.
         stop_at_waypoints: Whether cubic and quintic move straight and rest at every waypoint. Without it a spline may
             swing beyond its waypoints, inside the limits.
         position_tol: Tolerance of a target [m]; 1e-6 by default.
         orientation_tol: Tolerance of its rotation [rad], likewise.
         unwrap: Whether these joints go to configurations by the shorter way too.
-        smooth: How far [rad, m] each joint may leave recorded waypoints, such as 0.01 for two decimals. Third
+        smooth: How far [rad, m] each joint may deviate from recorded waypoints: 0.01 for two decimals. Third
             differences become as small as that allows, and a stay is passed once. The first and the last waypoint are
             kept. None: all are passed exactly.
         progress: Called with the fraction done, in (0, 1], or None.
@@ -139,7 +139,7 @@ def plan_joint(
         The `Trajectory`, a piecewise polynomial in time.
 
     Raises:
-        LimitError: A waypoint lies outside the position limits, or the times are too short; the message gives joint,
+        LimitError: A waypoint lies outside the position limits, or the times are too short. The message gives joint,
             limit, value and place.
         InputError: An argument does not fit the arm.
         UnknownNameError: No such pose or joint.
@@ -205,7 +205,7 @@ def completed(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> tuple
 
 
 def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array, met: Tolerances) -> Array:
-    """Return the configuration (n,) of a waypoint, for a target the one nearest to `near` (n,)."""
+    """The configuration (n,) of a waypoint. For a target, the one nearest to `near` (n,)."""
     if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
         solution = solve_ik(arm, waypoint, near, **met.keywords, posture="theta0")
         if not solution.converged:
@@ -242,7 +242,7 @@ def _as_times(times: ArrayLike, count: int) -> Array:
 
 
 def _distinct(points: Array) -> tuple[Array, Array]:
-    """Return the waypoints (j, n) without repetitions, and the index in it of each given one."""
+    """Waypoints (j, n) without repetitions, and for each given one its index."""
     kept, owner = [0], [0]
     for i in range(1, len(points)):
         if np.abs(points[i] - points[kept[-1]]).max(initial=0.0) > MERGE_TOL:

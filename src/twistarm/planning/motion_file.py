@@ -222,7 +222,7 @@ class _Reader:
 
 
 def _described(value: Any, needed: Sequence[str], others: Sequence[str]) -> Mapping[str, Any] | None:
-    """Return the table of a move without a goal: all of `needed`, and any of `others`."""
+    """The table of a move without a goal: all of `needed`, and any of `others`."""
     if not isinstance(value, dict) or not set(value) & {*needed, *others}:
         return None
     _only(value, (*needed, *others))

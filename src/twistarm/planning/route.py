@@ -93,9 +93,7 @@ class Router:
         return legs
 
     def _next(self, i: int, theta: Array) -> list[Leg]:
-        """Return the leg of segment i. For a joint move to a target also return the legs of the curves and dwells after
-        it.
-        """
+        """The leg of segment i. After a joint move to a target, also those of its curves and dwells."""
         segment = self.segments[i]
         after = i + 1
         while after < len(self.segments) and not isinstance(self.segments[after], JointMove):
@@ -122,7 +120,7 @@ class Router:
         return Leg(i, self.segments[i], end, path)
 
     def _run(self, run: range, starts: Array, theta: Array) -> tuple[Array, list[Leg]]:
-        """Return the first of `starts` (b, n), nearest first, that begins a run of curves and dwells, and its legs.
+        """The first of `starts` (b, n), nearest first, of a run of curves and dwells, and its legs.
 
         A curve may follow several parts of a pose. Each is tried when the one before fails.
         """
@@ -142,7 +140,7 @@ class Router:
             raise refusal(self.arm, self.limits, farthest.blocked, *where, others=not tried)
 
     def _nearest(self, run: range, starts: Array, theta: Array, options: dict[int, int]) -> tuple[Array, list[Leg]]:
-        """Do the same for the chosen options: from the nearest starts, then all others, then by a wide ladder."""
+        """Do the same for the chosen options: nearest starts, then all others, then a wide ladder."""
         farthest: _BlockedError | None = None
         for group, wide in ((starts[:NEAREST], False), (starts[NEAREST:], False), (starts, True)):
             if not len(group) or (wide and farthest and not farthest.blocked.moving.freedom(self.arm.n)):
@@ -158,7 +156,7 @@ class Router:
     def _climbed(
         self, run: range, starts: Array, theta: Array, options: dict[int, int], wide: bool
     ) -> tuple[Array, list[Leg]]:
-        """Do the same by ladders, one on top of the other, with the least joint motion."""
+        """Do the same by stacked ladders, with the least joint motion."""
         moved = efforts(theta, starts, self.limits.velocity)
         ends: list[_End] = [(start, float(effort), None) for start, effort in zip(starts, moved, strict=True)]
         more: dict[int, bool] = {}
@@ -182,7 +180,7 @@ class Router:
         raise max(errors, key=lambda error: error.reached)
 
     def _roots(self, k: int, ends: list[_End], option: int) -> tuple[list[Node], bool]:
-        """Return the first nodes of curve k at the `ends` before it, and whether more options follow."""
+        """The first nodes of curve k at the `ends` before it, and whether more options follow."""
         segment = self.segments[k]
         assert isinstance(segment, CURVED)
         known: list[MovingTarget] = []
@@ -200,7 +198,7 @@ class Router:
     def _followed(
         self, run: range, end: Array, last: Node | None, even: bool, more: dict[int, bool]
     ) -> tuple[Array, list[Leg]] | _BlockedError:
-        """Return start and legs of a run that ends at theta (n,) and node `last`, or its error.
+        """Start and legs of a run that ends at theta (n,) and node `last`, or its error.
 
         A curve that is not in `more` does not move.
         """

@@ -1,4 +1,4 @@
-"""Piecewise polynomials through waypoints (k, n) at times (k,): splines, and profiles from rest to rest.
+"""Piecewise polynomials through waypoints (k, n) at times (k,): splines and rest-to-rest profiles.
 
 Coefficients are laid out as in `piecewise`.
 """

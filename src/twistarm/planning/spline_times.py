@@ -1,8 +1,8 @@
 """Times between a spline's waypoints, as short as limits of velocity, acceleration and jerk allow.
 
-A motion f times as slow meets its limits. There f is the largest share of a limit in use, to the power of 1 over the
-rate's order. One factor of all durations d does not change Σ d · f. L-BFGS minimizes it in x = log d, with a p-norm for
-the largest (Nocedal & Wright, Numerical Optimization, §7.2).
+A motion f times as slow meets its limits. There f is the largest share of a limit in use, to the power 1/order of the
+rate. One factor of all durations d does not change Σ d · f. L-BFGS minimizes it in x = log d, with a p-norm for the
+largest (Nocedal & Wright, Numerical Optimization, §7.2).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ STEPS, GAIN = 60, 3e-6
 
 
 def shortest_spline(way: Array, degree: int, rates: JointLimits, durations: Array) -> Array:
-    """Durations (s,), up to one factor, of the shortest motion that the search finds near the given ones.
+    """Durations (s,), up to one factor, of the shortest motion found near the given ones.
 
     The cubic or quintic spline goes `way` (s, r) on each segment, each row within its `rates`.
     """
@@ -116,7 +116,7 @@ def solved(bands: Array, right: Array) -> Array:
 def looks(degree: int, order: int) -> Array:
     """(17, degree): that derivative at σ from 0 to 1, from a segment's ends in unit time.
 
-    The ends are derivatives of order 1 … R at the start, the way, and those at the end.
+    The ends are start, way and end: derivatives of order 1 … R at both, and their difference.
     """
     return frozen(evaluate(derivative(_from_ends(degree), order), np.linspace(0.0, 1.0, LOOKS)[:, None]))
 

@@ -48,7 +48,7 @@ def runs(legs: list[Leg]) -> Iterator[list[Leg]]:
 
 
 def path_along(arm: Arm, run: list[Leg], limits: JointLimits) -> tuple[JointPath, Array, Array | None]:
-    """Return one path along moving legs, the end of each leg, and the greatest ṡ on each piece (m,).
+    """One path along moving legs, the end of each leg, and the greatest ṡ per piece (m,).
 
     A rounded leg ends in the middle of its corner. The greatest ṡ is None without a limit. Raises InputError if a blend
     does not fit.
@@ -122,8 +122,8 @@ def _rounded(
 ) -> tuple[float, JointPath, float] | None:
     """Return where to leave `before`, the rounding, and where to join `after`. None: the tool does not leave the ball.
 
-    The rounding is the quintic with position, first and second derivative of both paths (Lynch & Park §9.2.2.1). So the
-    whole is C². It shrinks until it stays inside the ball and the position limits.
+    The rounding is a quintic with position and two derivatives of both paths (Lynch & Park §9.2.2.1). So the whole is
+    C². It shrinks until it stays inside the ball and the position limits.
     """
     centre = arm.fk(before.end)[:3, 3]
     for shrink in range(SHRINKS):
@@ -142,7 +142,7 @@ def _rounded(
 
 
 def _leaves_ball(arm: Arm, path: JointPath, radius: float, *, at_end: bool) -> float | None:
-    """Return where the tool first leaves the ball about one end of `path`, seen from there. None: nowhere."""
+    """Where the tool first leaves the ball about one end of `path`, seen from that end. None: nowhere."""
     centre = arm.fk(path.end if at_end else path.start)[:3, 3]
     s = np.linspace(0.0, path.length, SAMPLES)
     if at_end:

@@ -141,7 +141,7 @@ def _needed(fit: Fit, waypoints: Array, times: Array, bounds: PathBounds) -> flo
 
 
 def fastest_rests(waypoints: Array, fit: Fit, bounds: PathBounds) -> Array:
-    """Times (k,) of a `fit` that rests at every waypoint, each segment as short as possible."""
+    """Times (k,) of a `fit` that rests at every waypoint, with the shortest segments."""
     unhurried = np.arange(len(waypoints), dtype=np.float64)
     needed = stretch_needed(fit(waypoints, unhurried) @ bounds.C.T, np.diff(unhurried), bounds.rates)
     return _accumulated(needed * (1.0 + MARGIN))
@@ -161,7 +161,7 @@ def fastest_trapezoid(waypoints: Array, bounds: PathBounds) -> tuple[Array, Arra
 
 
 def trapezoid_ramps(waypoints: Array, times: Array, bounds: PathBounds) -> Array:
-    """Ramps (k − 1,) [s] of trapezoidal segments at given times, as close to a third as the limits allow.
+    """Ramps (k − 1,) [s] of trapezoidal segments at given times, close to a third if possible.
 
     A ramp r of a segment of length T needs the speed 1/(T − r) ≤ V and the acceleration 1/(r (T − r)) ≤ A. If no ramp
     meets both, the result is too fast.

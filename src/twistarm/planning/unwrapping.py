@@ -14,7 +14,7 @@ FAR = np.pi * (1.0 + 1e-9)
 
 
 def unwrapped(arm: Arm, theta: Array, near: Array, where: str, asked: bool) -> tuple[Array, list[str]]:
-    """Return theta (n,), if `asked` shifted by whole turns nearest to `near` (n,) within the limits, and notes.
+    """Return theta (n,) and notes. If `asked`, whole turns bring it nearest to `near` (n,) within the limits.
 
     It moves only joints that come back to the same place after a whole turn.
     """

@@ -1,4 +1,4 @@
-"""Motions through waypoints by a time law: the shortest along a spline, and double-S between stops."""
+"""Motions through waypoints by a time law: along a spline, or double-S between stops."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Motion = tuple[Array, Array, Array]
 def fastest_along_spline(points: Array, bounds: PathBounds, progress: Progress | None = None) -> Motion:
     """The shortest motion along a spline through distinct waypoints (k, n), inside the limits.
 
-    It takes the faster of two natural cubic splines, centripetal and chordal, pulled inside the position limits.
+    It takes the faster of the centripetal and the chordal cubic spline, pulled inside the position limits.
     """
     laws = [(time_optimal(path, bounds, progress), path, s) for path, s in _splines(points, bounds)]
     law, path, s = min(laws, key=lambda timed: timed[0].duration)
@@ -43,7 +43,7 @@ def fastest_rests(points: Array, bounds: PathBounds) -> Motion:
 
 
 def double_s_rests(points: Array, bounds: PathBounds, times: Array | None = None) -> Motion:
-    """Double-S from each waypoint (k, n) to the next, as short as possible or at times (k,) [s]."""
+    """Double-S from each waypoint (k, n) to the next: the shortest, or at times (k,) [s]."""
     given = np.zeros(len(points) - 1) if times is None else np.diff(times)
     segments = [double_s(points[i], points[i + 1], bounds, float(duration)) for i, duration in enumerate(given)]
     needed = np.array([instants[-1] for instants, _ in segments])

@@ -1,4 +1,4 @@
-"""Curves of the tool's pose, g(s) for s in [0, 1]: straight line, screw motion, circular arc."""
+"""Curves of the tool's pose g(s), s in [0, 1]: line, screw motion, circular arc."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ EVENINGS = 20
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """A joint path on s in [0, 1], and bounds of the tool's distance from the curve [m, rad]."""
+    """A joint path on s in [0, 1], with bounds of the tool's error [m, rad]."""
 
     path: JointPath
     position_error: float
@@ -54,8 +54,8 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed
     """Return the joint path through samples of one curve, or the place where it leaps.
 
     A C² cubic spline goes through the samples. Intervals where the tool may be too far from the curve are halved. Too
-    far means beyond `POSITION_TOL`, `ANGLE_TOL` or wider tolerances. The deviation is measured at check points and
-    bounded between them by the curvature of the tool's path. `even` first evens out the samples of a redundant arm.
+    far means beyond `POSITION_TOL`, `ANGLE_TOL` or wider tolerances. The deviation is measured at check points. The
+    curvature of the tool's path bounds it between them. `even` first evens out the samples of a redundant arm.
     """
     moving = samples[0].moving
     s, theta = np.array([node.s for node in samples]), np.array([node.theta for node in samples])
@@ -93,7 +93,7 @@ def _well_within(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flag
 
 
 def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
-    """Pull the samples (k, n) toward the line between their neighbours, as far as the targets allow."""
+    """Pull the samples (k, n) toward the line between their neighbours. The targets stay met."""
     ideal = moving.curve(s[1:-1])
     share = ((s[1:-1] - s[:-2]) / (s[2:] - s[:-2]))[:, None]
     theta = theta.copy()
@@ -111,7 +111,7 @@ def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) ->
 
 
 def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, float, float]:
-    """Return the pieces (m,) in which the tool may be too far away, and its greatest distance [m, rad].
+    """Pieces (m,) in which the tool may be too far away, and its greatest distance [m, rad].
 
     Between check points a distance d apart, the deviation e exceeds the larger end by at most d² ‖e''‖ / 8.
     """

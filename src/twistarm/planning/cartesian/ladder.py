@@ -28,7 +28,7 @@ MOST_HALVINGS = 4096
 
 
 def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
-    """Return the configurations at the ends of the curves, least joint motion first, or the place where all stop.
+    """Configurations at the ends of the curves, least joint motion first, or the place where all stop.
 
     Each rung is solved from every configuration at the one before, in one batch. The closed form does it if no joint is
     held. Where a joint would leap or there is no answer, a rung halfway comes first.
@@ -44,7 +44,7 @@ def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | 
 
 
 class _Climber:
-    """One climb: how many rungs may still be added, and the farthest node that was blocked."""
+    """One climb: the number of rungs left, and the farthest blocked node."""
 
     def __init__(self, arm: Arm, limits: JointLimits, rungs: Rungs) -> None:
         self.arm, self.limits, self.rungs = arm, limits, rungs
@@ -61,7 +61,7 @@ class _Climber:
         return found
 
     def _step(self, nodes: list[Node], s: float, k: int | None) -> tuple[list[Node], list[Node]]:
-        """Return what follows the nodes in one step, and the nodes that need a rung halfway."""
+        """Return the successors of the nodes, and the nodes that need a rung halfway."""
         here = np.array([node.theta for node in nodes])
         theta, met = self._solved(nodes, s, k)
         moved, leap = efforts(here, theta, self.limits.velocity), np.abs(theta - here).max(axis=1) > LONGEST_JUMP

@@ -28,7 +28,7 @@ def met_near(
     near: Array,
     closed_form: Callable[[MovingTarget, Array, Array], Met | None] | None = None,
 ) -> Met:
-    """Return configurations near `near` (k, n) for the targets at poses `ideal` (k, 4, 4), and which of them are met.
+    """Configurations near `near` (k, n) for the targets at poses `ideal` (k, 4, 4), and which are met.
 
     They meet targets exactly where possible, so that a spline through them is smooth. With wide tolerances, the nearest
     configuration within them comes first. A search within tolerances comes last. `closed_form` replaces the search for

@@ -62,7 +62,7 @@ class MovingTarget:
         return 0.0 if isinstance(self.like, Position) else self.curve.angle
 
     def errors(self, s: Array, g: Array) -> tuple[Array, Array]:
-        """Return the distances of poses g (k, 4, 4) from the targets at s (k,): [m] and [rad]."""
+        """Distances of poses g (k, 4, 4) from the targets at s (k,): [m] and [rad]."""
         return errors_from(self.like, self.curve(s), g)
 
 

@@ -104,7 +104,7 @@ def _part(moving: MovingTarget, share: float) -> str:
 
 
 def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str | None, str]:
-    """Return reason, joint and words. The reason is a limit if more room at that joint lets the arm go on.
+    """Return reason, joint and words. The reason is a limit if the arm could go on with more room at that joint.
 
     `beyond` is the nearest solution farther on, or None where the target there is met.
     """

@@ -1,4 +1,4 @@
-"""Bounds of the tool's motion along a joint path: speed, its changes, and the bend of a deviation."""
+"""Bounds of the tool's motion along a joint path: speed, acceleration, and curvature of a deviation."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_LOOKS = 512
 
 
 class ToolDerivatives(NamedTuple):
-    """Bounds (m,) on each piece of a path of derivatives by s of the tool's origin p and rotation.
+    """Bounds (m,) per piece of a path for derivatives by s of the tool's origin p and rotation.
 
     velocity, acceleration, jerk: of ‖p'‖, ‖p''‖, ‖p'''‖ [m]. turn_velocity, turn_acceleration, turn_jerk: of ‖ω‖, ‖ω'‖,
     ‖ω''‖ [rad].
@@ -77,11 +77,11 @@ class ToolDerivatives(NamedTuple):
 
 
 def deviation_bend(arm: Arm, moving: MovingTarget, path: JointPath) -> Array:
-    """Bound the second derivatives of position error [m] and rotation error [rad] on each piece, (m, 2).
+    """Bound the second derivatives of position [m] and rotation error [rad] on each piece, (m, 2).
 
-    The curve has p_c and a constant ω_c. Then ‖p'' − p_c''‖ ≤ ‖p''‖ + ‖p_c''‖. For E = R_cᵀ R,
-    E'' = R_cᵀ (ω̂' + (ω − ω_c)^ ω̂ − ω̂_c (ω − ω_c)^) R, so the angle's is at most ‖ω'‖ + (‖ω‖ + ‖ω_c‖)². Errors
-    along axes that turn with the target, R_cᵀ (p − p_c), have two more terms.
+    The curve has p_c and a constant ω_c. Then ‖p'' − p_c''‖ ≤ ‖p''‖ + ‖p_c''‖. For E = R_cᵀ R, E'' = R_cᵀ (ω̂' + (ω −
+    ω_c)^ ω̂ − ω̂_c (ω − ω_c)^) R, so the angle's is at most ‖ω'‖ + (‖ω‖ + ‖ω_c‖)². Errors in axes that turn with the
+    target, R_cᵀ (p − p_c), have two more terms.
     """
     motion = ToolDerivatives.along(arm, path)
     curve, w = moving.curve, moving.angle
@@ -122,7 +122,7 @@ def greatest_tool_speeds(
 
 
 def _seen(arm: Arm, path: JointPath, limits: JointLimits, count: Indices) -> tuple[Array, Array]:
-    """Return the greatest speeds (m, 2) by s at the ends of `count` intervals of each piece.
+    """Greatest speeds (m, 2) by s at the ends of `count` intervals of each piece.
 
     The second array (m,) is the greatest ṡ there by the joints' velocity limits.
     """

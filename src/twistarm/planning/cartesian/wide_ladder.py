@@ -1,4 +1,4 @@
-"""Wide ladder: curves climbed in many configurations at each rung, by an arm with freedom left."""
+"""Wide ladder: the path of a redundant arm, with many configurations at each rung."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ SEED = 0
 
 
 def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
-    """Return the configurations at the ends of the curves, least joint motion first, or how far they come.
+    """Configurations at the ends of the curves, least joint motion first, or how far they come.
 
-    Candidates at each rung are near the last configuration, nearer to the middle of the joints, or random. `WIDTH` of
-    them that are apart stay, each with its least joint motion.
+    Candidates at each rung are near the last configuration, nearer to the joints' middle, or random. `WIDTH` of them
+    that are apart stay, each with its least joint motion.
     """
     rng = np.random.default_rng(SEED)
     rungs, nodes = Rungs(roots, FEWEST), list(roots)
@@ -80,9 +80,7 @@ def _spread(
 
 
 def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float, theta: Array) -> NDArray[np.bool_]:
-    """Tell which configurations (c, n) at s follow their parents without a leap: at halfway the arm is about
-    halfway.
-    """
+    """Tell which configurations (c, n) at s follow their parents without a leap: halfway, the arm is about halfway."""
     before = np.array([nodes[i].theta for i in parents])
     middle = np.array(0.5 * (nodes[0].s + s))
     poses = {id(node.moving): node.moving.curve(middle) for node in nodes}

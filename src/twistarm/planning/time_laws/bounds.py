@@ -1,4 +1,4 @@
-"""PathBounds: limits of the speed along a path, as rows C q' of joints and motors."""
+"""PathBounds: speed limits along a path, as rows C q' of joints and motors."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class PathBounds:
 
     Every moving joint, or a motor of it, has an acceleration limit. `limits` are of n joints. `actuators` have their
     limits on the motor side, motor = G theta + o. Velocity, acceleration and jerk count; positions do not. `ceiling`
-    (m,) [1/s] is the largest ṡ on each piece of the path, from limits of the tool's speed.
+    (m,) [1/s] is the largest ṡ per piece of the path, from limits of the tool's speed.
     """
 
     limits: JointLimits

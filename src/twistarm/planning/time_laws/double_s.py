@@ -1,4 +1,4 @@
-"""Double-S profiles from rest to rest: the shortest within velocity, acceleration and jerk, in closed form."""
+"""Double-S profiles: the shortest rest-to-rest motion within velocity, acceleration and jerk, in closed form."""
 
 from __future__ import annotations
 

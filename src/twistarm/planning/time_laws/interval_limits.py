@@ -54,7 +54,7 @@ class LimitedPath:
 
 
 def derivatives(path: LimitedPath, grid: Array) -> tuple[Array, Array, Array]:
-    """Bernstein coefficients of p' (d, N, r) and p'' (d − 1, N, r) on each interval, and the ceiling (N,)."""
+    """Bernstein coefficients of p' (d, N, r) and p'' (d − 1, N, r) per interval, and the ceiling (N,)."""
     starts, steps = grid[:-1], np.diff(grid)
     piece = np.searchsorted(path.breakpoints[1:-1], starts + 0.5 * steps, side="right")
     sigma = (starts - path.breakpoints[piece])[:, None]

@@ -1,4 +1,4 @@
-"""The fastest motion along a path within velocity, acceleration and jerk, on a grid, by an interior-point method.
+"""The fastest motion along a path within velocity, acceleration and jerk: an interior-point method on a grid.
 
 With x = ṡ² a row p = C q(s) moves with p' ṡ, p'' x + ½ p' x' and ṡ (p''' x + 3/2 p'' x' + ½ p' x''). The time Σ 2 h /
 (ṡ_i + ṡ_(i+1)) is convex in x, velocity and acceleration are linear. The jerk's limit is |p''' x + …| ≤ limit / ṡ.
@@ -42,11 +42,11 @@ Passes = Iterator[tuple[Array, Array]]
 def fastest_passes(
     path: JointPath, bounds: PathBounds, excess: Callable[[Array, Array], tuple[Array, Array]], *, smooth_ends: bool
 ) -> Passes:
-    """Places s and times t (N + 1,) of a nearly time-optimal rest-to-rest motion along a path.
+    """Places s and times t (N + 1,) of a nearly time-optimal rest-to-rest motion.
 
     Each motion is tighter where the last one exceeded a limit. `excess(s, t)` gives acceleration and jerk at each inner
-    place, (N − 1,) each, as multiples of their limits. With `smooth_ends` the acceleration begins and ends with zero,
-    else it may jump there.
+    place, (N − 1,) each, relative to their limits. With `smooth_ends` the acceleration begins and ends with zero, else
+    it may jump there.
     """
     s = _grid(path, bounds)
     problem = _Problem.of(path, bounds, s, smooth_ends)
@@ -90,7 +90,7 @@ def _grid(path: JointPath, bounds: PathBounds) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """Steps h (N,), and factors of x before, at and after every inner place for each row (r, N − 1, 3)."""
+    """Steps h (N,), and factors of x before, at and after every inner place (r, N − 1, 3)."""
 
     h: Array
     shape: Array
@@ -156,7 +156,7 @@ class _Problem:
         return weight * self.time(x) - logs
 
     def centred(self, x: Array, weight: float) -> Array:
-        """The least of `value`, by Newton's method with the convex, banded part of its second derivatives."""
+        """The least of `value`, by Newton's method with the convex, banded part of its Hessian."""
         solve = scipy("linalg").solveh_banded
         value = self.value(x, weight)
         for _ in range(STEPS):

@@ -33,7 +33,7 @@ class Profile(NamedTuple):
 
 
 def path_velocity(path: LimitedPath, grid: Array) -> Profile:
-    """The profile on the grid (N + 1,) from 0 to the path's length, with every breakpoint of the path.
+    """The profile on the grid (N + 1,) over the path's length, with every breakpoint of the path.
 
     Backwards: from which x the end can be reached at rest. Forwards: the largest x, interval by interval, that stays
     among those. Every interval's region of (x0, x1) is convex and holds (0, 0), so neither pass can fail.
@@ -72,7 +72,7 @@ def _largest_start(a: Array, b: Array, end: float, most: float) -> float:
     """The largest x0 ≥ 0 for which an x1 in [0, end] has a x0 + b x1 ≤ 1.
 
     The room for x1 is the least upper bound minus the greatest lower one. It is concave in x0 and not negative at 0.
-    From a start that is too large, Newton's method reaches its zero along finitely many lines.
+    From too large a start, Newton's method reaches its zero along finitely many lines.
     """
     level = (b == 0) & (a > 0)
     start = (1.0 / a[level]).min(initial=most)
@@ -88,7 +88,7 @@ def _largest_start(a: Array, b: Array, end: float, most: float) -> float:
 
 
 def _tightest(a: Array, b: Array, start: float, otherwise: float, sign: float) -> tuple[float, float]:
-    """The tightest bound of x1 at x0 = start, and its slope: the least (sign −1), the greatest (1), or `otherwise`."""
+    """The tightest bound of x1 at x0 = start, and its slope. sign −1: the least, 1: the greatest."""
     if not len(b):
         return otherwise, 0.0
     bound = (1.0 - a * start) / b

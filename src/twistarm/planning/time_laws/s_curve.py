@@ -46,13 +46,13 @@ GAIN = 5e-3
 
 
 def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
-    """A law of limited jerk, without velocity and acceleration at both ends, that keeps every limit.
+    """A law of limited jerk that keeps every limit, with zero velocity and acceleration at both ends.
 
-    A moving average of the time-optimal law has a jerk of at most its jumps of acceleration over the window's width.
-    Several widths are tried. Where sharp bends exceed the limits, the ceilings of ṡ around them are lowered. The
-    shortest of all laws is then slowed as a whole to its exact extremes. A joint or motor without a jerk limit reaches
-    its acceleration limit in 0.1 s. `double_s` is shorter from rest to rest in a straight line. A path without motion
-    takes no time. Raises InputError as `time_optimal` does.
+    A moving average of the time-optimal law limits the jerk: to its acceleration jumps over the window's width. Several
+    widths are tried. Where sharp bends exceed the limits, the ceilings of ṡ around them are lowered. The shortest of
+    all laws is then slowed as a whole to its exact extremes. A joint or motor without a jerk limit reaches its
+    acceleration limit in 0.1 s. `double_s` is shorter from rest to rest in a straight line. A path without motion takes
+    no time. Raises InputError as `time_optimal` does.
     """
     if not path.moves:
         return TimeLaw.at_once()
@@ -86,7 +86,7 @@ def _downhill(tried: Callable[[int], _Tried], first: int, best: _Tried) -> _Trie
 
 @dataclass(frozen=True, eq=False)
 class _Tried:
-    """The fastest law under a ceiling (m,), the window [s] of its average, and what each piece needs."""
+    """The fastest law under a ceiling (m,), the window [s] of its average, and each piece's needs."""
 
     fastest: TimeLaw
     ceiling: Array
@@ -101,7 +101,7 @@ class _Tried:
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """A path in fine pieces, what laws need along it, and the grid of its laws."""
+    """A path in fine pieces, the needs of laws along it, and their grid."""
 
     path: JointPath
     needs: Needs

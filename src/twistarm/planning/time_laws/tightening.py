@@ -1,4 +1,4 @@
-"""Tightening of a time law: what each piece of a path needs, and local ceilings of ṡ."""
+"""Tightening of a time law: the needs of each piece of a path, and local ceilings of ṡ."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LOOKS = np.array([[0.0], [0.5], [1.0 - 1e-9]])
 
 
 class Needs:
-    """What a time law needs along a path with the derivatives p', p'', p''' of the rows p = C q."""
+    """Needs of a time law along a path with derivatives p', p'', p''' of the rows p = C q."""
 
     def __init__(self, path: JointPath, bounds: PathBounds) -> None:
         self.path, self.bounds, self.ceiling = path, bounds, bounds.ceiling_of(path)
@@ -44,7 +44,7 @@ class Needs:
 
 
 def widened(ceiling: Array, breakpoints: Array, window: float) -> Array:
-    """The ceiling (m,), held for half a window [s] around each piece, so that its average is no higher."""
+    """The ceiling (m,), held for half a window [s] around each piece, so that its average keeps it."""
     slow = np.flatnonzero(np.isfinite(ceiling))
     reach = 0.5 * window * ceiling[slow, None]
     before, after = breakpoints[slow, None] - reach, breakpoints[slow + 1, None] + reach

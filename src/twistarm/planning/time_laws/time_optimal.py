@@ -40,8 +40,7 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
     s̈ is constant on each interval of a grid, so s is a parabola on each. No limit is exceeded between the grid's
     points either (`interval_limits`). Intervals are halved until the gain is below 0.1 %, or there are 5,000. Where p'
     = 0, curvature alone limits the acceleration. Where the path does not move, nothing does. Jerk is not limited. A
-    path that stays where it is takes no time. Raises InputError where the motion would take less than 1e-9 s or more
-    than 1e9 s.
+    path that stays where it is takes no time. Raises InputError for a motion of less than 1e-9 s or more than 1e9 s.
     """
     if not path.moves:
         return TimeLaw.at_once()
