@@ -33,7 +33,7 @@ MAX_THREADS = 256
 class IKBatch:
     """The answers to N targets, read-only arrays with a row for each. `batch[i]` is one of them as an `IKResult`.
 
-    A target that was not finished in time has its start as theta, and infinite errors.
+    A target not finished in time has its start as theta, and infinite errors.
     """
 
     arm: Arm
@@ -148,11 +148,11 @@ def solve_ik_batch(
         progress: Called some twenty times a second with the fraction done, or None.
 
     Returns:
-        The `IKBatch`: theta (N, n), errors (N,) [m, rad], `converged` (N,); batch[i] is an `IKResult`.
+        The `IKBatch`: theta (N, n), errors (N,) [m, rad], `converged` (N,). batch[i] is an `IKResult`.
 
     Raises:
-        InputError: A target (the message says which), a start, a posture or a number cannot be used.
-        TwistarmError: The arm is not in the compiled core; the message says how to get it.
+        InputError: A target (the message says which), a start, a posture or a number is unusable.
+        TwistarmError: The arm is not in the compiled core. The message says how to get it.
     """
     chain = require_arm(arm)._core("solve_ik_batch")
     how = position_tol, orientation_tol, restarts, rng, max_time
@@ -172,7 +172,7 @@ def solve_ik_batch(
 
 
 def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None) -> Records:
-    """The answers: late ones get their start and infinite errors, the closed form settles missed ones."""
+    """The answers. Late ones get their start and infinite errors, and the closed form settles missed ones."""
     late = records["stop"] == NOT_FINISHED
     if late.any():
         records["theta"][late] = joint_ranges(arm).inside(records["theta0"][late])
@@ -231,7 +231,7 @@ def _by_core(
 
 
 def _tell(progress: Progress, before: int, count: int | None, done: int, of: int) -> None:
-    """Report a part of a batch of `count` targets, after `before` of them; None for the only part."""
+    """Report a part of a batch of `count` targets, after `before` of them. None if it is the only part."""
     progress((before + done) / (of if count is None else count))
 
 

@@ -44,7 +44,7 @@ def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
     """The answer, corrected by the closed form.
 
     It may give a configuration after all. If that lies outside the limits, these are the reason. The answer is
-    `certain` where the closed form shows that nothing inside the limits meets the target. An answer that is met, or was
+    `certain` if the closed form proves that nothing inside the limits meets the target. An answer that is met, or was
     not finished in time, comes back unchanged. So does that of one search: a caller of one search wants its result.
     """
     if answer.stop in (0, TIMED_OUT, NOT_FINISHED) or answer.restarts <= 1:

@@ -147,7 +147,7 @@ def at_bounds(solution: IKResult) -> list[str]:
 
 
 def _blocked(solution: IKResult) -> list[str]:
-    """The joint values that the limits do not allow, and what is missed without limits too."""
+    """The joint values outside the limits, and the error that remains without limits."""
     arm, theta, turns = solution.arm, solution.unlimited, joint_ranges(solution.arm).turns
     if theta is None:
         return []
@@ -181,7 +181,7 @@ def _missing(solution: IKResult) -> list[str]:
 
 
 def _impossible(solution: IKResult, theta: Array) -> list[str]:
-    """The rotation that no joint can undo at theta (n,), and the plane of the approach."""
+    """The rotation beyond all joints at theta (n,), and the plane of the approach."""
     arm, target = solution.arm, solution.target
     split = split_rotation(arm, target, theta)
     lacks = solution.stop is StopReason.IMPOSSIBLE_DIRECTION
@@ -197,7 +197,7 @@ def _impossible(solution: IKResult, theta: Array) -> list[str]:
 
 
 def _missing_rotation(solution: IKResult) -> list[str]:
-    """The missing rotation and why, the larger part first, and how far out of reach the position is for it."""
+    """The missing rotation and why, larger part first, and how far out of reach the position is then."""
     arm, target, theta = solution.arm, solution.target, solution.theta
     split = split_rotation(arm, target, theta)
     prevented, impossible = [], _impossible(solution, theta)

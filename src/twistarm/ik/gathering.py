@@ -1,4 +1,4 @@
-"""Gathering: the roots of one target by every way, put into families and listed as answers."""
+"""Gathering: the roots of one target by every method, grouped into families and answers."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Gathering(Asked):
         return BESIDE if lossy and not self.method.swept else 0
 
     def new_roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
-        """The different answers among the candidates that are not known yet, until the time is up."""
+        """New different answers among the candidates, until the time is up."""
         until = self.deadline.until(candidates)
         if not self.rounded:
             return self.roots(until, held, known)
@@ -87,7 +87,7 @@ class Gathering(Asked):
 
     @property
     def dependent(self) -> float:
-        """Singular values below this part of the largest belong to directions that move nothing at first."""
+        """Singular values below this part of the largest belong to directions without first-order motion."""
         return ROUNDED_DIRECTION if self.rounded else DEPENDENT
 
     def as_near(self, theta: Array) -> Array:
@@ -96,7 +96,7 @@ class Gathering(Asked):
         return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
 
     def solved(self, values: Array) -> tuple[list[Root], int, int]:
-        """Roots with the held joints at each of the values (k, h), and how many values have roots."""
+        """Roots with the held joints at each of the values (k, h), and how many values have any."""
         method, found = self.method, list[Root]()
         tries = hits = 0
         for each in self.deadline.until(values if method.there else ()):
@@ -132,7 +132,7 @@ class Gathering(Asked):
             self.progress(done / count)
 
     def held_values(self, count: int) -> Array:
-        """Values (k, h) of the held joints: given ones, theta0's of idle ones, else a grid."""
+        """Values (k, h) of the held joints: given ones, theta0's for idle ones, else a grid."""
         while count ** len(self.method.swept) > MOST_COMBINATIONS:
             count -= 1
         grid = {i: self._with_near(i, self._spread(i, count)) for i in self.method.swept}
@@ -219,7 +219,7 @@ class Gathering(Asked):
         return all_seen
 
     def keeping(self, members: list[Root]) -> list[Root]:
-        """The first member of a family with a free joint at theta0's value, unless the family has one."""
+        """The first family member with a free joint at theta0's value, unless one exists."""
         free = [i for i in members[0].free if i not in self.motions.still]
         there = [theta for root in members if (theta := self.inside(root)) is not None]
         if any(self.at_start(theta, free) for theta in there):
@@ -259,7 +259,7 @@ class Gathering(Asked):
         return float(shares.max(initial=0.0))
 
     def entry(self, members: list[Root], swept: bool) -> Entry:
-        """An answer, or a family by one member: most joints at theta0's value, then the nearest."""
+        """An answer, or one member of a family: most joints at theta0's value, then the nearest."""
         there = [theta for root in members if (theta := self.inside(root)) is not None]
         free = {i for root in members for i in root.free}
         own = [i for i in free if i not in self.motions.still]
@@ -301,7 +301,7 @@ class Gathering(Asked):
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """An answer theta (n,), its moving joints (n,), and the members of its family inside the limits."""
+    """An answer theta (n,), its moving joints (n,), and its family's members inside the limits."""
 
     theta: Array
     moving: NDArray[np.bool_]

@@ -43,9 +43,9 @@ ENOUGH = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class SelfMotions(Asked):
-    """The motions of the arm that keep the target met, with the joints `still` at rest.
+    """Motions of the arm that keep the target met, with the joints `still` at rest.
 
-    Singular values below the part `dependent` of the largest belong to directions without a first-order motion.
+    Singular values below the part `dependent` of the largest are directions without first-order motion.
     """
 
     still: tuple[int, ...]
@@ -93,7 +93,7 @@ class SelfMotions(Asked):
                 family[family == other] = first
 
     def together(self, a: Array, b: Array, steps: int = LONG) -> bool:
-        """Whether the self-motion leads from a to b (n,) in at most so many steps."""
+        """Whether the self-motion connects a and b (n,) in at most so many steps."""
         left = apart(self.arm, b, a)
         if np.abs(left).max(initial=0.0) < NEARBY:
             halfway = a + 0.5 * left
@@ -121,7 +121,7 @@ class SelfMotions(Asked):
     def passed(self, start: Array, goals: Sequence[Array]) -> set[int]:
         """The places of the goals, (n,) each, on the closed curve through the start (n,).
 
-        If the start may move in several ways: the places of the goals that a way leads to.
+        For a start with several ways to move: the indices of the goals that a way reaches.
         """
         if len(self._tangents(start)) != 1:
             return {i for i in self.deadline.until(range(len(goals))) if self.together(start, goals[i], LONG // 4)}

@@ -35,13 +35,13 @@ def solve_ik(
     """Inverse kinematics: joint coordinates inside the limits that bring the tool to `target`.
 
     The first search begins at `theta0`, brought inside the limits. The starts of the others depend only on the seed
-    `rng` and their number. So the same call gives the same bits, unless `max_time` cuts it short. Joints that may turn
-    for ever come back as near to theta0 as the limits allow. A configuration within 0.2 rad (0.2 m) of theta0 is the
-    answer, if a search finds one that meets the target. Otherwise, for a target within 2 cm and 3° of theta0's pose,
-    the answer is the nearest found, and `notes` says so.
+    `rng` and their number. So the same call gives the same bits, unless `max_time` cuts it short. Continuous joints
+    come back as near to theta0 as the limits allow. A configuration within 0.2 rad (0.2 m) of theta0 that meets the
+    target is the answer, if a search finds one. Otherwise, for a target within 2 cm and 3° of theta0's pose, the
+    nearest found is the answer. `notes` says so.
 
-    The searches look for a configuration within both tolerances, not for an exact one. An arm whose axes a CAD export
-    has rounded may also miss by up to `arm.rounding`. `rounded` and `notes` say so.
+    The searches look for a configuration within both tolerances, not for an exact one. An arm with axes rounded by a
+    CAD export may also miss by up to `arm.rounding`. `rounded` and `notes` say so.
 
     A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 
@@ -49,12 +49,12 @@ def solve_ik(
     IN_COLLISION if every configuration found collides, and `contacts` are the pairs.
 
     A target that cannot be met is no error. The solution is then the nearest configuration: the least position error
-    inside the limits, then the least rotation error with the position held. `stop` and `explain()` say why.
+    inside the limits, then the least rotation error there. `stop` and `explain()` say why.
 
     Args:
         arm: The arm.
         target: `Pose`, `Position`, `Approach`, `TolerancedPose`, or a pose (4, 4).
-        theta0: Start (n,) [rad, m], {joint: value} or the name of a pose; by default `arm.ready`.
+        theta0: Start (n,) [rad, m], {joint: value} or a pose's name; by default `arm.ready`.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
         restarts: Greatest number of searches.

@@ -46,18 +46,18 @@ def solve_ik_all(
 
     Distance is the largest joint difference, in shares of the joint's range (else 2π or 1 m).
 
-    The closed form solves an arm's family: joints with axes that meet or are parallel, and at most three joints beside
-    them. Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their axes. Newton's method
+    The closed form solves an arm's family: joints with parallel or intersecting axes, and at most three others.
+    Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their axes. Newton's method
     corrects each answer until forward kinematics meets the target to rounding. Answers that do not meet it are dropped.
     Where neither applies, searches from many starts are tried, and `complete` is False.
 
-    A `Pose` takes arms of up to six joints, an `Approach` of up to five, a `Position` of up to three. Arms with fewer
-    joints meet the targets that fit them. `explain()` says how far off another is. An arm with too many joints for the
-    target holds some: at the values in `fixed_joints`, else at `redundancy_samples` values. A joint that only rolls the
-    tool about an `Approach`'s axis keeps theta0's value.
+    A `Pose` takes up to six joints, an `Approach` up to five, a `Position` up to three. Arms with fewer joints meet the
+    targets that fit them. `explain()` says how far off another is. Of too many joints some are held: at the values in
+    `fixed_joints`, else at `redundancy_samples` values. A joint that only rolls the tool about an `Approach`'s axis
+    keeps theta0's value.
 
-    Two answers less than 0.01 rad or m apart are one if the target is also met halfway between them. The answers on one
-    connected self-motion are one answer, with a free joint at theta0's value if possible.
+    Two answers less than 0.01 rad or m apart are one if the target is also met halfway. Answers on one connected
+    self-motion are one, with a free joint at theta0's value if possible.
 
     Sources: MLS §3.3; Pieper 1968; Elias & Wen, IK-Geo, 2022; Raghavan & Roth 1993.
 
@@ -66,22 +66,22 @@ def solve_ik_all(
         target: `Pose`, `Position`, `Approach` or pose (4, 4); a `TolerancedPose` is only searched for.
         theta0: Configuration (n,) [rad, m] from which distances are counted, by default `arm.ready`.
         fixed_joints: {joint: value} [rad, m] of joints to hold there.
-        redundancy_samples: Number of values of each other joint that is held, in (0, 1000]; at most 4,096 combinations.
+        redundancy_samples: Number of values of each other held joint, in (0, 1000]; at most 4,096 combinations.
         include_turns: Whether configurations that differ by whole turns count as different, inside the limits.
         closed_form: Whether to raise NoClosedFormError rather than to search.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
-        max_time: Greatest time [s], which a closed form of a microsecond ignores; None for no limit.
+        max_time: Greatest time [s]; None for no limit. A closed form of a microsecond ignores it.
         progress: Called with the fraction of sampled values and searches that are done, or None.
 
     Returns:
-        The `AllSolutions`: theta (k, n), k ≥ 0, and whether these are all. When the time is up it holds what was
-        found, with `complete` False and `timed_out` True.
+        The `AllSolutions`: theta (k, n), k ≥ 0, and whether these are all. After a timeout it holds what was found,
+        with `complete` False and `timed_out` True.
 
     Raises:
         InputError: The target, theta0, a value of fixed_joints or a number cannot be used.
         UnknownNameError: `fixed_joints` names no joint of the arm.
-        NoClosedFormError: `closed_form` is set and the arm has none for such a target; the message says why.
+        NoClosedFormError: `closed_form` is set and the arm has none for such a target. The message says why.
     """
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
     usual = (

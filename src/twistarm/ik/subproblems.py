@@ -1,12 +1,12 @@
-"""Subproblems of inverse kinematics: one or two joints that move a point where it is wanted. MLS §3.3.2.
+"""Subproblems of inverse kinematics: one or two joints move a point to its place. MLS §3.3.2.
 
 Joints have unit twists xi (6,) = (v, w), linear part first, as the columns of `arm.screws`. w is a unit vector, or 0
-and v one for a joint that slides. Points are (3,) [m], values in rad or m. InputError names a screw, a twist that is
-not a unit twist, or an argument of another shape.
+and v one for a joint that slides. Points are (3,) [m], values in rad or m. InputError names an invalid screw or unit
+twist, or an argument of another shape.
 
-Each function returns `Roots`: every value there is, and how far the best of them misses. A problem without a solution
-returns the nearest values, so only `residual` tells. Where two solutions have come together, as for a stretched arm,
-one is returned.
+Each function returns `Roots`: all values, and how far the best of them misses. A problem without a solution returns the
+nearest values, so only `residual` tells. Where two solutions have come together, as for a stretched arm, one is
+returned.
 """
 
 from __future__ import annotations
@@ -58,8 +58,8 @@ class Roots:
 def subproblem_1(xi: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
     """The turn about one axis that takes p to q: e^{ξ̂θ} p = q, one value. Paden–Kahan subproblem 1, MLS §3.3.2.
 
-    θ = atan2(w · (p' × q'), p' · q'), p' and q' the parts of p − r and q − r across the axis (w, r). The residual is
-    the difference of p and q along the axis and in their distance from it. A joint that slides goes w · (q − p). For a
+    θ = atan2(w · (p' × q'), p' · q'). p' and q' are the parts of p − r and q − r across the axis (w, r). The residual
+    is the difference of p and q along the axis and in distance from it. A joint that slides goes w · (q − p). For a
     point on the axis every θ is a solution: `free`, and 0 is given.
 
     Args:
@@ -76,8 +76,8 @@ def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -
     """The turns about two axes that take p to q: e^{ξ̂₁θ₁} e^{ξ̂₂θ₂} p = q. Paden–Kahan subproblem 2, MLS §3.3.2.
 
     Turning about the first axis changes neither w₁ · (x − r₁) nor ‖x − r₁‖. So θ₂ has to give the values of q: two
-    conditions, linear in cos θ₂ and sin θ₂. θ₁ is then subproblem 1. There are values (k, 2), k ≤ 2. Two axes that meet
-    have up to two solutions, and so have parallel axes (the two-link arm). Skew ones, which MLS leaves out, in general
+    conditions, linear in cos θ₂ and sin θ₂. θ₁ is then subproblem 1. There are values (k, 2), k ≤ 2. Intersecting axes
+    have up to two solutions, and so have parallel ones (the two-link arm). Skew ones, which MLS leaves out, in general
     have one or none. Either joint may slide.
 
     Args:
@@ -94,11 +94,10 @@ def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -
 
 
 def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> Roots:
-    """The turn about one axis that takes p to a distance from q: ‖e^{ξ̂θ} p − q‖ = δ. Paden–Kahan 3, MLS §3.3.2.
+    """The turn about an axis that brings p to a distance from q: ‖e^{ξ̂θ} p − q‖ = δ. Paden–Kahan 3, MLS §3.3.2.
 
-    By the law of cosines θ = θ₀ ± acos((‖p'‖² + ‖q'‖² − δ'²) / (2 ‖p'‖ ‖q'‖)). θ₀ is the turn from p' to q', and δ'² is
-    the part of δ² across the axis. There are up to two values. A point on a sliding joint meets the sphere in up to two
-    places.
+    By the law of cosines θ = θ₀ ± acos((‖p'‖² + ‖q'‖² − δ'²) / (2 ‖p'‖ ‖q'‖)). θ₀ turns p' to q'. δ'² is the part of δ²
+    across the axis. There are up to two values. A point on a sliding joint meets the sphere in up to two places.
 
     Args:
         xi: Twist (6,) of a joint that turns or slides.
@@ -122,7 +121,7 @@ def subproblem_4(xi: ArrayLike, p: ArrayLike, normal: ArrayLike, offset: float) 
     """The turn about one axis that takes p into a plane: n · e^{ξ̂θ} p = d. Subproblem 4 of IK-Geo.
 
     The circle of p meets the plane where a cos θ + b sin θ = c: θ = atan2(b, a) ± acos(c / √(a² + b²)), up to two
-    values. The line of a joint that slides meets it once, unless it is parallel to it.
+    values. The line of a sliding joint meets it once, unless they are parallel.
 
     Args:
         xi: Twist (6,) of a joint that turns or slides.

@@ -1,10 +1,10 @@
 """Targets of inverse kinematics: a pose, a position, an approach, a pose with tolerances.
 
-A solver sees the components that a target constrains. `_position_rows` and `_rotation_rows` take the tool's pose g
-(4, 4) and its body Jacobian J_b (6, n), unchecked. They give an error (k,) and rows (k, n). For the position
-d error = rows · dθ. For the rotation rowsᵀ error is the gradient of a function that grows with the angle. A free
-component has no row, so it makes no matrix singular. `_position_tolerance` and `_rotation_tolerance` say how far each
-row may be from 0 beside the solver's tolerance.
+A solver sees the components that a target constrains. `_position_rows` and `_rotation_rows` take the pose g (4, 4) and
+body Jacobian J_b (6, n), unchecked. They give an error (k,) and rows (k, n). For the position d error = rows · dθ. For
+the rotation, rowsᵀ error is the gradient of a function that grows with the angle. A free component has no row, so it
+makes no matrix singular. `_position_tolerance` and `_rotation_tolerance` say how far each row may be from 0 beside the
+solver's tolerance.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Pose(Brief):
 
     @classmethod
     def from_rpy(cls, p: Row, rpy: Row) -> Pose:
-        """The pose at p, turned about the base's x, y and z axes, in this order.
+        """The pose at p, turned about the base's x, y and z axes in order.
 
         Args:
             p: Position (3,) [m].
@@ -226,7 +226,7 @@ class Approach(Brief):
         return offset_rows(self.p, g, J_b)
 
     def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
-        """2 sin(φ/2) u across the axis, φ the angle and u the axis of the turn from the direction to the tool axis."""
+        """2 sin(φ/2) u across the axis: the turn by φ about u from the direction to the tool axis."""
         direction = g[:3, :3].T @ self.direction
         turn = _cross(direction, self.axis)
         length = math.sqrt(turn @ turn)
@@ -259,10 +259,10 @@ class Approach(Brief):
 class TolerancedPose(Brief):
     """The pose g within `tolerance`, six numbers (x, y, z [m], rx, ry, rz [rad]).
 
-    The error is (p − p_g, log(R R_gᵀ)) in base axes, turned into the target's axes for frame="target". A tolerance of 0
-    is met to the solver's tolerance; inf, or ≥ π for a rotation, leaves the component free. Position and orientation
-    error are the norms of the excess over the tolerances. InputError for a negative tolerance, an unknown frame, or six
-    free components.
+    The error is (p − p_g, log(R R_gᵀ)) in base axes. frame="target" turns it into the target's axes. A tolerance of 0
+    means the solver's tolerance. inf, or ≥ π for a rotation, leaves the component free. Position and orientation error
+    are the norms of the excess over the tolerances. InputError for a negative tolerance, an unknown frame, or six free
+    components.
     """
 
     g: Array

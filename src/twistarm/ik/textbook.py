@@ -1,7 +1,7 @@
 """Inverse kinematics by the textbook: damped least squares inside the limits, start after start.
 
-It answers without a compiled core, with a configuration that meets the target or the best found. Only the core finds
-the nearest configuration and the reason, and is fast: docs/inverse_kinematics.md.
+It works without a compiled core. It returns a configuration that meets the target, or the best found. Only the core is
+fast and finds the nearest configuration and the reason: docs/inverse_kinematics.md.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
 
 
 def toward_posture(problem: Problem, found: Search, posture: Array, deadline: Deadline) -> Search:
-    """The answer moved toward the posture in the null space of the target's rows, inside the limits.
+    """The answer, moved toward the posture in the null space of the target's rows, inside the limits.
 
     Each step is (I − J⁺J)(posture − θ), brought back onto the target by a search. A step that leads no nearer is
     halved. Source: B. Siciliano et al., Robotics: Modelling, Planning and Control, 2009, §3.5.1.
@@ -196,7 +196,7 @@ def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
 
 
 def _leaves_branch(problem: Problem, start: Array, theta: Array) -> bool:
-    """Whether the target is near the pose of `start` (n,), and theta is not near `start`."""
+    """Whether the target is near the pose of `start` (n,), but theta is not near `start`."""
     g = problem.arm.fk(start)
     near = Tolerances(NEAR_POSITION, NEAR_ORIENTATION)
     met = near.met(problem.target.position_error(g), problem.target.orientation_error(g))

@@ -1,8 +1,8 @@
 """A family's closed form: all candidates for x with E₁(x₁) ⋯ Eₖ(xₖ) = G.
 
-E_L, E_K, E_R are the products of the joints before the group, in it and behind it. E_K = E_L⁻¹ G E_R⁻¹ keeps the point
-or plane X in place: E_L X = G E_R⁻¹ X. Seen from the other side of G, the joints behind come before the others. So one
-chain of at most three joints has to place X where G takes it.
+E_L, E_K, E_R are the products of the joints before, in and behind the group. E_K = E_L⁻¹ G E_R⁻¹ keeps the point or
+plane X in place: E_L X = G E_R⁻¹ X. Seen from the other side of G, the joints behind come before the others. So one
+chain of at most three joints has to move X to its place under G.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ def candidates(fitted: FittedFamily, G: Array, near: Array, slack: float) -> Ite
     """Every x (k,) with E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), and near misses: forward kinematics decides.
 
     A joint that may have any value takes that of `near` (k,). Such a candidate may be an answer only with another
-    value, or together with others elsewhere. So further lists follow, of candidates with free joints, where those
-    joints have other values. Newton's method brings these to all answers nearby.
+    value, or with others elsewhere. So further lists follow, of candidates with free joints, where those joints have
+    other values. Newton's method brings these to all answers nearby.
     """
     found = list(_with(fitted, G, near, slack))
     yield found
@@ -83,7 +83,7 @@ def _beside(
 def within_group(
     kept: Point | Plane | None, group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float
 ) -> list[Placed]:
-    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3, for a group that keeps `kept` in place. k ≤ 6 for a decoupled one."""
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3, for a group that fixes `kept`. k ≤ 6 for a decoupled one."""
     if kept is None:
         return decoupled(group, E, near, slack)
     if isinstance(kept, Point):
@@ -95,7 +95,7 @@ def rotating(w: tuple[Array, ...], R: Array, near: tuple[float, ...], slack: flo
     """All x with e^{ŵ₁x₁} ⋯ e^{ŵₖxₖ} = R (3, 3), k ≤ 3.
 
     With three axes, the angle from w₁ to R w₃ gives x₂ (`_middle_turns`). Then x₁ turns e^{ŵ₂x₂} w₃ to R w₃, and x₃ is
-    the turn that is left. Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
+    the remaining turn. Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
     """
     axes = tuple(JointAxis(each, NO_ORIGIN, slides=False) for each in w)
     if not w:
@@ -153,7 +153,7 @@ def _first_then_rest(
 def sliding(
     group: tuple[JointAxis, ...], normal: Array, E: Array, near: tuple[float, ...], slack: float
 ) -> list[Placed]:
-    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4), k ≤ 3, of joints that turn about the normal and slide across it.
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4), k ≤ 3, of turns about the normal and slides across it.
 
     The angles add up. One turn takes the whole angle, and the slides are two lengths in the plane. With more turns, the
     joints before the last place a point of its axis.
@@ -178,7 +178,7 @@ def sliding(
 
 
 def decoupled(group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float) -> list[Placed]:
-    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4): at most three turns, by the rotation, and three slides."""
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4): up to three turns, by the rotation, and three slides."""
     turning = [i for i, axis in enumerate(group) if not axis.slides]
     turned = rotating(tuple(group[i].w for i in turning), E[:3, :3], tuple(near[i] for i in turning), slack)
     return [

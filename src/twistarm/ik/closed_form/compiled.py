@@ -23,7 +23,7 @@ SAMPLE = 0.3
 
 
 class ClosedFormParameters(NamedTuple):
-    """A family and its axes with held joints at 0, as the core takes them (twistarm::solved_arm)."""
+    """A family and its axes with held joints at 0, in the core's form (twistarm::solved_arm)."""
 
     first: int
     last: int
@@ -43,7 +43,7 @@ def family_numbers(
 ) -> ClosedFormParameters:
     """The numbers of a family with joints `held`. `idle` joints may have any value in an answer.
 
-    The core holds joints at other values in every call, so its axes have these joints at 0.
+    The core gets the values of held joints in every call, so its axes have these joints at 0.
     """
     axes, _ = chain.held(held, np.full(len(held), SAMPLE))
     fitted = family.fitted(axes)

@@ -1,13 +1,13 @@
-"""Elimination: all configurations of five or six turning joints with any axes, from an eigenvalue problem.
+"""Elimination: all configurations of five or six turning joints with any axes, by an eigenvalue problem.
 
-E₃E₄E₅ = E₂⁻¹E₁⁻¹ G E₆⁻¹. Applied to the last axis, its point p and direction d, both sides are free of x₆:
+E₃E₄E₅ = E₂⁻¹E₁⁻¹ G E₆⁻¹. Applied to point p and direction d of the last axis, both sides are free of x₆:
 
     p, d, p·p, p·d, p × d, (p·p) d − 2 (p·d) p
 
-are fourteen equations. With p measured from a point of axis 2, the right side is linear in eight products of sines and
-cosines of x₁ and x₂. The left is linear in those of x₄ and x₅, with coefficients linear in cos x₃, sin x₃. The six
-combinations without x₁ and x₂ are a 6 × 9 matrix in x₃. With t = tan(x/2), each multiplied by t₄, they are a 12 × 12
-matrix M₀ + M₁t₃ + M₂t₃². It is singular at the answers, and at t₃ = ±i. An arm has at most sixteen.
+are fourteen equations. With p measured from a point of axis 2, the right side is linear in eight sin–cos products of x₁
+and x₂. The left is linear in those of x₄ and x₅. Its coefficients are linear in cos x₃, sin x₃. The six combinations
+without x₁ and x₂ are a 6 × 9 matrix in x₃. With t = tan(x/2), each multiplied by t₄, they are a 12 × 12 matrix M₀ +
+M₁t₃ + M₂t₃². It is singular at the answers, and at t₃ = ±i. An arm has at most sixteen.
 
 Sources: Raghavan & Roth, Inverse kinematics of the general 6R manipulator, ASME J. Mech. Des. 115, 1993; Manocha &
 Canny, Efficient inverse kinematics for general 6R manipulators, IEEE T-RA 10, 1994 (the eigenvalue problem).
@@ -15,8 +15,8 @@ Canny, Efficient inverse kinematics for general 6R manipulators, IEEE T-RA 10, 1
 Five joints get a sixth that stands still, about an unrelated line. The answers of the five are those where its angle is
 0.
 
-For special axes the matrix may be singular everywhere. The chain of joints is closed by G, so it may begin at any
-joint, in either direction. `rooted` takes the one of these twelve ways that finds random configurations best.
+For special axes the matrix may be singular everywhere. G closes the chain of joints, so it may begin at any joint, in
+either direction. `rooted` takes the one of these twelve ways that finds random configurations best.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ class Rooted:
     still: tuple[JointAxis, ...] = ()
 
     def chain(self, axes: tuple[JointAxis, ...], G: Array) -> tuple[tuple[JointAxis, ...], Array, list[int]]:
-        """The axes and G of the chain from this start, and the joint of each place."""
+        """Axes and G of the chain from this start, and the joint of each place."""
         behind = inverse(G)
         walked = [*axes[self.start :], *(axis.seen(behind) for axis in axes[: self.start])]
         joints = [*range(self.start, SIX), *range(self.start)]
@@ -106,7 +106,7 @@ def rooted(axes: tuple[JointAxis, ...], reach: float) -> Rooted | None:
 
 
 def _missed(axes: tuple[JointAxis, ...], way: Rooted, x: Array, reach: float) -> float:
-    """How far the nearest answer found is from the pose at x, in shares of the reach or rad."""
+    """Distance of the nearest answer from the pose at x, in shares of the reach or rad."""
     G = product(axes, x)
     errors = [np.inf]
     for found in _at(axes, way, G):
@@ -118,9 +118,9 @@ def _missed(axes: tuple[JointAxis, ...], way: Rooted, x: Array, reach: float) ->
 
 
 def eliminated(axes: tuple[JointAxis, ...], way: Rooted, G: Array) -> list[Array]:
-    """Candidates x (k,) for E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), k = 6 or 5: every answer, most to six digits or more.
+    """Candidates x (k,) for E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), k = 6 or 5: every answer, mostly to six digits.
 
-    At special joint angles the matrix may be singular for this G alone, and the result is noise. So poses beside it are
+    At special joint angles the matrix may be singular for this G alone. Its result is noise. So poses beside it are
     solved too, in unrelated directions. Their answers are near.
     """
     return [x for beside in BESIDE for x in _at(axes, way, G @ beside)]
@@ -203,7 +203,7 @@ def _real_eigenpairs(M: Array) -> list[tuple[float, Array]]:
 
 
 def _angles_of(x3: float, vector: Array) -> tuple[float, float, float]:
-    """x₄ and x₅ from the vector of products t₄ⁱ t₅ʲ, i ≤ 3 and j ≤ 2: neighbours differ by the factor t."""
+    """x₄ and x₅ from the vector of products t₄ⁱ t₅ʲ, i ≤ 3 and j ≤ 2. Neighbours differ by the factor t."""
     table = vector.reshape(4, 3)
     return x3, _angle(table[:3], table[1:]), _angle(table[:, :2], table[:, 1:])
 
@@ -217,7 +217,7 @@ def _angle(lower: Array, upper: Array) -> float:
 def _completed(
     chain: tuple[JointAxis, ...], G: Array, left: Array, right: Array, middle: tuple[float, float, float]
 ) -> Array:
-    """All six angles: x₁ and x₂ by least squares from the fourteen equations, x₆ from the turn that is left."""
+    """All six angles: x₁ and x₂ by least squares from the fourteen equations, x₆ by the remaining turn."""
     factors = [np.array([1.0, math.cos(x), math.sin(x)]) for x in middle]
     value = np.einsum("eabc,a,b,c->e", left, *factors) - right[:, 0]
     products = np.concatenate([[1.0], np.linalg.lstsq(right[:, 1:], value, rcond=1e-10)[0]]).reshape(3, 3)

@@ -2,11 +2,11 @@
 
 Consecutive joints are a *group* if together they keep something in place. Axes that meet in a point keep the point (a
 spherical group). Parallel axes, and slides across them, keep every plane across the axes (a planar group). At most
-three joints beside the group place the point, or the plane, for the target (`placing`). The group does the rest. That
-covers a spherical wrist or shoulder with three other joints, three parallel axes, and every arm of four joints. A slide
-along parallel axes commutes with them, so another order is possible too.
+three joints beside the group place its point or plane for the target (`placing`). The group does the rest. That covers
+a spherical wrist or shoulder with three other joints, three parallel axes, and all four-joint arms. A slide along
+parallel axes commutes with them, so another order is possible too.
 
-Up to three turns in different directions and three slides are one *decoupled* group that keeps nothing. The rotation
+Up to three turns in different directions and three slides are a *decoupled* group that keeps nothing. The rotation
 alone gives the turns.
 
 Sources: Pieper 1968 (three axes that meet, three that are parallel); Elias & Wen, IK-Geo, 2022; MLS §3.3.
@@ -74,7 +74,7 @@ class Family:
 class FittedFamily:
     """A family with its axes, in its order. `kept`: the point or plane that the group keeps in place.
 
-    `off`: how far the arm's axes miss the family, in m for a point and rad for a plane.
+    `off`: how far the axes miss the family, in m for a point and rad for a plane.
     """
 
     family: Family
@@ -94,7 +94,7 @@ class FittedFamily:
 
 
 def families(axes: tuple[JointAxis, ...], reach: float, tolerance: float = NEARLY) -> list[FittedFamily]:
-    """All families of at most six axes (k,), exact ones first, then the simplest to solve.
+    """All families of at most six axes (k,), exact ones first, then by simplicity.
 
     `tolerance`: share of the reach [m], or angle [rad], by which the axes may miss.
     """
@@ -122,7 +122,7 @@ def closest_miss(axes: tuple[JointAxis, ...], reach: float) -> FittedFamily | No
 
 
 def _rank(fitted: FittedFamily, reach: float) -> tuple[object, ...]:
-    """A key that sorts families: exact ones first, then the largest group, then the arm's order."""
+    """A key that sorts families: exact ones, then the largest group, then the arm's order."""
     off = fitted.off_share(reach)
     family = fitted.family
     size = family.last - family.first

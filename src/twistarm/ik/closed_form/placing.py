@@ -1,13 +1,13 @@
 """Placing a point or a plane by up to three joints: all x with E₁(x₁) ⋯ Eₖ(xₖ) X = Y.
 
-A motion along the middle joint keeps two numbers, so E₃(x₃) X and E₁(x₁)⁻¹ Y must have the same:
+A motion along the middle joint keeps two numbers. E₃(x₃) X and E₁(x₁)⁻¹ Y must agree in both:
 
 | middle joint | of a point p | of a plane (n, d) |
 |---|---|---|
 | turns about (w, o) | w · (p − o), ‖p − o‖² | w · n, d − n · o |
 | slides along w | the two coordinates of p across w | — |
 
-These are two conditions on x₁ and x₃, linear in sines and cosines, or in a length and its square. Then x₂ is the turn
+These are two conditions on x₁ and x₃, linear in sines and cosines (length and square for slides). Then x₂ is the turn
 or slide that is left (subproblem 1). For points Pieper (1968) solves three joints before a spherical wrist like this.
 For planes it solves three parallel axes.
 """
@@ -52,7 +52,7 @@ def place(
 
 
 def settle(axis: JointAxis, X: Point | Plane, Y: Point | Plane, near: float) -> tuple[float, bool]:
-    """The x that brings E(x) X nearest to Y, and whether every x does (subproblem 1)."""
+    """The x that brings E(x) X nearest to Y, and whether all do (subproblem 1)."""
     if axis.slides:
         return _slid(axis, X, Y, near)
     a, b = (Z.n if isinstance(Z, Plane) else Z.p - axis.o for Z in (X, Y))
@@ -113,7 +113,7 @@ def _kept(middle: JointAxis, X: Point | Plane) -> Array:
 
 
 def _kept_along(middle: JointAxis, axis: JointAxis, X: Point | Plane, sense: float = 1.0) -> Array:
-    """(2, 3): the kept numbers of E(sense · x) X as k₀ + k₁ cos x + k₂ sin x, or k₀ + k₁ x + k₂ x² where it slides."""
+    """(2, 3): the kept numbers of E(sense · x) X as k₀ + k₁ cos x + k₂ sin x, or k₀ + k₁ x + k₂ x² for slides."""
     return np.stack(along(axis, lambda g: _kept(middle, X.moved(g)), sense), axis=1)
 
 

@@ -58,7 +58,7 @@ MOST_COPIES = 4096
 
 @dataclass(frozen=True, eq=False)
 class Root:
-    """An answer theta (n,), with angles in any turn, and the joints that may move then."""
+    """An answer theta (n,), with angles in any turn, and the joints free to move."""
 
     theta: Array
     free: tuple[int, ...]
@@ -82,7 +82,7 @@ class Asked:
         return self.tolerances.met(*self.errors(theta))
 
     def rows(self, theta: Array) -> tuple[Array, Array]:
-        """By how much theta (n,) misses the target [m, rad] (k,), and the derivative (k, n)."""
+        """The error of theta (n,) from the target [m, rad] (k,), and its derivative (k, n)."""
         g, J_b = self.arm._fk_and_body_jacobian(theta)
         (e_p, J_p), (e_r, J_r) = self.target._position_rows(g, J_b), self.target._rotation_rows(g, J_b)
         return np.concatenate([e_p, e_r]), np.concatenate([J_p, J_r])
@@ -129,10 +129,9 @@ class Asked:
     def self_motion(self, theta: Array, held: tuple[int, ...] = (), dependent: float = DEPENDENT) -> tuple[int, ...]:
         """The joints, beside those `held`, that move while the target stays met.
 
-        Where more joints are left than there are rows, and the rows are independent, the null space is a family's
-        tangent: all that it moves is free. Otherwise a direction in it only moves nothing at first. A step along it,
-        corrected, may come back. If not, it is another answer of the family where it is as exact, or so exact that a
-        whole turn would stay within the tolerances.
+        If more joints are left than independent rows, the null space is a family's tangent: all that it moves is free.
+        Otherwise a direction in it only moves nothing at first. A step along it, corrected, may come back. If not, it
+        is another answer of the family, provided it is as exact. A whole turn within the tolerances is exact enough.
         """
         solved = [i for i in range(self.arm.n) if i not in held]
         J = self.rows(theta)[1][:, solved]
@@ -156,10 +155,10 @@ class Asked:
         return tuple(sorted(moving))
 
     def inside_limits(self, theta: Array, near: Array) -> Array | None:
-        """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow. None where it is outside.
+        """theta (n,) by whole turns inside the limits, as near to `near` (n,) as possible. None where it is outside.
 
-        A copy may pass a limit by the error of a multiple root. It is brought to the limit if the target is met there
-        too, by what the other joints can do.
+        A copy may pass a limit by the error of a multiple root. It is brought to the limit if the other joints can meet
+        the target there too.
         """
         lower, upper = self.arm.limits.lower, self.arm.limits.upper
         for slack in (ROUNDED_LIMIT, LEAST_ROUNDED):
@@ -193,7 +192,7 @@ class Asked:
 
 
 def _nearest_copy(arm: Arm, theta: Array, near: Array, slack: float) -> Array:
-    """theta (n,) by whole turns as near to `near` as the limits and `slack` [rad, m] allow."""
+    """theta (n,) by whole turns as near to `near` as limits and `slack` [rad, m] allow."""
     lowest = np.ceil((arm.limits.lower - slack - theta) / TURN)
     highest = np.floor((arm.limits.upper + slack - theta) / TURN)
     counts = np.maximum(np.minimum(np.round((near - theta) / TURN), highest), lowest)

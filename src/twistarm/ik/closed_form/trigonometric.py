@@ -1,4 +1,4 @@
-"""Roots of the subproblems' equations in the sine and cosine of an angle, or in a length.
+"""Roots of the subproblems' equations in an angle's sine and cosine, or in a length.
 
 Each function returns the real roots, or None where every value is a root. An equation that misses by less than `slack`
 of its size has its nearest root. A stretched arm has one answer, in spite of rounding. Forward kinematics decides later
@@ -61,10 +61,10 @@ def quadratic(f: float, b: float, c: float, slack: float) -> list[float]:
 
 
 def second_harmonic(k: Array, slack: float, terms: float = 0.0) -> list[float] | None:
-    """Angles x with k₀ + k₁ c + k₂ s + k₃ c² + k₄ c s + k₅ s² = 0, c = cos x and s = sin x: at most four.
+    """Angles x with k₀ + k₁ c + k₂ s + k₃ c² + k₄ c s + k₅ s² = 0, c = cos x and s = sin x: up to four.
 
-    A quartic in tan((x − x₀)/2), with x₀ chosen so that its leading coefficient is large. `terms`: the size of what the
-    coefficients are sums of. Where they all cancel to rounding every x is a root.
+    A quartic in tan((x − x₀)/2). x₀ makes its leading coefficient large. `terms`: the size of what the coefficients are
+    sums of. Where they all cancel to rounding every x is a root.
     """
     scale = float(np.abs(k).max())
     if scale <= NOTHING * terms:

@@ -1,11 +1,11 @@
-"""Two conditions on two joints, A u(x) + B u(y) = e: where two ellipses meet.
+"""Two conditions on two joints, A u(x) + B u(y) = e: the intersection of two ellipses.
 
-u(x) is (cos x, sin x) for a joint that turns and (x, x²) for one that slides; A and B are (2, 2), e (2,). For two
-joints that turn this is subproblem 6 of Elias & Wen, IK-Geo, 2022: a quartic. Only the second condition has squares of
+u(x) is (cos x, sin x) for a turning joint and (x, x²) for a sliding one. A and B are (2, 2), e (2,). For two joints
+that turn this is subproblem 6 of Elias & Wen, IK-Geo, 2022: a quartic. Only the second condition has squares of
 lengths.
 
-What just misses counts (see `trigonometric`). If one joint may have any value, but the other has none with it, the
-nearest counts too. Newton's method moves both from there. Where one condition is nearly a multiple of the other, both
+What just misses counts (see `trigonometric`). If one joint may have any value, but then the other has no root, the
+nearest value counts. Newton's method moves both from there. If one condition is nearly a multiple of the other, both
 ways of solving are taken. So the answers hold every root, and some values that are not roots.
 """
 
@@ -61,7 +61,7 @@ def two_conditions(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
 
 
 def one_joint(a: Side, e: Array, slack: float) -> list[tuple[float, bool]]:
-    """All x with A u(x) = e, and whether every x does: two conditions, where one is enough."""
+    """All x with A u(x) = e, and whether every x solves it: two conditions, one would suffice."""
     if a.slides:
         linear, square = a.matrix[:, 0], a.matrix[:, 1]
         if np.abs(square).max() <= NOTHING * np.abs(a.matrix).max():
@@ -141,7 +141,7 @@ def _angle_and_length(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
 
 
 def _two_angles(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
-    """Both turn: x is eliminated by the inverse of the better A, or by the row that A lacks."""
+    """Both turn: the inverse of the better A eliminates x, or the row that A lacks does."""
     (U, size_a, _), size_b = np.linalg.svd(a.matrix), np.linalg.svd(b.matrix)[1]
     scale = float(max(size_a[0], size_b[0]))
     if size_a[0] <= NOTHING * scale:
