@@ -122,7 +122,7 @@ def typed_targets(
 
 
 def motion_of_file(arm: Arm, path: Path, caps: Caps) -> tuple[Arm, Trajectory]:
-    """The motion of a file, or of the segments of a *.toml, and the arm with the limits of that motion."""
+    """The motion of a file, or of the segments of a *.toml, and the arm with its limits."""
     if path.suffix.lower() != ".toml":
         driven = replace(arm, limits=capped(arm, caps))
         return driven, load_trajectory(driven, path)

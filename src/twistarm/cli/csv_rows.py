@@ -1,4 +1,4 @@
-"""Rows of numbers in CSV, with or without a header, separated by commas, semicolons, tabs or spaces."""
+"""Rows of numbers in CSV, optionally with a header, separated by commas, semicolons, tabs or spaces."""
 
 from __future__ import annotations
 
@@ -114,9 +114,9 @@ def few(lines: Sequence[int]) -> str:
 
 
 def read_sheet(path: str, names: str | None) -> Sheet:
-    """The sheet in a file, or on standard input for -; `names` [a,b,c] replace its header.
+    """The sheet in a file, or on standard input for -. `names` [a,b,c] replace its header.
 
-    Lines with # are comments, except one before the first row that is a header for as many columns.
+    Lines with # are comments, except a header of as many columns before the first row.
     """
     file = "standard input" if path == STDIN else path
     lines = list(_from_stdin(file) if path == STDIN else csv_lines(path, BOUNDS))

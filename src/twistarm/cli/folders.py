@@ -35,7 +35,7 @@ class Line:
 
 
 def refused(said: str, found: Iterable[Finding] = (), /, **more: Any) -> Line:
-    """The line of a file that cannot be loaded: its first error and the remedy, else `said`."""
+    """The line of an unloadable file: its first error and the remedy, else `said`."""
     error = next((one for one in found if one.severity == "error"), None)
     why = said if error is None else "; ".join(filter(None, (error.what, error.remedy)))
     return Line("refused", False, detail=in_options(why), more=more)

@@ -120,7 +120,7 @@ def takes_arm_or_none(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def takes_source(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The same for a command that loads the arm by `source` and `load`, the keywords of `load_arm`."""
+    """The same for a command that loads the arm by `source` and `load` (keywords of `load_arm`)."""
     return _takes(command, ("source", "load"))
 
 

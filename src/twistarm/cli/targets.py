@@ -153,7 +153,7 @@ def _axis(text: str) -> Array:
 
 
 def targets_in(sheet: Sheet, orientation: Orientation) -> list[Target]:
-    """The targets of a CSV's rows: positions, with the orientation of the header or of the options."""
+    """The targets of a CSV's rows: positions, with the header's or the options' orientation."""
     if sheet.header is None:
         width = len(sheet.rows[0].cells)
         if width != 3:

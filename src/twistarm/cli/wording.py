@@ -91,7 +91,7 @@ def _in_degrees(found: re.Match[str]) -> str:
 
 
 def told(error: Exception) -> str:
-    """The message of an error: ours in the words of the command line, any other with its origin."""
+    """An error's message: ours in the words of the command line, any other with its origin."""
     if isinstance(error, TwistarmError):
         return in_options(str(error))
     if isinstance(error, OSError):

@@ -221,5 +221,5 @@ class Stage(Show):
         }
 
     def servo(self) -> Message:
-        """Whether a servo drives the arm and takes commands, and its last status, null before the first."""
+        """Whether a servo drives the arm and takes commands, and its last status (None at first)."""
         return {"type": "servo", "jog": self.jogging, "driven": self.driven, **self.report}

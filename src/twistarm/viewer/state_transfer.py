@@ -24,7 +24,7 @@ def carry(old: Stage, new: Stage) -> list[str]:
     Returns the changes and omissions in words.
 
     Common joints keep their values, or their limits. New joints take the ready pose. Layers stay. Poses and the motion
-    stay if they fit the arm; omitted poses return with an arm that allows them.
+    stay if they fit the arm. Omitted poses return with an arm that allows them.
     """
     new.visible, new.tolerances = old.visible, old.tolerances
     return [*_configuration(old, new), *_poses(old, new), *_motion(old, new)]

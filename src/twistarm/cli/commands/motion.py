@@ -247,7 +247,7 @@ def plan_table(arm: Arm, planned: Trajectory, radians: bool, limits: JointLimits
 
 
 def active_limits_table(active: Sequence[ActiveLimit]) -> Any:
-    """The limit that each stretch of a motion uses most; of many the longest stretches, in time order."""
+    """The limit that each stretch of a motion uses most. Of many stretches the longest, in time order."""
     longest = sorted(active, key=lambda each: each.begin - each.end)[:MOST_STRETCHES]
     rows = [
         [number(each.begin, 3), number(each.end, 3), each.describe(), f"{100.0 * each.share:.0f} %"]

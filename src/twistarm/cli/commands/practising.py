@@ -61,7 +61,7 @@ def progress(
 
 
 def _row(lesson: str, states: dict[str, dict[str, Any]]) -> list[str]:
-    """A lesson's line: the number of right ones, a sign for each, and the last verdicts."""
+    """A lesson's line: the number of right ones, a sign for each, the last verdicts."""
     tried = {name: each for name, each in states.items() if each["state"] != "right" and each["tries"]}
     words = ", ".join(f"{name} ({each['slip']})" if each["slip"] else name for name, each in tried.items())
     signs = "".join(SIGNS[each["state"]] for each in states.values())

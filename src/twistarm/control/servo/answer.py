@@ -25,7 +25,7 @@ class Cause(IntEnum):
 class Answer:
     """theta, theta_dot (n,): the state after the step. period [s]: the mean step time after this one.
 
-    row: the row of `Bounds.motion` at its limit, or the joint of a singularity; −1 for none.
+    row: the limiting row of `Bounds.motion`, or the joint of a singularity; −1 for none.
     """
 
     theta: Array

@@ -19,7 +19,7 @@ class Bounds:
     """The data of an arm for a servo step.
 
     motion: the limits of motors with limits and of joints, less the position margin. The joints are its last n rows.
-    unit (n,): the factor of a coordinate's scaled number in rad, 1 or `length` for a slide. ready (n,): the
+    unit (n,): the factor from a coordinate's scaled number in rad, 1 or `length` for a slide. ready (n,): the
     configuration that shows an exactly singular arm the way out. The rest as in `ServoSettings`.
     """
 

@@ -41,16 +41,15 @@ HELD = {
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class TwistCommand(Brief):
-    """Move the tool: twist (v, w) (6,) [m/s, rad/s] of the tool's origin, in tool axes or in base axes.
+    """Move the tool: twist (v, w) (6,) [m/s, rad/s] of its origin, in tool or base axes.
 
-    frame="tool": the body twist V^b = (g⁻¹ ġ)^∨. frame="base": (ṗ, ω), the velocity of the tool's origin and the
-    angular velocity, both in base axes. This is not the spatial twist; its v is the velocity of the point at the base's
-    origin.
+    frame="tool": the body twist V^b = (g⁻¹ ġ)^∨. frame="base": (ṗ, ω), the tool origin's velocity and the angular
+    velocity, both in base axes. This is not the spatial twist. Its v is the velocity of the point at the base's origin.
 
-    hold: components that keep the tool where the hold began: "position", "orientation" or six booleans in the order of
-    the twist, along the axes of `frame`. They have priority, drift is corrected, and their twist must be 0.
+    hold: components to keep where the hold began, along the axes of `frame`: "position", "orientation" or six booleans
+    in the order of the twist. They have priority, drift is corrected, and their twist must be 0.
 
-    Raises InputError for a twist that is not six finite numbers, an unknown frame, or a held component with a twist.
+    Raises InputError for a twist without six finite numbers, an unknown frame, or a held component with a twist.
     """
 
     twist: Array

@@ -1,4 +1,4 @@
-"""The output of one servo step: joint rates, a status with its reason, and the lost part of the command."""
+"""The output of a servo step: joint rates, a status with its reason, and the lost command."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ _NOTHING_LOST = frozen(np.zeros(6))
 
 
 class Asked(NamedTuple):
-    """A command to an arm at theta (n,), and whether the arm stops where it cannot follow."""
+    """A command to an arm at theta (n,), and whether the arm stops instead of sliding along."""
 
     arm: Arm
     theta: Array
@@ -87,18 +87,18 @@ class ServoOutput(Brief):
 
     theta_dot (n,) [rad/s, m/s]: the joint rates for the coming dt.
 
-    scale: the executed share of the reachable command, 1 − ‖done − reachable‖ over the longer of the two, at least 0.
-    It is below 1 while the arm changes its speed, and where a limit or a singularity slows it.
+    scale: the executed share of the reachable command, at least 0: 1 − ‖done − reachable‖ over the longer of the two.
+    It is below 1 while the arm changes speed, or a limit or a singularity slows it.
 
-    lost_twist (6,) [m/s, rad/s], in the axes of the command's frame: the part that the arm cannot do here at any speed.
-    The cause is a missing motion, a singularity, or a joint at its end or braking toward it. At constant speed the tool
-    moves by scale · (twist − lost_twist). If the tool must turn to move, that rotation is in it with the opposite sign.
+    lost_twist (6,) [m/s, rad/s], in the axes of the command's frame: the part impossible here at any speed. The cause
+    is a missing motion, a singularity, or a joint that is or stops at its end. At constant speed the tool moves by
+    scale · (twist − lost_twist). A rotation that the tool needs in order to move is in it, with opposite sign.
 
     lost_share: ‖lost_twist‖ / ‖twist‖, with metres divided by the length.
 
     joint: the joint or motor most concerned by a limit or a singularity, or None.
 
-    remaining: the distance of a `PoseCommand` from its pose, [m] and [rad]; zeros for other commands.
+    remaining: the distance of a `PoseCommand` from its pose, [m] and [rad], else zeros.
     """
 
     theta_dot: Array
@@ -125,8 +125,8 @@ class ServoOutput(Brief):
     def explain(self) -> str:
         """Why the arm rests or does less than commanded, in one sentence, made on demand.
 
-        It names the joint or motor and its limit, the motion that the arm lacks here or everywhere, or the error in the
-        command. "stopped on its course" precedes it if settings.on_unreachable stopped the arm.
+        It names the joint or motor and its limit, the motion that the arm lacks, or the command's error. "stopped on
+        its course" precedes it if settings.on_unreachable stopped the arm.
         """
         on_course = self._asked is not None and self._asked.stops and self.scale * (1.0 - self.lost_share) < STANDING
         if on_course and self._words != self.status.value and self.status is not ServoStatus.IMPOSSIBLE_DIRECTION:
@@ -206,7 +206,7 @@ class ServoOutput(Brief):
 
 
 def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tuple[Lack, str]:
-    """The graver half of the lost twist (6,): whether the arm has it elsewhere, and its words."""
+    """The graver half of the lost twist (6,): whether the arm has it elsewhere, and words."""
     turned = np.linalg.norm(lost[3:]) * asked.arm.reach >= np.linalg.norm(lost[:3])
     half, way = (ANGULAR, "turn") if turned else (LINEAR, "move")
     part = lost[list(half)]

@@ -18,7 +18,7 @@ MOST = 1e6
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ServoState(Brief):
-    """The commanded arm: theta (n,) [rad, m], its rates theta_dot (n,), and the pose it holds.
+    """The commanded arm: theta (n,) [rad, m], its rates theta_dot (n,), and the held pose.
 
     theta integrates the commands and never the measurements, so noise cannot make it drift. `held` (4, 4) is the pose
     with held components, or None. `holding` are the flags of the command that holds them. `period` [s] is a slow mean

@@ -24,32 +24,32 @@ _CAUSES = tuple(Cause)
 def servo_step(
     arm: Arm, state: ServoState, command: CommandLike, dt: float, *, settings: ServoSettings = _DEFAULT
 ) -> tuple[ServoState, ServoOutput]:
-    """One step of the servo: the state after `dt` [s] under `command`, and the joint rates that lead there.
+    """One step of the servo: the state after `dt` [s] of `command`, and its joint rates.
 
-    An unusable command raises no error, because a loop that raises loses the arm. The arm comes to rest within its
-    acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.max_dt] or a state that
-    is not finite gives STALE with zero rates at once.
+    An unusable command raises no error, because a loop that raises loses the arm. The arm stops within its acceleration
+    limits. The status is STALE with the reason. A dt outside (0, settings.max_dt], or a state that is not finite, gives
+    STALE and zero rates at once.
 
     The rates minimise a strictly convex function, continuous in configuration and command (docs/servo.md). Away from
     singularities a twist is exact. If the arm lacks directions (below six joints, at a limit), held components come
-    first, then the linear part, then the angular part. The rest is lost and reported. Near a singularity the law damps
-    fast directions on the way in, not on the way out. Velocity and acceleration limits of joints and motors slow the
-    motion as a whole. A joint slows down toward its position limit. The others continue, or all stop on the course
+    first. The linear part is next, the angular part last. The rest is lost and reported. Near a singularity the law
+    damps fast directions only on the way in. Velocity and acceleration limits of joints and motors slow the motion as a
+    whole. A joint slows down toward its position limit. The others continue, or all stop on the course
     (settings.on_unreachable).
 
-    A missing limit is no limit: without acceleration limits rates jump, without velocity limits they follow the
+    A missing limit is no limit. Without acceleration limits rates jump; without velocity limits they follow the
     command. `stream.run` assumes limits there.
 
     Args:
         arm: The arm.
         state: The state before the step; `ServoState.at(arm, theta)` makes the first one.
-        command: A `TwistCommand`, `JogCommand` or `PoseCommand`; six numbers are a twist (v, w) [m/s, rad/s] in tool
-            axes; None is no command.
+        command: A `TwistCommand`, `JogCommand`, `PoseCommand` or None. Six numbers are a twist (v, w) [m/s, rad/s] in
+            tool axes.
         dt: The length of the step [s], in (0, settings.max_dt].
         settings: Margins, thresholds and the length that compares metres with radians.
 
     Returns:
-        The state after the step and the `ServoOutput`: rates (n,) [rad/s, m/s], status, reason, and what was lost.
+        The state after the step and the `ServoOutput`: rates (n,) [rad/s, m/s], status, reason and loss.
 
     Raises:
         InputError: The arm, the state or the settings are of another type.

@@ -77,8 +77,8 @@ def worded(error: Exception) -> str:
 class Cycles(ABC, Generic[C]):
     """A loop, cycle by cycle, for programs with a timer.
 
-    Call `cycle` at `rate` [Hz] until it returns an ending. Then call `brake` at the same rate until it returns True,
-    then `halt` in any case. `arm` has assumed limits where the given one has none; `assumed` lists them.
+    Call `cycle` at `rate` [Hz] until it returns an ending. Then call `brake` at the same rate until it returns True.
+    Finally call `halt` in any case. `arm` has assumed limits where the given one has none; `assumed` lists them.
     """
 
     def __init__(
@@ -118,7 +118,7 @@ class Cycles(ABC, Generic[C]):
     def cycle(self, now: float, periods: int = 1) -> C:
         """One cycle: read the joints, take the command, step the servo, write the setpoint.
 
-        A device that fails, or a setpoint that is not finite, is an ending and raises nothing. Such a setpoint is not
+        A failing device, or a setpoint that is not finite, is an ending and raises nothing. Such a setpoint is not
         sent. Other exceptions are errors of a program.
 
         Args:
@@ -141,7 +141,7 @@ class Cycles(ABC, Generic[C]):
 
         A failure of the sink is recorded.
 
-        If the servo fails, the arm stops at once with zero rates at its last position.
+        If the servo fails, the arm stops at once: zero rates at its last position.
 
         Args:
             now: The clock's time [s].
@@ -248,8 +248,9 @@ class Cycles(ABC, Generic[C]):
         return ""
 
     def _elapsed(self, now: float) -> float:
-        """Seconds of this step: the time since the last one, so a late cycle moves nothing faster than its rate. It is
-        one period at first, and if that time is unusable.
+        """Seconds since the last step, so that a late cycle moves nothing faster.
+
+        It is one period at first, and if that time is unusable.
         """
         if self._stepped is None or self._untimely(now):
             return self.period
@@ -305,7 +306,7 @@ class Cycles(ABC, Generic[C]):
 
 
 def checked_rate(rate: float, settings: ServoSettings) -> float:
-    """`rate` [Hz]. Raises InputError if it is not positive, or if a period exceeds the servo's longest step."""
+    """`rate` [Hz]. Raises InputError if it is not positive, or a period exceeds the servo's longest step."""
     checked = as_positive(rate, "rate")
     if 1.0 / checked > settings.max_dt:
         raise InputError(

@@ -41,8 +41,8 @@ class Interlock:
     Thread-safe.
 
     It starts enabled unless `enabled` is False. If it forbids motion, `run` brings the arm to rest within its
-    acceleration limits and keeps it there; the stream continues. An emergency stop is latched: `enable` has no effect
-    before `clear`, which moves nothing (ISO 13850, 4.1.4). This is software and does not replace hardware.
+    acceleration limits. The stream continues. An emergency stop is latched: `enable` has no effect before `clear`,
+    which moves nothing (ISO 13850, 4.1.4). This is software and does not replace hardware.
     """
 
     def __init__(self, *, enabled: bool = True) -> None:

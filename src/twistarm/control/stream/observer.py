@@ -49,21 +49,21 @@ NOISE, JITTER = 0.7e-3, 0.006
 
 
 def with_reserve(arm: Arm) -> Arm:
-    """The arm with reduced limits, so the servo's rates divided by the gains stay within those of `arm`."""
+    """The arm with reduced limits. The servo's rates divided by the gains then stay within those of `arm`."""
     given = arm.limits
     velocity, acceleration = VELOCITY_SHARE * given.velocity, ACCELERATION_SHARE * given.acceleration
     return replace(arm, limits=replace(given, velocity=velocity, acceleration=acceleration))
 
 
 class RateObserver:
-    """A Kalman filter for each joint's position θ and drive gain g, and one loop delay D for all joints.
+    """A Kalman filter for each joint's position θ and drive gain g, with one loop delay D.
 
     h(t) is the integral of the sent rates u, and θ' = g u. The state heard at t shows the joint as θ − g (h(now) − h(t
-    − D)). The delay is in the prediction (a Smith predictor) and not in the loop. A wrong gain leaves a lasting error,
-    a wrong delay one that vanishes at rest; this tells them apart.
+    − D)). The delay is in the prediction (a Smith predictor) and not in the loop. A wrong gain leaves a lasting error;
+    that of a wrong delay vanishes at rest.
 
-    `rates` closes a position loop: the servo's rate plus STIFFNESS times the distance to the servo's position, divided
-    by the gain, within the arm's velocity and acceleration limits.
+    `rates` closes a position loop: the servo's rate plus STIFFNESS times the distance to the servo's position. It is
+    divided by the gain and kept within the arm's velocity and acceleration limits.
     """
 
     def __init__(self, arm: Arm) -> None:
@@ -99,8 +99,7 @@ class RateObserver:
             self._update(measured.theta, min(measured.time, now))
 
     def rates(self, theta: Array, theta_dot: Array, elapsed: float, follow: bool = True) -> Array:
-        """The rates u (n,) for joints that should be at theta (n,) now and move at theta_dot (n,), `elapsed` [s] after
-        the last.
+        """The rates u (n,) for joints at theta (n,) with the rate theta_dot (n,), `elapsed` [s] after the last.
 
         Unless `follow`, theta is ignored and the joints come to rest as the servo does.
         """

@@ -41,13 +41,13 @@ LONGEST_QUEUE = 10_000
 class SimulatedJoints:
     """The joints of `arm`, at rest at `theta` (n,): a sink and a feedback.
 
-    A setpoint takes effect `latency` [s] later. Each joint then moves at the setpoint's rate plus 40 1/s times its
-    position error, within `velocity` and `acceleration` (n,) [rad/s, m/s, and per s²]. By default these are the arm's
-    limits or the assumed ones, plus the usual reserve of drives. `assumed` lists assumed limits. At a position limit a
-    joint stops dead. `step` advances time by hand; `write` and `read` first advance it to now. With your own clock the
-    same calls give the same motion.
+    A setpoint takes effect `latency` [s] later. Each joint moves at the setpoint's rate plus 40 1/s times its position
+    error. `velocity` and `acceleration` (n,) [rad/s, m/s, and per s²] limit it. By default these are the arm's limits
+    or assumed ones, plus the usual reserve of drives. `assumed` lists assumed limits. At a position limit a joint stops
+    dead. `step` advances time by hand; `write` and `read` first advance it to now. With your own clock the same calls
+    give the same motion.
 
-    Raises InputError for a negative latency, limits that are not positive, a theta of another shape.
+    Raises InputError for a negative latency, limits that are not positive, or a wrong theta shape.
     """
 
     def __init__(

@@ -1,9 +1,8 @@
-"""The process of one lesson: it runs the cells and writes text and outputs as HTML.
+"""The process of one lesson: it runs the cells and writes their text and outputs as HTML.
 
     python -m twistarm.guide.building.lesson_process LESSON.py SCENES OUT.json
 
-The outcome is JSON: `body`, `sections` (name and title of each), and `failed` (empty, or a sentence with the cell and
-the reason).
+The outcome is JSON: `body`, `sections` (name and title of each) and `failed`, empty or a sentence with cell and reason.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ def _centres(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
 
 
 def _stacks(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
-    """Joints with a fourth turn about a ball's centre, a plane with one more, a doubled one; the arm's own."""
+    """Joints with a fourth turn about a ball's centre, one too many in a plane, a double; the arm's."""
     w, q = unit(rng), rng.normal(size=3)
     turns = [np.concatenate([-np.cross(each, q), each]) for each in (*np.eye(3), unit(rng))]
     slides = [np.concatenate([np.cross(w, each), np.zeros(3)]) for each in (unit(rng), unit(rng), unit(rng))]

@@ -1,4 +1,4 @@
-"""The tasks for Octave and MATLAB: functions to fill in, and scripts that run them and write the answers."""
+"""The tasks for Octave and MATLAB: functions to fill in, and scripts that write their answers."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ def _triangle(l1: float, l2: float, x: float, y: float) -> bool:
 
 
 def _by_the_wrist(l1: float, l2: float, l3: float) -> Array:
-    """The wrist moves in an annulus, which must contain a whole circle of radius l3 about the tip."""
+    """The wrist moves in an annulus. It must contain a whole circle of radius l3 about the tip."""
     inner, outer = l1 - l2, l1 + l2
     distances = np.linspace(0.0, l1 + l2 + l3, 100_001)
     inside = (np.abs(distances - l3) >= inner) & (distances + l3 <= outer)

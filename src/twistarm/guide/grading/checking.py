@@ -52,9 +52,9 @@ def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
 
 
 def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) -> Report:
-    """Grade the exercises in a Python file, or in a results file that the Octave and MATLAB scripts write.
+    """Grade the exercises in a Python file, or in a results file of Octave or MATLAB.
 
-    A file named as a lesson (`2_1_1_quaternions.py`) must have all its exercises; in others the existing functions are
+    A file named as a lesson (`2_1_1_quaternions.py`) must have all its exercises. In others the existing functions are
     graded.
 
     Args:

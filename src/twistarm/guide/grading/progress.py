@@ -54,7 +54,7 @@ def folder_with_progress(given: Path, usual: Path) -> Path:
 
 
 def folder_of(path: Path) -> Path:
-    """The folder with a graded file's progress: the file's own, or the one above if only that has progress."""
+    """The folder with a graded file's progress: the file's, or the one above if only that has progress."""
     own = path.absolute().parent
     above = why_no_file(own / NAME) == NO_SUCH_FILE and not why_no_file(own.parent / NAME)
     return own.parent if above else own

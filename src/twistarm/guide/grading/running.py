@@ -1,4 +1,4 @@
-"""A reader's code, run in copies of this process with limits for its time, its memory and what it prints.
+"""A reader's code, run in copies of this process with limits of time, memory and output.
 
 One copy reads a file. Another answers each exercise, so that one exercise cannot spoil the next.
 """
@@ -47,7 +47,7 @@ class Run:
     """The result of a file: its functions, each exercise's answers, its output, and its errors.
 
     `own` are the functions that the file defines itself. `answers` has a text for an exercise that ended the process.
-    `problem` says why the file cannot be used; `excerpt` shows a syntax error with a caret below.
+    `problem` says why the file is unusable. `excerpt` shows a syntax error with a caret below.
     """
 
     functions: tuple[str, ...] = ()
@@ -83,7 +83,7 @@ def run_function(function: Callable[..., Any], name: str, rows: Rows, seconds: f
 
 
 def _in_a_copy(work: Callable[[], Any], seconds: float) -> tuple[Any, str]:
-    """The result of the work in a copy of this process, or how the copy ended; and what it printed."""
+    """The result of the work in a copy of this process, or how the copy ended, and its output."""
     context = multiprocessing.get_context("fork")
     told, telling = context.Pipe(duplex=False)
     with TemporaryFile("w+", encoding="utf-8", errors="replace") as printed:
@@ -131,7 +131,7 @@ class _Printed(io.TextIOBase):
 
 
 def _be_the_copy(work: Callable[[], None], printed: TextIO) -> None:
-    """Release the terminal or notebook, limit the memory to `MEMORY` more than now, work, and end at once."""
+    """Release the terminal or notebook, limit the memory to `MEMORY` more, work, and end at once."""
     try:
         os.setsid()
         sys.stdin, sys.stdout = io.StringIO(), _Printed(printed)
@@ -148,7 +148,7 @@ def _be_the_copy(work: Callable[[], None], printed: TextIO) -> None:
 
 
 def _answers(function: Callable[..., Any], rows: Rows, file: str) -> list[Answer]:
-    """The answers of a function to the rows, until it says that it is not written."""
+    """A function's answers to the rows, up to the first that is not written."""
     answers: list[Answer] = []
     for row in rows:
         answers.append(of_function(function, row, file))
@@ -158,7 +158,7 @@ def _answers(function: Callable[..., Any], rows: Rows, file: str) -> list[Answer
 
 
 def _load(source: str, name: str, folder: Path) -> tuple[Run, Functions]:
-    """A reader's file as it was read, and the functions that it defines; none where it cannot be run."""
+    """A reader's file and the functions that it defines; none if it cannot be run."""
     try:
         code = compile(source, name, "exec", dont_inherit=True)
     except SyntaxError as error:

@@ -90,7 +90,7 @@ def size(arm, gaps):
 
 
 def nimble(arm, theta):
-    """The least singular value but for directions that the arm never has; lengths in shares of the reach."""
+    """The least singular value but for directions that the arm never has. Lengths are shares of the reach."""
     sigma = np.linalg.svd(
         arm.body_jacobian(theta) / np.repeat([arm.reach, 1.0], 3)[:, None], compute_uv=False
     )

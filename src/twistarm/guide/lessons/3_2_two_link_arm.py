@@ -266,7 +266,7 @@ guide.say(
 
 # %%
 def two_links(arm):
-    """The first of two parallel turning joints, each with a coordinate of its own, that carry something; or None."""
+    """The first of two parallel turning joints that carry something and have separate coordinates, or None."""
     A = arm.coupling.A
     points = guide.arm_points(arm, arm.ready)
     axes = poe.spatial_jacobian(arm.screws, A @ arm.ready)[3:]

@@ -1,4 +1,4 @@
-"""The arm of a lesson: the reader's, or a bundled one if that lacks what the lesson needs."""
+"""The arm of a lesson: the reader's, or a bundled one if that does not fit."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def bundled(name: str = BUNDLED[0]) -> Arm:
 
 
 def arm_with(what: str, fits: Callable[[Arm], bool]) -> Arm:
-    """The reader's arm if it fits, else the first bundled arm that does, with a sentence that says so.
+    """The reader's arm if it fits, else the first fitting bundled one, with a sentence about it.
 
     Args:
         what: What the lesson needs, as the end of "does not have …": "three joints that turn".

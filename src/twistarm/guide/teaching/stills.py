@@ -1,4 +1,4 @@
-"""Drawings for paper and for pages without JavaScript: a scene or a slider at its start."""
+"""Drawings for paper and for pages without JavaScript: the start of a scene or a slider."""
 
 from __future__ import annotations
 

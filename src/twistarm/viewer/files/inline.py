@@ -15,7 +15,7 @@ STYLE = "width:100%;border:1px solid #8884;border-radius:8px;color-scheme:normal
 
 @dataclass(frozen=True)
 class Inline:
-    """HTML that a notebook shows on the last line of a cell or by IPython's `display`."""
+    """HTML that a notebook shows on a cell's last line or by IPython's `display`."""
 
     html: str
 

@@ -1,4 +1,4 @@
-"""A motion at moments in time, for the stand-alone page: joint values, and the numbers of the theory."""
+"""Samples of a motion for the stand-alone page: joint values and the numbers of the theory."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def _times(duration: float) -> Array:
 
 
 def recorded(arm: Arm, theta: Array, trajectory: Trajectory | None) -> dict[str, Any]:
-    """The axes, times (k,) [s], the numbers at each, and `aside`, those at theta (n,), where the arm stands.
+    """The axes, times (k,) [s], the numbers at each, and `aside`, those at the shown theta (n,).
 
     `moved`: the joint that is fastest at that moment, metres measured in the reach.
     """

@@ -1,4 +1,4 @@
-"""A snapshot of the scene for a saved page: the arm, the visible layers and an optional motion."""
+"""A snapshot of the scene for a saved page: arm, visible layers, and an optional motion."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ SAME = 1e-9
 
 @dataclass(frozen=True)
 class SceneSnapshot:
-    """`arm` at theta (n,) [rad, m] with the joints beside it, drawn as `scene`, and the visible layers.
+    """`arm` at theta (n,) [rad, m] with its other joints, drawn as `scene`, and the visible layers.
 
     `playback` is the motion that the page plays and its start time, or None. `findings` is their message, or None
     before the doctor has run. `recorded` holds poses by name.
@@ -88,7 +88,7 @@ class SceneSnapshot:
         }
 
     def _poses(self) -> dict[str, list[float]]:
-        """The poses that the page can go to, by name: the arm's and the recorded ones."""
+        """Poses that the page can go to, by name: the arm's and the recorded ones."""
         named = {name: theta.tolist() for name, theta in named_poses(self.arm).items()}
         own = {f"{name} (recorded)" if name in named else name: theta.tolist() for name, theta in self.recorded.items()}
         return named | own

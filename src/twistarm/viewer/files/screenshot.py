@@ -41,7 +41,7 @@ def save_png(
     Args:
         arm: The arm.
         path: The file to write, which ends in .png.
-        theta: The configuration to show (n,) [rad, m]; by default the trajectory's start, else the ready pose.
+        theta: The configuration to show (n,) [rad, m]. By default the trajectory's start, else the ready pose.
         size: (width, height) [pixels].
         trajectory: A motion whose tool path is drawn, or None.
 

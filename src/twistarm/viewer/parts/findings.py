@@ -27,7 +27,7 @@ def loaded(arm: Arm) -> Message:
 
 
 def examined(arm: Arm, reader: MeshReader | None = None) -> Message:
-    """The doctor's findings, or those of the loading if there is no description or the doctor fails.
+    """The doctor's findings, or those of loading without a description or if the doctor fails.
 
     reader: the reader of the arm's meshes.
     """

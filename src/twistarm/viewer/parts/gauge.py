@@ -65,8 +65,8 @@ class Gauge(Part):
 
         sigma: smallest singular value [rad per rad], singular below `below`. lacks: its direction in base axes.
 
-        joint: the joint or motor nearest to a position limit, with `room` [unit] to its `end` and the warning distance
-        `near`. All are null without a servo or without a limit.
+        joint: the joint or motor nearest to a position limit. It has `room` [unit] to its `end`, and the warning
+        distance `near`. All are null without a servo or without a limit.
         """
         if not show.driven:
             self._at, self._words = None, SILENT
@@ -101,10 +101,10 @@ class Measure:
         }
 
     def least(self, theta: Array) -> Least:
-        """The smallest singular value of the directions that the arm has elsewhere, 0 if it lacks one here.
+        """The smallest singular value of the directions that the arm has elsewhere. 0 if one is missing here.
 
-        The Jacobian is scaled as the servo damps it: the whole twist from five joints on, else the position, then the
-        rotation that keeps it.
+        The Jacobian is scaled as the servo damps it. From five joints on it is the whole twist, else the position, then
+        the rotation that keeps it.
         """
         found = Least(np.inf, np.zeros(6))
         for (sigma, U), rank in zip(self._levels(theta), self._ranks, strict=True):

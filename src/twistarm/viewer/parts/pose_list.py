@@ -30,7 +30,7 @@ leads through this pose to the next."""
 
 @dataclass(frozen=True, eq=False)
 class RecordedPose:
-    """A pose of the list. theta (n,) [rad, m] is inside the limits, and `by` of MOVES is the way to it."""
+    """A pose of the list. theta (n,) [rad, m] is inside the limits. `by` of MOVES is the way to it."""
 
     id: int
     name: str

@@ -1,4 +1,4 @@
-"""The program of recorded poses: edit the list, go to a pose, plan a motion through them."""
+"""The program of recorded poses: edit the list, go to a pose, plan a motion."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ MOST_GHOSTS = 12
 
 
 class Asked(NamedTuple):
-    """A requested motion: its kind, its stops or corner radius [m], and the tool's speed limit [m/s] (0: none)."""
+    """A requested motion: kind, stops or corner radius [m], the tool's speed limit [m/s] (0: none)."""
 
     kind: Any
     stop: bool
@@ -162,7 +162,7 @@ def _planned(
     met: Mapping[str, Any],
     progress: Progress,
 ) -> tuple[Trajectory | PathError, dict[str, Any]]:
-    """In a thread: the motion or the reason why there is none, and the tool's path."""
+    """In a thread: the motion or why there is none, and the tool's path."""
     beside = {"ideal": ideal_way(arm, poses), "waypoints": _ghosts(arm, poses, others)}
     try:
         motion = _motion(arm, poses, asked, limits, met, progress)

@@ -91,7 +91,7 @@ class TargetPart:
         yield self._status
 
     def _finish(self, show: Show, start: Array, number: int, answer: Answer) -> None:
-        """Show the answer unless a later target replaced it, the user released it, or the arm moved."""
+        """Show the answer unless a later target came, the user released it, or the arm moved."""
         moved = show.theta is not start and show.theta is not self._shown
         if number < self._answered or not self._wanted or moved or show.driven or show.moving:
             return
@@ -131,9 +131,9 @@ def tolerances_asked(fields: Mapping[str, float]) -> dict[str, float]:
 def solved_at_once(
     arm: Arm, target: Pose | Position | Approach, start: Array, met: Mapping[str, Any] = NONE
 ) -> IKResult | None:
-    """The solution of the first search from `start` if it meets the target within AT_ONCE, else None.
+    """The solution of the first search from `start`, if it succeeds within AT_ONCE, else None.
 
-    A full search gives the same bits, because the first converged search wins and none was cut short.
+    A full search gives the same bits: the first converged search wins, and none was cut short.
     """
     if arm._compiled is None:
         return None

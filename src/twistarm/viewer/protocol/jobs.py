@@ -21,10 +21,10 @@ Tell = Callable[[str, float | None], None]
 
 @dataclass(frozen=True)
 class Job:
-    """`work(progress)` runs in the thread of its `key`; `finish(result)` runs in the loop and may change the stage.
+    """`work(progress)` runs in the thread of its `key`. `finish(result)` runs in the loop and may change the stage.
 
     `progress` takes the fraction done. It raises ReplacedError once a later job with the same key waits. Errors of
-    `work` go to the pages after `doing`, the work in words, such as `planning the motion`.
+    `work` go to the pages after `doing`, such as `planning the motion`.
     """
 
     key: str

@@ -34,7 +34,7 @@ def require_meshcat() -> None:
 
 
 def set_object(path: str, geometry: Any, colour: Colour, matrix: Array, **material: Any) -> bytes:
-    """The packed message that draws a Meshcat geometry at `path` with pose `matrix` (4, 4) in its node."""
+    """The packed message for a Meshcat geometry at `path`, with the pose `matrix` (4, 4) in its node."""
     from meshcat.geometry import Mesh, MeshLambertMaterial
 
     lowered = Mesh(geometry, MeshLambertMaterial(color=_rgb(colour), opacity=colour[3], **material)).lower()

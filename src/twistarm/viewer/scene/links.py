@@ -33,7 +33,7 @@ Source = tuple[object, ...]
 
 @dataclass(frozen=True)
 class Drawn:
-    """The result for the mesh at `node`: messages that draw it or its replacement, and the reason of a failure.
+    """The result for the mesh at `node`: messages that draw it or its replacement, and a failure's reason.
 
     `drawn`: it could be read. `exact`: it shows all triangles of the file. `source`: its origin.
     """
@@ -47,7 +47,7 @@ class Drawn:
 
 
 def draw_plain(description: Description, size: float) -> list[bytes]:
-    """Draw each link in a separate node without files, with simple shapes in place of its meshes.
+    """Draw each link in a separate node without files, with simple shapes for its meshes.
 
     `size` [m] scales the replacements.
     """
@@ -75,8 +75,7 @@ def draw_meshes(
 
     Meshes in `known`, drawn before from the same source, are not read.
 
-    Unless `exact`, an arm with more than TRIANGLES is simplified to about that many, each file to its share of the
-    bytes.
+    Unless `exact`, an arm of more than TRIANGLES is simplified to about that many. Each file keeps its share by bytes.
     """
     most = {} if exact else _shares(description)
     read: dict[Path, list[Part] | str] = {}
@@ -118,7 +117,7 @@ def _stands_in(link: Link) -> bool:
 
 
 def _shares(description: Description) -> Mapping[Path, int]:
-    """The number of triangles for each file, by its size and the number of its uses."""
+    """Triangles for each file, by its size and number of uses."""
     files = [path for link in description.links.values() for _, _, path in _found(link)]
     sizes = {path: _bytes(path) for path in files}
     whole = max(sum(sizes[path] for path in files), 1)

@@ -1,4 +1,4 @@
-"""Files that a page can download, made in a thread from the view at that moment."""
+"""Files that a page can download, made in a thread from the current view."""
 
 from __future__ import annotations
 

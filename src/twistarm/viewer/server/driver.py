@@ -26,10 +26,10 @@ Post = Callable[[str, Callable[[Stage], None]], None]
 
 
 class Driver:
-    """Runs at most one drive: the loop of `twistarm.control.stream` in a thread, commanded by the pages.
+    """Runs at most one drive: the loop of `twistarm.control.stream` in a thread, with the pages' commands.
 
-    A drive begins at the configuration on show and leaves the arm where it comes to rest. The program goes first: its
-    servo and `Viewer.show` end the drive.
+    A drive begins at the shown configuration and leaves the arm where it stops. The program goes first: its servo and
+    `Viewer.show` end the drive.
     """
 
     def __init__(self, stage: Stage, commands: PageCommands, post: Post) -> None:

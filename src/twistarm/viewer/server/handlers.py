@@ -1,4 +1,4 @@
-"""Handlers of the web server: the page's files, and one socket per page with a bounded outbox."""
+"""Handlers of the web server: the page's files, and a socket per page with a bounded outbox."""
 
 from __future__ import annotations
 
@@ -243,7 +243,7 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
                 await self._empty_outbox()
 
     async def _empty_outbox(self) -> None:
-        """Send all waiting messages at once, then wait for the page while the outbox fills again.
+        """Send all waiting messages at once. Then wait for the page while the outbox fills again.
 
         Waiting for each message would delay the next by two turns of the loop.
         """

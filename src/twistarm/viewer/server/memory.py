@@ -1,4 +1,4 @@
-"""Memory of a view at a fixed port: recorded poses and theta in a JSON file of the state folder."""
+"""Memory of a view at a fixed port: recorded poses and theta, as JSON in the state folder."""
 
 from __future__ import annotations
 

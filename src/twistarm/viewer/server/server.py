@@ -1,4 +1,4 @@
-"""The viewer's web server: a thread with an event loop, a secret path, and a socket per page."""
+"""The viewer's web server: a thread with an event loop, a secret path, a socket per page."""
 
 from __future__ import annotations
 
@@ -197,7 +197,7 @@ class Server:
         return words
 
     async def _examine_in_calm(self) -> None:
-        """Examine the arm after CALM_TIME [s] of calm, so page loads and servos are not delayed."""
+        """Examine the arm after CALM_TIME [s] of calm, so as not to delay page loads and servos."""
         before = False
         while not (before and self._calm()):
             before = self._calm()
@@ -227,7 +227,7 @@ class Server:
         return [{"type": "work", "jobs": jobs}, self.scene.message(), self.notice]
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
-        """Do the request of the page `sender`, update every page, and return the replies for the sender alone.
+        """Do the request of the page `sender`, update every page, and return the sender's replies.
 
         A command to the servo changes nothing on show; the resulting motion does.
         """

@@ -1,4 +1,4 @@
-"""One cycle of a followed motion: compare with the measured arm, advance the clock, send the setpoint."""
+"""One cycle of a followed motion: compare the measured arm, advance the clock, send the setpoint."""
 
 from __future__ import annotations
 
@@ -93,10 +93,10 @@ class FollowControl:
 class FollowCycle(Cycle):
     """The events of one cycle of `follow`, and the progress.
 
-    at: the motion's time [s], below 0 on the way to its start; `duration` its length [s]; rate: the speed of its time,
-    0 … 1. error (n,): the distance of each joint from all setpoints within the last `feedback_timeout` [rad, m]. lag
-    (n,): the distance from the present setpoint. Both are None if unknown. labels: the labels passed in this cycle,
-    such as "close gripper".
+    at: the motion's time [s], below 0 on the way to its start. `duration`: its length [s]. rate: the speed of its time,
+    0 … 1. error (n,): each joint's distance from all setpoints of the last `feedback_timeout` [rad, m]. lag (n,): the
+    distance from the present setpoint. Both are None if unknown. labels: the labels passed in this cycle, such as
+    "close gripper".
     """
 
     at: float = 0.0
@@ -163,7 +163,7 @@ class Following(Cycles[FollowCycle]):
 
     @property
     def longest_braking(self) -> float:
-        """Seconds in which the arm comes to rest along its path, or at once if it has left the path."""
+        """Seconds for the arm to stop along its path, or at once if it has left the path."""
         left = 0.0 if self._astray else (self._leg.motion.duration - self._clock.time) / max(self._clock.rate, HALF_WAY)
         return super().longest_braking + left + 1.0 / SLOPE
 
@@ -221,7 +221,7 @@ class Following(Cycles[FollowCycle]):
         return permission.barrier
 
     def _along(self, now: float, hold: str) -> Setpoint:
-        """A step along the path: toward rest with a reason to `hold`, else toward the requested speed."""
+        """A step along the path: toward rest for a reason to `hold`, else toward the requested speed."""
         assert self.state is not None
         if self._on_the_way and self._clock.time >= self._leg.motion.duration:
             self._leg, self._clock = self._main, MotionClock(0.0, 0.0)

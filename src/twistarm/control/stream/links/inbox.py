@@ -1,4 +1,4 @@
-"""Inboxes, which threads, sockets and pages fill: the latest value of a single sender counts, for a timeout."""
+"""Inboxes filled by threads, sockets and pages: the latest value of one sender, for a timeout."""
 
 from __future__ import annotations
 
@@ -54,11 +54,11 @@ class Latest(Generic[T]):
 
     Older ones are dropped, so a flood takes no memory. Thread-safe.
 
-    A value counts for `timeout` [s], as with a dead man's switch, and only if a single sender spoke within that time. A
-    refused message replaces the value, so malformed input stops the arm. A message with a number not above the sender's
-    last one is dropped, until the sender was silent for a timeout.
+    A value counts for `timeout` [s], like a dead man's switch, and only from a single sender. A refused message
+    replaces the value, so malformed input stops the arm. A message is dropped if its number does not exceed the
+    sender's last one. Silence for a timeout resets this.
 
-    Writers and readers may be threads, so a stamp may be before or after the last look. Only the readers' clock must
+    Writers and readers may be threads. So a stamp may be before or after the last look. Only the readers' clock must
     run forward.
     """
 
@@ -74,7 +74,7 @@ class Latest(Generic[T]):
     def put(self, sender: str, value: T, now: float | None = None, number: int | None = None) -> None:
         """Store `value` from `sender` at `now` [s], with the sender's counter if it has one.
 
-        Its age counts from `now` (default: `MonotonicClock`, the loop's), or from the first look if that is earlier.
+        Its age counts from `now` (default: `MonotonicClock`, the loop's), or from an earlier first look.
         """
         if number is not None and not isinstance(number, (int, float)):
             raise InputError(f"number must be a counter, a whole number; got {shown(number)}")
@@ -192,5 +192,5 @@ def _name(sender: str) -> str:
 
 
 def _seen(arrival: _Arrival[T], now: float) -> _Arrival[T]:
-    """The arrival time, at most `now`; a later one would count for longer than a timeout."""
+    """The arrival time, at most `now`. A later one would count for longer than a timeout."""
     return arrival if arrival.time <= now else replace(arrival, time=now)

@@ -1,4 +1,4 @@
-"""A shared key that signs datagrams, each valid once and for a short time; see docs/streaming.md."""
+"""A shared key that signs datagrams, each valid once and briefly (docs/streaming.md)."""
 
 from __future__ import annotations
 
@@ -56,7 +56,9 @@ class Signer:
 
 
 class Verifier:
-    """Accepts signed datagrams once each, in order, within 2 s of this computer's clock, none from before its start."""
+    """Accepts signed datagrams once each, in order, within 2 s of this computer's clock. Older than its start are
+    refused.
+    """
 
     def __init__(self, key: bytes, now: Callable[[], int] = time.time_ns) -> None:
         self._key, self._now = checked_key(key), require_clock(now, "now")
