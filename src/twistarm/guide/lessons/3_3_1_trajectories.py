@@ -47,7 +47,7 @@ cubic = np.poly1d(np.linalg.solve(conditions, [0.0, 1.0, 0.0, 0.0]))
 u = np.linspace(0, 1, 1001)
 fastest, hardest = np.abs(cubic.deriv()(u)).max(), np.abs(cubic.deriv(2)(u)).max()
 guide.predict(
-    "You halve the time $T$ of the same move. By which factors do the greatest velocity and the greatest acceleration "
+    "You halve the time $T$ of a move. By which factors do the greatest velocity and the greatest acceleration "
     "grow?",
     "The velocity doubles, and the acceleration becomes four times as large. It is the acceleration that asks the "
     "motors for torque: haste costs by the square.",
@@ -311,7 +311,7 @@ guide.table(
         "straight in",
         "way of the tool's origin",
         "it leaves the straight line by",
-        "a point 10 cm ahead leaves its own by",
+        "a point 10 cm ahead leaves its own line by",
     ],
     rows,
     "Three ways between the same two poses.",
@@ -355,14 +355,14 @@ guide.predict(
 #
 # ## Let the planner do it
 #
-# Whether the arm *can* follow a line is another question: the limits end somewhere, and there are singularities.
+# Whether the arm *can* follow a line is another question: joints have limits, and there are singularities.
 # `plan` solves inverse kinematics along the way, keeps to one of its answers (the elbow never flips on the way), and then
 # finds the time law within all limits.
 
 
 # %%
 def push(arm, share):
-    """Along an axis of the base, that share of its reach: the first of six ways that the arm can go; or None."""
+    """A straight motion by this share of the reach along the first feasible of six base axes, or None."""
     v = np.where(np.isfinite(arm.limits.velocity), arm.limits.velocity, 1.0)
     a = np.where(np.isfinite(arm.limits.acceleration), arm.limits.acceleration, 2.0 * v)
     for direction in np.vstack([np.eye(3), -np.eye(3)]):

@@ -192,8 +192,8 @@ guide.figure(
 # %% [markdown]
 # ## The worst configuration inside your limits
 #
-# Where is your own arm singular? Ask two thousand random configurations, take the worst, and roll downhill from there,
-# within the joint limits.
+# Where is your own arm singular? Ask two thousand random configurations, take the worst, and minimise $\sigma$ from
+# there, within the joint limits.
 
 # %%
 low, high = arm.sampling_bounds
@@ -202,7 +202,7 @@ worst = configurations[np.argsort(arm.manipulability(configurations).singular_va
 found = [minimize(lambda x: least(x) ** 2, x, method="L-BFGS-B", bounds=bounds) for x in worst]
 singular = min((np.clip(each.x, low, high) for each in found), key=least)
 
-# The same configuration may lie whole turns away: take it where the limits have it nearest to waiting.
+# A whole turn of a joint changes nothing: take the copy inside the limits that is nearest to the ready one.
 nearest = singular + 2 * np.pi * np.round((theta - singular) / (2 * np.pi)) * ~slides
 nearest = np.where((nearest >= low) & (nearest <= high), nearest, singular)
 if np.allclose(arm.fk(nearest), arm.fk(singular)):
@@ -336,7 +336,7 @@ guide.table(
 # ## Driving through
 #
 # Move from the configuration in which the arm waits to the worst one, every joint in proportion. At each step, take the
-# twist of size one that suits the joints least, and ask how large their rates must be for it: $1/\sigma$.
+# twist of size one that needs the largest joint rates. Their size is $1/\sigma$.
 #
 # A controller that inverts $J$ sends these rates to the motors. **Damped least squares** does not. It is the mended step
 # of the numeric solver, with the wanted twist $V$ in the place of the gap, and rates in the place of the step:
@@ -385,7 +385,7 @@ guide.figure(
 # %% [markdown]
 # Damping is for driving by hand. When you *plan*, you may do better: move the joints instead of the tool past such a
 # place (`JointMove`), choose the other solution of inverse kinematics, or place the work elsewhere. `twistarm`'s servo
-# and its solver damp by themselves.
+# and its solver are damped.
 #
 # ## What is lost for motion is won for force
 #

@@ -52,7 +52,7 @@ def _phases(d: Array, V: Array, A: Array, J: Array) -> tuple[Array, Array, Array
 
 
 def _profiles(d: Array, jerk: Array, hold: Array, coast: Array, duration: float) -> tuple[Array, Array]:
-    """Breakpoints and coefficients of the ways d (n,) in those phases, slowed to one time."""
+    """Breakpoints and coefficients for the distances d (n,) with these phases, slowed to one duration."""
     own = 4.0 * jerk + 2.0 * hold + coast
     whole = max(float(own.max()), duration)
     moves = own > 0

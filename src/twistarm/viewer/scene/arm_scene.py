@@ -15,7 +15,7 @@ from .nodes import link_path
 
 
 class Scene:
-    """Messages that draw the arm once, in order, the node of each link, and failures.
+    """An arm's drawing: messages in order, the node of each link, and failures.
 
     Everything that moves has a node. So a configuration is one matrix per node, {path: (4, 4) by columns}. `draw`
     appends to `objects`, from any thread. The first `plain` objects are not meshes, and replaced ones are empty. Meshes
@@ -24,7 +24,7 @@ class Scene:
     """
 
     def __init__(self, arm: Arm, exact: bool = False, known: Mapping[Source, Drawn] | None = None) -> None:
-        """known: meshes that were drawn before, which are not read again."""
+        """known: drawn meshes, which are not read again."""
         drawing.require_meshcat()
         self._known = dict(known or {})
         self.exact, self.simplified = exact, False
@@ -90,7 +90,7 @@ class Scene:
         self.left -= 1
 
     def close(self) -> None:
-        """Draw no more mesh; the one that is being read is given up. From any thread."""
+        """Stop drawing, and stop reading the current mesh. From any thread."""
         with self._lock:
             readers = {self.reader, self._reading}
         for each in readers:
