@@ -29,7 +29,7 @@ LOUDEST = 0.02
 UNITS = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254, "kilometres": 1000.0}
 """Units that positions may have been logged in, each in metres."""
 
-ALIKE = 3.0
+SIMILAR = 3.0
 """Two logs of one arm differ less than by this factor in how far the tool is from the base."""
 
 CONFIGURATIONS = 200
@@ -82,19 +82,19 @@ def check_wiring(
     counts = logged.of(motors)
     if not len(counts):
         raise InputError("the log holds no moment: give a row of counts and the tool's position for each")
-    told = progress or (lambda _: None)
+    report_progress = progress or (lambda _: None)
     as_said = _wiring(arm, motors, counts, logged.measured, noise)
     as_said = replace(as_said, base=(base[0] or 0.0, base[1] or 0.0))
     doubted = USUAL[0] if base[0] is None else base[0], USUAL[1] if base[1] is None else base[1]
-    unit, as_said, found = _explained(as_said, motors, doubted, _part(told, 0, 2))
+    unit, as_said, found = _explained(as_said, motors, doubted, _part(report_progress, 0, 2))
     as_said = replace(as_said, base=found.wiring.base)
     wiring, p = swapped(as_said, motors, found.swapped), found.explanation.p
-    if _still(wiring):
+    if _is_motionless(wiring):
         verdict, what, each = unmoved(found, motors)
     elif found.fits:
         verdict, what, each = judged(found, motors)
     else:
-        why_not = _why_not(found, motors, doubted, _part(told, 1, 2))
+        why_not = _why_not(found, motors, doubted, _part(report_progress, 1, 2))
         verdict, what, each = "unexplained", why_not, unjudged(motors)
     if unit:
         verdict, what = "unexplained", f"the positions look like {unit}: log x, y, z in metres; read so, {what}"
@@ -125,7 +125,7 @@ def _explained(
     wiring: Wiring, motors: Actuators, doubted: tuple[float, float], progress: Progress
 ) -> tuple[str, Wiring, Found]:
     """The unit of the logged positions (empty for metres), the wiring in metres, and the findings."""
-    if _still(wiring):
+    if _is_motionless(wiring):
         return "", wiring, as_sound(_thinned(wiring))
     units = _plausible_units(wiring)
     for done, unit in enumerate(units):
@@ -143,9 +143,9 @@ def _plausible_units(wiring: Wiring) -> list[str]:
     """
     usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(0, CONFIGURATIONS))[:, :3, 3])
     measured = _mean_distance(wiring.position)
-    if not usual or not measured or 1 / ALIKE < measured / usual < ALIKE:
+    if not usual or not measured or 1 / SIMILAR < measured / usual < SIMILAR:
         return []
-    return [unit for unit, metres in UNITS.items() if 1 / ALIKE < metres * measured / usual < ALIKE]
+    return [unit for unit, metres in UNITS.items() if 1 / SIMILAR < metres * measured / usual < SIMILAR]
 
 
 def _mean_distance(position: Array) -> float:
@@ -157,7 +157,7 @@ def _part(progress: Progress, done: int, parts: int) -> Progress:
     return lambda fraction: progress((done + fraction) / parts)
 
 
-def _still(wiring: Wiring) -> bool:
+def _is_motionless(wiring: Wiring) -> bool:
     return not any(moved(wiring, i) for i in range(wiring.k))
 
 
@@ -174,7 +174,7 @@ def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progres
         rest = wiring.of_rows(np.delete(np.arange(K), odd))
         if fewest_faults(rest, *best_fit(rest, _part(progress, 0, 2))).fits(rest):
             return f"row {odd + 1} of the log does not fit the others: measure it again, or leave it out"
-    louder = replace(swapped(wiring, motors, found.swapped), noise=_noise_seen(found), base=base)
+    louder = replace(swapped(wiring, motors, found.swapped), noise=_explaining_noise(found), base=base)
     if louder.noise[0] <= LOUDEST:
         heard = search(louder, motors, base, _part(progress, 1, 2))
         if heard.fits:
@@ -188,7 +188,7 @@ def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progres
     )
 
 
-def _noise_seen(found: Found) -> tuple[float, float]:
+def _explaining_noise(found: Found) -> tuple[float, float]:
     """The noise that would explain the residual that is left."""
     wiring = found.wiring
     louder = float(np.sqrt(found.explanation.total / freedom(wiring, 2 * wiring.k)))

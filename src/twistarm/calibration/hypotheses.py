@@ -102,7 +102,7 @@ def _improved(wiring: Wiring, best: Explanation) -> Explanation:
         improved = False
         for i in range(wiring.k):
             for other in alternatives(wiring, best, i):
-                if other.cost < best.cost - ENOUGH:
+                if other.cost < best.cost - LEAST_GAIN:
                     best, improved = other, True
     return best
 
@@ -112,7 +112,7 @@ def freedom(wiring: Wiring, fitted: int) -> int:
     return max(len(wiring.residual(wiring.sound)) - fitted, 1)
 
 
-ENOUGH = 1e-6
+LEAST_GAIN = 1e-6
 """A cost that is less by no more than this is the same."""
 
 

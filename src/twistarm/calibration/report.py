@@ -79,7 +79,7 @@ class WiringReport:
     def require(self) -> WiringReport:
         """Itself, or ComparisonError with what was found."""
         if not self.ok:
-            told = [motor for motor in self.motors if motor.verdict != "sound" and motor.what]
-            found = [f"{motor.name}: {motor.what}" for motor in told]
+            faulty = [motor for motor in self.motors if motor.verdict != "sound" and motor.what]
+            found = [f"{motor.name}: {motor.what}" for motor in faulty]
             raise ComparisonError(f"the wiring of {self.arm}: {'; '.join([self.what, *found])}")
         return self

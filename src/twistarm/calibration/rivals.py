@@ -64,10 +64,10 @@ def _reversed(wiring: Wiring, p: Array, i: int) -> float:
 def unseen_swaps(found: Found, motors: Actuators) -> list[tuple[int, int]]:
     """Pairs of motors that may also be swapped, with everything else as found."""
     pairs = [pair for pair in combinations(range(found.wiring.k), 2) if not set(pair) & set(found.swapped)]
-    return [pair for pair in pairs if _as_well_swapped(found, swapped(found.wiring, motors, pair))]
+    return [pair for pair in pairs if _explained_by_swap(found, swapped(found.wiring, motors, pair))]
 
 
-def _as_well_swapped(found: Found, other: Wiring) -> bool:
+def _explained_by_swap(found: Found, other: Wiring) -> bool:
     best = found.explanation
     if not may_fit(other, best.p):
         return False

@@ -34,10 +34,10 @@ from .search import Found
 SEEN_SCALE, SEEN_ANGLE, SEEN_LENGTH = 0.05, np.radians(2.0), 0.01
 """With a larger standard deviation than this the log does not show a scale or an offset [joint rad, m]."""
 
-NOTHING = 1e-9
+ROUNDING = 1e-9
 """A singular value that is a smaller part of the largest is rounding."""
 
-UNSEEN = 1e-6
+NEGLIGIBLE_SHARE = 1e-6
 """A smaller share in a direction of which nothing is seen is rounding."""
 
 Suspect = tuple[int, Found]
@@ -47,15 +47,15 @@ Suspect = tuple[int, Found]
 def standard_deviations(found: Found) -> Array:
     """Standard deviations (2k,) with all parameters fitted: √ diag (AᵀA)⁻¹, inf outside the row space of A."""
     _, values, Vt = np.linalg.svd(found.wiring.slope(found.explanation.p), full_matrices=False)
-    values = np.where(values > NOTHING * values[0], values, 0.0)
+    values = np.where(values > ROUNDING * values[0], values, 0.0)
     # Fewer equations than parameters leave rows of Vt out: those directions are not seen either.
     missing = 1.0 - (Vt * Vt).sum(axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        variance = np.where(np.abs(Vt) > UNSEEN, (Vt / values[:, None]) ** 2, 0.0).sum(axis=0)
-    return np.sqrt(np.where(missing > UNSEEN, np.inf, variance))
+        variance = np.where(np.abs(Vt) > NEGLIGIBLE_SHARE, (Vt / values[:, None]) ** 2, 0.0).sum(axis=0)
+    return np.sqrt(np.where(missing > NEGLIGIBLE_SHARE, np.inf, variance))
 
 
-def _seen_offset(wiring: Wiring, i: int) -> float:
+def _visible_offset(wiring: Wiring, i: int) -> float:
     return SEEN_LENGTH if slides(wiring, i) else SEEN_ANGLE
 
 
@@ -108,7 +108,7 @@ class Evidence:
     def unseen(self) -> list[list[str]]:
         """For each motor what the log does not show: sign, ratio, zero."""
         signs = unseen_signs(self.found)
-        offset = [_seen_offset(self.found.wiring, i) for i in range(self.k)]
+        offset = [_visible_offset(self.found.wiring, i) for i in range(self.k)]
         rows = [
             {"sign": i in signs, "ratio": self.std[i] > SEEN_SCALE, "zero": self.std[self.k + i] > offset[i]}
             for i in range(self.k)
@@ -166,7 +166,7 @@ class Evidence:
         if self.unseen[i] != ["zero"] or self._swapped_with(i) or self.found.wiring.base_error is None:
             return False
         exact = replace(self.found, wiring=replace(self.found.wiring, base=(0.0, 0.0)))
-        return bool(standard_deviations(exact)[self.k + i] <= _seen_offset(self.found.wiring, i))
+        return bool(standard_deviations(exact)[self.k + i] <= _visible_offset(self.found.wiring, i))
 
     def _swapped_with(self, i: int) -> list[str]:
         return [self.motors.names[j] for pair in self.unseen_swaps if i in pair for j in pair if j != i]
@@ -185,7 +185,7 @@ def judged(found: Found, motors: Actuators) -> Judgement:
     certain = [motor.name for motor in each if motor.verdict == "fault"]
     if certain or evidence.open_faults:
         parts = [f"the log shows what is wrong with {enumerated([*map(repr, certain)])}"] if certain else []
-        parts += dict.fromkeys(_one_of(group, evidence) for group in evidence.open_faults)
+        parts += dict.fromkeys(_ambiguous(group, evidence) for group in evidence.open_faults)
         return "fault", base + "; ".join(parts), each
     hidden, shows = not_shown_of_all(motors.names, evidence.unseen, evidence.unseen_swaps)
     if hidden:
@@ -208,7 +208,7 @@ def unjudged(motors: Actuators, what: str = "", remedies: Sequence[str] = ()) ->
     return tuple(MotorVerdict(name, what=what, remedy=remedy) for name, remedy in told)
 
 
-def _one_of(group: list[Suspect], evidence: Evidence) -> str:
+def _ambiguous(group: list[Suspect], evidence: Evidence) -> str:
     motors = evidence.motors
     suspects = dict.fromkeys(f"{motors.names[j]!r} ({', '.join(named_faults(found, j))})" for j, found in group)
     base = next((words for j, _ in group if (words := evidence.or_base(j))), "")

@@ -31,7 +31,7 @@ Planned = tuple[Trajectory, list[Segment]]
 
 
 @dataclass(frozen=True)
-class Asked:
+class Typed:
     """The arm, the typed start and the options. None and False mean not typed."""
 
     arm: Arm
@@ -129,7 +129,7 @@ def motion_of_file(arm: Arm, path: Path, caps: Caps) -> tuple[Arm, Trajectory]:
     content = load_motion(path, arm)
     driven = replace(arm, limits=capped(arm, caps, content.limits))
     with progress_bar("planning") as progress:
-        motion, _ = Asked(driven).of_file(content, with_defaults(driven), progress)
+        motion, _ = Typed(driven).of_file(content, with_defaults(driven), progress)
     return driven, motion
 
 

@@ -70,7 +70,7 @@ class Sheet:
         found: dict[str, Column] = {}
         passed_over: list[str] = []
         for index, cell in enumerate(self.header):
-            name, unit = _known(cell.strip(), known)
+            name, unit = _quantity_and_unit(cell.strip(), known)
             if name is None:
                 passed_over += [] if OURS.match(cell) else [cell.strip()]
                 continue
@@ -159,7 +159,7 @@ def _is_number(cell: str) -> bool:
     return is_number(cell.replace(",", "."))
 
 
-def _known(cell: str, known: Mapping[str, str]) -> tuple[str | None, str]:
+def _quantity_and_unit(cell: str, known: Mapping[str, str]) -> tuple[str | None, str]:
     """The quantity that a header's cell names, and its unit."""
     match = UNIT.fullmatch(cell)
     name, unit = (match[1], match[2] or match[3] or "") if match else (cell, "")

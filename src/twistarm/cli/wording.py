@@ -90,7 +90,7 @@ def _in_degrees(found: re.Match[str]) -> str:
     return f"{math.degrees(float(value)):.{digits}g}°{found['unit'].removeprefix('rad')}"
 
 
-def told(error: Exception) -> str:
+def worded(error: Exception) -> str:
     """An error's message: ours in the words of the command line, any other with its origin."""
     if isinstance(error, TwistarmError):
         return in_options(str(error))

@@ -139,14 +139,14 @@ def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, fl
         return None
     g, J_b = arm._fk_and_body_jacobian(theta)
     for motion in _holding_position(target, g, J_b).T:
-        moved = _brought_to(arm, g[:3, 3], theta + SIDESTEP * motion)
+        moved = _moved_to(arm, g[:3, 3], theta + SIDESTEP * motion)
         there = _approach_normal(arm, target, moved, tool_axis)
         if there is None or np.linalg.norm(np.cross(there, normal)) > SAME_PLANE:
             return None
     return normal, math.asin(min(abs(float(normal @ direction)), 1.0))
 
 
-def _brought_to(arm: Arm, p: Array, theta: Array) -> Array:
+def _moved_to(arm: Arm, p: Array, theta: Array) -> Array:
     """A theta nearby with the tool's origin at p (3,), limits aside, by Newton's shortest steps."""
     for _ in range(STEPS):
         g, J_b = arm._fk_and_body_jacobian(theta)

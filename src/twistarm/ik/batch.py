@@ -20,7 +20,7 @@ from .certainty import settled
 from .ranges import joint_ranges
 from .request import Request, checked, named
 from .solution import IKResult
-from .targets import AnyTarget, Pose, TargetLike, checked_target, meant_by, target_for, target_of
+from .targets import AnyTarget, Pose, TargetLike, checked_target, shape_hint, target_for, target_of
 
 Progress = Callable[[float], object]
 """Called with the fraction done."""
@@ -157,10 +157,10 @@ def solve_ik_batch(
     chain = require_arm(arm)._core("solve_ik_batch")
     how = position_tol, orientation_tol, restarts, rng, max_time
     start = arm.ready if theta0 is None else named(arm, theta0)
-    rather = None if posture is None else named(arm, posture, start)
+    preferred = None if posture is None else named(arm, posture, start)
     counted = partial(_tell, progress, 0, None) if callable(progress) else progress
     # Poses that are plainly right go straight to the core, which looks at each of them much faster.
-    records = chain.solve_batch(Pose.kind, targets, start, *how, rather, threads, counted)
+    records = chain.solve_batch(Pose.kind, targets, start, *how, preferred, threads, counted)
     if records is not None:
         return IKBatch(arm, _finished(arm, records, None))
     asked = targets_for(arm, targets)
@@ -189,7 +189,7 @@ def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None)
 def targets_for(arm: Arm, targets: Any, taken: Callable[[Arm, Any], AnyTarget] = target_for) -> tuple[AnyTarget, ...]:
     """The targets of a batch, of any kinds, each as `taken` makes it. InputError names the place of a wrong one."""
     if isinstance(targets, np.ndarray) and (targets.ndim != 3 or targets.shape[1:] != (4, 4)):
-        raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}{meant_by(targets)}")
+        raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}{shape_hint(targets)}")
     if isinstance(targets, str) or not isinstance(targets, (np.ndarray, Sequence)):
         raise InputError(f"targets must be poses (N, 4, 4) or a sequence of targets; got {shown(targets)}")
     found: list[AnyTarget] = []

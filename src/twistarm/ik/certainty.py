@@ -24,20 +24,20 @@ TIMED_OUT = STOPS.index(StopReason.TIMED_OUT)
 SAMPLES = 5
 """Values at which a joint beyond those that the target determines is held, its bounds among them."""
 
-EXACTLY = 1e-5
+EXACT_TOLERANCE = 1e-5
 """Wider tolerances [m, rad] ask for more than the closed form knows: it looks for configurations that meet a target
 exactly."""
 
-FAR = 10.0
+FAR_MISS = 10.0
 """How many tolerances the nearest configuration misses at least, where it is certain that none meets the target."""
 
-HARDLY_OUTSIDE = 1e-4
+BARELY_OUTSIDE = 1e-4
 """A configuration that lies outside the limits by less [rad, m] makes nothing certain."""
 
 
 def is_exact(tolerances: Tolerances) -> bool:
     """Whether the closed form knows everything that meets a target within these."""
-    return max(tolerances.position, tolerances.orientation) <= EXACTLY
+    return max(tolerances.position, tolerances.orientation) <= EXACT_TOLERANCE
 
 
 def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
@@ -57,22 +57,22 @@ def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
     found = method.compiled.solve(target.numbers, start, _held_values(arm, method, start), *tolerances)
     if found is None:
         return answer
-    told = answer_from(partial(getattr, answer))
+    revised = answer_from(partial(getattr, answer))
     if found.inside:
-        told = _met(arm, target, told, found.theta[0])
+        revised = _met_answer(arm, target, revised, found.theta[0])
     else:
         outside = joint_ranges(arm).toward_middle(found.theta)
         beyond = np.abs(outside - np.clip(outside, arm.limits.lower, arm.limits.upper))
         if len(outside):
-            told = _with_limits_blamed(arm, target, told, outside[np.argmin(np.square(beyond).sum(axis=1))])
+            revised = _with_limits_blamed(arm, target, revised, outside[np.argmin(np.square(beyond).sum(axis=1))])
         exact = method.exact and not method.swept and not found.left
         if (
             exact
-            and beyond.max(axis=1, initial=0.0).min(initial=np.inf) > HARDLY_OUTSIDE
-            and _misses_by_far(arm, target, told)
+            and beyond.max(axis=1, initial=0.0).min(initial=np.inf) > BARELY_OUTSIDE
+            and _is_far_miss(arm, target, revised)
         ):
-            told = replace(told, certain=True)
-    return told
+            revised = replace(revised, certain=True)
+    return revised
 
 
 def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:
@@ -86,7 +86,7 @@ def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:
     return np.ascontiguousarray(values[:, list(method.held)])
 
 
-def _met(arm: Arm, target: AnyTarget, answer: Answer, theta: Array) -> Answer:
+def _met_answer(arm: Arm, target: AnyTarget, answer: Answer, theta: Array) -> Answer:
     """The answer with a configuration that meets the target."""
     g = arm.fk(theta)
     return replace(
@@ -105,10 +105,10 @@ def _with_limits_blamed(arm: Arm, target: AnyTarget, answer: Answer, theta: Arra
     return replace(answer, unlimited=theta, stop=STOPS.index(StopReason.BLOCKED_BY_LIMITS), has_unlimited=True)
 
 
-def _misses_by_far(arm: Arm, target: AnyTarget, answer: Answer) -> bool:
+def _is_far_miss(arm: Arm, target: AnyTarget, answer: Answer) -> bool:
     """Whether the nearest misses by many tolerances, which are tight. Rounded axes never have tight ones."""
     position, orientation = np.maximum((answer.position_tol, answer.orientation_tol), arm.rounding)
     free = not len(target._rotation_tolerance)
     tight = is_exact(Tolerances(position, 0.0 if free else orientation))
-    far = answer.position_error > FAR * position or answer.orientation_error > FAR * orientation
+    far = answer.position_error > FAR_MISS * position or answer.orientation_error > FAR_MISS * orientation
     return bool(tight and far)

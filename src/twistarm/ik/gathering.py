@@ -30,13 +30,13 @@ if TYPE_CHECKING:
 STARTS = 1000
 """Searches where no closed form is known."""
 
-BESIDE = 64
+EXTRA_SEARCHES = 64
 """Searches beside elimination, and beside a family that the axes miss: what rounding loses is found by chance."""
 
 IN_FAMILY = 32
 """Searches along a continuous family whose configuration nearest to theta0 lies outside the limits."""
 
-KEPT = 1e-9
+SAME_VALUE = 1e-9
 """A joint nearer than this [rad, m] to theta0's value has it."""
 
 MOST_COMBINATIONS = 4096
@@ -76,7 +76,7 @@ class Gathering(Asked):
         if not self.method.there:
             return STARTS
         lossy = self.method.rooted is not None or not self.method.exact or self.rounded
-        return BESIDE if lossy and not self.method.swept else 0
+        return EXTRA_SEARCHES if lossy and not self.method.swept else 0
 
     def new_roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
         """New different answers among the candidates, until the time is up."""
@@ -108,7 +108,7 @@ class Gathering(Asked):
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
             tries += 1
-            self.told_of(tries, len(values) + self.searches)
+            self.report_progress(tries, len(values) + self.searches)
         return (found, tries, hits) if method.swept else (found, 0, 0)
 
     def values_met(self) -> Array:
@@ -126,7 +126,7 @@ class Gathering(Asked):
         arm = holding(self.arm, self.method.given, self.near)
         return solve_ik(arm, self.target, self.near, **self.tolerances.keywords, max_time=self.deadline.left)
 
-    def told_of(self, done: float, count: int) -> None:
+    def report_progress(self, done: float, count: int) -> None:
         """Report the progress to the caller."""
         if self.progress is not None:
             self.progress(done / count)
@@ -135,7 +135,7 @@ class Gathering(Asked):
         """Values (k, h) of the held joints: given ones, theta0's for idle ones, else a grid."""
         while count ** len(self.method.swept) > MOST_COMBINATIONS:
             count -= 1
-        grid = {i: self._with_near(i, self._spread(i, count)) for i in self.method.swept}
+        grid = {i: self._theta0_first(i, self._spread(i, count)) for i in self.method.swept}
         choices = [grid.get(i, np.array([self.stand[i]])) for i in self.method.held]
         combinations = list(itertools.product(*choices))
         return np.array(combinations).reshape(len(combinations), len(self.method.held))
@@ -150,7 +150,7 @@ class Gathering(Asked):
         end = lower + 2.0 * np.pi if whole else upper
         return np.linspace(lower, end, count, endpoint=not whole)
 
-    def _with_near(self, joint: int, values: Array) -> Array:
+    def _theta0_first(self, joint: int, values: Array) -> Array:
         """Theta0's value of a joint, followed by the values that are another angle."""
         apart = values - self.near[joint]
         if joint_ranges(self.arm).periodic[joint]:
@@ -163,7 +163,7 @@ class Gathering(Asked):
         `before`: how many values of `progress` are done.
         """
         starts = np.vstack([self.near, self.arm.random_theta(0, count - 1)])
-        return self.from_starts(starts, known, lambda done: self.told_of(before + done * count, before + count))
+        return self.from_starts(starts, known, lambda done: self.report_progress(before + done * count, before + count))
 
     def from_starts(
         self, starts: Array, known: list[Root], progress: Progress | None = None
@@ -237,7 +237,7 @@ class Gathering(Asked):
 
     def at_start(self, theta: Array, joints: Sequence[int]) -> int:
         """How many of the joints are at theta0's value."""
-        return int((np.abs(theta - self.stand)[list(joints)] <= KEPT).sum())
+        return int((np.abs(theta - self.stand)[list(joints)] <= SAME_VALUE).sum())
 
     def along(self, root: Root, known: list[Root]) -> list[Root]:
         """New roots from starts that differ from this one in the free joints."""

@@ -37,7 +37,7 @@ BENT = 0.1
 ACROSS = 0.1
 """A way on which so small a share of what is left can be gone leads past."""
 
-ENOUGH = 1e-10
+ACCURACY = 1e-10
 """Errors [m, rad] that are small enough on the way."""
 
 
@@ -97,7 +97,7 @@ class SelfMotions(Asked):
         left = apart(self.arm, b, a)
         if np.abs(left).max(initial=0.0) < NEARBY:
             halfway = a + 0.5 * left
-            between = self.corrected(halfway, self.still, self.dependent, ENOUGH)
+            between = self.corrected(halfway, self.still, self.dependent, ACCURACY)
             if np.linalg.norm(between - halfway) <= BENT * np.linalg.norm(left) and self.met(between):
                 return True
         x, along = a, left
@@ -112,7 +112,7 @@ class SelfMotions(Asked):
             toward = float(along @ left) / max(size, 1e-300)
             if abs(toward) < ACROSS * far and (len(tangents) != 1 or far < STEP):
                 return False
-            on = self._on(x, along, toward if far < 2.0 * STEP and toward > 0.0 else STEP)
+            on = self._step_on(x, along, toward if far < 2.0 * STEP and toward > 0.0 else STEP)
             if on is None:
                 return False
             along, x = on - x, on
@@ -131,7 +131,7 @@ class SelfMotions(Asked):
             x, along = start, sense * self._tangents(start)[0]
             for count in self.deadline.until(range(LONG)):
                 tangents = self._tangents(x)
-                on = self._on(x, tangents.T @ (tangents @ along), STEP)
+                on = self._step_on(x, tangents.T @ (tangents @ along), STEP)
                 if on is None:
                     break
                 along, x = on - x, on
@@ -142,14 +142,14 @@ class SelfMotions(Asked):
                     return found
         return found
 
-    def _on(self, x: Array, along: Array, length: float) -> Array | None:
+    def _step_on(self, x: Array, along: Array, length: float) -> Array | None:
         """The member (n,) one step on in the direction `along`. None where the motion ends."""
         size = float(np.linalg.norm(along))
         if size < 1e-9:
             return None
         for share in (1.0, 0.25):
             step = share * min(length, STEP)
-            on = self.corrected(x + step / size * along, self.still, self.dependent, ENOUGH)
+            on = self.corrected(x + step / size * along, self.still, self.dependent, ACCURACY)
             if 0.5 * step <= np.linalg.norm(on - x) <= 1.5 * step and self.met(on):
                 return on
         return None

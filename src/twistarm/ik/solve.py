@@ -74,11 +74,11 @@ def solve_ik(
     chain = (arm if type(arm) is Arm else require_arm(arm))._compiled
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
     if chain is not None:
-        given = None if type(target) is np.ndarray else as_given(arm, target)
+        given = None if type(target) is np.ndarray else as_target(arm, target)
         kind, numbers = (Pose.kind, target) if given is None else (given.kind, given.numbers)
         start = arm.ready if theta0 is None else theta0 if type(theta0) is np.ndarray else named(arm, theta0)
-        rather = None if posture is None else named(arm, posture, start)
-        answer = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, rather)
+        preferred = None if posture is None else named(arm, posture, start)
+        answer = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, preferred)
         if answer is not None:
             if answer.stop == 0:
                 return IKResult(arm, answer, given)
@@ -113,7 +113,7 @@ def _avoiding(arm: Arm, scene: Scene, target: TargetLike, theta0: ArrayLike | No
     return collision_free(arm, scene, first, solve, max_time)
 
 
-def as_given(arm: Arm, target: Any) -> AnyTarget | None:
+def as_target(arm: Arm, target: Any) -> AnyTarget | None:
     """A target with its tool axis. None for a value that is not a target yet."""
     if not isinstance(target, KINDS):
         return None

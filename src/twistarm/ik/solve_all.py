@@ -21,7 +21,7 @@ from .deadline import Deadline
 from .gathering import Gathering
 from .ranges import standing
 from .request import checked
-from .solve import as_given
+from .solve import as_target
 from .targets import Approach, Pose, TargetLike, checked_target
 from .task_space import Tolerances
 
@@ -163,7 +163,7 @@ def _at_once(
     arm: Arm, target: TargetLike, theta0: ArrayLike | None, position_tol: float, orientation_tol: float
 ) -> AllSolutions | None:
     """The core's answer, where it has the family and all arguments are plainly right."""
-    asked = None if type(target) is np.ndarray else as_given(arm, target)
+    asked = None if type(target) is np.ndarray else as_target(arm, target)
     like, numbers = (Pose, target) if asked is None else (type(asked), asked.numbers)
     method = known_method(arm, like, asked.axis.tobytes() if isinstance(asked, Approach) else None)
     if method is None or method.compiled is None or method.swept:

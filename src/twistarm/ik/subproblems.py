@@ -22,7 +22,7 @@ from ..support.checks import Array, as_direction, as_number, as_twist, as_vector
 from ..support.errors import InputError
 from .closed_form.joint_axis import JointAxis, Point, along, axis_of, product
 from .closed_form.placing import place, settle
-from .closed_form.trigonometric import NEAREST, NOTHING, harmonic, quadratic
+from .closed_form.trigonometric import NEAREST, NEGLIGIBLE, harmonic, quadratic
 from .ranges import Mask
 
 UNIT = 1e-6
@@ -69,7 +69,7 @@ def subproblem_1(xi: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
     """
     axis, start, goal = _axis(xi, "xi"), _point(p, "p"), _point(q, "q")
     x, free = settle(axis, start, goal, 0.0)
-    return _roots((axis,), [x], lambda value: _apart(start.moved(axis.motion(value)), goal), free)
+    return _roots((axis,), [x], lambda value: _distance(start.moved(axis.motion(value)), goal), free)
 
 
 def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
@@ -90,7 +90,7 @@ def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -
     placed = place(axes, start, goal, (0.0, 0.0), NEAREST)
     values = [each.x for each in placed] or [(0.0, 0.0)]
     free = any(each.free for each in placed)
-    return _roots(axes, values, lambda value: _apart(start.moved(product(axes, np.array(value))), goal), free)
+    return _roots(axes, values, lambda value: _distance(start.moved(product(axes, np.array(value))), goal), free)
 
 
 def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> Roots:
@@ -111,7 +111,7 @@ def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> 
         raise InputError(f"distance must not be negative, in metres; got {radius:g}")
 
     def off(value: float) -> float:
-        return abs(_apart(start.moved(axis.motion(value)), centre) - radius)
+        return abs(_distance(start.moved(axis.motion(value)), centre) - radius)
 
     constant, first, second = along(axis, lambda g: ((start.moved(g).p - centre.p) ** 2).sum())
     return _level(axis, (constant - radius**2, first, second), off)
@@ -160,7 +160,7 @@ def _point(value: ArrayLike, name: str) -> Point:
     return Point(p)
 
 
-def _apart(a: Point, b: Point) -> float:
+def _distance(a: Point, b: Point) -> float:
     return float(np.linalg.norm(a.p - b.p))
 
 
@@ -171,7 +171,7 @@ def _level(axis: JointAxis, coefficients: tuple[Array, Array, Array], off: Calla
     found: list[float] | None
     if not axis.slides:
         found = harmonic(k[1], k[2], -k[0], scale, NEAREST)
-    elif max(abs(k[1]), abs(k[2])) <= NOTHING:
+    elif max(abs(k[1]), abs(k[2])) <= NEGLIGIBLE:
         found = None
     else:
         found = quadratic(k[2], k[1], k[0], NEAREST)

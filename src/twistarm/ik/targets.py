@@ -349,7 +349,7 @@ Target = AnyTarget
 TargetLike = AnyTarget | Matrix
 """What a caller may ask for: a target, or a bare pose (4, 4)."""
 
-MEANT = {
+SHAPE_HINTS = {
     (3,): "; did you mean Position([x, y, z])?",
     (6,): "; did you mean Pose.from_rpy([x, y, z], [roll, pitch, yaw])?",
     (7,): "; did you mean Pose.from_quaternion([x, y, z], xyzw=[...])?",
@@ -382,14 +382,14 @@ def as_target(value: Any) -> AnyTarget:
     except InputError as error:
         raise InputError(
             f"target must be a Pose, Position, Approach or TolerancedPose, or a pose (4, 4) in SE(3): "
-            f"{error}{meant_by(value)}"
+            f"{error}{shape_hint(value)}"
         ) from error
 
 
-def meant_by(value: Any) -> str:
+def shape_hint(value: Any) -> str:
     """`; did you mean Position([x, y, z])?`: a guess for numbers of another shape, or ""."""
     try:
-        return MEANT.get(as_reals(value, "target").shape[-1:], "")
+        return SHAPE_HINTS.get(as_reals(value, "target").shape[-1:], "")
     except InputError:
         return ""
 

@@ -87,7 +87,7 @@ class MotionLimits(Brief):
             by, limit = (by, limit) if limit else (int(hurry.argmax()), "acceleration")
             ahead = self.C @ target
             if not self._safe(x, ahead, dt, self._stopping_time(ahead)):
-                target, by, limit = self._partly_stopped(x, previous_theta_dot, target, dt)
+                target, by, limit = self._braked_part(x, previous_theta_dot, target, dt)
         return Allowed(target, self.names[by], limit) if limit else Allowed(target)
 
     def _slowed(self, x: Array, ahead: Array, dt: float) -> tuple[float, int, str | None]:
@@ -99,7 +99,7 @@ class MotionLimits(Brief):
         most, stopping = used.max(axis=1).tolist()
         scale, row, limit = (1.0 / most, int(used[0].argmax()), "velocity") if most > 1.0 else (1.0, -1, None)
         if not self._safe(x, scale * ahead, dt, scale * stopping):
-            time, met = self._until_met(x, ahead)
+            time, met = self._time_to_limit(x, ahead)
             if scale * (dt + 0.5 * scale * stopping) > time:
                 return 2.0 * time / (dt + sqrt(dt * dt + 2.0 * stopping * time)), met, "position"
         return scale, row, limit
@@ -120,7 +120,7 @@ class MotionLimits(Brief):
         # Rows that stand still beside the others may not be carried beyond their accelerations by a large speed.
         return speed if (np.abs(speed * ahead - now) <= room * ROUNDED).all() else None
 
-    def _partly_stopped(self, x: Array, previous: Array, target: Array, dt: float) -> tuple[Array, int, str]:
+    def _braked_part(self, x: Array, previous: Array, target: Array, dt: float) -> tuple[Array, int, str]:
         """The largest safe part of `target` (n,), mixed with the straight stop, and the limiting row.
 
         Between two courses no stop takes longer than the longer of theirs. Where the straight stop would be unsafe at
@@ -131,9 +131,9 @@ class MotionLimits(Brief):
         slow, ahead = self.C @ stop, self.C @ target
         longer = max(self._stopping_time(slow), self._stopping_time(ahead))
         if not self._safe(x, slow, dt, longer):
-            return stop, self._until_met(x, slow)[1], "position"
+            return stop, self._time_to_limit(x, slow)[1], "position"
         time = dt + 0.5 * longer
-        share, row = self._until_met(x + time * slow, time * (ahead - slow))
+        share, row = self._time_to_limit(x + time * slow, time * (ahead - slow))
         return stop + min(1.0, share) * (target - stop), row, "position"
 
     def _safe(self, x: Array, x_dot: Array, dt: float, stopping: float) -> bool:
@@ -142,7 +142,7 @@ class MotionLimits(Brief):
         upper, lower = np.maximum(self.limits.upper, x), np.minimum(self.limits.lower, x)
         return bool((then <= upper).all() and (then >= lower).all())
 
-    def _until_met(self, x: Array, x_dot: Array) -> tuple[float, int]:
+    def _time_to_limit(self, x: Array, x_dot: Array) -> tuple[float, int]:
         """Time [s] until the first row meets a position limit at x_dot, and that row."""
         room = np.maximum(np.where(x_dot > 0.0, self.limits.upper - x, x - self.limits.lower), 0.0)
         speed = np.abs(x_dot)

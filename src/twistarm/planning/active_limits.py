@@ -21,11 +21,11 @@ from .trajectory import Trajectory
 
 Rate = Literal["velocity", "acceleration", "jerk", "linear speed", "angular speed"]
 
-LOOKS = 2000
+SAMPLES = 2000
 """About how many instants of a motion are sampled; at least three in each of its pieces."""
 
-ALIKE = 1e-3
-"""Shares that differ by no more than this are equal. Of joints that move in proportion one is named."""
+EQUAL_SHARE = 1e-3
+"""Shares that differ by no more than this are equal. So one of several proportional joints is named."""
 
 SLIVER = 5e-3
 """A stretch shorter than this part of the motion belongs to the one before it."""
@@ -35,8 +35,8 @@ SLIVER = 5e-3
 class ActiveLimit:
     """The limit that a motion uses most from `begin` to `end` [s].
 
-    `rate` is "velocity", "acceleration" or "jerk" of `owner` "joint" or "motor", by `name`. For owner "tool" it is
-    "linear speed" or "angular speed". `share` is the greatest part of the limit in use there; 1 is all of it.
+    `owner` is "joint", "motor" or "tool", `name` its name. `rate` is "velocity", "acceleration" or "jerk", and for the
+    tool "linear speed" or "angular speed". `share` is the greatest part of the limit in use there; 1 is all of it.
     """
 
     begin: float
@@ -99,7 +99,7 @@ def _instants(motion: Trajectory) -> tuple[Array, Array]:
     if not motion.duration:
         return np.empty(0), np.empty(0)
     steps = np.diff(motion.breakpoints)
-    looks = np.maximum(3, np.ceil(LOOKS * steps / motion.duration)).astype(np.intp)
+    looks = np.maximum(3, np.ceil(SAMPLES * steps / motion.duration)).astype(np.intp)
     piece, nth = spread(looks)
     t: Array = motion.breakpoints[piece] + steps[piece] * (nth + 0.5) / looks[piece]
     return t, np.where(np.diff(piece) > 0, motion.breakpoints[piece[1:]], 0.5 * (t[1:] + t[:-1]))
@@ -148,7 +148,7 @@ def _stretches(
     for share, leader, greatest in zip(shares, shares.argmax(axis=1).tolist(), shares.max(axis=1), strict=True):
         if greatest == 0.0:
             row = -1
-        elif row < 0 or share[row] < (1.0 - ALIKE) * greatest:
+        elif row < 0 or share[row] < (1.0 - EQUAL_SHARE) * greatest:
             row = leader
         rows.append(row)
     changes = np.flatnonzero(np.diff(rows)) + 1

@@ -34,7 +34,7 @@ def planned_in(
 
     Corners are rounded if the motion stays free then. Raises PathError, with time, segment and pair, for a collision.
     """
-    ways = _ways(scene, arm, segments, origin, limits, max_time, plan)
+    ways = _free_paths(scene, arm, segments, origin, limits, max_time, plan)
     for rounded in (True, False):
         expanded, numbers = _expanded(arm, segments, ways, rounded)
         motion = plan(expanded)
@@ -47,7 +47,7 @@ def planned_in(
     raise PathError(f"{said}: {pairs}; let it go round with FreeMove, or choose another goal")
 
 
-def _ways(
+def _free_paths(
     scene: Scene, arm: Arm, segments: list[Segment], origin: Array, limits: JointLimits, max_time: float, plan: Planner
 ) -> list[Array]:
     """Per segment the waypoints (k, n) of its free path with both ends; (0, n) for other moves."""

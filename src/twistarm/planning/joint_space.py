@@ -46,7 +46,7 @@ BY_LAW = ("time_optimal", "s_curve")
 """Kinds that keep every limit by construction, at given times too."""
 
 MERGE_TOL = 1e-6
-"""Consecutive waypoints nearer than this [rad, m] in every joint are one: IK answers no finer."""
+"""Consecutive waypoints nearer than this [rad, m] in every joint are one. The tolerance of IK is no finer."""
 
 STAY, STAY_SHARE, STAY_WIDTH = 15, 5.0, 1.9
 """A stay: its least number of waypoints, how many times the usual density, within how many tolerances."""
@@ -305,7 +305,7 @@ def _timed(
     bounds: PathBounds,
     progress: Progress | None,
 ) -> Motion:
-    """Return the motion at the given times, else as short as was found."""
+    """Return the motion at the given times, or else the shortest found."""
     if times is not None:
         if kind == "time_optimal":
             raise InputError("a time_optimal motion takes no times: it is as fast as it can be; other kinds take them")

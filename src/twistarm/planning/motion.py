@@ -137,18 +137,18 @@ def _legs(
 ) -> tuple[list[Leg], list[str]]:
     """Return the legs from `origin` (n,) on, and notes. Axes that are off by rounding may widen the tolerances."""
 
-    def told(done: int) -> None:
+    def report(done: int) -> None:
         if progress is not None:
             progress(0.9 * done / len(moves))
 
-    router = Router(arm, moves, limits, told, unwrap)
+    router = Router(arm, moves, limits, report, unwrap)
     try:
         return router.legs(origin), router.notes
     except PathError:
         wider = but_for_rounding(arm, moves)
         if not wider:
             raise
-    router = Router(arm, wider, limits, told, unwrap)
+    router = Router(arm, wider, limits, report, unwrap)
     return router.legs(origin), [*router.notes, ROUNDED]
 
 

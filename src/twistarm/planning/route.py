@@ -128,7 +128,7 @@ class Router:
         errors: list[_BlockedError] = []
         while True:
             try:
-                return self._nearest(run, starts, theta, options)
+                return self._by_start(run, starts, theta, options)
             except _BlockedError as error:
                 errors.append(error)
                 if error.more:
@@ -139,21 +139,21 @@ class Router:
             where = farthest.index, self._place(farthest.index)
             raise refusal(self.arm, self.limits, farthest.blocked, *where, others=not tried)
 
-    def _nearest(self, run: range, starts: Array, theta: Array, options: dict[int, int]) -> tuple[Array, list[Leg]]:
+    def _by_start(self, run: range, starts: Array, theta: Array, options: dict[int, int]) -> tuple[Array, list[Leg]]:
         """Do the same for the chosen options: nearest starts, then all others, then a wide ladder."""
         farthest: _BlockedError | None = None
         for group, wide in ((starts[:NEAREST], False), (starts[NEAREST:], False), (starts, True)):
             if not len(group) or (wide and farthest and not farthest.blocked.moving.freedom(self.arm.n)):
                 continue
             try:
-                return self._climbed(run, group, theta, options, wide)
+                return self._laddered(run, group, theta, options, wide)
             except _BlockedError as error:
                 if farthest is None or error.reached > farthest.reached:
                     farthest = error
         assert farthest is not None
         raise farthest
 
-    def _climbed(
+    def _laddered(
         self, run: range, starts: Array, theta: Array, options: dict[int, int], wide: bool
     ) -> tuple[Array, list[Leg]]:
         """Do the same by stacked ladders, with the least joint motion."""

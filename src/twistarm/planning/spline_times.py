@@ -17,7 +17,7 @@ from ..support.checks import Array, frozen
 from .optional import scipy
 from .piecewise import derivative, evaluate, through
 
-LOOKS = 17
+SAMPLES = 17
 """Places in each segment at which rates are looked at."""
 
 NORMS = (2.0**5, 2.0**7, 2.0**9, 2.0**10)
@@ -81,7 +81,7 @@ def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power
     e[seg, end] = solved(bands, right)[unknown[seg, end]] * scale[seg, end, None]
 
     rates = [
-        np.einsum("mk,skr->smr", looks(degree, o), e) / (limit * d[:, None, None] ** o)
+        np.einsum("mk,skr->smr", sampled_derivative(degree, o), e) / (limit * d[:, None, None] ** o)
         for o, limit in enumerate(limits, 1)
     ]
     shares = [np.abs(rate) ** (1.0 / o) for o, rate in enumerate(rates, 1)]
@@ -92,7 +92,7 @@ def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power
     slope, gradient = np.zeros_like(e), d / d.sum()
     for o, (rate, weight, limit) in enumerate(zip(rates, weights, limits, strict=True), 1):
         by_rate = np.divide(weight, o * total * rate, out=np.zeros_like(rate), where=rate != 0.0)
-        slope += np.einsum("mk,smr->skr", looks(degree, o), by_rate / (limit * d[:, None, None] ** o))
+        slope += np.einsum("mk,smr->skr", sampled_derivative(degree, o), by_rate / (limit * d[:, None, None] ** o))
         gradient -= weight.sum((1, 2)) / total
     gradient += (order[:, None] * slope * e)[:, order > 0].sum((1, 2))
     pull = np.zeros_like(right)
@@ -113,12 +113,12 @@ def solved(bands: Array, right: Array) -> Array:
 
 
 @cache
-def looks(degree: int, order: int) -> Array:
+def sampled_derivative(degree: int, order: int) -> Array:
     """(17, degree): that derivative at σ from 0 to 1, from a segment's ends in unit time.
 
     The ends are start, way and end: derivatives of order 1 … R at both, and their difference.
     """
-    return frozen(evaluate(derivative(_from_ends(degree), order), np.linspace(0.0, 1.0, LOOKS)[:, None]))
+    return frozen(evaluate(derivative(_from_ends(degree), order), np.linspace(0.0, 1.0, SAMPLES)[:, None]))
 
 
 @cache

@@ -32,7 +32,7 @@ LEAST_PART = 1e-5
 ROUNDING = 1e-14
 """No ramp at given times is shorter than this part of the whole."""
 
-FEW = 30
+FEW_WAYPOINTS = 30
 """With at most so many waypoints, a search begins with the time that each segment takes alone."""
 
 MOST_KNOTS = 1000
@@ -41,7 +41,7 @@ MOST_KNOTS = 1000
 INSTANTS = 20_001
 """Samples of that motion, to find when it reaches the waypoints."""
 
-EASING, EASED_LOOKS = 3.0, 4
+EASING, EASED_SAMPLES = 3.0, 4
 """Segments over which a quintic's first times are averaged, and instants looked at for each."""
 
 DIVERGED = 1.2
@@ -60,7 +60,7 @@ def fastest_spline(
     """
     least = np.diff(_accumulated(_least_durations(waypoints, bounds)))
     way = np.ascontiguousarray(np.diff(waypoints, axis=0) @ bounds.C.T)
-    start = least if len(waypoints) <= FEW else _along_path(waypoints, degree, bounds)
+    start = least if len(waypoints) <= FEW_WAYPOINTS else _along_path(waypoints, degree, bounds)
     times = _accumulated(shortest_spline(way, degree, bounds.rates, start))
     best = times, *pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)
     if len(best[1]) > len(times):
@@ -130,7 +130,7 @@ def _eased(times: Array) -> Array:
         within += (count - 1) * np.maximum(t - times[-1], 0.0)
         return within
 
-    t = np.linspace(0.0, float(times[-1]) + span, EASED_LOOKS * count)
+    t = np.linspace(0.0, float(times[-1]) + span, EASED_SAMPLES * count)
     eased: Array = np.interp(index, (area(t) - area(t - span)) / span, t)
     return eased
 

@@ -39,7 +39,7 @@ def fastest_rests(points: Array, bounds: PathBounds) -> Motion:
         line = JointPath(np.array([0.0, 1.0]), np.stack([points[i + 1] - points[i], points[i]])[:, None])
         return time_optimal(line, bounds).along(line)
 
-    return _one_after_another([segment(i) for i in range(len(points) - 1)])
+    return _chained([segment(i) for i in range(len(points) - 1)])
 
 
 def double_s_rests(points: Array, bounds: PathBounds, times: Array | None = None) -> Motion:
@@ -53,10 +53,10 @@ def double_s_rests(points: Array, bounds: PathBounds, times: Array | None = None
             f"from waypoint {i} (counted from 0) to the next takes {needed[i]:.4g} s inside the limits; times leave "
             f"{given[i]:.4g} s: multiply times by {needed[i] / given[i] * (1 + 5e-4):.4g}, or leave times out"
         )
-    return _one_after_another(segments)
+    return _chained(segments)
 
 
-def _one_after_another(segments: list[tuple[Array, Array]]) -> Motion:
+def _chained(segments: list[tuple[Array, Array]]) -> Motion:
     when = np.concatenate([[0.0], np.cumsum([instants[-1] for instants, _ in segments])])
     breakpoints = [start + instants[1:] for start, (instants, _) in zip(when, segments, strict=False)]
     return when, np.concatenate([[0.0], *breakpoints]), np.concatenate([pieces for _, pieces in segments], axis=1)

@@ -12,7 +12,7 @@ from ..planning.within import require_within
 from ..support.checks import Array
 from ..support.errors import LimitError, listed
 from .parts.limit_checks import LIMIT_TOL
-from .parts.pose_list import LeftOut, told
+from .parts.pose_list import LeftOut, collecting_refusals
 from .parts.summary import extra_joints
 from .parts.tool_path import tool_path
 from .stage import Stage
@@ -52,7 +52,7 @@ def _poses(old: Stage, new: Stage) -> Iterator[str]:
     reasons: list[str] = []
     for moved, pose in [*here, *old.left]:
         before = len(reasons)
-        with told(reasons):
+        with collecting_refusals(reasons):
             reasons += new.poses.take(moved, [pose])
         if len(reasons) > before:
             left.append((moved, pose))

@@ -116,9 +116,9 @@ class Viewer(Closeable):
     def show(self, theta: ArrayLike) -> None:
         """Stand at theta (n,) [rad, m]. Called faster than the pages can draw, the latest wins."""
         self._require_open()
-        self._stand(theta)
+        self._move_to(theta)
 
-    def _stand(self, theta: ArrayLike) -> None:
+    def _move_to(self, theta: ArrayLike) -> None:
         arm = self.arm
         checked = checked_theta(arm, theta).copy()
         self._server.driver.drop(MOVED)
@@ -217,7 +217,7 @@ class Viewer(Closeable):
             return
         self._server.driver.drop()
         if isinstance(answer, Cycle) and answer.theta is not None:
-            self._stand(answer.theta)
+            self._move_to(answer.theta)
         if answer is None:
             self._server.commands.open = self._server.commands.free = False
             self._server.post("on_unreachable", lambda stage: self._server.show_choice())

@@ -89,7 +89,7 @@ def follow(
         raise InputError(f"--speed is a share of the motion's own, at most 1; got {speed:g}")
     driven, read = motion_of_file(arm, motion, {"velocity": velocity, "acceleration": acceleration})
     planned = motion_of(usually_limited(driven), read)
-    x = _standing(arm, theta, planned, rad)
+    x = _simulated_start(arm, theta, planned, rad)
     admitted = robot.admitted()
     out, control, interlock = sys.stderr if json else sys.stdout, FollowControl(), Interlock()
     with ExitStack() as stack:
@@ -121,7 +121,7 @@ def follow(
     return 0 if report.ok else 1
 
 
-def _standing(arm: Arm, theta: str | None, motion: Trajectory, radians: bool) -> Array:
+def _simulated_start(arm: Arm, theta: str | None, motion: Trajectory, radians: bool) -> Array:
     """Where simulated joints stand, theta (n,): at the motion's start unless it was typed."""
     if theta is None:
         start: Array = np.clip(motion.waypoints[0], arm.limits.lower, arm.limits.upper)

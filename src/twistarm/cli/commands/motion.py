@@ -20,7 +20,7 @@ from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text, yaml_text
 from ...support.checks import as_positive
 from ...support.errors import InputError
-from ..asked_motion import Asked, capped, typed_targets
+from ..asked_motion import Typed, capped, typed_targets
 from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units
 from ..outputs import STDOUT, Force, Format, outputs_of
@@ -45,7 +45,7 @@ class Kind(str, Enum):
     s_curve = "s_curve"
 
 
-HOW = typer.Option(
+TIMING = typer.Option(
     help="How it is timed. Through poses: cubic unless given. With --line, --xyz or a motion.toml: s_curve unless "
     "given, or time_optimal, quintic."
 )
@@ -145,7 +145,7 @@ def plan(
     position_tol: PositionTol = None,
     orientation_tol: OrientationTol = None,
     start: Start = None,
-    kind: Annotated[Kind | None, HOW] = None,
+    kind: Annotated[Kind | None, TIMING] = None,
     velocity: Rate = None,
     acceleration: Rate = None,
     stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
@@ -166,7 +166,7 @@ def plan(
     if smooth is not None and (line or not to):
         raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
     met = typed_tolerances(position_tol, orientation_tol, rad)
-    asked = Asked(arm, start, rad, line, stop, blend, linear_speed, None if kind is None else kind.value, met, unwrap)
+    asked = Typed(arm, start, rad, line, stop, blend, linear_speed, None if kind is None else kind.value, met, unwrap)
     asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line), goals=len(to or xyz or ()))
     targets = typed_targets(xyz or (), rpy or (), direction or (), axis, rad)
     file = None if motion is None else load_motion(motion, arm)

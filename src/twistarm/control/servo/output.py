@@ -60,19 +60,19 @@ _OF_CAUSE = {
 }
 """The status of a step, and the reason that its cause gives."""
 
-WORTH_SAYING = 0.02
+NOTABLE_LOSS = 0.02
 """Of the command: a smaller loss is not put into words."""
 
 ALL = 0.95
 """A larger share is all of it."""
 
-STANDING = 1e-3
+STANDSTILL = 1e-3
 """Of the command: an arm that does less of it stands."""
 
 _NOTHING_LOST = frozen(np.zeros(6))
 
 
-class Asked(NamedTuple):
+class Request(NamedTuple):
     """A command to an arm at theta (n,), and whether the arm stops instead of sliding along."""
 
     arm: Arm
@@ -109,7 +109,7 @@ class ServoOutput(Brief):
     joint: str | None
     remaining: tuple[float, float]
     _why: str | Cause = field(repr=False)
-    _asked: Asked | None = field(default=None, repr=False)
+    _asked: Request | None = field(default=None, repr=False)
 
     @property
     def reason(self) -> ServoReason:
@@ -118,7 +118,7 @@ class ServoOutput(Brief):
             return _OF_STATUS[self.status]
         if isinstance(self._why, Cause) and (reason := _OF_CAUSE[self._why][1]):
             return reason
-        if self._asked and self.lost_share >= WORTH_SAYING:
+        if self._asked and self.lost_share >= NOTABLE_LOSS:
             return ServoReason.TURN_LOST
         return ServoReason.CHANGING_SPEED if self.scale < ALL else ServoReason.MOVING
 
@@ -128,7 +128,7 @@ class ServoOutput(Brief):
         It names the joint or motor and its limit, the motion that the arm lacks, or the command's error. "stopped on
         its course" precedes it if settings.on_unreachable stopped the arm.
         """
-        on_course = self._asked is not None and self._asked.stops and self.scale * (1.0 - self.lost_share) < STANDING
+        on_course = self._asked is not None and self._asked.stops and self.scale * (1.0 - self.lost_share) < STANDSTILL
         if on_course and self._words != self.status.value and self.status is not ServoStatus.IMPOSSIBLE_DIRECTION:
             return f"stopped on its course: {self._words}"
         return self._words
@@ -144,10 +144,10 @@ class ServoOutput(Brief):
             return f"slowed by {position_limit(side, str(self.joint))}"
         if self._why is Cause.VELOCITY:
             return f"slowed by the velocity limit of {self.joint}"
-        complete = self._why is Cause.NONE and self._missing_share < WORTH_SAYING
+        complete = self._why is Cause.NONE and self._missing_share < NOTABLE_LOSS
         if complete and self.scale < ALL:
             return ServoReason.CHANGING_SPEED.value
-        if self._asked and not (complete and self.lost_share < WORTH_SAYING):
+        if self._asked and not (complete and self.lost_share < NOTABLE_LOSS):
             return _missing(self._asked, self.lost_twist, self.joint, self.share)[1]
         return self.status.value
 
@@ -180,7 +180,7 @@ class ServoOutput(Brief):
         return cls(theta_dot, ServoStatus.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), reason)
 
     @classmethod
-    def of(cls, answer: Answer, bounds: Bounds, asked: Asked) -> ServoOutput:
+    def of(cls, answer: Answer, bounds: Bounds, asked: Request) -> ServoOutput:
         """The output for an answer of the compiled step.
 
         Args:
@@ -205,7 +205,7 @@ class ServoOutput(Brief):
         return replace(output, status=status, _why=why)
 
 
-def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tuple[Lack, str]:
+def _missing(asked: Request, lost: Array, joint: str | None, share: float) -> tuple[Lack, str]:
     """The graver half of the lost twist (6,): whether the arm has it elsewhere, and words."""
     turned = np.linalg.norm(lost[3:]) * asked.arm.reach >= np.linalg.norm(lost[:3])
     half, way = (ANGULAR, "turn") if turned else (LINEAR, "move")
@@ -213,7 +213,7 @@ def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tupl
     unit = part / max(float(np.linalg.norm(part)), np.finfo(float).tiny)
     twist = asked.command if isinstance(asked.command, TwistCommand) else None
     frame = BASE if twist is None else twist.frame
-    before, held = _going_before(twist, half)
+    before, held = _prior_components(twist, half)
     found = lack(asked.arm, asked.theta, half, unit, frame, before)
     on_the_way = turned and twist is not None and not twist.twist[3:].any()
     if found is not Lack.EVERYWHERE:
@@ -225,7 +225,7 @@ def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tupl
     return found, (cannot_turn if turned else cannot_move)(unit, frame, held)
 
 
-def _going_before(twist: TwistCommand | None, half: tuple[int, ...]) -> tuple[tuple[int, ...], str]:
+def _prior_components(twist: TwistCommand | None, half: tuple[int, ...]) -> tuple[tuple[int, ...], str]:
     """The components that go before one half of a command, and what they are called."""
     held = [] if twist is None else [k for k in range(6) if twist.held[k] and k not in half]
     if half == ANGULAR:

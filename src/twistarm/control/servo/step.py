@@ -12,9 +12,9 @@ from ...support.errors import InputError, shown
 from .answer import Answer, Cause
 from .bounds import Bounds, bounds_of
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
-from .output import Asked, ServoOutput
+from .output import Request, ServoOutput
 from .settings import ServoSettings
-from .state import MOST, ServoState
+from .state import MAX_VALUE, ServoState
 
 COMMANDS = (TwistCommand, JogCommand, PoseCommand)
 _DEFAULT = ServoSettings()
@@ -68,7 +68,7 @@ def servo_step(
     after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked), answer.period)
     if checked is None:
         return after, ServoOutput.stale(after.theta_dot, reason)
-    return after, ServoOutput.of(answer, bounds, Asked(arm, state.theta, checked, bounds.stops))
+    return after, ServoOutput.of(answer, bounds, Request(arm, state.theta, checked, bounds.stops))
 
 
 def _seconds(dt: Any) -> float:
@@ -119,13 +119,13 @@ def _clean(arm: Arm, state: ServoState) -> ServoState:
 
 def _period(state: ServoState) -> float:
     period = _seconds(state.period)
-    if not 0.0 <= period <= MOST:
-        raise InputError(f"period must be a time from 0 to {MOST:g} s; got {shown(state.period)}")
+    if not 0.0 <= period <= MAX_VALUE:
+        raise InputError(f"period must be a time from 0 to {MAX_VALUE:g} s; got {shown(state.period)}")
     return period
 
 
 def _holding(command: AnyCommand | None) -> int | None:
-    """What a command holds, as its flags; None where it holds nothing."""
+    """The flags of the held components; None without any."""
     return command.flags if command is not None and command.flags > 1 else None
 
 

@@ -221,14 +221,14 @@ class Cycles(ABC, Generic[C]):
         if isinstance(device, Interlocked):
             device.interlock = self.interlock
 
-    def _look(self, now: float) -> tuple[Measured | None, Array | None, str]:
+    def _measure(self, now: float) -> tuple[Measured | None, Array | None, str]:
         """What is measured, theta (n,) where it can be used, and why not."""
         measured = call_device(Ending.FEEDBACK_FAILED, self.feedback.read, now)
         theta, blind = self._watch.look(measured, now)
         self.tally.blind_reason = blind or self.tally.blind_reason
         return measured, theta, blind
 
-    def _hear(self, measured: Measured | None, now: float) -> None:
+    def _update_filter(self, measured: Measured | None, now: float) -> None:
         """In velocity mode, update the drives' filter with a usable joint state; None without one."""
         if self._observer is not None and self.state is not None:
             self._observer.hear(measured, now)
@@ -238,7 +238,7 @@ class Cycles(ABC, Generic[C]):
         if self._observer is not None:
             self._observer.start(self.state.theta, now)
 
-    def _untimely(self, now: float) -> str:
+    def _time_fault(self, now: float) -> str:
         """Why the time since the last step is not usable, or "". A period may be late by one."""
         elapsed = self.period if self._stepped is None else now - self._stepped
         if elapsed <= 0.0:
@@ -252,7 +252,7 @@ class Cycles(ABC, Generic[C]):
 
         It is one period at first, and if that time is unusable.
         """
-        if self._stepped is None or self._untimely(now):
+        if self._stepped is None or self._time_fault(now):
             return self.period
         return min(max(now - self._stepped, ROUNDING * self.period), self.settings.max_dt)
 

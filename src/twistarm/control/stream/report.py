@@ -30,7 +30,7 @@ class Ending(Enum):
     SERVO_FAILED = "the servo failed"
 
 
-AS_ASKED = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED, Ending.ARRIVED, Ending.STOPPED)
+ON_REQUEST = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED, Ending.ARRIVED, Ending.STOPPED)
 
 
 @dataclass(frozen=True, repr=False)
@@ -81,7 +81,7 @@ class StreamReport:
     @property
     def ok(self) -> bool:
         """Whether it ended on request, at rest, after at least one watched motion."""
-        return self.ending in AS_ASKED and self.started and self.at_rest and self.delivered and not self.failures
+        return self.ending in ON_REQUEST and self.started and self.at_rest and self.delivered and not self.failures
 
     @property
     def started(self) -> bool:

@@ -31,7 +31,7 @@ VELOCITY_RESERVE, ACCELERATION_RESERVE = 1.2, 2.0
 """What drives can do beyond the arm's limits: without a reserve a joint that is a moment late never catches up with a
 motion at its limits, and overshoots where that brakes."""
 
-THERE = 1e-9
+ARRIVED = 1e-9
 """A joint this near its goal [rad, m] is at it."""
 
 LONGEST_QUEUE = 10_000
@@ -112,7 +112,7 @@ class SimulatedJoints:
         while self._now < end:
             self._receive()
             until = min(end, self._queue[0][0]) if self._queue else end
-            if not self._standing:
+            if not self._at_rest_at_goal:
                 until = min(until, self._now + SUBSTEP)
                 self._move(until - self._now)
             self._now = until
@@ -128,7 +128,7 @@ class SimulatedJoints:
             self._goal = np.clip(goal, self._lower, self._upper)
 
     @property
-    def _standing(self) -> bool:
+    def _at_rest_at_goal(self) -> bool:
         """Whether nothing will move until another setpoint arrives."""
         return not self._theta_dot.any() and not self._rate.any() and bool((self._goal == self._theta).all())
 
@@ -143,7 +143,7 @@ class SimulatedJoints:
         most = self._acceleration * h
         self._theta_dot += np.clip(wanted - self._theta_dot, -most, most)
         self._theta += self._theta_dot * h
-        there = (np.abs(self._goal - self._theta) < THERE) & (np.abs(self._theta_dot) < THERE / SUBSTEP)
+        there = (np.abs(self._goal - self._theta) < ARRIVED) & (np.abs(self._theta_dot) < ARRIVED / SUBSTEP)
         if there.all() and not self._rate.any():
             self._theta, self._theta_dot = self._goal.copy(), np.zeros_like(self._rate)
         self._stop_at_limits()

@@ -57,9 +57,9 @@ class Streaming(Cycles[Cycle]):
         self._held = not self.interlock.allows_motion  # a command since before the arm was enabled, which moves nothing
 
     def _cycle(self, now: float) -> Cycle:
-        measured, theta, blind = self._look(now)
+        measured, theta, blind = self._measure(now)
         self._start(theta, now)
-        self._hear(None if blind else measured, now)
+        self._update_filter(None if blind else measured, now)
         reading = call_device(Ending.SOURCE_FAILED, self.source.read, now, self.state)
         command, uncommanded = self._command(reading)
         barred = self.interlock.look().barrier
@@ -73,7 +73,7 @@ class Streaming(Cycles[Cycle]):
         if barred:
             command, uncommanded = None, ""
         self.tally.count(blind=blind, uncommanded=uncommanded, barred=barred)
-        reason = strayed or barred or blind or self._untimely(now) or uncommanded
+        reason = strayed or barred or blind or self._time_fault(now) or uncommanded
         setpoint = self._step(None if reason else command, now, reason)
         undelivered = self._send(setpoint)
         self._restart_at_rest(theta, now, released=command is None)

@@ -47,7 +47,7 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
                 output = f'<p class="failed" role="note">{escape(failed)}. The programs after it did not run.</p>'
         if cell.shown:
             body.append(program(cell.source))
-        elif not _speaks_only(cell.source):
+        elif not _only_calls_guide(cell.source):
             programs.append(cell.source)
         body.append(output)
         if output and programs:
@@ -79,7 +79,7 @@ def _folded(programs: list[str]) -> str:
     return fold("The program behind this", program("\n\n\n".join(programs)), "fold program")
 
 
-def _speaks_only(source: str) -> bool:
+def _only_calls_guide(source: str) -> bool:
     with suppress(SyntaxError):
         return all(ast.unparse(each).startswith("guide.") for each in ast.parse(source).body)
     return False

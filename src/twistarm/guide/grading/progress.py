@@ -66,7 +66,7 @@ def begun(folder: Path) -> None:
         _write(folder, {})
 
 
-def kept(folder: Path, report: Report, only_there: bool = False) -> str:
+def save_report(folder: Path, report: Report, only_there: bool = False) -> str:
     """Note a report in the folder's file. Returns a sentence if that fails; the report is valid either way.
 
     With `only_there` nothing is written if the folder has no such file.

@@ -85,16 +85,16 @@ def run_function(function: Callable[..., Any], name: str, rows: Rows, seconds: f
 def _in_a_copy(work: Callable[[], Any], seconds: float) -> tuple[Any, str]:
     """The result of the work in a copy of this process, or how the copy ended, and its output."""
     context = multiprocessing.get_context("fork")
-    told, telling = context.Pipe(duplex=False)
+    receiver, sender = context.Pipe(duplex=False)
     with TemporaryFile("w+", encoding="utf-8", errors="replace") as printed:
-        copy = context.Process(target=_be_the_copy, args=(lambda: telling.send(work()), printed))
+        copy = context.Process(target=_run_copy, args=(lambda: sender.send(work()), printed))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of threads: the copy uses nothing that they hold
             copy.start()
-        telling.close()
+        sender.close()
         try:
             late = f"was not done after {seconds:g} s: does a loop or a recursion never end?"
-            result = told.recv() if told.poll(seconds) else late
+            result = receiver.recv() if receiver.poll(seconds) else late
         except (EOFError, OSError):
             copy.join(1.0)
             result = _how_it_ended(copy.exitcode)
@@ -103,7 +103,7 @@ def _in_a_copy(work: Callable[[], Any], seconds: float) -> tuple[Any, str]:
                 os.killpg(copy.pid or 0, signal.SIGKILL)  # with all that it has started
             copy.kill()
             copy.join()
-            told.close()
+            receiver.close()
         printed.seek(0)
         return result, printed.read()
 
@@ -130,7 +130,7 @@ class _Printed(io.TextIOBase):
         return len(text)
 
 
-def _be_the_copy(work: Callable[[], None], printed: TextIO) -> None:
+def _run_copy(work: Callable[[], None], printed: TextIO) -> None:
     """Release the terminal or notebook, limit the memory to `MEMORY` more, work, and end at once."""
     try:
         os.setsid()

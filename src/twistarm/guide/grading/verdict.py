@@ -95,7 +95,7 @@ def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer] 
     return verdict(*_of_the_case(exercise, *pairs[wrong]))
 
 
-def _seen(exercise: Exercise, case: Case, answer: Answer) -> Any:
+def _graded_numbers(exercise: Exercise, case: Case, answer: Answer) -> Any:
     """What counts of an answer of the right form, as numbers in a row."""
     if answer.form != case.expected.form or not np.isfinite(answer.numbers).all():
         return answer.numbers
@@ -117,7 +117,7 @@ def _alike(exercise: Exercise, case: Case, answer: Answer, slip: Answer) -> bool
 
 
 def _close(exercise: Exercise, case: Case, one: Answer, other: Answer) -> bool:
-    a, b = _seen(exercise, case, one), _seen(exercise, case, other)
+    a, b = _graded_numbers(exercise, case, one), _graded_numbers(exercise, case, other)
     scale = max(1.0, float(np.abs(case.expected.numbers).max(initial=0.0)))
     return a.shape == b.shape and bool(np.allclose(a, b, rtol=0.0, atol=exercise.tolerance * scale, equal_nan=True))
 
@@ -139,11 +139,11 @@ def _of_the_case(exercise: Exercise, case: Case, answer: Answer) -> tuple[str, s
         what = "NaN (not a number)" if np.isnan(bad).any() else "infinity"
         return "wrong", f"It returns {what} for {call}: a division by 0, or a root, acos or logarithm out of its range."
     known = "is" if exercise.seen is whole else "may be"
-    where, right, yours = _part_that_differs(exercise, case.expected.value, answer.value)
+    where, right, yours = _first_difference(exercise, case.expected.value, answer.value)
     return "wrong", f"{where}{call} {known} {_shown(right)}, and yours gives {_shown(yours)}."
 
 
-def _part_that_differs(exercise: Exercise, right: Any, yours: Any) -> tuple[str, Any, Any]:
+def _first_difference(exercise: Exercise, right: Any, yours: Any) -> tuple[str, Any, Any]:
     """The first different column, row or number of arrays too large for a line, and its name."""
     if isinstance(right, list) or np.size(right) <= LARGEST_SHOWN:
         return "", right, yours

@@ -64,7 +64,7 @@ def _with(fitted: FittedFamily, G: Array, near: Array, slack: float) -> Iterator
     wanted = [float(near[i]) for i in order]
     b, e = len(before), len(before) + len(group)
     chain = (*(axis.seen(G) for axis in behind), *before)
-    for beside in _beside(chain, fitted.kept, G, (*wanted[e:], *wanted[:b]), slack):
+    for beside in _place_others(chain, fitted.kept, G, (*wanted[e:], *wanted[:b]), slack):
         x_behind, x_before = beside.x[: len(behind)], beside.x[len(behind) :]
         E = inverse(product(before, np.array(x_before))) @ G @ inverse(product(behind, np.array(x_behind)))
         for inside in within_group(fitted.kept, group, E, tuple(wanted[b:e]), NEAREST if beside.free else slack):
@@ -74,7 +74,7 @@ def _with(fitted: FittedFamily, G: Array, near: Array, slack: float) -> Iterator
             yield Candidate(x, frozenset(order[i] for i in (*places, *(b + i for i in inside.free))))
 
 
-def _beside(
+def _place_others(
     chain: tuple[JointAxis, ...], kept: Point | Plane | None, G: Array, near: tuple[float, ...], slack: float
 ) -> list[Placed]:
     return [Placed(())] if kept is None else place(chain, kept, kept.moved(G), near, slack)
@@ -104,10 +104,10 @@ def rotating(w: tuple[Array, ...], R: Array, near: tuple[float, ...], slack: flo
         u = across(w[0])[0]
         return [Placed((settle(axes[0], Point(u), Point(R @ u), near[0])[0],))]
     if len(w) == 2:
-        return _first_then_rest(axes, R, w[1], near, slack)
+        return _first_then_last(axes, R, w[1], near, slack)
     found = []
     for x in _middle_turns(axes[1], w[0], w[2], R @ w[2], slack):
-        found += _first_then_rest(axes, R, axes[1].motion(x)[:3, :3] @ w[2], near, slack, x)
+        found += _first_then_last(axes, R, axes[1].motion(x)[:3, :3] @ w[2], near, slack, x)
     return found
 
 
@@ -132,7 +132,7 @@ def _angle(a: Array, b: Array) -> float:
     return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
 
 
-def _first_then_rest(
+def _first_then_last(
     axes: tuple[JointAxis, ...],
     R: Array,
     moved: Array,

@@ -42,8 +42,8 @@ FROM_SAMPLES = np.linalg.inv(np.stack([np.ones(3), np.cos(THIRDS), np.sin(THIRDS
 IN_TANGENT = np.array([[1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [0.0, 2.0, 0.0]])
 """1, cos x and sin x times 1 + t², as powers t⁰ … t² of t = tan(x/2)."""
 
-TURNED = 0.7
-"""t₃ = tan(y + TURNED) for the eigenvalue tan y: whatever stands at infinity comes near."""
+INFINITY_SHIFT = 0.7
+"""t₃ = tan(y + INFINITY_SHIFT) for the eigenvalue tan y: whatever stands at infinity comes near."""
 
 REAL = 1e-3
 """An eigenvalue with less of an imaginary part may be a double root that rounding took apart."""
@@ -55,14 +55,14 @@ FOUND = 1e-5
 """A pose is met, before any correction, to so much of the reach."""
 
 
-STILL = 0.1
+EXTRA_JOINT_TOL = 0.1
 """The joint added to five may stand at so much of an angle, before any correction: double roots have few digits."""
 
-STILL_AXIS = np.array([0.48, -0.6, 0.64]), np.array([0.31, 0.23, -0.41])
+EXTRA_AXIS = np.array([0.48, -0.6, 0.64]), np.array([0.31, 0.23, -0.41])
 """Its direction, and a point on it in shares of the reach."""
 
 
-BESIDE = (
+NEARBY_POSES = (
     np.eye(4),
     exp(1e-5 * np.array([0.53, -0.31, 0.79, 0.41, 0.67, -0.62])),
     exp(1e-4 * np.array([-0.37, 0.83, 0.29, -0.71, 0.23, 0.59])),
@@ -98,7 +98,7 @@ def rooted(axes: tuple[JointAxis, ...], reach: float) -> Rooted | None:
         return None
     rng = np.random.default_rng(0)
     trials = rng.uniform(-np.pi, np.pi, (TRIALS, len(axes)))
-    still = (JointAxis(STILL_AXIS[0], reach * STILL_AXIS[1], slides=False),) * (SIX - len(axes))
+    still = (JointAxis(EXTRA_AXIS[0], reach * EXTRA_AXIS[1], slides=False),) * (SIX - len(axes))
     ways = [Rooted(start, backward, math.inf, still) for start in range(SIX) for backward in (False, True)]
     judged = [replace(way, worst=max(_missed(axes, way, x, reach) for x in trials)) for way in ways]
     best = min(judged, key=lambda way: way.worst)
@@ -109,7 +109,7 @@ def _missed(axes: tuple[JointAxis, ...], way: Rooted, x: Array, reach: float) ->
     """Distance of the nearest answer from the pose at x, in shares of the reach or rad."""
     G = product(axes, x)
     errors = [np.inf]
-    for found in _at(axes, way, G):
+    for found in _candidates_for(axes, way, G):
         off = np.abs(product(axes, found) - G)
         apart = float(np.abs((found - x + np.pi) % (2.0 * np.pi) - np.pi).max())
         if apart < 1e-2:
@@ -123,18 +123,18 @@ def eliminated(axes: tuple[JointAxis, ...], way: Rooted, G: Array) -> list[Array
     At special joint angles the matrix may be singular for this G alone. Its result is noise. So poses beside it are
     solved too, in unrelated directions. Their answers are near.
     """
-    return [x for beside in BESIDE for x in _at(axes, way, G @ beside)]
+    return [x for beside in NEARBY_POSES for x in _candidates_for(axes, way, G @ beside)]
 
 
-def _at(axes: tuple[JointAxis, ...], way: Rooted, G: Array) -> list[Array]:
+def _candidates_for(axes: tuple[JointAxis, ...], way: Rooted, G: Array) -> list[Array]:
     """Candidates for this G alone."""
     chain, closed, joints = way.chain((*axes, *way.still), G)
-    left, right = _left(chain), _right(chain, closed)
+    left, right = _left_side(chain), _right_side(chain, closed)
     found = []
     for middle in _middle_angles(left, right):
         x = np.empty(SIX)
         x[joints] = _completed(chain, closed, left, right, middle)
-        if all(abs((angle + math.pi) % (2.0 * math.pi) - math.pi) <= STILL for angle in x[len(axes) :]):
+        if all(abs((angle + math.pi) % (2.0 * math.pi) - math.pi) <= EXTRA_JOINT_TOL for angle in x[len(axes) :]):
             found.append(x[: len(axes)])
     return found
 
@@ -145,7 +145,7 @@ def _fourteen(p: Array, d: Array) -> Array:
     return np.concatenate([p, d, [pp, pd], np.cross(p, d), pp * d - 2.0 * pd * p])
 
 
-def _left(chain: tuple[JointAxis, ...]) -> Array:
+def _left_side(chain: tuple[JointAxis, ...]) -> Array:
     """(14, 3, 3, 3): coefficients of 1, cos, sin of x₃, x₄ and x₅ on the left."""
     _, second, third, fourth, fifth, sixth = chain
     values = np.empty((3, 3, 3, 14))
@@ -156,7 +156,7 @@ def _left(chain: tuple[JointAxis, ...]) -> Array:
     return coefficients
 
 
-def _right(chain: tuple[JointAxis, ...], G: Array) -> Array:
+def _right_side(chain: tuple[JointAxis, ...], G: Array) -> Array:
     """(14, 9): coefficients of the products of 1, cos, sin of x₂ and of x₁ on the right."""
     first, second, *_, sixth = chain
     p, d = G[:3, :3] @ sixth.o + G[:3, 3], G[:3, :3] @ sixth.w
@@ -181,7 +181,7 @@ def _middle_angles(left: Array, right: Array) -> list[tuple[float, float, float]
 
 def _real_eigenpairs(M: Array) -> list[tuple[float, Array]]:
     """(x₃, vector (12,)) with (M₀ + M₁t + M₂t²) vector = 0, t = tan(x₃/2)."""
-    c, s = math.cos(TURNED), math.sin(TURNED)
+    c, s = math.cos(INFINITY_SHIFT), math.sin(INFINITY_SHIFT)
     above, below = np.array([s, c]), np.array([c, -s])  # t = (s + c u) / (c − s u), lowest power first
     squares = np.convolve(below, below), np.convolve(above, below), np.convolve(above, above)
     turned = np.einsum("kij,kd->dij", M, np.array(squares))

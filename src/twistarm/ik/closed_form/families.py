@@ -29,7 +29,7 @@ EXACT = 1e-9
 NEARLY = 2e-3
 """Up to so much of the reach, or rad, the family of the nearest exact arm gives starts for Newton's method."""
 
-MOST_BESIDE = 3
+MAX_OTHERS = 3
 """Joints beside the group that can be solved for."""
 
 INDEPENDENT = 1e-5
@@ -99,14 +99,14 @@ def families(axes: tuple[JointAxis, ...], reach: float, tolerance: float = NEARL
     `tolerance`: share of the reach [m], or angle [rad], by which the axes may miss.
     """
     turning = [axis for axis in axes if not axis.slides]
-    if len(turning) <= MOST_BESIDE and len(axes) - len(turning) <= MOST_BESIDE:
+    if len(turning) <= MAX_OTHERS and len(axes) - len(turning) <= MAX_OTHERS:
         whole = Family(DECOUPLED, tuple(range(len(axes))), 0, len(axes)).fitted(axes)
         if _decoupled(whole):
             return [whole]
     found = []
     for order in _orders(axes):
         for first, last in itertools.combinations(range(len(axes) + 1), 2):
-            if last - first > MOST_BESIDE or len(axes) - (last - first) > MOST_BESIDE:
+            if last - first > MAX_OTHERS or len(axes) - (last - first) > MAX_OTHERS:
                 continue
             for kind in _kinds([axes[i] for i in order[first:last]]):
                 fitted = Family(kind, order, first, last).fitted(axes)

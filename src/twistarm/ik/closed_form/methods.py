@@ -146,12 +146,12 @@ def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Meth
     A joint with limits of one value is given.
     """
     given = tuple(sorted({*given, *standing(arm)}))
-    return _kept(arm, target, given, lambda: _with_core(arm, target, _looked_for(arm, target, given)))
+    return _cached_method(arm, target, given, lambda: _with_core(arm, target, _find_method(arm, target, given)))
 
 
 def family_method(arm: Arm, target: AnyTarget) -> Method:
     """The method by families alone, without elimination, which takes long to set up."""
-    return _kept(arm, target, "family", lambda: _with_core(arm, target, _nearest_family(arm, target)))
+    return _cached_method(arm, target, "family", lambda: _with_core(arm, target, _nearest_family(arm, target)))
 
 
 def family_for(arm: Arm, target: AnyTarget) -> Method | None:
@@ -162,11 +162,11 @@ def family_for(arm: Arm, target: AnyTarget) -> Method | None:
     free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
     if arm.n - len(standing(arm)) + free > MOST_JOINTS + 1:
         return None
-    method = _kept(arm, target, "nearest family", lambda: _in_core(arm, target, _nearest_family(arm, target)))
+    method = _cached_method(arm, target, "nearest family", lambda: _in_core(arm, target, _nearest_family(arm, target)))
     return method if method.compiled is not None and len(method.swept) <= 1 else None
 
 
-def _kept(arm: Arm, target: AnyTarget, what: object, made: Callable[[], Method]) -> Method:
+def _cached_method(arm: Arm, target: AnyTarget, what: object, made: Callable[[], Method]) -> Method:
     key = type(target), what, target.axis.tobytes() if isinstance(target, Approach) else None
     kept = _KEPT.setdefault(arm, {})
     if key not in kept:
@@ -175,7 +175,7 @@ def _kept(arm: Arm, target: AnyTarget, what: object, made: Callable[[], Method])
 
 
 def _nearest_family(arm: Arm, target: AnyTarget) -> Method:
-    return _looked_for(arm, target, standing(arm), families_alone=True)
+    return _find_method(arm, target, standing(arm), families_alone=True)
 
 
 def _with_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
@@ -191,7 +191,7 @@ def _in_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
     return replace(method, numbers=numbers, compiled=compiled(arm, target.kind, numbers))
 
 
-def _looked_for(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, families_alone: bool = False) -> Method:
+def _find_method(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, families_alone: bool = False) -> Method:
     try:
         chain = chain_for(arm, target)
     except InputError as error:

@@ -21,7 +21,7 @@ import numpy as np
 
 from ...support.checks import Array
 from .joint_axis import JointAxis, Plane, Point, across, along
-from .trigonometric import NOTHING
+from .trigonometric import NEGLIGIBLE
 from .two_conditions import Side, one_joint, two_conditions
 
 ON_AXIS = 1e-7
@@ -65,7 +65,7 @@ def settle(axis: JointAxis, X: Point | Plane, Y: Point | Plane, near: float) -> 
 def _slid(axis: JointAxis, X: Point | Plane, Y: Point | Plane, near: float) -> tuple[float, bool]:
     if isinstance(X, Plane) and isinstance(Y, Plane):
         share = float(axis.w @ X.n)
-        return (near, True) if abs(share) < NOTHING else ((Y.d - X.d) / share, False)
+        return (near, True) if abs(share) < NEGLIGIBLE else ((Y.d - X.d) / share, False)
     assert isinstance(X, Point)
     assert isinstance(Y, Point)
     return float(axis.w @ (Y.p - X.p)), False

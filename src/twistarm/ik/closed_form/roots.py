@@ -47,7 +47,7 @@ ROUNDED_LIMIT = 1e-5
 LEAST_ROUNDED = 1e-11
 """By so little [rad, m] that the target is met at the limit as well."""
 
-ALIKE, HARDLY = 1e-12, 1e-10
+MEMBER_MISS, MAX_MEMBER_MISS = 1e-12, 1e-10
 """Members of a family miss the target by less [m, rad], or by at most so much where the first does too."""
 
 SIDESTEP = 0.05
@@ -140,7 +140,7 @@ class Asked:
         if rank == len(J) and np.abs(Vt[rank:]).max(axis=0, initial=0.0).min(initial=1.0) > DEPENDENT:
             return tuple(solved)
         moving: set[int] = set()
-        alike = max(ALIKE, min(2.0 * max(self.errors(theta)), HARDLY))
+        alike = max(MEMBER_MISS, min(2.0 * max(self.errors(theta)), MAX_MEMBER_MISS))
         if dependent > DEPENDENT:  # rounded axes miss the target all along
             alike = min(self.tolerances.position, self.tolerances.orientation)
         share = 0.5 * SIDESTEP

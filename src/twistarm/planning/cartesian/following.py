@@ -27,7 +27,7 @@ Flags = NDArray[np.bool_]
 POSITION_TOL, ANGLE_TOL = 1e-4, np.radians(0.05)
 """Greatest distance of the tool from the curve [m, rad], also between samples. Wider tolerances replace it."""
 
-WELL = 0.95
+SHARE = 0.95
 """A path that uses less than this share of a wide tolerance is sampled more densely and keeps its targets."""
 
 MOST_SAMPLES = 4096
@@ -37,7 +37,7 @@ MOST_CHECKS = 20_000
 ROUNDS = 12
 """Halvings of intervals in which the tool is too far from the curve."""
 
-EVENINGS = 20
+SMOOTHINGS = 20
 """How often the samples of a redundant arm are smoothed toward the line between their neighbours."""
 
 
@@ -72,7 +72,7 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed
             break
         between = 0.5 * (s[:-1] + s[1:])[off]
         found = path(between)
-        met = _well_within(arm, moving, between, found) & ~outside[off]
+        met = _uses_tolerance_well(arm, moving, between, found) & ~outside[off]
         found[~met], met[~met] = met_near(arm, moving, moving.curve(between[~met]), found[~met])
         if not met.all():
             unmet = int(np.flatnonzero(~met)[0])
@@ -84,12 +84,12 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed
     return _blocked(samples[0], s, theta, float(s[worst + 1]), leap=True)
 
 
-def _well_within(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flags:
+def _uses_tolerance_well(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flags:
     """Tell which configurations (k, n) at s (k,) are well within wide tolerances."""
     if leeway(moving.tolerances) is None:
         return np.zeros(len(s), dtype=bool)
     position, angle = moving.errors(s, arm.fk(theta))
-    return (position <= WELL * moving.tolerances.position) & (angle <= WELL * moving.tolerances.orientation)
+    return (position <= SHARE * moving.tolerances.position) & (angle <= SHARE * moving.tolerances.orientation)
 
 
 def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
@@ -97,7 +97,7 @@ def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
     ideal = moving.curve(s[1:-1])
     share = ((s[1:-1] - s[:-2]) / (s[2:] - s[:-2]))[:, None]
     theta = theta.copy()
-    for _ in range(EVENINGS):
+    for _ in range(SMOOTHINGS):
         between = theta[:-2] + share * (theta[2:] - theta[:-2])
         found, met = projected(arm, moving.like, ideal, between, EXACT, leeway(moving.tolerances))
         met &= np.abs(found - theta[1:-1]).max(axis=1) <= LONGEST_JUMP

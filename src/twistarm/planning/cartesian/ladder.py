@@ -14,13 +14,13 @@ from .meeting import Met, met_near, targets_at
 from .moving_target import MovingTarget
 from .nodes import EXACT, LONGEST_JUMP, Blocked, Node, Rungs, cheapest_first, efforts
 
-FEWEST = 4
+MIN_RUNGS = 4
 """Rungs of the shortest curve."""
 
-UNMET = 8
+SMALLEST_STEP = 8
 """A rung without an answer is tried again nearer, back to this fraction (1/8) of the step."""
 
-FINEST = 2**-12
+LEAST_DISTANCE = 2**-12
 """Least distance of rungs in s. A path that needs less does not continue."""
 
 MOST_HALVINGS = 4096
@@ -33,7 +33,7 @@ def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | 
     Each rung is solved from every configuration at the one before, in one batch. The closed form does it if no joint is
     held. Where a joint would leap or there is no answer, a rung halfway comes first.
     """
-    climber = _Climber(arm, limits, Rungs(roots, FEWEST))
+    climber = _Climber(arm, limits, Rungs(roots, MIN_RUNGS))
     nodes = list(roots)
     for k in range(1, climber.rungs.count + 1):
         nodes = climber.advance(nodes, float(climber.rungs.s[k]), k)
@@ -69,7 +69,7 @@ class _Climber:
         for i, node in enumerate(nodes):
             if met[i] and not leap[i]:
                 found.append(Node(node.moving, s, theta[i], node.cost + float(moved[i]), node))
-            elif self.left > 0 and step > (FINEST if met[i] else self.rungs.s[1] / UNMET):
+            elif self.left > 0 and step > (LEAST_DISTANCE if met[i] else self.rungs.s[1] / SMALLEST_STEP):
                 self.left -= 1
                 halved.append(node)
             elif self.farthest is None or node.s > self.farthest.share:

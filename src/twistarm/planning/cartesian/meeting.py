@@ -40,7 +40,7 @@ def met_near(
         return _searched(arm, moving, ideal, near, ALL_BUT_EXACT) if found is None else found
 
     theta, met = near.copy(), np.zeros(len(near), dtype=bool)
-    for solve in (*([_calmly] if leeway(moving.tolerances) else []), exactly, _within):
+    for solve in (*([_without_leap] if leeway(moving.tolerances) else []), exactly, _within):
         left = np.flatnonzero(~met)
         found, good = solve(arm, moving, ideal[left], near[left])
         theta[left[good]], met[left[good]] = found[good], True
@@ -49,7 +49,7 @@ def met_near(
     return theta, met
 
 
-def _calmly(arm: Arm, moving: MovingTarget, ideal: Array, near: Array) -> Met:
+def _without_leap(arm: Arm, moving: MovingTarget, ideal: Array, near: Array) -> Met:
     theta, met = projected(arm, moving.like, ideal, near, EXACT, moving.tolerances)
     return theta, met & (np.abs(theta - near).max(axis=1) <= LONGEST_JUMP)
 

@@ -12,7 +12,7 @@ from ...ik.task_space import Tolerances
 from ...support.checks import Array
 from .curves import Curve
 
-NO_WAY = 1e-9
+NO_MOTION = 1e-9
 """A curve that goes no farther than this [m, rad] goes nowhere."""
 
 SPREAD: Array = np.arange(1.0, 17.0) * 0.6180339887498949 % 1.0
@@ -54,7 +54,7 @@ class MovingTarget:
     def is_still(self) -> bool:
         """Whether a tool at the curve's start is on it everywhere, in what is constrained."""
         g = np.broadcast_to(self.curve(np.array(0.0)), (len(SPREAD), 4, 4))
-        return float(max(map(np.max, self.errors(SPREAD, g)))) <= NO_WAY
+        return float(max(map(np.max, self.errors(SPREAD, g)))) <= NO_MOTION
 
     @property
     def angle(self) -> float:

@@ -17,7 +17,7 @@ STEPS = 12
 DAMPING, LEAST_DAMPING = 0.05, 1e-12
 """Of a step, as part of the squared error and at least. Far from targets and near singularities it is short."""
 
-CALM = 1e-6
+TOLERANCE_DAMPING = 1e-6
 """Least damping within tolerances. It keeps joints from turning far to correct rounding of an axis."""
 
 GROWTH, MOST_GROWTH = 10.0, 1e8
@@ -60,7 +60,7 @@ def projected(
                 theta = kept
                 e, J = errors_and_rows(like, ideal, arm.fk(theta), arm.body_jacobian(theta))
                 e, J = e * weights, J * weights[:, None]
-            damping = DAMPING * best + CALM * more
+            damping = DAMPING * best + TOLERANCE_DAMPING * more
         damped = damping[:, None, None] * np.eye(e.shape[1])
         step = _shortest(e, J, damped)
         held = ((theta <= lower + LIMIT) & (step < 0.0)) | ((theta >= upper - LIMIT) & (step > 0.0))

@@ -15,13 +15,13 @@ from ..joint_path import Indices, JointPath
 from ..piecewise import derivative, spread
 from .moving_target import MovingTarget
 
-LOOKS = 8
+FIRST_SAMPLES = 8
 """Intervals in each piece for the first samples of the tool's velocity."""
 
 NEAR = 1e-4
 """A bound that matters exceeds the greatest sampled speed by at most this part."""
 
-MOST_LOOKS = 512
+MAX_SAMPLES = 512
 """The most intervals of one piece."""
 
 
@@ -107,21 +107,21 @@ def greatest_tool_speeds(
     bounds = ToolDerivatives.along(arm, path)
     bend = np.stack([bounds.jerk, bounds.turn_jerk], axis=1)
     most = np.array([linear_speed, angular_speed])
-    count = np.full(len(bend), LOOKS)
-    seen, pace = _seen(arm, path, limits, count)
-    slack = (np.diff(path.breakpoints) / LOOKS)[:, None] ** 2 / 8.0 * bend
+    count = np.full(len(bend), FIRST_SAMPLES)
+    seen, pace = _sampled_speeds(arm, path, limits, count)
+    slack = (np.diff(path.breakpoints) / FIRST_SAMPLES)[:, None] ** 2 / 8.0 * bend
     with np.errstate(divide="ignore", invalid="ignore"):
         counts = (slack > NEAR * seen) & ((seen + slack) * pace[:, None] > most)
         finer = np.where(counts, np.sqrt(slack / (NEAR * seen)), 1.0).max(axis=1)
     if counts.any():
-        count = np.ceil(LOOKS * np.minimum(finer, MOST_LOOKS / LOOKS)).astype(np.int64)
-        seen, _ = _seen(arm, path, limits, count)
+        count = np.ceil(FIRST_SAMPLES * np.minimum(finer, MAX_SAMPLES / FIRST_SAMPLES)).astype(np.int64)
+        seen, _ = _sampled_speeds(arm, path, limits, count)
         slack = (np.diff(path.breakpoints) / count)[:, None] ** 2 / 8.0 * bend
     linear, angular = (seen + slack).T
     return linear, angular
 
 
-def _seen(arm: Arm, path: JointPath, limits: JointLimits, count: Indices) -> tuple[Array, Array]:
+def _sampled_speeds(arm: Arm, path: JointPath, limits: JointLimits, count: Indices) -> tuple[Array, Array]:
     """Greatest speeds (m, 2) by s at the ends of `count` intervals of each piece.
 
     The second array (m,) is the greatest ṡ there by the joints' velocity limits.

@@ -14,13 +14,13 @@ from ..tolerances import leeway
 from .nodes import EXACT, LONGEST_JUMP, Blocked, Node, Rungs, cheapest_first, efforts
 from .projection import projected
 
-FEWEST = 40
+MIN_RUNGS = 40
 """Rungs of the shortest curve: on each the arm may change its configuration a little."""
 
 WIDTH = 100
 """Configurations at each rung."""
 
-SOUGHT, KICK = 500, 0.8
+CANDIDATES, KICK = 500, 0.8
 """Candidates for the next rung, and their greatest distance [rad, m] in every joint."""
 
 PULL, LONGEST_PULL = 0.3, 0.3
@@ -44,17 +44,17 @@ def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Nod
     that are apart stay, each with its least joint motion.
     """
     rng = np.random.default_rng(SEED)
-    rungs, nodes = Rungs(roots, FEWEST), list(roots)
+    rungs, nodes = Rungs(roots, MIN_RUNGS), list(roots)
     for k in range(1, rungs.count + 1):
         theta, parents = _spread(arm, rungs, k, nodes, rng)
         if not len(theta):
-            return Blocked(max(nodes, key=lambda node: _room(arm, node.theta)), float(rungs.s[k]), False)
+            return Blocked(max(nodes, key=lambda node: _distance_to_limits(arm, node.theta)), float(rungs.s[k]), False)
         here = np.array([node.theta for node in nodes])
         costs = np.array([node.cost for node in nodes])[parents] + efforts(here[parents], theta, limits.velocity)
-        kept = _apart(theta, costs, rng)
+        kept = _cheapest_per_cell(theta, costs, rng)
         kept = kept[_continuous(arm, nodes, parents[kept], float(rungs.s[k]), theta[kept])]
         if not len(kept):
-            return Blocked(max(nodes, key=lambda node: _room(arm, node.theta)), float(rungs.s[k]), True)
+            return Blocked(max(nodes, key=lambda node: _distance_to_limits(arm, node.theta)), float(rungs.s[k]), True)
         nodes = [
             Node(nodes[parents[i]].moving, float(rungs.s[k]), theta[i], float(costs[i]), nodes[parents[i]])
             for i in kept
@@ -69,7 +69,7 @@ def _spread(
     here, moving = np.array([node.theta for node in nodes]), nodes[0].moving
     drawn = PULL * (arm.limits.middle() - here)
     drawn *= np.minimum(1.0, LONGEST_PULL / np.maximum(np.abs(drawn).max(axis=1, keepdims=True), LONGEST_PULL))
-    each = -(-SOUGHT // len(nodes))
+    each = -(-CANDIDATES // len(nodes))
     kicks = rng.uniform(-1.0, 1.0, (each, *here.shape)) * rng.uniform(0.0, KICK, (each, len(nodes), 1))
     sought = np.concatenate([here, here + drawn, *(here + kicks)])
     parents = np.tile(np.arange(len(nodes)), 2 + each)
@@ -93,7 +93,7 @@ def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float
     return near
 
 
-def _apart(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.intp]:
+def _cheapest_per_cell(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.intp]:
     """Return which to keep: the cheapest of each cell, at most `WIDTH`."""
     order = np.argsort(costs, kind="stable")
     _, first = np.unique(np.round(theta[order] / CELL), axis=0, return_index=True)
@@ -103,6 +103,6 @@ def _apart(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.i
     return np.concatenate([kept[:1], rng.choice(kept[1:], WIDTH - 1, replace=False)])
 
 
-def _room(arm: Arm, theta: Array) -> float:
+def _distance_to_limits(arm: Arm, theta: Array) -> float:
     """Return the distance to the nearest limit."""
     return float(np.minimum(theta - arm.limits.lower, arm.limits.upper - theta).min())

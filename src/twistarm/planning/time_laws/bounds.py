@@ -47,12 +47,12 @@ class PathBounds:
     @cached_property
     def velocity(self) -> Array:
         """(r,), inf where there is no limit."""
-        return self._both("velocity")
+        return self._joints_and_motors("velocity")
 
     @cached_property
     def acceleration(self) -> Array:
         """(r,), inf where there is no limit."""
-        return self._both("acceleration")
+        return self._joints_and_motors("acceleration")
 
     @cached_property
     def jerk(self) -> Array:
@@ -62,7 +62,7 @@ class PathBounds:
     @cached_property
     def given_jerk(self) -> Array:
         """(r,), inf where there is no limit."""
-        return self._both("jerk")
+        return self._joints_and_motors("jerk")
 
     @cached_property
     def rates(self) -> JointLimits:
@@ -74,7 +74,7 @@ class PathBounds:
         """The largest ṡ on each of the path's pieces (m,), inf without a limit."""
         return np.full(len(path.breakpoints) - 1, np.inf) if self.ceiling is None else self.ceiling
 
-    def _both(self, rate: str) -> Array:
+    def _joints_and_motors(self, rate: str) -> Array:
         joints: Array = getattr(self.limits, rate)
         if self.actuators is None:
             return joints

@@ -17,7 +17,7 @@ from ..joint_path import JointPath
 from ..optional import scipy
 from .bounds import PathBounds
 
-INTERVALS, LOOKS, ENDS = 300, 2000, 0.9
+INTERVALS, GRID_SAMPLES, ENDS = 300, 2000, 0.9
 """Intervals of the grid, samples to lay it out, and how much shorter its steps are at both ends."""
 
 SHARPER, GAP, STEPS = 8.0, 1e-2, 16
@@ -32,7 +32,7 @@ LARGEST = 1e12
 ROUNDS, CLOSE = 6, 1.01
 """Greatest number of motions, each with tighter limits where the last exceeded one, and the accepted excess."""
 
-BEGIN, AGAIN = 0.5, 0.9
+BEGIN, BEGIN_AGAIN = 0.5, 0.9
 """Share of the limits in use at the start of the first search, and of the others."""
 
 
@@ -68,19 +68,19 @@ def fastest_passes(
         if max(float(each.max()) for each in over) < CLOSE:
             return
         problem = problem.tightened(*over)
-        x *= min(1.0, AGAIN * problem.room(x))
+        x *= min(1.0, BEGIN_AGAIN * problem.room(x))
         weight /= SHARPER
 
 
 def _grid(path: JointPath, bounds: PathBounds) -> Array:
     """Places (N + 1,) along the path: nearer together where it bends, and towards both ends."""
-    s = np.linspace(0.0, path.length, LOOKS + 1)
+    s = np.linspace(0.0, path.length, GRID_SAMPLES + 1)
     limits = bounds.velocity, bounds.acceleration, bounds.jerk
     slow = sum(
         np.max(np.abs(path(s, order) @ bounds.C.T / limit), axis=1) ** (1.0 / order)
         for order, limit in enumerate(limits, 1)
     )
-    near = np.ones(LOOKS // 50) / (LOOKS // 50)
+    near = np.ones(GRID_SAMPLES // 50) / (GRID_SAMPLES // 50)
     density = np.convolve(np.pad(slow, len(near), mode="edge"), near, mode="same")[len(near) : -len(near)]
     come = np.concatenate([[0.0], np.cumsum(density[1:] + density[:-1])])
     part = np.linspace(0.0, 1.0, INTERVALS + 1)

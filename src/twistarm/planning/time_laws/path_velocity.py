@@ -38,7 +38,7 @@ def path_velocity(path: LimitedPath, grid: Array) -> Profile:
     Backwards: from which x the end can be reached at rest. Forwards: the largest x, interval by interval, that stays
     among those. Every interval's region of (x0, x1) is convex and holds (0, 0), so neither pass can fail.
     """
-    found = engine.asked("path_velocity", *vars(path).values(), grid, _most(path))
+    found = engine.asked("path_velocity", *vars(path).values(), grid, _unlimited(path))
     return in_numpy(path, grid) if found is None else Profile(*found)
 
 
@@ -46,11 +46,11 @@ def in_numpy(path: LimitedPath, grid: Array) -> Profile:
     """The same profile in NumPy."""
     tangent, bend, ceiling = derivatives(path, grid)
     steps = np.diff(grid)
-    x = passes(*rows(path, tangent, bend, ceiling, steps), _most(path))
+    x = passes(*rows(path, tangent, bend, ceiling, steps), _unlimited(path))
     return Profile(x, used(path, tangent, bend, ceiling, steps, x))
 
 
-def _most(path: LimitedPath) -> float:
+def _unlimited(path: LimitedPath) -> float:
     """The largest ṡ² where nothing else limits it."""
     return float(path.breakpoints[-1] / SHORTEST) ** 2
 

@@ -34,10 +34,10 @@ PIECES = 64
 CLOSE = 1.06
 """A law that needs less slowing than this factor gets no lower ceilings."""
 
-SPARE = 1.05
+NEAR_CEILING = 1.05
 """A ceiling counts if the law comes within this factor of it."""
 
-KEPT = 1.002
+NEARLY_KEPT = 1.002
 """A law nearly keeps its limits if it exceeds them by less than this factor."""
 
 ROUNDS = 6
@@ -119,7 +119,7 @@ class _Search:
 
     def slow_in_bends(self, at: _Tried) -> _Tried:
         """The ceiling held for a window about each piece where it counts."""
-        counts = np.where(at.ceiling < at.speed * SPARE, at.ceiling, np.inf)
+        counts = np.where(at.ceiling < at.speed * NEAR_CEILING, at.ceiling, np.inf)
         return self.tried(np.minimum(at.ceiling, widened(counts, self.path.breakpoints, at.window)), at.window)
 
     def tightened(self, at: _Tried) -> Iterator[_Tried]:
@@ -127,7 +127,7 @@ class _Search:
         shortest = np.inf
         for _ in range(ROUNDS):
             yield at
-            if at.factor.max() < KEPT or at.duration() > shortest * (1.0 - GAIN):
+            if at.factor.max() < NEARLY_KEPT or at.duration() > shortest * (1.0 - GAIN):
                 return
             shortest = at.duration()
             with np.errstate(divide="ignore", invalid="ignore"):

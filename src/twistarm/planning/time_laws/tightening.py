@@ -10,7 +10,7 @@ from ..piecewise import derivative, evaluate
 from .bounds import PathBounds
 from .law import TimeLaw
 
-LOOKS = np.array([[0.0], [0.5], [1.0 - 1e-9]])
+SAMPLES = np.array([[0.0], [0.5], [1.0 - 1e-9]])
 """Where in each of its pieces a law is looked at."""
 
 
@@ -28,7 +28,7 @@ class Needs:
         The rates are p' ṡ, p'' ṡ² + p' s̈ and p''' ṡ³ + 3 p'' ṡ s̈ + p' s⃛. Each piece of the law is sampled at three
         instants. It may span several pieces of the path.
         """
-        tau = LOOKS * np.diff(law.breakpoints)
+        tau = SAMPLES * np.diff(law.breakpoints)
         s, s1, s2, s3 = (evaluate(derivative(law.coefficients[:, :, None], k)[..., 0], tau).ravel() for k in range(4))
         piece = self.path.piece_at(s)
         sigma = s - self.path.breakpoints[piece]

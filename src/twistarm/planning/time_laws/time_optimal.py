@@ -12,16 +12,16 @@ from .interval_limits import LimitedPath
 from .law import TimeLaw
 from .path_velocity import Profile, path_velocity
 
-FIRST = 150
+FIRST_INTERVALS = 150
 """Intervals to begin with, about."""
 
-LEAST = 2
+LEAST_PER_PIECE = 2
 """Intervals to begin with on each piece of the path."""
 
 GAIN = 1e-3
 """The grid is fine enough when a finer one shortens the motion by less than this share."""
 
-LEFT = 4.0
+UNUSED_PER_GAIN = 4.0
 """The grid loses one in so many parts of the time that the limits leave unused."""
 
 LOSS = 3e-3
@@ -30,7 +30,7 @@ LOSS = 3e-3
 ROUNDS = 10
 """How often intervals are halved at most."""
 
-MOST = 5000
+MAX_INTERVALS = 5000
 """A grid of more intervals is not refined: a trajectory has a piece for each."""
 
 
@@ -54,8 +54,8 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
         endless = np.isinf(durations)
         loss = np.where(endless, 0.0, durations) * (1.0 - profile.share)
         coarse = endless | (loss > LOSS * duration / len(loss))
-        fine = loss.sum() < LEFT * GAIN * duration or duration > shortest * (1.0 - GAIN)
-        if not endless.any() and (fine or not coarse.any() or len(coarse) > MOST):
+        fine = loss.sum() < UNUSED_PER_GAIN * GAIN * duration or duration > shortest * (1.0 - GAIN)
+        if not endless.any() and (fine or not coarse.any() or len(coarse) > MAX_INTERVALS):
             break
         shortest = duration
         grid = np.sort(np.concatenate([grid, (0.5 * (grid[:-1] + grid[1:]))[coarse]]))
@@ -71,7 +71,7 @@ def on_grid(limited: LimitedPath, grid: Array) -> TimeLaw:
 def first_grid(breakpoints: Array) -> Array:
     """Every piece of the path in as many intervals of one length."""
     pieces = len(breakpoints) - 1
-    count = max(LEAST, -(-FIRST // pieces))
+    count = max(LEAST_PER_PIECE, -(-FIRST_INTERVALS // pieces))
     inner = breakpoints[:-1, None] + np.diff(breakpoints)[:, None] * np.arange(count) / count
     return np.append(inner.ravel(), breakpoints[-1])
 

@@ -15,7 +15,7 @@ from ...support.path_redaction import without_places
 from ..protocol.messages import LONGEST_NAME, Message
 from ..scene.nodes import link_path, screw_path
 
-MOST = 500
+MAX_FINDINGS = 500
 """Findings on the page; nobody reads more, and the rest is counted."""
 
 PENDING = "From the loading alone: the doctor looks while no servo drives."
@@ -60,10 +60,10 @@ def _message(arm: Arm, findings: Iterable[Finding], note: str) -> Message:
     """{"type": "findings", "findings": [...], "counts": {severity: how many}, "note": text}, gravest first."""
     severities = get_args(Severity)
     ordered = sorted(findings, key=lambda one: severities.index(one.severity), reverse=True)
-    more = f"{len(ordered) - MOST} more: twistarm doctor lists them." if len(ordered) > MOST else ""
+    more = f"{len(ordered) - MAX_FINDINGS} more: twistarm doctor lists them." if len(ordered) > MAX_FINDINGS else ""
     return {
         "type": "findings",
-        "findings": [_finding_fields(arm, one) for one in ordered[:MOST]],
+        "findings": [_finding_fields(arm, one) for one in ordered[:MAX_FINDINGS]],
         "counts": dict(Counter(one.severity for one in ordered)),
         "note": " ".join(part for part in (note, more) if part),
     }

@@ -15,7 +15,7 @@ from ..protocol.messages import Message, Request
 from .part import Seen, Show
 from .pose_list import RecordedPose
 
-MOST = 100
+MAX_STEPS = 100
 """Steps that are kept."""
 
 PAUSE = 1.0
@@ -69,7 +69,7 @@ class History:
         if step.theta is not None:
             show.require_free()
         source.pop()
-        sink.append(self._taken_back(step, show, request.fields["ease"], now))
+        sink.append(self._undone(step, show, request.fields["ease"], now))
         self._last = ("", -np.inf)
         return None
 
@@ -95,11 +95,11 @@ class History:
             self._last = (words, now)
 
     def _keep(self, step: Step) -> None:
-        self._past = [*self._past[1 - MOST :], step]
+        self._past = [*self._past[1 - MAX_STEPS :], step]
         self._future = []
         self._last = ("", -np.inf)
 
-    def _taken_back(self, step: Step, show: Show, ease: bool, now: float) -> Step:
+    def _undone(self, step: Step, show: Show, ease: bool, now: float) -> Step:
         """Put back what the step has kept; the step that undoes this again."""
         there = show.seen()
         if step.poses is not None:

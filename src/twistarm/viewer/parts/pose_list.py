@@ -91,7 +91,7 @@ class PoseList:
         order = self._order(joints)
         reasons: list[str] = []
         for pose in poses:
-            with told(reasons):
+            with collecting_refusals(reasons):
                 self._keep([*self.poses, self._read(pose, order, self.poses)])
         return reasons
 
@@ -154,7 +154,7 @@ class PoseList:
 
 
 @contextmanager
-def told(reasons: list[str]) -> Iterator[None]:
+def collecting_refusals(reasons: list[str]) -> Iterator[None]:
     """What is refused inside goes to the reasons, and the rest goes on."""
     try:
         yield

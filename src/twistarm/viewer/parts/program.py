@@ -39,7 +39,7 @@ MOST_GHOSTS = 12
 """The arm is drawn faintly at so many poses, evenly chosen."""
 
 
-class Asked(NamedTuple):
+class MotionRequest(NamedTuple):
     """A requested motion: kind, stops or corner radius [m], the tool's speed limit [m/s] (0: none)."""
 
     kind: Any
@@ -53,7 +53,7 @@ class Asked(NamedTuple):
         return plain and (self.stop or self.kind in SPLINES)
 
 
-NOTHING_ASKED = Asked("", False, 0.0, 0.0)
+NO_REQUEST = MotionRequest("", False, 0.0, 0.0)
 
 
 class Program:
@@ -67,7 +67,7 @@ class Program:
         self._usual = defaults_line(arm)
         self._motion: Trajectory | None = None
         self._through: tuple[tuple[int, str], ...] = ()
-        self._asked = NOTHING_ASKED
+        self._asked = NO_REQUEST
         self._shown: tuple[Any, ...] = ()
         self._message: Message = {}
 
@@ -75,7 +75,7 @@ class Program:
         """Do what a page asks for; a plan is a job. TwistarmError, and nothing changed, where it cannot."""
         kind, fields = request.kind, request.fields
         if kind == "plan":
-            return self._plan(Asked(**fields), show)
+            return self._plan(MotionRequest(**fields), show)
         if kind == "record":
             self.list.record(fields["name"], show.theta)
         elif kind == "rename":
@@ -110,14 +110,14 @@ class Program:
     def _words(self, ours: bool) -> Message:
         current = ours and self._through == _listed(self.list.poses)
         poses = [{"id": pose.id, **pose.entry()} for pose in self.list.poses]
-        asked = self._asked if ours else NOTHING_ASKED
+        asked = self._asked if ours else NO_REQUEST
         through_joints = asked.through_joints(self.list.poses)
         straight = STRAIGHT if through_joints and (asked.stop or asked.kind == "trapezoid") else ""
         note = ("; ".join(filter(None, (straight, self._usual))) if current else STALE) if ours else ""
         said = {**asked._asdict(), "kind": asked.kind or None}
         return {"type": "program", "poses": poses, "planned": current, **said, "note": note}
 
-    def _plan(self, asked: Asked, show: Show) -> Job:
+    def _plan(self, asked: MotionRequest, show: Show) -> Job:
         poses = self.list.poses
         if len(poses) < 2:
             raise InputError(f"a motion needs at least two poses; the list has {len(poses)}: record another")
@@ -137,7 +137,7 @@ class Program:
         self,
         show: Show,
         poses: tuple[RecordedPose, ...],
-        asked: Asked,
+        asked: MotionRequest,
         result: tuple[Trajectory | PathError, dict[str, Any]],
     ) -> None:
         planned, path = result
@@ -156,7 +156,7 @@ class Program:
 def _planned(
     arm: Arm,
     poses: tuple[RecordedPose, ...],
-    asked: Asked,
+    asked: MotionRequest,
     limits: JointLimits,
     others: Mapping[str, float],
     met: Mapping[str, Any],
@@ -184,7 +184,7 @@ def _stop(arm: Arm, error: PathError, others: Mapping[str, float]) -> dict[str, 
 def _motion(
     arm: Arm,
     poses: Sequence[RecordedPose],
-    asked: Asked,
+    asked: MotionRequest,
     limits: JointLimits,
     met: Mapping[str, Any],
     progress: Progress,

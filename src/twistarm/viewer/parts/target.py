@@ -34,7 +34,7 @@ TOLERANCES = {"position": "m", "orientation": "rad"}
 
 NONE: Mapping[str, Any] = {}
 
-NOTHING: Message = {
+NO_TARGET: Message = {
     "type": "target",
     "given": None,
     "met": None,
@@ -53,7 +53,7 @@ class TargetPart:
     requests = frozenset({"target", "release", "tolerances"})
 
     def __init__(self) -> None:
-        self._status = NOTHING
+        self._status = NO_TARGET
         self._shown: Array | None = None  # the configuration on show, where it is the target's answer
         self._wanted = False  # whether an answer may still come
         self._number = self._answered = 0  # of the latest target asked for, and of the one whose answer is on show
@@ -100,7 +100,7 @@ class TargetPart:
         show.show(self._shown)
 
     def _release(self) -> None:
-        self._status, self._shown, self._wanted = NOTHING, None, False
+        self._status, self._shown, self._wanted = NO_TARGET, None, False
 
 
 def target_asked(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approach:

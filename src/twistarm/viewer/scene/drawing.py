@@ -41,7 +41,7 @@ def set_object(path: str, geometry: Any, colour: Colour, matrix: Array, **materi
     return _packed_object(path, lowered, matrix)
 
 
-def nothing(path: str) -> bytes:
+def removed(path: str) -> bytes:
     """The packed message that takes away what is drawn at `path` and below."""
     return _packed({"type": "delete", "path": path})
 
@@ -111,13 +111,13 @@ def arrow(path: str, start: Array, end: Array, radius: float, colour: Colour) ->
     head = 6.0 * radius
     neck, tip = _along(start, end, 1.0, -head)[:3, 3], _along(start, end, 1.0, -0.5 * head)
     drawn: list[bytes] = []
-    for layer, tint, material in _shining(colour):
+    for layer, tint, material in _visible_through(colour):
         drawn.append(rod(f"{path}/{layer}-shaft", start, neck, radius, tint, **material))
         drawn.append(cylinder(f"{path}/{layer}-head", 2.6 * radius, head, tint, tip, top=0.0, **material))
     return drawn
 
 
-def _shining(colour: Colour) -> list[tuple[str, Colour, dict[str, Any]]]:
+def _visible_through(colour: Colour) -> list[tuple[str, Colour, dict[str, Any]]]:
     """The two layers of an object that is visible through others: name, colour, material."""
     red, green, blue, _ = colour
     glow = {"emissive": _rgb((0.25 * red, 0.25 * green, 0.25 * blue, 1.0))}
@@ -143,7 +143,7 @@ def axes(path: str, length: float) -> list[bytes]:
     return [
         rod(f"{path}/{name}/{layer}", np.zeros(3), end, 0.02 * length, tint, **material)
         for name, end, colour in named
-        for layer, tint, material in _shining(colour)
+        for layer, tint, material in _visible_through(colour)
     ]
 
 

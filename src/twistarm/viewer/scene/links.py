@@ -81,7 +81,7 @@ def draw_meshes(
     read: dict[Path, list[Part] | str] = {}
     told, room = {""}, _Room()
     for link in description.links.values():
-        undrawn = _stands_in(link)
+        undrawn = _is_only_meshes(link)
         found = _found(link)
         for k, (node, visual, path) in enumerate(found, 1):
             source = _source(node, visual, path, most.get(path, inf), k == len(found))
@@ -95,8 +95,8 @@ def draw_meshes(
             objects, note = _mesh_or_reason(node, visual, path, parts, room)
             drawn = bool(objects)
             undrawn = undrawn and not drawn
-            if k == len(found) and _stands_in(link):
-                objects += lost_frame(link, size) if undrawn else [drawing.nothing(stand_in_path(link))]
+            if k == len(found) and _is_only_meshes(link):
+                objects += lost_frame(link, size) if undrawn else [drawing.removed(stand_in_path(link))]
             yield Drawn(node, tuple(objects), "" if note in told else note, drawn, _all_exact(parts), source)
             told.add(note)
 
@@ -111,7 +111,7 @@ def _found(link: Link) -> list[tuple[str, Geometry, Path]]:
     return [(f"{path}/visual{i}", visual, visual.mesh) for i, visual in enumerate(link.visuals) if visual.mesh]
 
 
-def _stands_in(link: Link) -> bool:
+def _is_only_meshes(link: Link) -> bool:
     """Whether there is nothing to draw of a link but its meshes."""
     return all(visual.shape == "mesh" for visual in link.visuals)
 
@@ -182,7 +182,7 @@ def _plain(description: Description, link: Link, size: float) -> list[bytes]:
         for i, visual in enumerate(link.visuals)
         for part in shape(f"{path}/visual{i}", visual, visual.colour or PLAIN)
     ]
-    if not _stands_in(link):
+    if not _is_only_meshes(link):
         return drawn
     lost = link.visuals and not _found(link)
     return [*stand_in(description, link, size), *(lost_frame(link, size) if lost else [])]

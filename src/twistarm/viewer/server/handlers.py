@@ -24,7 +24,7 @@ from .downloads import DOWNLOADS
 if TYPE_CHECKING:
     from .server import Server
 
-ALWAYS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
+HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
 """Headers of every answer, refusals included."""
 
 POLICY = (
@@ -91,7 +91,7 @@ class Guarded(tornado.web.RequestHandler):
 
     def set_default_headers(self) -> None:
         """On every answer, errors included."""
-        for name, value in ALWAYS.items():
+        for name, value in HEADERS.items():
             self.set_header(name, value)
         self.clear_header("Server")
 

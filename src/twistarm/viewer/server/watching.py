@@ -23,7 +23,7 @@ PERIOD = 0.25
 """Time between two looks at the files [s]. A look costs a microsecond or two for each file and needs no library. It
 also sees what the system does not notify: files on network shares, in containers, and files that do not exist yet."""
 
-LONGEST_UNREST = 2.0
+CHANGES_TIMEOUT = 2.0
 """Seconds until files that keep changing are loaded anyway."""
 
 Stamps = dict[Path, tuple[int, ...] | None]
@@ -71,7 +71,7 @@ class Watch(Closeable):
 
     def _settled(self) -> Stamps:
         """The stamps once they no longer change: an editor may still be writing."""
-        end = time.monotonic() + LONGEST_UNREST
+        end = time.monotonic() + CHANGES_TIMEOUT
         before, now = None, stamps(self._stamps)
         while before != now and time.monotonic() < end and not self._closed.wait(PERIOD):
             before, now = now, stamps(self._stamps)

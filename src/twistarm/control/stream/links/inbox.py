@@ -93,7 +93,7 @@ class Latest(Generic[T]):
     def heard(self, sender: str) -> bool:
         """Whether the last one who said anything, or the one before, is `sender`."""
         with self._lock:
-            return self._last_of(_name(sender)) is not None
+            return self._last_from(_name(sender)) is not None
 
     def look(self, now: float, of: str = "") -> Look[T]:
         """What counts at `now` [s]. of: what the reason adds to the words for what is held here."""
@@ -116,15 +116,15 @@ class Latest(Generic[T]):
 
     def _arrive(self, new: _Arrival[T]) -> None:
         with self._lock:
-            last = self._last_of(new.sender)
-            if last is not None and new.time - last.time <= self.timeout and _outrun(last.number, new.number):
+            last = self._last_from(new.sender)
+            if last is not None and new.time - last.time <= self.timeout and _is_outdated(last.number, new.number):
                 self._ignored = f"; number {new.number} came after {last.number} and was left out"
                 return
             if self._latest is not None and self._latest.sender != new.sender:
                 self._rival = self._latest
             self._latest, self._ignored = new, ""
 
-    def _last_of(self, sender: str) -> _Arrival[T] | None:
+    def _last_from(self, sender: str) -> _Arrival[T] | None:
         return next((each for each in (self._latest, self._rival) if each and each.sender == sender), None)
 
     def _follow(self, now: float) -> None:
@@ -133,7 +133,7 @@ class Latest(Generic[T]):
             self._latest, self._rival = None, None
             self._ignored = f"time went back by {self._clock - now:.3g} s; no {self._what} has arrived since"
         self._clock = now
-        self._latest, self._rival = (each and _seen(each, now) for each in (self._latest, self._rival))
+        self._latest, self._rival = (each and _arrival_time(each, now) for each in (self._latest, self._rival))
 
 
 class Inbox(Latest[AnyCommand]):
@@ -183,7 +183,7 @@ def moment(now: float | None) -> float:
     return now if type(now) is float else as_number(now, "now [s]")
 
 
-def _outrun(last: int | None, new: int | None) -> bool:
+def _is_outdated(last: int | None, new: int | None) -> bool:
     return last is not None and new is not None and new <= last
 
 
@@ -191,6 +191,6 @@ def _name(sender: str) -> str:
     return one_line(require(sender, str, "sender", "the name of who says it"), LONGEST_SENDER)
 
 
-def _seen(arrival: _Arrival[T], now: float) -> _Arrival[T]:
+def _arrival_time(arrival: _Arrival[T], now: float) -> _Arrival[T]:
     """The arrival time, at most `now`. A later one would count for longer than a timeout."""
     return arrival if arrival.time <= now else replace(arrival, time=now)

@@ -65,7 +65,7 @@ class Link(ABC):
             if texts is not None or len(last) < self.senders:
                 last[sender] = texts or deque(maxlen=self.each)
                 last[sender].append(text)
-                _keep_short(last[sender])
+                _truncate(last[sender])
         for sender, texts in last.items() if not missed else ():
             for text in texts:
                 self._put(self.sender_name(sender), text, now)
@@ -136,7 +136,7 @@ class StateLink(Link):
         return measured if measured.theta is not None else replace(measured, reason=measured.reason + self.note)
 
 
-def _keep_short(texts: deque[bytes]) -> None:
+def _truncate(texts: deque[bytes]) -> None:
     """Drop the oldest texts, except the last, until together they are as short as one message."""
     size = sum(map(len, texts))
     while len(texts) > 1 and size > LARGEST_MESSAGE:

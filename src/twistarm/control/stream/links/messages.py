@@ -135,9 +135,9 @@ def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) ->
     require_arm(arm)
     names, value = ("joint_names", "theta") if motors is None else ("motor_names", "motor")
     needed = {names: list_of(_text), value: numbers}
-    told = fields(decoded(text), "a joint state", needed, {"number": counter, "interlock": one_of(STATES)})
+    sent = fields(decoded(text), "a joint state", needed, {"number": counter, "interlock": one_of(STATES)})
     known = arm.joint_names if motors is None else motors.names
-    return StateMessage(values_by_name(known, told[names], told[value]), told.get("number"), told.get("interlock"))
+    return StateMessage(values_by_name(known, sent[names], sent[value]), sent.get("number"), sent.get("interlock"))
 
 
 def values_by_name(known: Collection[str], names: Sequence[str], values: Sequence[float]) -> dict[str, float]:

@@ -16,7 +16,7 @@ from ..motors import motor_side
 from ..protocols import Measured
 from .inbox import FEEDBACK_TIMEOUT, Latest, Look, moment
 
-MOST_OTHERS = 20
+MAX_OTHER_SENDERS = 20
 """Names of others that are kept, for words."""
 
 
@@ -101,7 +101,7 @@ class StateInbox:
         require_mapping(state, "the joint state", "{joint: value}")
         ours = tuple(name for name in self.names if name in state)
         if len(ours) < len(state):
-            self._others = tuple(islice((name for name in state if name not in self._parts), MOST_OTHERS))
+            self._others = tuple(islice((name for name in state if name not in self._parts), MAX_OTHER_SENDERS))
         if not ours:
             self._strangers += 1
             return {}
