@@ -21,16 +21,16 @@ from .search import Found, Progress, as_sound, readings, search, swapped
 from .verdicts import judged, unjudged, unmoved
 
 MOST_ROWS = 200
-"""Moments that are fitted, taken evenly from the log. A camera's neighbouring moments err alike and add nothing."""
+"""Most moments to fit, evenly from the log. Neighbouring moments of a camera have the same errors and add nothing."""
 
 LOUDEST = 0.02
-"""Noise [m] beyond which positions do not count as measured."""
+"""Greatest noise [m] of usable positions."""
 
 UNITS = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254, "kilometres": 1000.0}
-"""Units that positions may have been logged in, each in metres."""
+"""Possible units of logged positions, in metres."""
 
 SIMILAR = 3.0
-"""Two logs of one arm differ less than by this factor in how far the tool is from the base."""
+"""Greatest ratio of the mean distances from the base in two logs of one arm."""
 
 CONFIGURATIONS = 200
 

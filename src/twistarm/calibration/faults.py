@@ -12,10 +12,10 @@ from .model import Wiring
 from .search import Found
 
 SMALL_SCALE, SMALL_ANGLE, SMALL_LENGTH = 0.02, np.radians(1.0), 0.005
-"""A scale or offset [joint rad, m] that is less off than this is how arms are: no fault, though the log may show it."""
+"""Normal errors of a scale or offset [joint rad, m]. They are no faults, even if the log shows them."""
 
 ROUNDING = 1e-6
-"""A joint that a motor turns by a smaller part of the most it turns any is not its own."""
+"""A motor does not drive a joint that it turns by less than this share of its largest."""
 
 SIGN, RATIO, ZERO, SWAPPED = "flipped sign", "wrong ratio", "zero offset", "swapped"
 
@@ -86,13 +86,13 @@ def _amount(value: float, unit: str) -> str:
 
 
 LITTLE_ANGLE, LITTLE_LENGTH = np.radians(15.0), 0.05
-"""A motor that moves its joint by less than this [rad, m] has hardly been moved."""
+"""A motor that moves its joint by less than this [rad, m] has hardly moved."""
 
 BASE_KNOWN = (
     "measure the base anew, by the tool in several configurations; --base-position-noise (metres) and "
     "--base-orientation-noise (degrees) say how well it is known, 0 and 0 exactly"
 )
-"""Where the base and a motor are not told apart."""
+"""Remedy if base and motor cannot be separated."""
 
 ALL = ("sign", "ratio", "zero")
 

@@ -12,25 +12,25 @@ from .model import Wiring
 
 STEPS = 60
 LEAST_GAIN = 1e-9
-"""A step that makes the sum of squares smaller by less than this part of it is the last."""
+"""A step that reduces the sum of squares by a smaller share is the last."""
 
 MOST_SIGNS = 8
-"""Motors up to which every pattern of signs is tried; beyond, every two."""
+"""Motors up to which every pattern of signs is tried. With more, at most two are reversed."""
 
 SCALES = (1.0, 0.1, 0.25, 0.5, 0.75, 1.5, 2.0, 4.0, 10.0)
 OFFSETS = np.radians([0.0, 30.0, -30.0, 75.0, -75.0, 120.0, -120.0, 180.0])
-"""Where a single motor's scale, of either sign, and zero are looked for."""
+"""Start values for a single motor's zero, with a scale of either sign."""
 
 _ANYWHERE = np.array([(sign * s, e) for s in SCALES for sign in (1.0, -1.0) for e in OFFSETS])
 
 BEAM_WIDTH, BEAM_ROUNDS = 6, 3
-"""The width of the search's beam, and its rounds."""
+"""Width of the beam search, and its rounds."""
 
 FITS = 2.0
 """A mean square [standard deviations²] below this needs no further search."""
 
 SEARCH_MOMENTS = 30
-"""Moments that a search looks at; the fit is finished on all."""
+"""Moments for a search. The final fit uses all."""
 
 
 def refine(wiring: Wiring, p: Array, free: Array | None = None) -> tuple[Array, float]:

@@ -11,13 +11,13 @@ from .fit import one_more, refine
 from .model import Wiring
 
 CLEAR = 25.0
-"""What a fault must take off the sum of squares to be named: five standard deviations."""
+"""Reduction of the sum of squares that names a fault: five standard deviations."""
 
 AS_GOOD = 9.0
-"""Another account whose sum of squares is larger by less is no worse: three standard deviations."""
+"""An account with a sum of squares larger by less is equally good: three standard deviations."""
 
 UNEXPLAINED = 9.0
-"""A mean square residual [standard deviations²] beyond this is no noise."""
+"""A greater mean square residual [standard deviations²] is not noise."""
 
 ACCOUNTS = {
     "sound": (1.0, False, False, 0.0),
@@ -27,7 +27,7 @@ ACCOUNTS = {
     "reversed, zero": (-1.0, False, True, 2.5),
     "ratio, zero": (None, True, True, 3.0),
 }
-"""By name: the scale, None for any; whether it, and whether the offset, is fitted; and how much is claimed by it."""
+"""By name: the scale (None: any), whether scale and offset are fitted, and the number of claims."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +113,7 @@ def freedom(wiring: Wiring, fitted: int) -> int:
 
 
 LEAST_GAIN = 1e-6
-"""A cost that is less by no more than this is the same."""
+"""Costs that differ by less are equal."""
 
 
 def alternatives(wiring: Wiring, best: Explanation, i: int) -> list[Explanation]:

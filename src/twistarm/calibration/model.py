@@ -12,10 +12,10 @@ from ..support.checks import Array
 from ..theory.rotations import exp, log_of
 
 SLACK = np.radians(1.0)
-"""How far motors that share a joint may contradict each other [joint rad]: backlash and belts."""
+"""Allowed contradiction of motors that share a joint [joint rad]: backlash and belts."""
 
 USUAL = (0.01, float(np.radians(2.0)))
-"""One standard deviation [m, rad] of a base measured with a tape, for a log that does not fit without it."""
+"""One standard deviation [m, rad] of a base measured by tape, for logs that need it."""
 
 
 @dataclass(frozen=True)

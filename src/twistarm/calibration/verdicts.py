@@ -32,13 +32,13 @@ from .rivals import rivals, unseen_signs, unseen_swaps
 from .search import Found
 
 SEEN_SCALE, SEEN_ANGLE, SEEN_LENGTH = 0.05, np.radians(2.0), 0.01
-"""With a larger standard deviation than this the log does not show a scale or an offset [joint rad, m]."""
+"""Greatest standard deviations of a visible scale or offset [joint rad, m]."""
 
 ROUNDING = 1e-9
-"""A singular value that is a smaller part of the largest is rounding."""
+"""Relative singular values below this are rounding."""
 
 NEGLIGIBLE_SHARE = 1e-6
-"""A smaller share in a direction of which nothing is seen is rounding."""
+"""A smaller share in an invisible direction is rounding."""
 
 Suspect = tuple[int, Found]
 """A motor, and the explanation that blames it."""
@@ -173,7 +173,7 @@ class Evidence:
 
 
 Judgement = tuple[str, str, tuple[MotorVerdict, ...]]
-"""The verdict, what it says, and the motors'."""
+"""The verdict, its words, and the motors' verdicts."""
 
 
 def judged(found: Found, motors: Actuators) -> Judgement:

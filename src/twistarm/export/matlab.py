@@ -16,19 +16,19 @@ from ..support.errors import InputError, printable
 SUFFIX = ".m"
 
 LONGEST = 63
-"""Characters of a name in MATLAB."""
+"""Most characters of a name in MATLAB."""
 
 KEYWORDS = """
     break case catch classdef continue do else elseif end enumeration events for function global if methods otherwise
     parfor persistent properties return spmd switch try unwind_protect unwind_protect_cleanup until while
 """
-"""Of MATLAB and of Octave."""
+"""Keywords of MATLAB and Octave."""
 
 VECTORS = 5
 """Configurations with which the file tests itself: the ready pose, and random ones inside the limits."""
 
 TOLERANCE = 1e-9
-"""Of the test [m, and none]: rounding of a dozen matrix products is far less, a wrong sign far more."""
+"""Tolerance of the test [m, and none]. Rounding is far smaller, a wrong sign far larger."""
 
 
 def matlab_text(arm: Arm, file: str | None = None) -> str:

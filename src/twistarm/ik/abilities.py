@@ -19,34 +19,34 @@ RANK_TOL = 1e-6
 """Singular values below this, relative to the largest, are directions the arm cannot move in."""
 
 HELD_WEIGHT = 100.0
-"""What a radian counts beside a metre where the rotation is held."""
+"""Weight of a radian relative to a metre where the rotation is held."""
 
 OTHER_STARTS = 5
 """Random starts, beside the nearest configuration, of the search for the position that a rotation allows."""
 
 MOST_STEPS = 100
-"""Its steps, at most."""
+"""Most steps of that search."""
 
 SETTLED = 1e-7
-"""The step [rad, m] after which there are no more."""
+"""A step shorter than this [rad, m] is the last."""
 
 ROTATION_MET = 1e-3
-"""What [rad] the pull of a position beyond the reach may leave of a rotation that is held by `HELD_WEIGHT`."""
+"""Rotation error [rad] that an unreachable position may cause in a rotation held by `HELD_WEIGHT`."""
 
 SIDESTEP = 0.2
-"""How far [rad, m] along the arm's freedom a plane is looked at again, to see whether it is one."""
+"""Distance [rad, m] along the arm's freedom at which a plane is checked again."""
 
 MISSED = 1e-9
 """A position error [m] above this is more than rounding."""
 
 HELD = 1e-10
-"""How exactly [m] the position is held on the way there."""
+"""Precision [m] of the held position on the way there."""
 
 STEPS = 20
-"""Newton's steps on that way; four do where nothing is singular."""
+"""Newton steps on that way. Without singularities four suffice."""
 
 SAME_PLANE = 1e-6
-"""How far two unit normals of one plane may differ."""
+"""Greatest difference of two unit normals of one plane."""
 
 
 class Split(NamedTuple):

@@ -22,17 +22,18 @@ from .task_space import Tolerances
 TIMED_OUT = STOPS.index(StopReason.TIMED_OUT)
 
 SAMPLES = 5
-"""Values at which a joint beyond those that the target determines is held, its bounds among them."""
+"""Values tried for a joint that the target does not determine, its bounds included."""
 
 EXACT_TOLERANCE = 1e-5
-"""Wider tolerances [m, rad] ask for more than the closed form knows: it looks for configurations that meet a target
-exactly."""
+"""Greatest tolerances [m, rad] for which the closed form decides. It finds only configurations that meet a target
+exactly.
+"""
 
 FAR_MISS = 10.0
-"""How many tolerances the nearest configuration misses at least, where it is certain that none meets the target."""
+"""Tolerances by which the nearest configuration must miss for certainty that no configuration meets the target."""
 
 BARELY_OUTSIDE = 1e-4
-"""A configuration that lies outside the limits by less [rad, m] makes nothing certain."""
+"""A configuration outside the limits by less than this [rad, m] proves nothing."""
 
 
 def is_exact(tolerances: Tolerances) -> bool:

@@ -31,13 +31,13 @@ STARTS = 1000
 """Searches where no closed form is known."""
 
 EXTRA_SEARCHES = 64
-"""Searches beside elimination, and beside a family that the axes miss: what rounding loses is found by chance."""
+"""Searches besides elimination, or a family that the axes miss. They find what rounding loses."""
 
 IN_FAMILY = 32
 """Searches along a continuous family whose configuration nearest to theta0 lies outside the limits."""
 
 SAME_VALUE = 1e-9
-"""A joint nearer than this [rad, m] to theta0's value has it."""
+"""A joint within this [rad, m] of theta0's value has that value."""
 
 MOST_COMBINATIONS = 4096
 """Values of several sampled joints together."""

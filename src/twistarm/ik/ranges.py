@@ -15,7 +15,7 @@ from ..support.checks import Array
 TURN = 2.0 * math.pi
 
 WHOLE_TURN_TOL = 1e-9
-"""How far a multiplier may be from a whole number, and a pitch [m/rad] from 0, and still be the rounding of one."""
+"""Greatest rounding of a whole multiplier, and of a pitch of 0 [m/rad]."""
 
 
 Mask = NDArray[np.bool_]

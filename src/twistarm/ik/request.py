@@ -15,12 +15,12 @@ from ..support.errors import InputError, listed, shown
 from .task_space import Tolerances
 
 LEAST_TOLERANCE = 1e-12
-"""Below this a tolerance asks for more digits than forward kinematics has."""
+"""Smaller tolerances need more digits than forward kinematics has."""
 
 MAX_RESTARTS = 1_000_000
 
 FARTHEST_START = 1e6
-"""Beyond this [rad, m] a start is a mistake in the units, and whole turns toward it cost the answer its digits."""
+"""A start beyond this [rad, m] is a mistake in the units. Whole turns toward it would cost the answer its digits."""
 
 POSTURES = ("theta0", "middle")
 

@@ -21,24 +21,24 @@ SHORT, LONG = 10, 200
 """Steps toward an answer nearby, and along a whole curve."""
 
 NEIGHBOURS = 3
-"""Families whose nearest member is tried before an answer counts as a family of its own, for the time being."""
+"""Number of families whose nearest member is compared before an answer starts a new family."""
 
 MOST_PAIRS = 300
-"""Families to which a way is looked for, and of each so many members, evenly."""
+"""Most families to connect, and most members of each, evenly chosen."""
 
 REACHED = 1e-3
 """[rad, m]: nearer than this, two members are together."""
 
 NEARBY = 0.5
-"""[rad, m]: nearer than this, two members are together if the one halfway stands halfway, but for this share:"""
+"""Two members nearer than this [rad, m] are together if the midpoint corrects to about itself, up to this share:"""
 
 BENT = 0.1
 
 ACROSS = 0.1
-"""A way on which so small a share of what is left can be gone leads past."""
+"""A path leads past its goal if less than this share of the remaining distance is along it."""
 
 ACCURACY = 1e-10
-"""Errors [m, rad] that are small enough on the way."""
+"""Greatest errors [m, rad] on the way."""
 
 
 @dataclass(frozen=True, eq=False)

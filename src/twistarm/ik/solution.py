@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..collision import Contact
 
 NEGLIGIBLE_LENGTH = 1e-8
-"""[m]: less is not told."""
+"""Shorter lengths [m] are not mentioned."""
 
 
 def missed_by_rounding(position_error: float, orientation_error: float) -> str:
@@ -41,7 +41,7 @@ ANOTHER_BRANCH = "the target is near the pose of theta0, but the answer is not n
 NEAREST_ELSEWHERE = "the nearest configuration is not near theta0, where the arm stays farther from the target"
 
 MANY_JOINTS = 16
-"""Of arms of more joints the search for the nearest configuration finds one minimum of very many."""
+"""On arms with more joints, the nearest-configuration search finds one of very many minima."""
 
 PERHAPS_NEARER = "an arm of so many joints may come nearer: try another rng or theta0"
 

@@ -29,13 +29,13 @@ UNIT = 1e-6
 """How far a twist's length may be from 1."""
 
 SAME = 1e-6
-"""Values nearer together than this [rad, m] are one if the miss halfway is greater by no more than `ROUNDING`."""
+"""Values nearer together than this [rad, m] are one if the halfway miss is no greater than theirs plus `ROUNDING`."""
 
 ROUNDING = 1e-14
 """[m]"""
 
 BEST = 1e-6
-"""What misses by so much more [m] than the best is no root beside it."""
+"""A value that misses by this much more [m] than the best is not a root."""
 
 
 @made_by("a subproblem")

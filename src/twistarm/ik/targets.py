@@ -42,10 +42,10 @@ from .task_space import Rows, excess, offset_rows
 NONE, TWO, THREE = (frozen(np.zeros(count)) for count in (0, 2, 3))
 
 UNIT_LENGTH_TOL = 0.01
-"""A quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
+"""Allowed rounding of a quaternion's length. A greater error means that it is something else."""
 
 FARTHEST = 1e6
-"""Beyond this [m] a target is a mistake in the units, and its square leaves the range where errors add up."""
+"""A target beyond this [m] is a mistake in the units. Its square would exceed the range in which errors add up."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -357,8 +357,9 @@ SHAPE_HINTS = {
 """By how many numbers there are."""
 
 KINDS = (Pose, Position, Approach, TolerancedPose)
-"""By their `kind`. `numbers` are how the core is told a target: g | p | p, direction, tool axis | g, tolerance,
-1 for base axes."""
+"""Kinds of targets, by `kind`. The core receives `numbers`: g, p, (p, direction, tool axis) or (g, tolerance, 1 for
+base axes).
+"""
 
 
 def target_for(arm: Arm, value: Any) -> AnyTarget:

@@ -21,29 +21,31 @@ from .targets import AnyTarget, TolerancedPose
 from .task_space import Rows, Tolerances, excess_rows
 
 ROTATION_WEIGHT = 0.2
-"""What a squared radian counts beside a squared metre in the error E, which vanishes at an answer."""
+"""Weight of a squared radian relative to a squared metre in the error E, which is 0 at an answer."""
 
 DAMPING, LEAST_DAMPING = 0.03, 1e-9
 """λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence)."""
 
 LOOSE, ALLOWED = 1e-5, 0.999
-"""A search takes errors below this share of a tolerance [m, rad] that is wider for none, so that it is used."""
+"""Tolerances wider than the first [m, rad] are loose. Errors below the second, as a share of a loose tolerance, count
+as 0.
+"""
 
 PAST_ROUNDED = 24
-"""After a search has met its target but for the rounding of the axes, so many more may still meet it."""
+"""Searches after one has met its target up to the rounding of the axes. They may still meet it."""
 
 ITERATIONS = 30
 PROGRESS, STALLS = 0.8, 4
-"""An iteration that leaves E above PROGRESS times the best so far is a stall; so many of them end a search."""
+"""An iteration that leaves E above PROGRESS times the best is a stall. A search ends after STALLS of them."""
 
 NEAR_POSITION, NEAR_ORIENTATION = 0.02, math.radians(3.0)
 """Up to here [m, rad] a target is near the pose of theta0, ..."""
 
 OTHER_BRANCH = 0.2
-"""... and an answer that moves a coordinate by more than this [rad, m] for it stands on another branch."""
+"""... and an answer that moves a coordinate by more than this [rad, m] is on another branch."""
 
 MOST_POSTURE_STEPS, SHARES, SETTLED_STEP = 100, 0.5 ** np.arange(10), 1e-7
-"""Steps toward a posture, how much of each is tried in turn, and which [rad, m] is too short to be taken."""
+"""Most steps toward a posture, the shares of a step to try, and the least length of a step [rad, m]."""
 
 RANK_TOL = 1e-6
 """Singular values of J below this, relative to the largest, are directions in which nothing moves."""

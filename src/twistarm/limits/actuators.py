@@ -16,16 +16,16 @@ from .joint_limits import JointLimits
 from .motion_limits import MotionLimits
 
 UNITS = {"rad": 1.0, "deg": 180.0 / np.pi, "turn": 0.5 / np.pi, "tick": np.nan, "m": 1.0, "mm": 1000.0}
-"""What a motor's drive may count in, and how many of them are one rad (or one m); for ticks see `ticks_per_turn`."""
+"""Units of a drive's counts, and how many make one rad (or m). For ticks see `ticks_per_turn`."""
 
 LINEAR_UNITS = ("m", "mm")
 """Units of a drive that pushes instead of turning."""
 
 RANK_TOL = 1e-9
-"""Relative to the equilibrated G: gear ratios are typed to a few digits, their differences are not smaller."""
+"""Relative to the equilibrated G. Gear ratios have a few digits, so their differences are not smaller."""
 
 NOT_GIVEN = JointLimits.unbounded(0)
-"""Limits of no motor, which stand for unbounded ones of as many as there are."""
+"""Limits of no motor: replaced by unbounded ones for all motors."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

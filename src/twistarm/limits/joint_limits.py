@@ -18,7 +18,7 @@ FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 RATES = FIELDS[2:]
 
 AS_GOOD_AS_UNBOUNDED = 1e4
-"""No joint turns or slides that far [rad, m]; files write such numbers where they mean no limit."""
+"""Greatest position [rad, m]. Files write larger numbers for "no limit"."""
 
 
 @dataclass(frozen=True, repr=False)

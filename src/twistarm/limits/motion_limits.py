@@ -14,10 +14,10 @@ from ..support.errors import InputError
 from .joint_limits import JointLimits
 
 STILL = 1e-12
-"""A slower row [rad/s, m/s] stands still and meets no limit: where others keep it at rest, rounding is no motion."""
+"""A slower row [rad/s, m/s] is at rest and meets no limit. Its motion is rounding."""
 
 ROUNDED = 1.0 + 1e-9
-"""What a product of two roundings may be beyond its bound."""
+"""Excess of a product of two rounded numbers over its bound."""
 
 
 class Allowed(NamedTuple):

@@ -30,13 +30,13 @@ TOOL, BASE = "tool", "base"
 FRAMES = (TOOL, BASE)
 
 FASTEST, FARTHEST = 1e4, 1e6
-"""Rates [m/s, rad/s] and positions [m] beyond these are no arm's; they come from wrong units or broken messages."""
+"""Greatest rates [m/s, rad/s] and positions [m] of an arm. Larger ones come from wrong units or broken messages."""
 
 HELD = {
     "position": (True, True, True, False, False, False),
     "orientation": (False, False, False, True, True, True),
 }
-"""Components (vx, vy, vz, wx, wy, wz) that are held, by the names of their halves."""
+"""Names of held components in (vx, vy, vz, wx, wy, wz)."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -145,7 +145,7 @@ class PoseCommand(Brief):
 AnyCommand = TwistCommand | JogCommand | PoseCommand
 
 CommandLike = AnyCommand | Row | None
-"""What a step may be told: a command, six numbers for a twist in tool axes, or nothing."""
+"""What a step accepts: a command, six numbers for a twist in tool axes, or None."""
 
 
 def held_components(hold: Any) -> tuple[bool, ...]:

@@ -58,16 +58,16 @@ _OF_CAUSE = {
     Cause.UPPER: (ServoStatus.SLOWED_LIMIT, ServoReason.UPPER_LIMIT),
     Cause.UNUSABLE: (ServoStatus.STALE, ServoReason.STALE),
 }
-"""The status of a step, and the reason that its cause gives."""
+"""The status of a step and its reason, by cause."""
 
 NOTABLE_LOSS = 0.02
-"""Of the command: a smaller loss is not put into words."""
+"""Least lost share of a command that the output mentions."""
 
 ALL = 0.95
-"""A larger share is all of it."""
+"""A larger lost share counts as all of it."""
 
 STANDSTILL = 1e-3
-"""Of the command: an arm that does less of it stands."""
+"""An arm that executes less than this share of the command counts as standing."""
 
 _NOTHING_LOST = frozen(np.zeros(6))
 

@@ -24,7 +24,7 @@ from .report import Ending, StreamReport, Tally
 from .watch import FeedbackWatch
 
 BRAKING_SPARE = 0.5
-"""Seconds that coming to rest may take beyond twice what velocity over acceleration says."""
+"""Extra seconds for braking, beyond twice velocity over acceleration."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

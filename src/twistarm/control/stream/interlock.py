@@ -11,13 +11,13 @@ from ...support.errors import one_line
 ENABLED, STOPPED, EMERGENCY_STOP = "enabled", "stopped", "emergency stop"
 
 WORDS = ("enable", "stop", "emergency stop", "clear")
-"""What messages may say to an interlock."""
+"""Words that messages may send to an interlock."""
 
 STATES = (ENABLED, STOPPED, EMERGENCY_STOP)
-"""What an interlock, or a robot of itself, may be."""
+"""States of an interlock, and those that a robot may report."""
 
 LONGEST_REASON = 200
-"""Characters of a reason that is kept: it may come from outside, and stands in every message."""
+"""Most characters of a reason. It may come from outside and is in every message."""
 
 
 class Permission(NamedTuple):

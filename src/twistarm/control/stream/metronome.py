@@ -9,13 +9,13 @@ from typing import Any
 from ...support.errors import InputError, shown
 
 ROUNDING = 1e-6
-"""Part of a period that is none."""
+"""Part of a period that is rounding."""
 
 LATEST = 1e12
-"""Seconds that no clock shows (30,000 years), but one that counts in nanoseconds does."""
+"""Seconds (30,000 years) beyond any clock, except one that counts nanoseconds."""
 
 FINEST = 1e-6
-"""Lateness [s] below this is none."""
+"""Lateness [s] below this counts as 0."""
 
 BINS_PER_E = 100
 """Bins of the lateness within a factor e: percentiles are right to 1 %."""

@@ -12,7 +12,7 @@ from ...support.errors import InputError, listed
 from .protocols import Setpoint
 
 UNITS = ("joint", "motor", "counts")
-"""Of what goes to a robot and comes from it."""
+"""Units of values to and from a robot."""
 
 
 class MotorSide:

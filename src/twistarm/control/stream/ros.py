@@ -24,7 +24,7 @@ OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
 """Levels of a diagnostic_msgs/DiagnosticStatus."""
 
 WAITING = "WAITING"
-"""The status before the first joint state, and after a device has failed."""
+"""The status before the first joint state and after a device failure."""
 
 
 def positions_of(arm: Arm, message: Any) -> dict[str, float]:

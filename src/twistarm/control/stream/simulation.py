@@ -22,20 +22,21 @@ SUBSTEP = 0.002
 """Longest step of the simulation [s]."""
 
 GAIN = 40.0
-"""Of the drives' position loop [1/s]: an error falls to a third in 25 ms, as with small servo drives."""
+"""Gain of the drives' position loop [1/s]: an error falls to a third in 25 ms, as with small servo drives."""
 
 HOLD_AFTER = 0.1
-"""Without a new setpoint for so long [s], the drives hold their position and forget the rate."""
+"""Seconds without a new setpoint after which the drives hold their position."""
 
 VELOCITY_RESERVE, ACCELERATION_RESERVE = 1.2, 2.0
-"""What drives can do beyond the arm's limits: without a reserve a joint that is a moment late never catches up with a
-motion at its limits, and overshoots where that brakes."""
+"""What drives can do beyond the arm's limits. Without a reserve a late joint never catches up with a motion at its
+limits, and overshoots when it brakes.
+"""
 
 ARRIVED = 1e-9
 """A joint this near its goal [rad, m] is at it."""
 
 LONGEST_QUEUE = 10_000
-"""Setpoints under way; more is a latency that was given in milliseconds."""
+"""Most setpoints under way. More mean that a latency was given in milliseconds."""
 
 
 class SimulatedJoints:

@@ -22,7 +22,7 @@ from .protocols import Clock, Feedback, Reading, Setpoint, Sink, Source
 from .report import Ending, StreamReport
 
 TOLERANCE = 0.2
-"""How far a joint may be from where it was commanded to be [rad, m]."""
+"""Allowed distance of a joint from the command [rad, m]."""
 
 RELEASE_FIRST = "release the controls first: they were held when the arm was enabled"
 

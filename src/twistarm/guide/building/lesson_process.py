@@ -24,7 +24,7 @@ from ..teaching.markup import program, slug
 from .cells import Cell, cells_of
 
 LONGEST_OUTPUT = 20_000
-"""Characters of what a cell prints that a page shows."""
+"""Most characters of a cell's output on a page."""
 
 
 def outcome(path: Path, scenes: Path) -> dict[str, Any]:

@@ -25,13 +25,13 @@ from .answers import Answer, Failure, of_function
 from .verdict import why_stopped
 
 SECONDS = 10.0
-"""For the file to be read, and for each exercise again."""
+"""Time limit for reading the file, and for each exercise."""
 
 MEMORY = 2**30
-"""Bytes that the code may take, where the system has such a limit."""
+"""Bytes that the code may use, if the system has such a limit."""
 
 OUTPUT = 10_000
-"""Characters of what is printed that are kept; the rest is forgotten."""
+"""Most characters of output to keep."""
 
 IN_SANDBOX = "TWISTARM_GUIDE_GRADING"
 """Set while a reader's code is graded: a `check` in it does nothing then."""

@@ -17,7 +17,7 @@ VARIABLE = "TWISTARM_GUIDE_ARM"
 """Environment variable with what `load_arm` takes, as JSON: {"source": "my_arm.urdf.xacro", "tip": "tool0"}."""
 
 BUNDLED = ("rover_arm", "rover_arm_6dof", "scara", "stanford", "rr_planar", "elbow")
-"""Arms that stand in for the reader's, in the order in which they are asked."""
+"""Bundled arms that may replace the reader's, in this order."""
 
 
 def arm() -> Arm:

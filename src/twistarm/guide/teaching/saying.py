@@ -30,7 +30,7 @@ SLIDERS: dict[str, dict[str, Any]] = {
 
 
 ROUNDING = 1e-9
-"""What is smaller in a table of coordinates is rounding, and written as 0."""
+"""Smaller entries in a table of coordinates are rounding and shown as 0."""
 
 
 def say(markdown: str) -> None:

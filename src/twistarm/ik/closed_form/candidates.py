@@ -23,11 +23,12 @@ from .trigonometric import NEAREST
 NO_ORIGIN = np.zeros(3)
 
 ROUNDED = 1e-12
-"""A candidate that misses by less [m, or a rotation's numbers] is an answer but for rounding."""
+"""A candidate that misses by less than this [m, or a rotation's numbers] is an answer up to rounding."""
 
 VALUES_TRIED = 16
-"""Where nothing with the value at hand is an answer, a joint of which any would do is tried at so many values, evenly
-about a turn or a length of 2π m, the nearest to it first."""
+"""Values tried for a free joint if the present one gives no answer: evenly over a turn or a length of 2π m, nearest
+first.
+"""
 
 
 class Candidate(NamedTuple):

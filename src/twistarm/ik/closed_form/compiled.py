@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..._core import ClosedForm
 
 SAMPLE = 0.3
-"""Held joints stand at this value [rad, m] while their family is looked for: almost every value shows it."""
+"""Value [rad, m] of held joints in the search for their family. Almost every value shows it."""
 
 
 class ClosedFormParameters(NamedTuple):

@@ -43,23 +43,23 @@ IN_TANGENT = np.array([[1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [0.0, 2.0, 0.0]])
 """1, cos x and sin x times 1 + t², as powers t⁰ … t² of t = tan(x/2)."""
 
 INFINITY_SHIFT = 0.7
-"""t₃ = tan(y + INFINITY_SHIFT) for the eigenvalue tan y: whatever stands at infinity comes near."""
+"""t₃ = tan(y + INFINITY_SHIFT) for the eigenvalue tan y. It makes roots at infinity finite."""
 
 REAL = 1e-3
-"""An eigenvalue with less of an imaginary part may be a double root that rounding took apart."""
+"""An eigenvalue with a smaller imaginary part may be a double root that rounding has split."""
 
 TRIALS = 4
 """Random configurations by which a way is judged."""
 
 FOUND = 1e-5
-"""A pose is met, before any correction, to so much of the reach."""
+"""Greatest error of an uncorrected candidate, as a share of the reach."""
 
 
 EXTRA_JOINT_TOL = 0.1
-"""The joint added to five may stand at so much of an angle, before any correction: double roots have few digits."""
+"""Greatest angle of the joint that is added to five, before correction. Double roots have few digits."""
 
 EXTRA_AXIS = np.array([0.48, -0.6, 0.64]), np.array([0.31, 0.23, -0.41])
-"""Its direction, and a point on it in shares of the reach."""
+"""Direction of that joint, and a point on it in shares of the reach."""
 
 
 NEARBY_POSES = (
@@ -67,7 +67,7 @@ NEARBY_POSES = (
     exp(1e-5 * np.array([0.53, -0.31, 0.79, 0.41, 0.67, -0.62])),
     exp(1e-4 * np.array([-0.37, 0.83, 0.29, -0.71, 0.23, 0.59])),
 )
-"""The pose itself and two beside it [m, rad]: near enough for Newton, far enough for eigenvalues to part."""
+"""The pose and two nearby ones [m, rad]: near enough for Newton's method, far enough to separate eigenvalues."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,16 +24,16 @@ from ...support.checks import Array
 from .joint_axis import JointAxis, Plane, Point, product
 
 EXACT = 1e-9
-"""Axes that miss a point by less than this share of the arm's reach, or a direction by less [rad], are exact."""
+"""Axes are exact if they miss a point by less than this share of the reach, or a direction by less than this [rad]."""
 
 NEARLY = 2e-3
-"""Up to so much of the reach, or rad, the family of the nearest exact arm gives starts for Newton's method."""
+"""Up to this share of the reach, or angle [rad], the nearest exact arm's family gives starts for Newton's method."""
 
 MAX_OTHERS = 3
 """Joints beside the group that can be solved for."""
 
 INDEPENDENT = 1e-5
-"""Singular values above this tell motions apart."""
+"""Motions with singular values above this are independent."""
 
 TRIALS = 3
 """Random configurations among which a rank is the largest; almost every one has it."""

@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from ..._core import ClosedForm
 
 SLACK = 1e-6
-"""What misses a subproblem of an exact arm by less, in shares of its size, is rounding: a stretched arm."""
+"""Relative miss of a subproblem that is rounding on an exact arm, as when it is stretched."""
 
 SLACK_NEARLY = 0.05
-"""The same for an arm whose axes miss its family: a root of the true arm may be none of the exact one."""
+"""The same for axes that miss their family. A root of the true arm may not be one of the exact arm."""
 
 MOST_WAYS = 1000
-"""Ways to hold surplus joints that are tried: ten joints have 210 for a pose, twenty some 39,000."""
+"""Most choices of held joints to try. Ten joints have 210 for a pose, twenty some 39,000."""
 
 CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from many starts"
 

@@ -25,8 +25,9 @@ from .trigonometric import NEGLIGIBLE
 from .two_conditions import Side, one_joint, two_conditions
 
 ON_AXIS = 1e-7
-"""What lies nearer to an axis than this [m], or points along it to so much, is hardly moved by a turn about it, and
-where a double root, which has half the digits, brought it there, by which is not known: any will do to begin with."""
+"""A point nearer to an axis than this [m], or a direction this close to it, hardly moves when turned about it. A double
+root has half the digits, so which angle brought it there is unknown. Any angle serves as a start.
+"""
 
 
 class Placed(NamedTuple):

@@ -15,43 +15,43 @@ from ..targets import AnyTarget
 from ..task_space import Tolerances
 
 STEPS = 30
-"""Newton's steps for a candidate: exact ones take one or two, those of a nearby arm four or five."""
+"""Newton steps for a candidate. Exact ones need one or two, those of a nearby arm four or five."""
 
 LONGEST_STEP = 0.3
-"""[rad, m]: a candidate is near its answer or none."""
+"""Longest Newton step [rad, m]. A candidate farther from an answer is dropped."""
 
 ROUNDING = 1e-14
 """Errors [m, rad] below this are those of forward kinematics itself."""
 
 SINGULAR = 1e-12
-"""Singular values below this part of the largest are none: Newton's step leaves those directions alone."""
+"""Relative singular values below this are 0. Newton's step does not use those directions."""
 
 ROUNDED_DIRECTION = 1e-3
-"""The same where the axes are rounded: what exact ones could not do, these do by their rounding."""
+"""The same for rounded axes, which move in such directions only by their rounding."""
 
 DEPENDENT = 1e-6
-"""Singular values below this part of the largest are those of directions that move nothing at first."""
+"""Relative singular values below this are directions without first-order motion."""
 
 SAME = 1e-5
-"""Two candidates nearer together than this [rad, m] are one if the target is met as well halfway between them."""
+"""Two candidates nearer together than this [rad, m] are one if the target is met equally well halfway."""
 
 TWINS = 1e-2
-"""Two answers nearer together than this [rad, m] are one if the target is met to the tolerances halfway between."""
+"""Two answers nearer together than this [rad, m] are one if the target is met to the tolerances halfway."""
 
 HALFWAY = 1e-13
-"""Or to so much [m, rad]."""
+"""Or to this precision [m, rad]."""
 
 ROUNDED_LIMIT = 1e-5
-"""An answer that passes a limit by less [rad, m] may be at the limit: a multiple root is known no better."""
+"""An answer beyond a limit by less than this [rad, m] may be at the limit: multiple roots are no more exact."""
 
 LEAST_ROUNDED = 1e-11
-"""By so little [rad, m] that the target is met at the limit as well."""
+"""Below this excess [rad, m] the target is met at the limit as well."""
 
 MEMBER_MISS, MAX_MEMBER_MISS = 1e-12, 1e-10
-"""Members of a family miss the target by less [m, rad], or by at most so much where the first does too."""
+"""Greatest error of a family's members [m, rad], and the greatest if the first member has it too."""
 
 SIDESTEP = 0.05
-"""How far [rad, m] along a singular direction an answer is looked for again: where there is one, a family begins."""
+"""Step [rad, m] along a singular direction. If an answer exists there too, a family begins."""
 
 MOST_COPIES = 4096
 

@@ -17,16 +17,16 @@ NEGLIGIBLE = 1e-9
 """A coefficient below this part of the equation's scale is zero."""
 
 NEAREST = 1e100
-"""The slack with which whatever misses has the root that comes nearest."""
+"""Slack that accepts every miss, with the nearest value as root."""
 
 LEVEL = 1e-7
-"""What is left of the equation when all its coefficients are zero may be so much of its scale."""
+"""Greatest constant, relative to the equation's scale, if all other coefficients are zero."""
 
 DOUBLE_ROOT = 1e-13
 """A discriminant below this part of its size is rounding, and two roots are one."""
 
 OFFSETS = 0.7 * np.arange(8)
-"""Zeros of the angle that are tried, so that no root lies at its half turn."""
+"""Zeros of the angle to try, so that no root is at its half turn."""
 
 CORRECTIONS = 3
 """Newton's steps for a root of the quartic."""

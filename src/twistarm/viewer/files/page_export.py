@@ -27,7 +27,7 @@ EXPORT = r"^export ((?:async )?function|class|const) ([\w$]+)"
 """How the page's modules export: a definition at the start of a line."""
 
 STATE = '<script type="application/json" id="state">{}</script>'
-"""How the page that saved it stood, its camera and what was chosen: share.js writes it in place of the braces."""
+"""State of the page that saved it: camera and choices. share.js writes it in place of the braces."""
 
 RANDOM_NAME = rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}"
 

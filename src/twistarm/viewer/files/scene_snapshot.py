@@ -26,10 +26,10 @@ from .motion_samples import moving, recorded
 from .page_kinematics import kinematics
 
 PLAYED = ("time", "running", "speed", "loop")
-"""Of a playback, what the page goes on with."""
+"""State of a playback that the page continues."""
 
 SAME = 1e-9
-"""An arm this near [rad, m] to a trajectory's theta stands on it."""
+"""An arm within this [rad, m] of a trajectory's theta is on the trajectory."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,9 @@ from .page_export import stand_alone
 from .scene_snapshot import SceneSnapshot, of_arm
 
 SMALLEST, LARGEST = 200, 4096
-"""Sides of a picture [pixels]: below, the legend hides the arm; above, a canvas may be scaled down without a word."""
+"""Sides of a picture [pixels]. In smaller ones the legend hides the arm; larger canvases may be scaled down
+silently.
+"""
 
 
 def save_png(

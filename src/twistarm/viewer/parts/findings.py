@@ -16,7 +16,7 @@ from ..protocol.messages import LONGEST_NAME, Message
 from ..scene.nodes import link_path, screw_path
 
 MAX_FINDINGS = 500
-"""Findings on the page; nobody reads more, and the rest is counted."""
+"""Most findings on the page. The rest is counted."""
 
 PENDING = "From the loading alone: the doctor looks while no servo drives."
 

@@ -19,26 +19,26 @@ from ..protocol.messages import Message
 from .part import Part, Show
 
 NEAR = 0.1
-"""Of the range between two limits: nearer than this is near, as in the rows of the joints."""
+"""Share of the range between two limits that counts as near a limit, as in the joints' rows."""
 
 LEAST = {"rad": np.pi / 36, "m": 0.01}
-"""Near in any case [rad, m]: 5°, 1 cm."""
+"""Least distance [rad, m] that counts as near: 5°, 1 cm."""
 
 SAMPLES = 16
-"""Random configurations among which one moves the tool in every direction that the arm has."""
+"""Random configurations, of which one moves the tool in every direction that the arm has."""
 
 DIRECTIONS = ("along x", "along y", "along z", "about x", "about y", "about z")
 
 LEVELS = ((0, 1, 2), (3, 4, 5))
 
 JOINTS_TO_POINT = 5
-"""Joints that position and point a tool; below, the position alone can be singular, and is looked at first."""
+"""Joints that position and point a tool. With fewer, the position alone can be singular and is examined first."""
 
 SILENT: dict[str, Any] = {
     "sigma": None, "below": ServoSettings().singularity_threshold, "lacks": None,
     "joint": None, "unit": None, "room": None, "near": None, "end": None,
 }  # fmt: skip
-"""Where no servo drives."""
+"""The message without a servo."""
 
 
 class Least(NamedTuple):

@@ -16,10 +16,10 @@ from .part import Seen, Show
 from .pose_list import RecordedPose
 
 MAX_STEPS = 100
-"""Steps that are kept."""
+"""Most steps to keep."""
 
 PAUSE = 1.0
-"""Seconds between two moves of the same kind from which on they are two: a drag is one."""
+"""Seconds that separate two moves of the same kind. A drag is one move."""
 
 WORDS = {
     "record": "record a pose",
@@ -37,7 +37,7 @@ WORDS = {
     "go": "go to a pose",
     "jog": "jog",
 }
-"""What is kept of what the pages ask for, as it is called. Playing a motion is none: it can be sought back."""
+"""Names of the requests that can be undone. Playing a motion is not among them: seek back instead."""
 
 
 @dataclass(frozen=True, eq=False)

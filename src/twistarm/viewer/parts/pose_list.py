@@ -17,10 +17,10 @@ from ...support.strict_json import LARGEST_MESSAGE, encode
 from .limit_checks import checked_theta, require_all_inside
 
 LONGEST_NAME = 60
-"""Characters of a pose's name: a row of the page shows half of it."""
+"""Most characters of a pose's name. A row of the page shows half of it."""
 
 LARGEST_LIST = LARGEST_MESSAGE * 7 // 8
-"""Bytes of a whole list as a message, some 300 poses of seven joints: what was saved can be loaded in one."""
+"""Bytes of a whole list as a message: some 300 poses of seven joints."""
 
 
 MOVES = ("joint", "line", "screw", "via")

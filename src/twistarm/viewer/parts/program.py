@@ -27,16 +27,16 @@ from .tool_path import tool_path
 STALE = "The list has changed since this motion was planned: plan again."
 
 STRAIGHT = "straight in joint space between the poses: the tool's way is a curve"
-"""What is said of a motion that stops at each pose: straight, people take for the tool's way."""
+"""Note on a motion that stops at each pose. "Straight" could be read as the tool's path."""
 
 SPLINES = ("cubic", "quintic", "time_optimal", "trapezoid")
 """Kinds that lead through joint moves alone without a stop; trapezoid stops at each pose."""
 
 WHY = {"limit": "a leap would follow", "singular": "singular configuration", "out of reach": "out of reach"}
-"""In a few words, by the reason of a PathError."""
+"""Short words by the reason of a PathError."""
 
 MOST_GHOSTS = 12
-"""The arm is drawn faintly at so many poses, evenly chosen."""
+"""Most poses at which the arm is drawn faintly, evenly chosen."""
 
 
 class MotionRequest(NamedTuple):

@@ -20,13 +20,13 @@ from .part import Show
 from .target import target_asked
 
 MAX_SHOWN = 32
-"""Configurations to step through, the nearest of all; of those beyond the limits what these leave."""
+"""Most configurations to step through: the nearest inside the limits, then those beyond."""
 
 AT_SOLUTION = 1e-3
-"""An arm that is nearer than this [rad, m] to a configuration stands there."""
+"""An arm within this [rad, m] of a configuration is at it."""
 
 NONE: Message = {"type": "solutions", "asked": False, "places": [], "words": "", "ghosts": []}
-"""What is told while nobody has asked."""
+"""The message before a search."""
 
 
 class Answer(NamedTuple):

@@ -22,13 +22,15 @@ from ..scene.placement import ghost
 from .part import Show
 
 MAX_TIME = 0.5
-"""Of a search [s]. The compiled core needs 3 ms at most; without it, a target out of reach takes some 0.4 s."""
+"""Most seconds of a search. The compiled core needs at most 3 ms. Without it, an unreachable target takes some 0.4
+s.
+"""
 
 AT_ONCE = 0.2e-3
-"""Of a search in the loop [s], which the compiled core alone keeps: a dragged target takes it a tenth of this."""
+"""Most seconds of a search in the loop, which only the compiled core keeps. A dragged target needs a tenth."""
 
 LENGTH_TOL = 1e-3
-"""How far from 1 the length of a quaternion may be: decimal text, not another quantity."""
+"""Rounding of a quaternion's length, from decimal text."""
 
 TOLERANCES = {"position": "m", "orientation": "rad"}
 
@@ -41,10 +43,10 @@ NO_TARGET: Message = {
     "words": "",
     "ghost": None,
 }
-"""What is told while no target is given."""
+"""The message without a target."""
 
 Answer = tuple[Array, Message]
-"""The configuration to show (n,), and what is told of it."""
+"""The configuration to show (n,), and the message about it."""
 
 
 class TargetPart:

@@ -16,10 +16,10 @@ from ...theory.manipulability import Manipulability, scaled_jacobian
 from ...theory.screws import to_screw
 
 BELOW = ServoSettings().singularity_threshold
-"""Singular values less than this are said to be singular by a servo of ordinary settings."""
+"""Singular values below this count as singular for a servo with default settings."""
 
 SLIGHT = 0.05
-"""A part of a unit direction below this is left unsaid."""
+"""A component of a unit direction below this is not mentioned."""
 
 
 def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any]:

@@ -13,10 +13,10 @@ from ...support.errors import TwistarmError
 Progress = Callable[[float], None]
 
 Deliver = Callable[[Callable[[], None]], None]
-"""Has an action done in the loop."""
+"""Runs an action in the loop."""
 
 Tell = Callable[[str, float | None], None]
-"""Says how far the job of a key is, 0 … 1; None: one that said so has ended."""
+"""Reports the progress of a key's job, 0 … 1. None: that job has ended."""
 
 
 @dataclass(frozen=True)

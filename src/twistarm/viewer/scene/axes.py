@@ -17,13 +17,13 @@ KIND_COLOURS: dict[str, Colour] = {
     "prismatic": (0.05, 0.60, 0.65, 1.0),
     "helical": (0.78, 0.57, 0.06, 1.0),
 }
-"""Of a screw without pitch, of infinite pitch (a slide), and of any other; the page's legend repeats them."""
+"""Colours of screws: without pitch, of infinite pitch (a slide), any other. The page's legend repeats them."""
 
 AXIS_HALF = 0.18
 """Half the arrow along an axis, in sizes of the arm."""
 
 PITCHLESS = 1e-9
-"""A pitch below this share of the arm's size is rounding."""
+"""A pitch below this share of the arm's size counts as 0."""
 
 
 def arm_size(arm: Arm) -> float:

@@ -19,10 +19,10 @@ BLUE: Colour = (0.16, 0.42, 0.90, 1.0)
 STICK: Colour = (0.45, 0.50, 0.58, 1.0)
 
 GHOST = 0.4
-"""Opacity of an arrow where something stands in front of it."""
+"""Opacity of a hidden arrow."""
 
 Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
-"""Turns three.js's cylinder, which stands along y, into URDF's, which stands along z."""
+"""Turns three.js's cylinder (along y) into URDF's (along z)."""
 
 
 def require_meshcat() -> None:

@@ -18,17 +18,17 @@ from .nodes import link_path
 from .shapes import PLAIN, lost_frame, shape, stand_in, stand_in_path
 
 TRIANGLES = 80_000
-"""Of all meshes of an arm together: a screen has some 200,000 pixels for it, and a processor draws these in 0.1 s."""
+"""Triangles of all meshes of an arm. A screen has some 200,000 pixels for it, and a processor draws them in 0.1 s."""
 
 FEWEST = 500
-"""Of one mesh: so that a bolt beside a heavy base is still a bolt."""
+"""Least triangles of a mesh, so that a bolt beside a heavy base keeps its shape."""
 
 MOST_TRIANGLES, MOST_OBJECTS = 5_000_000, 20_000
-"""Of all that is drawn, with all triangles of the files: a browser's memory has an end."""
+"""Most triangles and objects of a drawing with all triangles, within a browser's memory."""
 
 
 Source = tuple[object, ...]
-"""What a drawn mesh hangs on: of equal sources, the messages are equal."""
+"""What determines a drawn mesh. Equal sources give equal messages."""
 
 
 @dataclass(frozen=True)

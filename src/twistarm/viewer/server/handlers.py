@@ -39,13 +39,13 @@ does. Whoever would have hands click on it unseen must have a server here, and k
 """
 
 REPLIES = ("done", "error")
-"""What answers the page itself, whatever arm is on show."""
+"""Requests that answer the page itself, for any arm."""
 
 MOST_FILES = 4
-"""Downloads at a time, made or on their way."""
+"""Most downloads at a time."""
 
 PING_TIME = 20
-"""Seconds between two signs of life that a page is asked for, and until one that gives none is let go."""
+"""Seconds between two pings of a page, and until a silent page is dropped."""
 
 # Tornado logs each malformed request; a program that wants to read that sets up logging.
 logging.getLogger("tornado").addHandler(logging.NullHandler())

@@ -20,7 +20,7 @@ from ..protocol.messages import CHECKS
 from ..stage import Stage
 
 ENTRIES = {"joints": "names", "poses": "poses", "theta": "numbers"}
-"""Of a file, and what each must be: with the poses a page's Load takes the file too."""
+"""Entries of a file and their types. A page's Load also accepts the file."""
 
 
 class Memory:

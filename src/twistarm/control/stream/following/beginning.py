@@ -16,10 +16,10 @@ from ....support.checks import Array, require
 from ....support.errors import InputError, closest, listed
 
 BEYOND_LIMIT = 1e-6
-"""Beyond a position limit by less [rad, m] is the rounding of a file."""
+"""Excess over a position limit [rad, m] that is rounding of a file."""
 
 JUMP = 1e-4
-"""A smaller part of the velocity limit is rounding where a velocity should go on, or be 0."""
+"""Jump of a velocity, as a share of its limit, that is rounding."""
 
 
 def motion_of(arm: Arm, trajectory: Trajectory) -> Trajectory:

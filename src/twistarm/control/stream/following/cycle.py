@@ -25,19 +25,19 @@ from .beginning import motion_of, way_there, why_elsewhere
 from .motion_clock import SLOPE, Leg, MotionClock
 
 TRACKING_TOLERANCE = 0.1
-"""How far a joint may be from where it was commanded to be [rad, m]: nobody steers against it, as with a servo."""
+"""Allowed distance of a joint from the command [rad, m]. Nobody corrects it by hand, unlike with a servo."""
 
 START_TOLERANCE = 0.01
-"""How far from the motion's start a joint may stand [rad, m]: half a degree, or a centimetre."""
+"""Allowed distance of a joint from the motion's start [rad, m]: half a degree or a centimetre."""
 
 PATIENCE = 3.0
-"""Seconds without a joint state, of an arm that has not begun to move or stands, after which the motion is given up."""
+"""Seconds without a joint state after which a motion of a resting arm is given up."""
 
 SETTLING = 1.0
-"""Seconds at the motion's end within which the arm should be measured there."""
+"""Seconds at the motion's end for the measured arm to arrive."""
 
 HALF_WAY = 0.5
-"""A clock that runs at less than this can be slowed down at any moment: at a quarter of the accelerations."""
+"""Rate of the clock below which it can always be slowed: a quarter of the accelerations."""
 
 PAUSED = "paused"
 

@@ -21,7 +21,7 @@ from ..report import Ending, StreamReport
 from .cycle import START_TOLERANCE, TRACKING_TOLERANCE, FollowControl, FollowCycle, Following
 
 AS_PLANNED = 0.9995
-"""A share of the trajectory's speed from which on it is all of it."""
+"""Share of the trajectory's speed that counts as full speed."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -14,10 +14,10 @@ from ....planning.within import stretch_needed
 from ....support.checks import Array
 
 SLOPE = 4.0
-"""How much the rate changes within a second at most: from full speed to rest in a quarter of a second or more."""
+"""Greatest change of the rate per second: from full speed to rest in at least a quarter of a second."""
 
 HALVINGS = 20
-"""Of the change of rate that is looked for: it is found to a millionth."""
+"""Bisections for the change of rate: precise to a millionth."""
 
 
 class Leg(NamedTuple):

@@ -15,13 +15,13 @@ from ...servo.step import COMMANDS
 from ..protocols import Reading
 
 COMMAND_TIMEOUT = 0.2
-"""Seconds that a command holds: five messages at 25 Hz, which pages and game pads manage."""
+"""Seconds that a command is valid: five messages at 25 Hz, which pages and game pads manage."""
 
 FEEDBACK_TIMEOUT = 0.2
-"""Seconds that a joint state holds: most drives report at 50 Hz or faster."""
+"""Seconds that a joint state is valid. Most drives report at 50 Hz or faster."""
 
 LONGEST_SENDER = 100
-"""Characters of a sender's name in a message."""
+"""Most characters of a sender's name in a message."""
 
 T = TypeVar("T")
 

@@ -21,11 +21,11 @@ from ..motors import MotorSide
 from ..protocols import Setpoint
 
 QUATERNION_TOL = 1e-3
-"""How far a quaternion's length may be from 1: beyond four printed decimals it is something else."""
+"""Allowed error of a quaternion's length: four printed decimals."""
 
 
 INTERLOCK = b'"interlock"'
-"""What a word to the interlock holds: a look that costs nothing, for every message of a flood."""
+"""Text in every interlock message. The search for it is cheap even in a flood of messages."""
 
 
 class CommandMessage(NamedTuple):
@@ -250,4 +250,4 @@ _COMMANDS: Mapping[str, tuple[Mapping[str, Check], Mapping[str, Check], _Build]]
     ),
     "stop": ({"stop": _true}, {}, lambda arm, given: JogCommand(np.zeros(arm.n))),
 }
-"""By kind: the fields that it needs, those that it may have, what it becomes."""
+"""By kind of command: required fields, optional fields, and its constructor."""

@@ -34,16 +34,17 @@ STATE_OF = {letter: word for word, letter in LETTERS.items()}
 STATUSES = tuple(ServoStatus)
 
 LONGEST_LINE = 4096
-"""Bytes: a joint state of 250 joints is half of it."""
+"""Most bytes of a line: twice a joint state of 250 joints."""
 
 LARGEST_BAUDRATE = 10**9
 
 BAUDRATE = 115_200
-"""The default; 11.5 kB/s: setpoints of six joints at 100 Hz."""
+"""Default baud rate: 11.5 kB/s, enough for setpoints of six joints at 100 Hz."""
 
 LONGEST_WRITE = 0.05
-"""Seconds a write may take: pyserial counts those in which a busy computer let the program wait, too. A link that needs
-longer is too slow for any rate."""
+"""Most seconds of a write. pyserial also counts time in which a busy computer delays the program. A link that needs
+longer is too slow for any rate.
+"""
 
 MOST_PER_CYCLE = 16 * 1024
 """Bytes read in one cycle: ten times what 1 Mbaud brings in 10 ms."""

@@ -13,7 +13,7 @@ from ....support.errors import InputError, shown
 from ....support.files import as_path, read_bounded
 
 WINDOW = 2 * 10**9
-"""Nanoseconds that the clocks of two computers may differ, and that a signed datagram may be under way."""
+"""Nanoseconds for the difference of two computers' clocks plus the travel of a datagram."""
 
 
 def read_key(path: str | os.PathLike[str]) -> bytes:

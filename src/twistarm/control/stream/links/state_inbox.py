@@ -17,7 +17,7 @@ from ..protocols import Measured
 from .inbox import FEEDBACK_TIMEOUT, Latest, Look, moment
 
 MAX_OTHER_SENDERS = 20
-"""Names of others that are kept, for words."""
+"""Most unknown names to keep for messages."""
 
 
 class StateInbox:

@@ -21,11 +21,12 @@ from .messages import parse_state, setpoint_message
 from .signing import Signer, Verifier
 
 LOOPBACK = "127.0.0.1"
-"""The default host: only programs on this machine may move the arm."""
+"""Default host. Only programs on this machine may then move the arm."""
 
 BUFFER = 128 * 1024
-"""Bytes that the system keeps for us, twice that by its own count: one message of the largest size, or some 350 small
-ones. A larger buffer would only hand out older messages in a flood."""
+"""Bytes of the system's buffer, which it doubles: one message of the largest size, or some 350 small ones. A larger
+buffer would only deliver older messages in a flood.
+"""
 
 MOST_PER_CYCLE = 512
 """Datagrams read in one cycle, about a millisecond's work: more than the buffer holds."""
