@@ -25,9 +25,7 @@ SAMPLES = 5
 """Values tried for a joint that the target does not determine, its bounds included."""
 
 EXACT_TOLERANCE = 1e-5
-"""Greatest tolerances [m, rad] for which the closed form decides. It finds only configurations that meet a target
-exactly.
-"""
+"""Greatest tolerances [m, rad] for which the closed form decides. It finds only exact configurations."""
 
 FAR_MISS = 10.0
 """Tolerances by which the nearest configuration must miss for certainty that no configuration meets the target."""

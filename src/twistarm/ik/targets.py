@@ -357,9 +357,7 @@ SHAPE_HINTS = {
 """By how many numbers there are."""
 
 KINDS = (Pose, Position, Approach, TolerancedPose)
-"""Kinds of targets, by `kind`. The core receives `numbers`: g, p, (p, direction, tool axis) or (g, tolerance, 1 for
-base axes).
-"""
+"""Kinds of targets, by `kind`. The core receives `numbers`: g; p; p, direction, tool axis; g, tolerance, 1 for base."""
 
 
 def target_for(arm: Arm, value: Any) -> AnyTarget:

@@ -27,9 +27,7 @@ DAMPING, LEAST_DAMPING = 0.03, 1e-9
 """λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence)."""
 
 LOOSE, ALLOWED = 1e-5, 0.999
-"""Tolerances wider than the first [m, rad] are loose. Errors below the second, as a share of a loose tolerance, count
-as 0.
-"""
+"""A tolerance wider than LOOSE [m, rad] is loose. An error below ALLOWED times a loose tolerance counts as 0."""
 
 PAST_ROUNDED = 24
 """Searches after one has met its target up to the rounding of the axes. They may still meet it."""

@@ -1,6 +1,4 @@
-"""ROS 2's messages as plain data, for any object with their fields. No ROS is needed; see
-examples/ros2/twistarm_servo.
-"""
+"""ROS 2's messages as plain data, without ROS, for any object with their fields (examples/ros2/twistarm_servo)."""
 
 from __future__ import annotations
 

@@ -154,8 +154,7 @@ def run(
 
     A joint farther than `tolerance` (one number or (n,)) [rad, m] from all setpoints of the last `feedback_timeout`
     ends the stream. While `interlock` forbids motion, the arm comes to rest and waits. Each cycle, each setpoint and
-    the report have its word. After it is enabled, the controls must be released first: a cycle without command, twist
-    or jog.
+    the report have its word. After it is enabled, the controls must be released first: a cycle without a motion.
 
     Robots that accept only rates receive the servo's, plus a correction toward the servo's position. A filter learns
     each drive's gain and delay (`RateObserver`). The servo reserves 15 % of the velocity and 10 % of the acceleration

@@ -54,8 +54,7 @@ def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
 def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) -> Report:
     """Grade the exercises in a Python file, or in a results file of Octave or MATLAB.
 
-    A file named as a lesson (`2_1_1_quaternions.py`) must have all its exercises. In others the existing functions are
-    graded.
+    A file named as a lesson (`2_1_1_quaternions.py`) must have all its exercises. In others those found are graded.
 
     Args:
         path: The file.

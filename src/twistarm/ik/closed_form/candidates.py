@@ -26,9 +26,7 @@ ROUNDED = 1e-12
 """A candidate that misses by less than this [m, or a rotation's numbers] is an answer up to rounding."""
 
 VALUES_TRIED = 16
-"""Values tried for a free joint if the present one gives no answer: evenly over a turn or a length of 2π m, nearest
-first.
-"""
+"""Values tried for a free joint if the present one gives no answer: evenly over a turn or 2π m, nearest first."""
 
 
 class Candidate(NamedTuple):

@@ -31,8 +31,7 @@ def branches(arm: Arm, target: AnyTarget, near: Array, tolerances: Tolerances = 
 
     The closed form of the arm's family gives them, with random values for free joints. Without a closed form, or for a
     continuous family, searches from random starts find them. Of close answers the nearest stays. Joints with room for
-    whole turns give all their windings. Tolerances are used if they are wide, or if no configuration meets the target
-    exactly.
+    whole turns give all their windings. Tolerances are used if wide, or if no configuration meets the target exactly.
     """
     starts = np.vstack([near, arm.random_theta(SEED, MANY)])
     met, all_found = _by_closed_form(arm, target, starts)

@@ -22,9 +22,7 @@ from .page_export import stand_alone
 from .scene_snapshot import SceneSnapshot, of_arm
 
 SMALLEST, LARGEST = 200, 4096
-"""Sides of a picture [pixels]. In smaller ones the legend hides the arm; larger canvases may be scaled down
-silently.
-"""
+"""Sides of a picture [pixels]. In smaller ones the legend hides the arm. Larger ones may be scaled down."""
 
 
 def save_png(

@@ -22,9 +22,7 @@ from ..scene.placement import ghost
 from .part import Show
 
 MAX_TIME = 0.5
-"""Most seconds of a search. The compiled core needs at most 3 ms. Without it, an unreachable target takes some 0.4
-s.
-"""
+"""Most seconds of a search. The core needs at most 3 ms. Without it, an unreachable target takes some 0.4 s."""
 
 AT_ONCE = 0.2e-3
 """Most seconds of a search in the loop, which only the compiled core keeps. A dragged target needs a tenth."""

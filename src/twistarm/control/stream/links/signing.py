@@ -56,9 +56,7 @@ class Signer:
 
 
 class Verifier:
-    """Accepts signed datagrams once each, in order, within 2 s of this computer's clock. Older than its start are
-    refused.
-    """
+    """Accepts signed datagrams once each, in order, within 2 s of this computer's clock, none from before its start."""
 
     def __init__(self, key: bytes, now: Callable[[], int] = time.time_ns) -> None:
         self._key, self._now = checked_key(key), require_clock(now, "now")
