@@ -24,7 +24,7 @@ CANDIDATES, KICK = 500, 0.8
 """Candidates for the next rung, and their greatest distance [rad, m] in every joint."""
 
 PULL, LONGEST_PULL = 0.3, 0.3
-"""Each candidate is also tried nearer to the middle of the joints: by PULL of the way, at most LONGEST_PULL [rad, m]."""
+"""Each candidate is also tried nearer to the joints' middle: by PULL of the way, at most LONGEST_PULL [rad, m]."""
 
 CELL = 0.15
 """Side [rad, m] of a cube of configurations. Each cube keeps the one with the least joint motion."""
