@@ -77,7 +77,7 @@ class Gauge(Part):
 
 
 class Measure:
-    """The servo's own measures of an arm at its standard settings."""
+    """Measures of an arm as a servo with standard settings computes them."""
 
     def __init__(self, arm: Arm) -> None:
         self.arm, settings = arm, ServoSettings()

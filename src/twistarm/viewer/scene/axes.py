@@ -33,7 +33,7 @@ def arm_size(arm: Arm) -> float:
 
 
 def anchors(arm: Arm) -> Array:
-    """A point (m, 3) on each moving joint's axis at theta = 0: the joint's origin, or the nearest to the last point."""
+    """A point (m, 3) on each moving joint's axis at theta = 0: its origin, else the nearest to the last point."""
     if arm.description is not None:
         poses = arm.poses(np.zeros(arm.n))
         moving = (joint for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving)

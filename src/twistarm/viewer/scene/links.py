@@ -127,14 +127,14 @@ def _shares(description: Description) -> Mapping[Path, int]:
 def _bytes(path: Path) -> int:
     try:
         return path.stat().st_size
-    except OSError:  # which reading it will tell
+    except OSError:  # reported when it is read
         return 0
 
 
 def _parts_or_reason(reader: MeshReader, path: Path, most: float) -> list[Part] | str:
     try:
         return reader.parts(path, most)
-    except Exception as error:  # whatever ails one mesh, the others are drawn
+    except Exception as error:  # a fault of one mesh does not stop the others
         return str(error) if isinstance(error, TwistarmError) else _reason(path, error)
 
 
