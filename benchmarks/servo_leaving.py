@@ -35,7 +35,7 @@ def from_singular(arm: Arm, rng: np.random.Generator) -> tuple[Array, Array] | N
 
 
 def from_limits(arm: Arm, rng: np.random.Generator) -> tuple[Array, Array] | None:
-    """A posture at limits, away from singularities, and the twist of rates that lead off them."""
+    """A configuration at limits, away from singularities, and the twist of rates that lead off them."""
     theta = at_limits(arm, rng)
     if least_singular_value(arm, theta) < 0.15:
         return None

@@ -25,7 +25,7 @@ TITLES = {
     "held": "Twists held for 8 s that end in shaking, with limits of acceleration and without (unlimited)",
     "joystick": "Drives by joystick, 4 s each: cycles in which a limit is exceeded",
     "path": "Straight lines in free space: off the line [mm], as told and as driven, and the time to a stop [s]",
-    "leaving": "Ways out of singular postures and off limits: how many, how many never, seconds to full speed",
+    "leaving": "Ways out of singular configurations and off limits: how many, how many never, seconds to full speed",
     "steps": "One servo_step from Python, µs, beside one arm.fk",
 }
 

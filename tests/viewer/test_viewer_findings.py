@@ -19,7 +19,7 @@ from twistarm.description.findings import Finding, Place, finding
 from twistarm.description.meshes import MeshReader
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.parts import findings as module
-from twistarm.viewer.parts.findings import MOST, PENDING, examined, loaded, node_of
+from twistarm.viewer.parts.findings import MAX_FINDINGS, PENDING, examined, loaded, node_of
 from twistarm.viewer.server import server as server_module
 from viewer_page import Page, stored, until, visit
 
@@ -139,11 +139,11 @@ def test_an_arm_without_a_description_has_its_notes_alone(
 
 
 def test_of_very_many_findings_the_gravest_are_sent_and_all_are_counted(arm: Arm) -> None:
-    many = [note("srdf-found", Place(str(i))) for i in range(MOST)] + [note("axis-zero", Place("last"))] * 2
+    many = [note("srdf-found", Place(str(i))) for i in range(MAX_FINDINGS)] + [note("axis-zero", Place("last"))] * 2
     message = loaded(replace(arm, findings=tuple(many)))
-    assert len(message["findings"]) == MOST
+    assert len(message["findings"]) == MAX_FINDINGS
     assert message["findings"][0]["code"] == message["findings"][1]["code"] == "axis-zero"
-    assert message["counts"] == {"info": MOST, "error": 2}
+    assert message["counts"] == {"info": MAX_FINDINGS, "error": 2}
     assert message["note"] == f"{PENDING} 2 more: twistarm doctor lists them."
 
 

@@ -21,18 +21,18 @@ from .search import Found, Progress, as_sound, readings, search, swapped
 from .verdicts import judged, unjudged, unmoved
 
 MOST_ROWS = 200
-"""Moments that are fitted, taken evenly from the log. A camera's neighbouring moments err alike and add nothing."""
+"""Most moments to fit, evenly from the log. Neighbouring moments of a camera have the same errors and add nothing."""
 
 LOUDEST = 0.02
-"""Noise [m] beyond which positions do not count as measured."""
+"""Greatest noise [m] of usable positions."""
 
 UNITS = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254, "kilometres": 1000.0}
-"""Units that positions may have been logged in, each in metres."""
+"""Possible units of logged positions, in metres."""
 
-ALIKE = 3.0
-"""Two logs of one arm differ less than by this factor in how far the tool is from the base."""
+SIMILAR = 3.0
+"""Greatest ratio of the mean distances from the base in two logs of one arm."""
 
-POSTURES = 200
+CONFIGURATIONS = 200
 
 
 def check_wiring(
@@ -45,19 +45,19 @@ def check_wiring(
     base_orientation_noise: float | None = None,
     progress: Progress | None = None,
 ) -> WiringReport:
-    """Check the signs, ratios and zeros of the arm's motors against a log of counts and measured tool poses.
+    """Check the motors' signs, ratios and zeros against a log of counts and measured tool poses.
 
-    The check fits theta = G⁻¹ (s y + e) to the poses, with y the motors' readings from their configured zeros. Faults
+    The check fits theta = G⁻¹ (s y + e) to the poses. y are the motors' readings from their configured zeros. Faults
     are the fewest deviations from s = 1, e = 0 that explain the log. They are clear from the noise and larger than 1°,
     5 mm or 2 %. If others explain the log as well, all are named and none is corrected.
 
-    The verdict is "cannot tell" if the log does not show a motor's sign, scale or offset, or whether two are swapped.
-    It comes with what to move or measure. A fault that the base's pose explains as well is "possible"; an offset of
-    the first joint is an example (`model.BaseError` gives the law). A log that nothing explains takes seconds.
+    The verdict is "cannot tell" if the log does not show a motor's sign, scale, offset, or a swap. It comes with what
+    to move or measure. A fault that the base's pose explains as well is "possible". An offset of the first joint is an
+    example (law: `model.BaseError`). A log that nothing explains takes seconds.
 
     Args:
         arm: The arm, with actuators.
-        log: A `WiringLog`, or the path of a CSV file with the motors' counts and measured tool poses.
+        log: A `WiringLog`, or the path of a CSV file of counts and measured tool poses.
         position_noise: Standard deviation of the measured position [m].
         orientation_noise: Standard deviation of the measured orientation [rad].
         base_position_noise: Standard deviation of the base's position [m]. By default 0; that of a tape measure if
@@ -69,7 +69,7 @@ def check_wiring(
         The `WiringReport`: a verdict on each motor and one on the whole arm.
 
     Raises:
-        InputError: The arm has no actuators, they do not determine its joints, or the log cannot be used.
+        InputError: The arm has no actuators, they do not determine its joints, or the log is unusable.
     """
     motors = require_arm(arm).actuators
     require_callback(progress, "progress", "(fraction)")
@@ -82,19 +82,19 @@ def check_wiring(
     counts = logged.of(motors)
     if not len(counts):
         raise InputError("the log holds no moment: give a row of counts and the tool's position for each")
-    told = progress or (lambda _: None)
+    report_progress = progress or (lambda _: None)
     as_said = _wiring(arm, motors, counts, logged.measured, noise)
     as_said = replace(as_said, base=(base[0] or 0.0, base[1] or 0.0))
     doubted = USUAL[0] if base[0] is None else base[0], USUAL[1] if base[1] is None else base[1]
-    unit, as_said, found = _explained(as_said, motors, doubted, _part(told, 0, 2))
+    unit, as_said, found = _explained(as_said, motors, doubted, _part(report_progress, 0, 2))
     as_said = replace(as_said, base=found.wiring.base)
     wiring, p = swapped(as_said, motors, found.swapped), found.explanation.p
-    if _still(wiring):
+    if _is_motionless(wiring):
         verdict, what, each = unmoved(found, motors)
     elif found.fits:
         verdict, what, each = judged(found, motors)
     else:
-        why_not = _why_not(found, motors, doubted, _part(told, 1, 2))
+        why_not = _why_not(found, motors, doubted, _part(report_progress, 1, 2))
         verdict, what, each = "unexplained", why_not, unjudged(motors)
     if unit:
         verdict, what = "unexplained", f"the positions look like {unit}: log x, y, z in metres; read so, {what}"
@@ -124,8 +124,8 @@ def _wiring(arm: Arm, motors: Actuators, counts: Array, measured: Array, noise: 
 def _explained(
     wiring: Wiring, motors: Actuators, doubted: tuple[float, float], progress: Progress
 ) -> tuple[str, Wiring, Found]:
-    """The unit of the logged positions (empty for metres), the wiring in metres, and what was found."""
-    if _still(wiring):
+    """The unit of the logged positions (empty for metres), the wiring in metres, and the findings."""
+    if _is_motionless(wiring):
         return "", wiring, as_sound(_thinned(wiring))
     units = _plausible_units(wiring)
     for done, unit in enumerate(units):
@@ -137,15 +137,15 @@ def _explained(
 
 
 def _plausible_units(wiring: Wiring) -> list[str]:
-    """The `UNITS` in which the measured distances from the base match the arm's; none if they are metres.
+    """The `UNITS` in which the measured distances match the arm's; none for metres.
 
     The arm's distances are those of random configurations, because the motors' readings may be wrong.
     """
-    usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(0, POSTURES))[:, :3, 3])
+    usual = _mean_distance(wiring.arm.fk(wiring.arm.random_theta(0, CONFIGURATIONS))[:, :3, 3])
     measured = _mean_distance(wiring.position)
-    if not usual or not measured or 1 / ALIKE < measured / usual < ALIKE:
+    if not usual or not measured or 1 / SIMILAR < measured / usual < SIMILAR:
         return []
-    return [unit for unit, metres in UNITS.items() if 1 / ALIKE < metres * measured / usual < ALIKE]
+    return [unit for unit, metres in UNITS.items() if 1 / SIMILAR < metres * measured / usual < SIMILAR]
 
 
 def _mean_distance(position: Array) -> float:
@@ -157,7 +157,7 @@ def _part(progress: Progress, done: int, parts: int) -> Progress:
     return lambda fraction: progress((done + fraction) / parts)
 
 
-def _still(wiring: Wiring) -> bool:
+def _is_motionless(wiring: Wiring) -> bool:
     return not any(moved(wiring, i) for i in range(wiring.k))
 
 
@@ -167,14 +167,14 @@ def _thinned(wiring: Wiring) -> Wiring:
 
 
 def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progress: Progress) -> str:
-    """The row that does not fit the others, or the noise that explains the log, in words."""
+    """The outlying row, or the noise that explains the log, in words."""
     wiring = found.wiring
     K, odd = len(wiring.y), _worst_row(wiring, found.explanation.p)
     if 3 < K <= MOST_ROWS:
         rest = wiring.of_rows(np.delete(np.arange(K), odd))
         if fewest_faults(rest, *best_fit(rest, _part(progress, 0, 2))).fits(rest):
             return f"row {odd + 1} of the log does not fit the others: measure it again, or leave it out"
-    louder = replace(swapped(wiring, motors, found.swapped), noise=_noise_seen(found), base=base)
+    louder = replace(swapped(wiring, motors, found.swapped), noise=_explaining_noise(found), base=base)
     if louder.noise[0] <= LOUDEST:
         heard = search(louder, motors, base, _part(progress, 1, 2))
         if heard.fits:
@@ -188,7 +188,7 @@ def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progres
     )
 
 
-def _noise_seen(found: Found) -> tuple[float, float]:
+def _explaining_noise(found: Found) -> tuple[float, float]:
     """The noise that would explain the residual that is left."""
     wiring = found.wiring
     louder = float(np.sqrt(found.explanation.total / freedom(wiring, 2 * wiring.k)))

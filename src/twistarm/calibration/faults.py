@@ -1,4 +1,4 @@
-"""Faults of a motor and gaps of a log: their names, their words, and what to correct or to log."""
+"""Faults of a motor and gaps of a log: names, words, and what to correct or log."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from .model import Wiring
 from .search import Found
 
 SMALL_SCALE, SMALL_ANGLE, SMALL_LENGTH = 0.02, np.radians(1.0), 0.005
-"""A scale or offset [joint rad, m] that is less off than this is how arms are: no fault, though the log may show it."""
+"""Normal errors of a scale or offset [joint rad, m]. They are no faults, even if the log shows them."""
 
 ROUNDING = 1e-6
-"""A joint that a motor turns by a smaller part of the most it turns any is not its own."""
+"""A motor does not drive a joint that it turns by less than this share of its largest."""
 
 SIGN, RATIO, ZERO, SWAPPED = "flipped sign", "wrong ratio", "zero offset", "swapped"
 
@@ -86,13 +86,13 @@ def _amount(value: float, unit: str) -> str:
 
 
 LITTLE_ANGLE, LITTLE_LENGTH = np.radians(15.0), 0.05
-"""A motor that moves its joint by less than this [rad, m] has hardly been moved."""
+"""A motor that moves its joint by less than this [rad, m] has hardly moved."""
 
 BASE_KNOWN = (
     "measure the base anew, by the tool in several configurations; --base-position-noise (metres) and "
     "--base-orientation-noise (degrees) say how well it is known, 0 and 0 exactly"
 )
-"""Where the base and a motor are not told apart."""
+"""Remedy if base and motor cannot be separated."""
 
 ALL = ("sign", "ratio", "zero")
 
@@ -118,7 +118,7 @@ def not_shown(unseen: Sequence[str], swapped_with: Sequence[str]) -> str:
 def not_shown_of_all(
     names: Sequence[str], unseen: Sequence[Sequence[str]], swaps: Sequence[tuple[int, int]]
 ) -> tuple[str, bool]:
-    """Of the whole arm, motors with the same gaps together; and whether there is anything else that it does show."""
+    """Gaps of the whole arm, with motors of equal gaps together, and whether the log shows anything."""
     if all(tuple(each) == ALL for each in unseen):
         return "the log does not show the sign, ratio or zero of any motor", False
     alike: dict[tuple[str, ...], list[str]] = {}

@@ -1,4 +1,4 @@
-"""The best fit of scales and zeros: many starts, the best refined by damped Gauss–Newton steps."""
+"""The best fit of scales and zeros: many starts, refined by damped Gauss–Newton steps."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from ..support.checks import Array
 from .model import Wiring
 
 STEPS = 60
-ENOUGH = 1e-9
-"""A step that makes the sum of squares smaller by less than this part of it is the last."""
+LEAST_GAIN = 1e-9
+"""A step that reduces the sum of squares by a smaller share is the last."""
 
 MOST_SIGNS = 8
-"""Motors up to which every pattern of signs is tried; beyond, every two."""
+"""Motors up to which every pattern of signs is tried. With more, at most two are reversed."""
 
 SCALES = (1.0, 0.1, 0.25, 0.5, 0.75, 1.5, 2.0, 4.0, 10.0)
 OFFSETS = np.radians([0.0, 30.0, -30.0, 75.0, -75.0, 120.0, -120.0, 180.0])
-"""Where a single motor's scale, of either sign, and zero are looked for."""
+"""Start values for a single motor's zero, with a scale of either sign."""
 
 _ANYWHERE = np.array([(sign * s, e) for s in SCALES for sign in (1.0, -1.0) for e in OFFSETS])
 
-KEPT, MOST_FAULTY = 6, 3
-"""The width of the search's beam, and its rounds."""
+BEAM_WIDTH, BEAM_ROUNDS = 6, 3
+"""Width of the beam search, and its rounds."""
 
 FITS = 2.0
 """A mean square [standard deviations²] below this needs no further search."""
 
-FEW = 30
-"""Moments that a search looks at; the fit is finished on all."""
+SEARCH_MOMENTS = 30
+"""Moments for a search. The final fit uses all."""
 
 
 def refine(wiring: Wiring, p: Array, free: Array | None = None) -> tuple[Array, float]:
@@ -61,7 +61,7 @@ def refine(wiring: Wiring, p: Array, free: Array | None = None) -> tuple[Array, 
         if not after < total:
             break
         gained, p, r, total, damping = total - after, tried, r_tried, after, max(damping / 8.0, 1e-9)
-        if gained < ENOUGH * total:
+        if gained < LEAST_GAIN * total:
             break
     return p, total
 
@@ -73,20 +73,20 @@ def best_fit(wiring: Wiring, progress: Callable[[float], object]) -> tuple[Array
     motors and one from the reversed. Each round gives one more motor the scale and offset that help most.
     `progress(fraction)` is called along the way.
     """
-    rows = np.unique(np.linspace(0, len(wiring.y) - 1, min(FEW, len(wiring.y))).astype(int))
+    rows = np.unique(np.linspace(0, len(wiring.y) - 1, min(SEARCH_MOMENTS, len(wiring.y))).astype(int))
     few = wiring.of_rows(rows)
-    reversed_ = _most_promising(few, sign_patterns(wiring.k), KEPT)
+    reversed_ = _most_promising(few, sign_patterns(wiring.k), BEAM_WIDTH)
     best, total = min((refine(few, p) for p in (few.sound, *reversed_)), key=lambda fit: fit[1])
     enough = FITS * len(few.residual(few.sound))
     for half, beam in enumerate(([few.sound], list(reversed_))):
-        for turn in range(MOST_FAULTY):
+        for turn in range(BEAM_ROUNDS):
             if total <= enough:
                 break
             starts = [start for p in beam for i in range(few.k) for start in one_more(few, p, i)]
             changed = [refine(few, start, _moved(start)) for start in starts]
-            beam = [p for p, _ in sorted(changed, key=lambda fit: fit[1])[:KEPT]]
+            beam = [p for p, _ in sorted(changed, key=lambda fit: fit[1])[:BEAM_WIDTH]]
             best, total = min([(best, total), *(refine(few, p) for p in beam)], key=lambda fit: fit[1])
-            progress((half + (turn + 1) / MOST_FAULTY) / 2)
+            progress((half + (turn + 1) / BEAM_ROUNDS) / 2)
     return refine(wiring, best)
 
 
@@ -97,7 +97,7 @@ def _most_promising(wiring: Wiring, starts: Array, count: int) -> Array:
 
 
 def sign_patterns(k: int) -> Array:
-    """Patterns of reversed motors as parameters (M, 2k), few first; with many motors one or two reversed."""
+    """Patterns of reversed motors as parameters (M, 2k), fewest first. With many motors at most two are reversed."""
     patterns = [flips for count in range(1, k + 1 if k <= MOST_SIGNS else 3) for flips in combinations(range(k), count)]
     starts = np.tile(np.repeat([1.0, 0.0], k), (len(patterns), 1))
     for start, flips in zip(starts, patterns, strict=True):

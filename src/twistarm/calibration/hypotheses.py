@@ -1,4 +1,4 @@
-"""The fewest faults that explain a log: each motor sound, reversed, with another ratio, zero, or both."""
+"""The fewest faults that explain a log. A motor is sound, reversed, or has another ratio, zero, or both."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from .fit import one_more, refine
 from .model import Wiring
 
 CLEAR = 25.0
-"""What a fault must take off the sum of squares to be named: five standard deviations."""
+"""Reduction of the sum of squares that names a fault: five standard deviations."""
 
 AS_GOOD = 9.0
-"""Another account whose sum of squares is larger by less is no worse: three standard deviations."""
+"""An account with a sum of squares larger by less is equally good: three standard deviations."""
 
 UNEXPLAINED = 9.0
-"""A mean square residual [standard deviations²] beyond this is no noise."""
+"""A greater mean square residual [standard deviations²] is not noise."""
 
 ACCOUNTS = {
     "sound": (1.0, False, False, 0.0),
@@ -27,14 +27,14 @@ ACCOUNTS = {
     "reversed, zero": (-1.0, False, True, 2.5),
     "ratio, zero": (None, True, True, 3.0),
 }
-"""By name: the scale, None for any; whether it, and whether the offset, is fitted; and how much is claimed by it."""
+"""By name: the scale (None: any), whether scale and offset are fitted, and the number of claims."""
 
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """An account for each motor (names of `ACCOUNTS`), the fitted parameters p (2k,), and the sum of squares.
+    """An account per motor (names of `ACCOUNTS`), the fitted parameters p (2k,), and the sum of squares.
 
-    `cost` is the sum of squares over `scale`, the variance of the residual, plus `CLEAR` for each claim.
+    `cost` is the sum of squares over `scale`, the residual's variance, plus `CLEAR` per claim.
     """
 
     accounts: tuple[str, ...]
@@ -64,11 +64,11 @@ class Explanation:
 
 
 def fewest_faults(wiring: Wiring, p: Array, total: float) -> Explanation:
-    """The cheapest explanation, found from the best fit p (2k,) by changing one account at a time.
+    """The cheapest explanation, found from the best fit p (2k,) by single changes of accounts.
 
-    Several fits may be equally good, and the best may lie far from the one with the fewest faults. If it claims more
-    than one fault, the search also starts from the sound arm and from the best single faulty motor. A fit that does not
-    explain the log is returned as found.
+    Several fits may be equally good. The best may be far from the one with the fewest faults. If it claims more than
+    one fault, the search also starts from the sound arm and the best single fault. A fit that does not explain the log
+    is returned as found.
     """
     k = wiring.k
     scale = max(1.0, total / freedom(wiring, 2 * k))
@@ -85,7 +85,7 @@ def fewest_faults(wiring: Wiring, p: Array, total: float) -> Explanation:
 
 
 def _one_faulty(wiring: Wiring, scale: float) -> Explanation:
-    """The explanation that leaves least with one motor of any scale and zero, and all others sound."""
+    """The explanation with the least residual that blames one motor, of any scale and zero."""
     sound = ("sound",) * wiring.k
     tried = [
         explained_by(wiring, start, with_account(sound, i, "ratio, zero"), scale)
@@ -102,7 +102,7 @@ def _improved(wiring: Wiring, best: Explanation) -> Explanation:
         improved = False
         for i in range(wiring.k):
             for other in alternatives(wiring, best, i):
-                if other.cost < best.cost - ENOUGH:
+                if other.cost < best.cost - LEAST_GAIN:
                     best, improved = other, True
     return best
 
@@ -112,8 +112,8 @@ def freedom(wiring: Wiring, fitted: int) -> int:
     return max(len(wiring.residual(wiring.sound)) - fitted, 1)
 
 
-ENOUGH = 1e-6
-"""A cost that is less by no more than this is the same."""
+LEAST_GAIN = 1e-6
+"""Costs that differ by less are equal."""
 
 
 def alternatives(wiring: Wiring, best: Explanation, i: int) -> list[Explanation]:

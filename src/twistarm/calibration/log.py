@@ -1,4 +1,4 @@
-"""The log of a wiring check: the counts of each drive and the measured tool at the same moment."""
+"""The log of a wiring check: counts of each drive with the measured tool."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ UNIT_LENGTH_TOL = 0.01
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WiringLog(Brief):
-    """K moments: `counts` (K, k) as the drives of `names` count, `measured` the tool in base coordinates.
+    """K moments: `counts` (K, k) of the drives `names`, `measured` of the tool in base coordinates.
 
     `measured` (K, 3) are positions of the tool's origin [m], or (K, 4, 4) poses. Raises InputError for anything else.
     """
@@ -69,11 +69,11 @@ class WiringLog(Brief):
 
 
 def read_log(path: str | os.PathLike[str], motors: Actuators) -> WiringLog:
-    """Read a log from CSV: a column for each motor, then x, y, z [m], and optionally qx, qy, qz, qw.
+    """Read a log from CSV: a column per motor, x, y, z [m], and optionally qx, qy, qz, qw.
 
     The first line names the columns, in any order. A unit may follow in brackets, as in `left [tick]`. It must be the
-    unit that the motor's drive counts in. A line that begins with # is a comment. Raises InputError with the line's
-    number for a value that is no number, is missing or is too much.
+    unit that the motor's drive counts in. A line that begins with # is a comment. Raises InputError with the line
+    number for an invalid, missing or surplus value.
     """
     file = as_path(path)
     require(motors, Actuators, "motors", "as arm.actuators is")
@@ -103,7 +103,7 @@ def _poses(position: Array, quaternions: Array) -> Array:
 
 
 def _columns(header: Sequence[str], motors: Actuators, place: str) -> tuple[str, ...]:
-    """The columns' names with checked units: every motor, x, y, z, and all or none of the quaternion."""
+    """The column names with checked units: motors, x, y, z, and optionally the whole quaternion."""
     units = (
         dict(zip(motors.names, motors.units, strict=True)) | dict.fromkeys(POSITION, "m") | dict.fromkeys(ROTATION, "1")
     )

@@ -1,4 +1,4 @@
-"""The predicted motion of the tool for other scales and zeros of the motors, and for another place of the base."""
+"""The predicted motion of the tool for other scales and zeros, and for another base."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from ..support.checks import Array
 from ..theory.rotations import exp, log_of
 
 SLACK = np.radians(1.0)
-"""How far motors that share a joint may contradict each other [joint rad]: backlash and belts."""
+"""Allowed contradiction of motors that share a joint [joint rad]: backlash and belts."""
 
 USUAL = (0.01, float(np.radians(2.0)))
-"""One standard deviation [m, rad] of a base measured with a tape, for a log that does not fit without it."""
+"""One standard deviation [m, rad] of a base measured by tape, for logs that need it."""
 
 
 @dataclass(frozen=True)
@@ -31,10 +31,10 @@ class BaseOffset:
 
 
 class BaseError:
-    """The base's offset as a random effect: r = A z + noise, with z (6,) and noise of standard deviation 1.
+    """The base's offset as a random effect: r = A z + noise, z (6,) and noise of standard deviation 1.
 
-    A (N, 6) is the effect of the base's translations and rotations on the residuals, in standard deviations. r has
-    the covariance C = 1 + A Aᵀ. Generalised least squares (Aitken 1935) minimise rᵀ C⁻¹ r = ‖C^(−1/2) r‖².
+    A (N, 6) maps translations and rotations of the base to residuals, in standard deviations. r has the covariance C =
+    1 + A Aᵀ. Generalised least squares (Aitken 1935) minimise rᵀ C⁻¹ r = ‖C^(−1/2) r‖².
 
     With A = U D Vᵀ, C^(−1/2) = 1 − U (1 − (1 + D²)^(−1/2)) Uᵀ and ln det C = Σ ln (1 + D²). The expected z is
     V D (1 + D²)⁻¹ Uᵀ r (Laird, Ware 1982, eq. 3.3). What the base explains does not count for or against a motor.
@@ -58,7 +58,7 @@ class BaseError:
 
 
 def moved_by_base(position: Array, rotation: Array | None) -> tuple[Array, Array]:
-    """d(measured)/d(translation, rotation of the base): of positions (K, 3, 6), and of tool axes (K, 3, 6).
+    """d(measured)/d(translation, rotation of the base), for positions (K, 3, 6) and tool axes (K, 3, 6).
 
     dx = v + ω × x, and dw = Rᵀ ω in tool axes.
     """
@@ -70,12 +70,12 @@ def moved_by_base(position: Array, rotation: Array | None) -> tuple[Array, Array
 
 @dataclass(frozen=True, eq=False)
 class Wiring:
-    """theta = P (s y + e): y (K, k) are the motors' readings from their configured zeros, P (n, k) the inverse of G.
+    """theta = P (s y + e). y (K, k) are the motors' readings from their configured zeros. P (n, k) is the inverse of G.
 
     The parameters p (2k,) are the scales s and the offsets e over `unit` (k,). The unit makes them rad (or m) of the
     joint that the motor turns most. Configuration and arm agree at s = 1 and e = 0; a reversed motor has s = −1.
-    `surplus` (k, k) is I − G P, for more motors than joints: their readings must have none of it. `base` is one
-    standard deviation of the base's place [m, rad], 0 if it is exactly known.
+    `surplus` (k, k) is I − G P. With more motors than joints the readings must have none of it. `base` is one standard
+    deviation of the base's place [m, rad], 0 for an exact base.
     """
 
     arm: Arm

@@ -24,13 +24,13 @@ class MotorVerdict:
     """The log's verdict on one motor; by default none.
 
     `verdict` is "sound", "fault", "possible fault" or "cannot tell". `faults` are from "flipped sign", "wrong ratio",
-    "zero offset" and "swapped". For a possible fault the log does not tell whether it is this one or another.
-    `unseen` is what the log does not show: "sign", "ratio", "zero" or "swapped with NAME".
+    "zero offset" and "swapped". If the fault is possible, the log does not separate it from another. `unseen` is what
+    the log does not show: "sign", "ratio", "zero" or "swapped with NAME".
 
-    The motor's readings y from its zero fit as `scale` y + `offset` [rad or m, motor side]. Their standard deviations
-    hold when all parameters are fitted; inf if the log shows nothing. `joint_offset` is the offset of the joints
-    [rad or m]. `ratio` and `zero` are the right entries of the arm.toml for the present wiring; None if the log does
-    not tell. `what` and `remedy` say it in words.
+    The zero fit reads the motor as `scale` y + `offset` [rad or m, motor side]. Their standard deviations hold when all
+    parameters are fitted; inf if the log shows nothing. `joint_offset` is the offset of the joints [rad or m]. `ratio`
+    and `zero` are the right entries of arm.toml for the present wiring. None: the log does not tell. `what` and
+    `remedy` say it in words.
     """
 
     name: str
@@ -52,10 +52,10 @@ class MotorVerdict:
 class WiringReport:
     """The verdict on the whole arm ("sound", "fault", "cannot tell", "unexplained"), and on each motor.
 
-    `before` is the residual with the values of the arm.toml, `after` that with the scales and offsets found. `rows`
-    moments were logged; `worst_row`, counted from 1, fits least. A log in another unit than metres is "unexplained".
-    If `what` names the unit, the rest of the report is about the positions in metres. `base` is the apparent place of
-    the base, if the log needs it; None if the base is taken as measured.
+    `before` is the residual with the values of arm.toml. `after` is that with the found scales and offsets. `rows`
+    moments were logged; `worst_row`, counted from 1, fits least. A log in another unit than metres is "unexplained". If
+    `what` names the unit, the rest of the report is in metres. `base` is the apparent place of the base, if the log
+    needs it. None: as measured.
     """
 
     arm: str
@@ -79,7 +79,7 @@ class WiringReport:
     def require(self) -> WiringReport:
         """Itself, or ComparisonError with what was found."""
         if not self.ok:
-            told = [motor for motor in self.motors if motor.verdict != "sound" and motor.what]
-            found = [f"{motor.name}: {motor.what}" for motor in told]
+            faulty = [motor for motor in self.motors if motor.verdict != "sound" and motor.what]
+            found = [f"{motor.name}: {motor.what}" for motor in faulty]
             raise ComparisonError(f"the wiring of {self.arm}: {'; '.join([self.what, *found])}")
         return self

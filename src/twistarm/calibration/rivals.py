@@ -17,9 +17,9 @@ from .search import Found, may_fit, swapped
 
 
 def rivals(found: Found, i: int) -> list[tuple[int, Found]]:
-    """Other faults that explain the log as well as those of motor i, each a motor and the explanation that blames it.
+    """Other faults that explain the log as well as those of motor i: each a motor and its explanation.
 
-    A rival claims no more faults. It has another account for motor i, or a smaller one and a fault of another motor.
+    A rival claims no more faults. It has another account for motor i, or a smaller one and another motor's fault.
     """
     wiring, best = found.wiring, found.explanation
     faults, claimed = set(named_faults(found, i)), claims(best.accounts[i])
@@ -42,7 +42,7 @@ def _added(best: Explanation, other: Explanation, j: int) -> int:
 
 
 def unseen_signs(found: Found) -> set[int]:
-    """Motors that may also turn the other way: alone with another zero, or several at once."""
+    """Motors that may also turn the other way: one with another zero, or several at once."""
     wiring, p, k = found.wiring, found.explanation.p, found.wiring.k
     unseen = {i for i in range(k) if found.as_well(_reversed(wiring, p, i))}
     patterns = sign_patterns(k)[:, :k]
@@ -64,10 +64,10 @@ def _reversed(wiring: Wiring, p: Array, i: int) -> float:
 def unseen_swaps(found: Found, motors: Actuators) -> list[tuple[int, int]]:
     """Pairs of motors that may also be swapped, with everything else as found."""
     pairs = [pair for pair in combinations(range(found.wiring.k), 2) if not set(pair) & set(found.swapped)]
-    return [pair for pair in pairs if _as_well_swapped(found, swapped(found.wiring, motors, pair))]
+    return [pair for pair in pairs if _explained_by_swap(found, swapped(found.wiring, motors, pair))]
 
 
-def _as_well_swapped(found: Found, other: Wiring) -> bool:
+def _explained_by_swap(found: Found, other: Wiring) -> bool:
     best = found.explanation
     if not may_fit(other, best.p):
         return False

@@ -72,31 +72,31 @@ def as_sound(wiring: Wiring) -> Found:
 
 
 def search(wiring: Wiring, motors: Actuators, doubted: tuple[float, float], progress: Progress) -> Found:
-    """The explanation of the log, or the nearest to one; `progress(fraction)` is called in long searches.
+    """The best explanation of the log. Long searches call `progress(fraction)`.
 
-    If the log is not sound, the search repeats with a base that is known only to `doubted` [m, rad]. It looks near
-    the sound arm first, with either base, and far from it if neither explains the log.
+    If the log is not sound, the search repeats with a base of uncertainty `doubted` [m, rad]. With either base it looks
+    near the sound arm first. If neither explains the log, it looks farther.
     """
-    exact = _nearest(wiring, motors)
+    exact = _near_sound_arm(wiring, motors)
     if exact.fits and exact.explanation.sound and not exact.swapped:
         return exact
     loose = replace(wiring, base=doubted)
     if doubted == wiring.base:
-        return exact if exact.fits else _far(wiring, motors, progress)
+        return exact if exact.fits else _anywhere(wiring, motors, progress)
     if exact.fits:
-        return likelier(exact, _beside(exact, loose, motors))
-    other = _nearest(loose, motors)
+        return likelier(exact, _with_movable_base(exact, loose, motors))
+    other = _near_sound_arm(loose, motors)
     if other.fits:
         return other
-    exact = _far(wiring, motors, lambda fraction: progress(fraction / 2))
+    exact = _anywhere(wiring, motors, lambda fraction: progress(fraction / 2))
     if exact.fits:
-        return likelier(exact, _beside(exact, loose, motors))
-    other = _far(loose, motors, lambda fraction: progress((1 + fraction) / 2))
+        return likelier(exact, _with_movable_base(exact, loose, motors))
+    other = _anywhere(loose, motors, lambda fraction: progress((1 + fraction) / 2))
     return other if other.fits else exact
 
 
-def _nearest(wiring: Wiring, motors: Actuators) -> Found:
-    """The fewest faults near the sound arm, perhaps with a swap; `fits`: they explain the log."""
+def _near_sound_arm(wiring: Wiring, motors: Actuators) -> Found:
+    """The fewest faults near the sound arm, perhaps with a swap. `fits`: they explain the log."""
     plain = _near(wiring, ())
     if plain.fits and plain.explanation.sound:
         return plain
@@ -110,8 +110,8 @@ def _nearest(wiring: Wiring, motors: Actuators) -> Found:
     return replace(best, as_good=tuple(one for one in as_good if one is not best))
 
 
-def _far(wiring: Wiring, motors: Actuators, progress: Progress) -> Found:
-    """The best fit of all tries; any two motors may be swapped if nothing else explains the log."""
+def _anywhere(wiring: Wiring, motors: Actuators, progress: Progress) -> Found:
+    """The best fit of all tries. A swap of any two motors is the last resort."""
     far = Found(wiring, fewest_faults(wiring, *best_fit(wiring, progress)))
     if far.fits:
         return far
@@ -120,18 +120,18 @@ def _far(wiring: Wiring, motors: Actuators, progress: Progress) -> Found:
     return min([far, *swaps], key=lambda found: found.explanation.total)
 
 
-def _beside(exact: Found, loose: Wiring, motors: Actuators) -> Found:
-    """The claims if the base may stand elsewhere: near the sound arm, or near what the exact base gave."""
+def _with_movable_base(exact: Found, loose: Wiring, motors: Actuators) -> Found:
+    """The claims with a movable base: near the sound arm, or near the exact base's result."""
     other = swapped(loose, motors, exact.swapped)
     start = Found(other, fewest_faults(other, *refine(other, exact.explanation.p)), exact.swapped)
-    return min([start, _nearest(loose, motors)], key=lambda found: (not found.fits, found.cost))
+    return min([start, _near_sound_arm(loose, motors)], key=lambda found: (not found.fits, found.cost))
 
 
 def likelier(exact: Found, doubted: Found) -> Found:
     """The likelier explanation: with the base as given, or with one that may stand elsewhere.
 
-    The costs are −2 ln of the marginal likelihood, including ln det C of the base's random effect. Each claim about a
-    motor or the base costs `CLEAR`. If both explain the log, `or_base` keeps the other one.
+    The costs are −2 ln of the marginal likelihood. They include ln det C of the base's random effect. Each claim about
+    a motor or the base costs `CLEAR`. If both explain the log, `or_base` keeps the other one.
     """
     if not doubted.fits or doubted.wiring.base_error is None:
         return exact

@@ -1,4 +1,4 @@
-"""The verdicts on each motor and on the whole arm: what to correct, or what to log."""
+"""Verdicts on each motor and the whole arm: what to correct, or to log."""
 
 from __future__ import annotations
 
@@ -32,30 +32,30 @@ from .rivals import rivals, unseen_signs, unseen_swaps
 from .search import Found
 
 SEEN_SCALE, SEEN_ANGLE, SEEN_LENGTH = 0.05, np.radians(2.0), 0.01
-"""With a larger standard deviation than this the log does not show a scale or an offset [joint rad, m]."""
+"""Greatest standard deviations of a visible scale or offset [joint rad, m]."""
 
-NOTHING = 1e-9
-"""A singular value that is a smaller part of the largest is rounding."""
+ROUNDING = 1e-9
+"""Relative singular values below this are rounding."""
 
-UNSEEN = 1e-6
-"""A smaller share in a direction of which nothing is seen is rounding."""
+NEGLIGIBLE_SHARE = 1e-6
+"""A smaller share in an invisible direction is rounding."""
 
 Suspect = tuple[int, Found]
 """A motor, and the explanation that blames it."""
 
 
 def standard_deviations(found: Found) -> Array:
-    """Standard deviations (2k,) with all parameters fitted: √ diag (AᵀA)⁻¹, inf for what A does not see."""
+    """Standard deviations (2k,) with all parameters fitted: √ diag (AᵀA)⁻¹, inf outside the row space of A."""
     _, values, Vt = np.linalg.svd(found.wiring.slope(found.explanation.p), full_matrices=False)
-    values = np.where(values > NOTHING * values[0], values, 0.0)
+    values = np.where(values > ROUNDING * values[0], values, 0.0)
     # Fewer equations than parameters leave rows of Vt out: those directions are not seen either.
     missing = 1.0 - (Vt * Vt).sum(axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        variance = np.where(np.abs(Vt) > UNSEEN, (Vt / values[:, None]) ** 2, 0.0).sum(axis=0)
-    return np.sqrt(np.where(missing > UNSEEN, np.inf, variance))
+        variance = np.where(np.abs(Vt) > NEGLIGIBLE_SHARE, (Vt / values[:, None]) ** 2, 0.0).sum(axis=0)
+    return np.sqrt(np.where(missing > NEGLIGIBLE_SHARE, np.inf, variance))
 
 
-def _seen_offset(wiring: Wiring, i: int) -> float:
+def _visible_offset(wiring: Wiring, i: int) -> float:
     return SEEN_LENGTH if slides(wiring, i) else SEEN_ANGLE
 
 
@@ -89,7 +89,7 @@ class Evidence:
         return groups
 
     def or_base(self, i: int) -> str:
-        """The base's place, in words, if it explains the apparent fault of motor i; else empty."""
+        """The base's place in words, if it explains the apparent fault of motor i. Otherwise empty."""
         other = self.found.or_base
         if other is None or named_faults(other, i) == named_faults(self.found, i):
             return ""
@@ -108,7 +108,7 @@ class Evidence:
     def unseen(self) -> list[list[str]]:
         """For each motor what the log does not show: sign, ratio, zero."""
         signs = unseen_signs(self.found)
-        offset = [_seen_offset(self.found.wiring, i) for i in range(self.k)]
+        offset = [_visible_offset(self.found.wiring, i) for i in range(self.k)]
         rows = [
             {"sign": i in signs, "ratio": self.std[i] > SEEN_SCALE, "zero": self.std[self.k + i] > offset[i]}
             for i in range(self.k)
@@ -162,18 +162,18 @@ class Evidence:
         return "sound", "sign, ratio and zero fit the log", ""
 
     def _hidden_by_base(self, i: int) -> bool:
-        """Whether the log hides only the zero of motor i, and an exactly known base would show it."""
+        """Whether the log hides only the zero of motor i, and an exact base would show it."""
         if self.unseen[i] != ["zero"] or self._swapped_with(i) or self.found.wiring.base_error is None:
             return False
         exact = replace(self.found, wiring=replace(self.found.wiring, base=(0.0, 0.0)))
-        return bool(standard_deviations(exact)[self.k + i] <= _seen_offset(self.found.wiring, i))
+        return bool(standard_deviations(exact)[self.k + i] <= _visible_offset(self.found.wiring, i))
 
     def _swapped_with(self, i: int) -> list[str]:
         return [self.motors.names[j] for pair in self.unseen_swaps if i in pair for j in pair if j != i]
 
 
 Judgement = tuple[str, str, tuple[MotorVerdict, ...]]
-"""The verdict, what it says, and the motors'."""
+"""The verdict, its words, and the motors' verdicts."""
 
 
 def judged(found: Found, motors: Actuators) -> Judgement:
@@ -185,7 +185,7 @@ def judged(found: Found, motors: Actuators) -> Judgement:
     certain = [motor.name for motor in each if motor.verdict == "fault"]
     if certain or evidence.open_faults:
         parts = [f"the log shows what is wrong with {enumerated([*map(repr, certain)])}"] if certain else []
-        parts += dict.fromkeys(_one_of(group, evidence) for group in evidence.open_faults)
+        parts += dict.fromkeys(_ambiguous(group, evidence) for group in evidence.open_faults)
         return "fault", base + "; ".join(parts), each
     hidden, shows = not_shown_of_all(motors.names, evidence.unseen, evidence.unseen_swaps)
     if hidden:
@@ -208,7 +208,7 @@ def unjudged(motors: Actuators, what: str = "", remedies: Sequence[str] = ()) ->
     return tuple(MotorVerdict(name, what=what, remedy=remedy) for name, remedy in told)
 
 
-def _one_of(group: list[Suspect], evidence: Evidence) -> str:
+def _ambiguous(group: list[Suspect], evidence: Evidence) -> str:
     motors = evidence.motors
     suspects = dict.fromkeys(f"{motors.names[j]!r} ({', '.join(named_faults(found, j))})" for j, found in group)
     base = next((words for j, _ in group if (words := evidence.or_base(j))), "")

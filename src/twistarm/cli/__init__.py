@@ -6,7 +6,7 @@ import signal
 def main() -> None:
     """Entry point of the `twistarm` program.
 
-    Loading takes most of a second and leaves nothing to clean up, so Ctrl-C ends the process at once.
+    Loading takes most of a second and needs no clean-up, so Ctrl-C ends the process at once.
     """
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -1,4 +1,4 @@
-"""The answers of `ik` to the targets of a CSV file, and of `ik --all`: shown, counted and written."""
+"""The answers of `ik` to targets in a CSV file, and of `ik --all`: shown, counted and written."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def _all_json(solutions: AllSolutions) -> dict[str, Any]:
 
 
 def all_csv(solutions: AllSolutions) -> str:
-    """All configurations as CSV, also those outside the limits: theta, joints that may go on moving, within or not.
+    """All configurations as CSV, also those outside the limits: theta, joints free to move, within or not.
 
     Members of one family have one number.
     """

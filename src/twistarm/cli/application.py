@@ -33,7 +33,7 @@ from .commands import (
 )
 from .output import say
 from .typed import Command, Group
-from .wording import DEGREES, told
+from .wording import DEGREES, worded
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 """Exit codes: a bad answer, unusable input, a fault of twistarm, Ctrl-C."""
@@ -133,7 +133,7 @@ def _report(error: Exception) -> int:
         words = error.format_message().replace("Value error, ", "")
         _say(f"{words} (see twistarm --help, or --help after the command)")
         return BAD_INPUT
-    _say(told(error))
+    _say(worded(error))
     if isinstance(error, (NotConvergedError, PathError)):  # what was asked for makes sense, and this arm cannot do it
         return BAD_ANSWER
     return BAD_INPUT if isinstance(error, (TwistarmError, OSError)) else BUG

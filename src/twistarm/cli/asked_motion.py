@@ -35,7 +35,7 @@ Planned = tuple[Trajectory, list[Segment]]
 
 
 @dataclass(frozen=True)
-class Asked:
+class Typed:
     """The arm, the typed start and the options. None and False mean not typed."""
 
     arm: Arm
@@ -131,14 +131,14 @@ def typed_targets(
 
 
 def motion_of_file(arm: Arm, path: Path, caps: Caps) -> tuple[Arm, Trajectory]:
-    """The motion of a file, or of the segments of a *.toml, and the arm with the limits of that motion."""
+    """The motion of a file, or of the segments of a *.toml, and the arm with its limits."""
     if path.suffix.lower() != ".toml":
         driven = replace(arm, limits=capped(arm, caps))
         return driven, load_trajectory(driven, path)
     content = load_motion(path, arm)
     driven = replace(arm, limits=capped(arm, caps, content.limits))
     with progress_bar("planning") as progress:
-        motion, _ = Asked(driven).of_file(content, with_defaults(driven), progress)
+        motion, _ = Typed(driven).of_file(content, with_defaults(driven), progress)
     return driven, motion
 
 

@@ -18,7 +18,7 @@ from .outputs import Outputs
 
 
 def configurations_in(arm: Arm, sheet: Sheet) -> Array:
-    """theta (N, n) of a CSV's rows: a column for each joint, by names or base to tip [rad, m].
+    """theta (N, n) of a CSV's rows [rad, m]: a column per joint, by names or base to tip.
 
     Joints without a column take their value in ready, with a note.
     """

@@ -1,4 +1,4 @@
-"""Rows of numbers in CSV, with or without a header, separated by commas, semicolons, tabs or spaces."""
+"""Rows of numbers in CSV, optionally with a header, separated by commas, semicolons, tabs or spaces."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Sheet:
         found: dict[str, Column] = {}
         passed_over: list[str] = []
         for index, cell in enumerate(self.header):
-            name, unit = _known(cell.strip(), known)
+            name, unit = _quantity_and_unit(cell.strip(), known)
             if name is None:
                 passed_over += [] if OURS.match(cell) else [cell.strip()]
                 continue
@@ -114,9 +114,9 @@ def few(lines: Sequence[int]) -> str:
 
 
 def read_sheet(path: str, names: str | None) -> Sheet:
-    """The sheet in a file, or on standard input for -; `names` [a,b,c] replace its header.
+    """The sheet in a file, or on standard input for -. `names` [a,b,c] replace its header.
 
-    Lines with # are comments, except one before the first row that is a header for as many columns.
+    Lines with # are comments, except a header of as many columns before the first row.
     """
     file = "standard input" if path == STDIN else path
     lines = list(_from_stdin(file) if path == STDIN else csv_lines(path, BOUNDS))
@@ -159,7 +159,7 @@ def _is_number(cell: str) -> bool:
     return is_number(cell.replace(",", "."))
 
 
-def _known(cell: str, known: Mapping[str, str]) -> tuple[str | None, str]:
+def _quantity_and_unit(cell: str, known: Mapping[str, str]) -> tuple[str | None, str]:
     """The quantity that a header's cell names, and its unit."""
     match = UNIT.fullmatch(cell)
     name, unit = (match[1], match[2] or match[3] or "") if match else (cell, "")

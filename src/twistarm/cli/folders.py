@@ -14,7 +14,7 @@ from ..checking.doctor.folder import descriptions_in
 from ..description.findings import Finding
 from ..support.path_redaction import without_places
 from .output import console, literal, print_json, progress_bar, say
-from .wording import in_options, told
+from .wording import in_options, worded
 
 VERDICT = 24
 """Characters of a verdict on a line."""
@@ -35,7 +35,7 @@ class Line:
 
 
 def refused(said: str, found: Iterable[Finding] = (), /, **more: Any) -> Line:
-    """The line of a file that cannot be loaded: its first error and the remedy, else `said`."""
+    """The line of an unloadable file: its first error and the remedy, else `said`."""
     error = next((one for one in found if one.severity == "error"), None)
     why = said if error is None else "; ".join(filter(None, (error.what, error.remedy)))
     return Line("refused", False, detail=in_options(why), more=more)
@@ -50,7 +50,7 @@ def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) 
             try:
                 line = look(path)
             except Exception as error:
-                line = Line("refused", False, detail=told(error), more={"error": without_places(told(error), path)})
+                line = Line("refused", False, detail=worded(error), more={"error": without_places(worded(error), path)})
             lines[path.relative_to(folder)] = line
             progress(done / len(files))
     good = all(line.good is not False for line in lines.values())

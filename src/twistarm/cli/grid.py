@@ -88,7 +88,7 @@ def _blocks(columns: Sequence[Column], width: int) -> list[list[Column]]:
 
 
 def _widths(columns: Sequence[Column], width: int) -> list[int]:
-    """The width of each column: what it needs, then the rest to the narrowest wishes first.
+    """The width of each column: what it needs, then the rest to the narrowest wishes.
 
     If even two columns do not fit, the wider one is broken.
     """

@@ -78,12 +78,12 @@ Locked = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON, in SI units.")]
 Radians = Annotated[bool, typer.Option("--rad", help="Angles are typed and shown in radians, not degrees.")]
-POSTURE = typer.Option(
+CONFIGURATION = typer.Option(
     metavar=VALUES,
     help="Joint values base to tip (0.1 30 -45; degrees, metres for slides), joint=value for some of them, the others "
     "as in ready, or a pose's name (ready, zero).",
 )
-Theta = Annotated[str, POSTURE]
+Theta = Annotated[str, CONFIGURATION]
 SceneFile = Annotated[
     Path | None, typer.Option("--scene", metavar="FILE", help="Obstacles: a scene.toml, or MoveIt's scene.")
 ]
@@ -123,7 +123,7 @@ def takes_arm_or_none(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def takes_source(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The same for a command that loads the arm by `source` and `load`, the keywords of `load_arm`."""
+    """The same for a command that loads the arm by `source` and `load` (keywords of `load_arm`)."""
     return _takes(command, ("source", "load"))
 
 

@@ -141,7 +141,7 @@ def theta_typed(arm: Arm, theta: Array, radians: bool) -> str:
 
 
 def theta_values(arm: Arm, theta: Array, radians: bool, digits: int = 6) -> str:
-    """The numbers of `theta_typed`: with 6 digits to 1 µm and some 1e-8 rad (1e-6 rad in radians)."""
+    """The numbers of `theta_typed`: 6 digits, to 1 µm and some 1e-8 rad (1e-6 rad in radians)."""
     return " ".join(shown(arm, theta, radians, digits=digits))
 
 
@@ -180,7 +180,7 @@ def jacobian_table(arm: Arm, title: str, J: Array) -> Grid:
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], object]]:
-    """A progress bar on stderr, only on a terminal, as a callback with the fraction done."""
+    """A progress bar on stderr, on a terminal only, as a callback with the fraction done."""
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
         task = bar.add_task(label, total=1.0)
         yield lambda fraction: bar.update(task, completed=fraction)

@@ -48,7 +48,7 @@ Tolerance = Annotated[float, typer.Option(help="How far a joint may be from wher
 
 @dataclass(frozen=True)
 class Robot:
-    """The options that say which robot a command drives, and how it talks with it. `takes_robot` reads them."""
+    """Options for the robot of a command and the links to it. `takes_robot` reads them."""
 
     udp: Udp = None
     listen: Listen = None
@@ -77,7 +77,7 @@ class Robot:
         require_positive(feedback_timeout=self.feedback_timeout)
 
     def admitted(self) -> dict[str, Any]:
-        """The hosts and the key of the datagrams that count, as the links take them. Reads the key file."""
+        """Hosts and key of the accepted datagrams, as arguments of the links. Reads the key file."""
         return {"senders": tuple(self.senders or ()), "key": None if self.key is None else read_key(self.key)}
 
     def joints(self, arm: Arm, theta: Array, admitted: dict[str, Any], stack: ExitStack) -> tuple[Sink, Feedback]:

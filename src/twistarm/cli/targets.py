@@ -63,7 +63,7 @@ UNITS = dict.fromkeys(POSITION, "m") | dict.fromkeys(ANGLES, "rad") | dict.fromk
 
 COLUMNS = "x, y, z [m], and to turn the tool qx, qy, qz, qw, or roll, pitch, yaw [rad], or dx, dy, dz to point it"
 
-KNOWN = (
+COLUMN_NAMES = (
     {said + axis: axis for axis in "xyz" for said in ("", "p", "pos_", "position_", "position.", "pose.position.")}
     | {said + axis: f"d{axis}" for axis in "xyz" for said in ("d", "direction_", "direction.")}
     | {
@@ -153,7 +153,7 @@ def _axis(text: str) -> Array:
 
 
 def targets_in(sheet: Sheet, orientation: Orientation) -> list[Target]:
-    """The targets of a CSV's rows: positions, with the orientation of the header or of the options."""
+    """The targets of a CSV's rows: positions, with the header's or the options' orientation."""
     if sheet.header is None:
         width = len(sheet.rows[0].cells)
         if width != 3:
@@ -161,7 +161,7 @@ def targets_in(sheet: Sheet, orientation: Orientation) -> list[Target]:
         sheet = Sheet(sheet.file, POSITION, sheet.rows)
     if TWO_MEANINGS & {cell.casefold() for cell in sheet.header or ()}:
         raise InputError(f"{sheet.file}: rx, ry, rz mean two things: name them roll, pitch, yaw, or write quaternions")
-    columns = sheet.columns(KNOWN, UNITS)
+    columns = sheet.columns(COLUMN_NAMES, UNITS)
     kinds = [kind for kind in (ANGLES, DIRECTION, QUATERNION) if any(name in columns for name in kind)]
     needed = (*POSITION, *(kinds[0] if kinds else ()))
     missing = [name for name in needed if name not in columns]

@@ -61,7 +61,7 @@ class Command(_Flags, TyperCommand):
 
 
 def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
-    """`words`, with the numbers or joint=value pairs after one of `options` joined to one word."""
+    """`words`, with numbers or joint=value pairs after one of `options` joined to one word."""
     made: list[str] = []
     goes_on = False
     for i, word in enumerate(words):
@@ -94,8 +94,8 @@ def _plain(text: str) -> str:
 def parse_theta(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None = None) -> Array:
     """A typed configuration: numbers base to tip, `joint=value` pairs, or the name of a pose.
 
-    Joints that pairs leave out are as in `rest`, a name and its theta, by default the pose ready. A note says so. A
-    value outside a limit by rounding becomes the limit.
+    Omitted joints are as in `rest`, a name and its theta, by default the pose ready. A note says so. A value outside a
+    limit by rounding becomes the limit.
     """
     if text.strip() in arm.configurations:
         return arm.theta_from(text.strip())

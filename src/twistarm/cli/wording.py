@@ -43,7 +43,7 @@ def in_options(message: str) -> str:
     """The message with `--tip wrist` for `tip='wrist'`. With angles in degrees, 28.648° replaces 0.5 rad."""
     message = ARGUMENT.sub(_option, message)
     message = message.replace(FRAME_NAMES, "twistarm info ARM --json")
-    message = POSTURE.sub(_posture, message)
+    message = POSTURE.sub(_configuration, message)
     if DEGREES.get():
         message = re.sub(rf"[:;]? \(?angles of up to \S+ {LOOK_LIKE_DEGREES}\)?", "", message)
         message = QUANTITY.sub(_in_degrees, message)
@@ -78,7 +78,7 @@ def _typed(option: str, metavar: str, value: Any) -> str:
     return option if value is True else f"{option} {shlex.quote(str(value))}"
 
 
-def _posture(found: re.Match[str]) -> str:
+def _configuration(found: re.Match[str]) -> str:
     """`"28.65 0.2" (° and m)`, as one types it."""
     values = [each.split(" ") for each in found[0][1:-1].split(", ")]
     angle = math.degrees if DEGREES.get() else float
@@ -92,8 +92,8 @@ def _in_degrees(found: re.Match[str]) -> str:
     return f"{math.degrees(float(value)):.{digits}g}°{found['unit'].removeprefix('rad')}"
 
 
-def told(error: Exception) -> str:
-    """The message of an error: ours in the words of the command line, any other with its origin."""
+def worded(error: Exception) -> str:
+    """An error's message: ours in the words of the command line, any other with its origin."""
     if isinstance(error, TwistarmError):
         return in_options(str(error))
     if isinstance(error, OSError):

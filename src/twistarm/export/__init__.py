@@ -1,1 +1,1 @@
-"""Export: an arm as a C++ header, as a function of MATLAB, its limits as a joint_limits.yaml."""
+"""Export: an arm as a C++ header or a MATLAB function, its limits as joint_limits.yaml."""

@@ -1,4 +1,4 @@
-"""The part of an arm's C++ header that finds every configuration, by the closed form of the arm's family."""
+"""Part of an arm's C++ header: all configurations by the closed form of the arm's family."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ KEEPS = ("nothing", "point", "plane")
 
 
 def cpp_closed_form(arm: Arm) -> str:
-    """A `twistarm::solved_arm` for each kind of target that has one, and `solve_ik_all`; a remark where no kind has."""
+    """A `twistarm::solved_arm` per kind of target, and `solve_ik_all`. A remark says if no kind has one."""
     kinds: dict[str, AnyTarget] = {
         "pose": Pose(arm.home),
         "position": Position(arm.home[:3, 3]),

@@ -1,4 +1,4 @@
-"""An arm as a C++17 header: the constants of its chain for the kernels in core/include, on any processor."""
+"""An arm as a C++17 header: the constants of its chain for the kernels in core/include."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SUFFIXES = (".hpp", ".hh", ".hxx", ".h")
 
 
 def core_headers() -> Path:
-    """The folder for a compiler's -I: inside the installed package, or core/include in a checkout."""
+    """The folder for a compiler's -I: in the installed package, or core/include in a checkout."""
     package = Path(__file__).resolve().parents[1]
     installed = package / "include"
     folder = installed if installed.is_dir() else package.parents[1] / "core" / "include"
@@ -36,9 +36,9 @@ def namespace_of(name: str) -> str:
 
 
 def cpp_header(arm: Arm) -> str:
-    """The header's text: the arm's constants, `solve_ik`, and `solve_ik_all` where its axes belong to a family.
+    """The header's text: the arm's constants, `solve_ik`, and `solve_ik_all` for the arm's family.
 
-    The constants are `chain`, limits, poses, `servo_bounds` and `actuators`. The chain is the compiled core's own,
+    The constants are `chain`, limits, poses, `servo_bounds` and `actuators`. The chain is that of the compiled core:
     constant transforms between joints that turn about z (core/include/twistarm/kinematics/chain.hpp). TwistarmError
     without a core.
     """

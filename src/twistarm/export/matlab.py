@@ -1,4 +1,4 @@
-"""An arm as a function of MATLAB and Octave: screws, forward kinematics, both Jacobians, and test vectors."""
+"""An arm as a function of MATLAB and Octave: screws, forward kinematics, Jacobians, test vectors."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from ..support.errors import InputError, printable
 SUFFIX = ".m"
 
 LONGEST = 63
-"""Characters of a name in MATLAB."""
+"""Most characters of a name in MATLAB."""
 
 KEYWORDS = """
     break case catch classdef continue do else elseif end enumeration events for function global if methods otherwise
     parfor persistent properties return spmd switch try unwind_protect unwind_protect_cleanup until while
 """
-"""Of MATLAB and of Octave."""
+"""Keywords of MATLAB and Octave."""
 
 VECTORS = 5
 """Configurations with which the file tests itself: the ready pose, and random ones inside the limits."""
 
 TOLERANCE = 1e-9
-"""Of the test [m, and none]: rounding of a dozen matrix products is far less, a wrong sign far more."""
+"""Tolerance of the test [m, and none]. Rounding is far smaller, a wrong sign far larger."""
 
 
 def matlab_text(arm: Arm, file: str | None = None) -> str:
-    """The text of a file with this name, by default after the arm: MATLAB calls a function by its file's name.
+    """The text of a file with this name, by default the arm's. MATLAB calls a function by its file name.
 
     The test vectors are Pinocchio's where the arm has a description. InputError for a name that no function can have.
     """
@@ -78,7 +78,7 @@ def matlab_text(arm: Arm, file: str | None = None) -> str:
 
 
 def _function_name(name: str) -> str:
-    """The name itself if it can be a function's in MATLAB and Octave, or one near it."""
+    """The name itself if MATLAB and Octave allow it for a function, or one near it."""
     identifier = re.sub(r"[^A-Za-z0-9_]+", "_", name).lstrip("_")[:LONGEST] or "arm"
     return f"arm_{identifier}"[:LONGEST] if identifier[0].isdigit() or identifier in KEYWORDS.split() else identifier
 

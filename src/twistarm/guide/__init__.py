@@ -1,7 +1,7 @@
-"""The guide: a course in the kinematics of robot arms with lessons that run on the reader's arm.
+"""The guide: a course in the kinematics of robot arms, with lessons that run on your arm.
 
-A lesson begins with `from twistarm import guide` and calls the names of this package. As a program it prints, in a
-notebook it displays, and `twistarm guide` builds it into a page.
+A lesson begins with `from twistarm import guide` and calls the names of this package. A program prints it, a notebook
+displays it, and `twistarm guide` builds it into a page.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The course: its lessons in order, and the lesson for each section of the team's guide."""
+"""The course: its lessons in order, and the lesson for each section of the guide."""
 
 from __future__ import annotations
 

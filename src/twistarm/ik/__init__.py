@@ -1,4 +1,4 @@
-"""Inverse kinematics: targets, the solver, and solutions that say what was reached and why not more."""
+"""Inverse kinematics: targets, solvers, and solutions that explain what was missed and why."""
 
 from . import subproblems
 from .all_solutions import AllSolutions

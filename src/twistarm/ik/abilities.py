@@ -1,4 +1,4 @@
-"""The motions of an arm's tool around a configuration, from the null spaces of its Jacobian."""
+"""Motions of an arm's tool around a configuration, from the null spaces of its Jacobian."""
 
 from __future__ import annotations
 
@@ -19,38 +19,38 @@ RANK_TOL = 1e-6
 """Singular values below this, relative to the largest, are directions the arm cannot move in."""
 
 HELD_WEIGHT = 100.0
-"""What a radian counts beside a metre where the rotation is held."""
+"""Weight of a radian relative to a metre where the rotation is held."""
 
 OTHER_STARTS = 5
 """Random starts, beside the nearest configuration, of the search for the position that a rotation allows."""
 
 MOST_STEPS = 100
-"""Its steps, at most."""
+"""Most steps of that search."""
 
 SETTLED = 1e-7
-"""The step [rad, m] after which there are no more."""
+"""A step shorter than this [rad, m] is the last."""
 
 ROTATION_MET = 1e-3
-"""What [rad] the pull of a position beyond the reach may leave of a rotation that is held by `HELD_WEIGHT`."""
+"""Rotation error [rad] that an unreachable position may cause in a rotation held by `HELD_WEIGHT`."""
 
 SIDESTEP = 0.2
-"""How far [rad, m] along the arm's freedom a plane is looked at again, to see whether it is one."""
+"""Distance [rad, m] along the arm's freedom at which a plane is checked again."""
 
 MISSED = 1e-9
 """A position error [m] above this is more than rounding."""
 
 HELD = 1e-10
-"""How exactly [m] the position is held on the way there."""
+"""Precision [m] of the held position on the way there."""
 
 STEPS = 20
-"""Newton's steps on that way; four do where nothing is singular."""
+"""Newton steps on that way. Without singularities four suffice."""
 
 SAME_PLANE = 1e-6
-"""How far two unit normals of one plane may differ."""
+"""Greatest difference of two unit normals of one plane."""
 
 
 class Split(NamedTuple):
-    """A rotation error [rad] with the position held: what no joint can undo, its tool axis (3,), and the rest."""
+    """A rotation error [rad] with the position held: its part beyond all joints, its tool axis (3,), and the rest."""
 
     impossible: float
     axis: Array
@@ -58,10 +58,10 @@ class Split(NamedTuple):
 
 
 def split_rotation(arm: Arm, target: AnyTarget, theta: Array) -> Split:
-    """The rotation error at theta (n,) with the position held, split into what no joint can undo and the rest.
+    """The rotation error at theta (n,) with the position held, split into the part beyond all joints and the rest.
 
     The compiled core splits it (core/include/twistarm/ik/reason.hpp). Rotation rows times the null space of the
-    position rows span what can be undone. At the end of the reach for a rotation, a configuration lacks motions of its
+    position rows span what can be undone. Where a rotation reaches its end, a configuration lacks motions of its
     neighbours. Then the least over these counts. A `TolerancedPose` holds a component from the edge of its tolerance
     on. Without the core both parts are 0.
     """
@@ -109,7 +109,7 @@ def _with_rotation(arm: Arm, target: AnyTarget, theta: Array) -> float | None:
 
 
 def out_of_surface(arm: Arm, target: AnyTarget, theta: Array) -> Array:
-    """Directions (k, 3) in base axes in which the position is missed and the tool's origin never moves."""
+    """Directions (k, 3) in base axes of a missed position in which the tool's origin never moves."""
     g = arm._fk_and_body_jacobian(theta)[0]
     error, axes = target._position_rows(g, np.vstack([np.eye(3), np.zeros((3, 3))]))
     offset = g[:3, :3] @ axes.T @ error
@@ -127,8 +127,8 @@ def out_of_surface(arm: Arm, target: AnyTarget, theta: Array) -> Array:
 def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, float] | None:
     """The plane in which the approach axis can turn with the position held, or None.
 
-    The answer is its unit normal (3,) in base axes, and the wanted approach's angle [rad] out of it. In such a plane
-    the arm's free motions turn the axis a, ȧ = ω × a of rank 1. The plane is the same a good way along them.
+    The answer is its unit normal (3,) in base axes, and the wanted approach's angle to it [rad]. In such a plane the
+    arm's free motions turn the axis a, ȧ = ω × a of rank 1. The plane is the same a good way along them.
     """
     wanted = _approach(arm, target)
     if wanted is None:
@@ -139,14 +139,14 @@ def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, fl
         return None
     g, J_b = arm._fk_and_body_jacobian(theta)
     for motion in _holding_position(target, g, J_b).T:
-        moved = _brought_to(arm, g[:3, 3], theta + SIDESTEP * motion)
+        moved = _moved_to(arm, g[:3, 3], theta + SIDESTEP * motion)
         there = _approach_normal(arm, target, moved, tool_axis)
         if there is None or np.linalg.norm(np.cross(there, normal)) > SAME_PLANE:
             return None
     return normal, math.asin(min(abs(float(normal @ direction)), 1.0))
 
 
-def _brought_to(arm: Arm, p: Array, theta: Array) -> Array:
+def _moved_to(arm: Arm, p: Array, theta: Array) -> Array:
     """A theta nearby with the tool's origin at p (3,), limits aside, by Newton's shortest steps."""
     for _ in range(STEPS):
         g, J_b = arm._fk_and_body_jacobian(theta)
@@ -158,7 +158,7 @@ def _brought_to(arm: Arm, p: Array, theta: Array) -> Array:
 
 
 def _approach_normal(arm: Arm, target: AnyTarget, theta: Array, tool_axis: Array) -> Array | None:
-    """The normal, in base axes, of the plane of the approach axis at theta, or None."""
+    """The normal of the plane of the approach axis at theta, in base axes, or None."""
     g, J_b = arm._fk_and_body_jacobian(theta)
     turning = np.cross((J_b[3:] @ _holding_position(target, g, J_b)).T, tool_axis)
     _, size, directions = np.linalg.svd(turning)

@@ -49,10 +49,9 @@ class AllAnswers:
 class AllSolutions:
     """Configurations inside the limits that meet the target, each verified by forward kinematics. It cannot be changed.
 
-    Nearest to theta0 first, by the largest joint difference in shares of the joint's range (else 2π or 1 m).
+    Nearest to theta0 first, by the largest joint difference relative to the joint's range (else 2π or 1 m).
     `solutions[i]` is theta[i]. Where a wrist is singular, or an arm redundant, configurations form continuous families.
-    A family counts once: by the member that keeps a free joint at theta0's value, or else the nearest. `given` chooses
-    another.
+    A family counts once: by a member with a free joint at theta0's value, or else the nearest. `given` chooses another.
     """
 
     _arm: Arm
@@ -80,7 +79,7 @@ class AllSolutions:
 
     @property
     def theta0(self) -> Array:
-        """(n,) [rad, m]: the configuration from which distances are counted, with given joints at their values."""
+        """(n,) [rad, m]: the origin of distances, with given joints at their values."""
         return self._found.theta0
 
     @property
@@ -90,12 +89,12 @@ class AllSolutions:
 
     @property
     def outside(self) -> Array:
-        """(m, n) [rad, m], read-only: configurations outside the limits, by whole turns near to them."""
+        """(m, n) [rad, m], read-only: configurations outside the limits, turned near to them."""
         return frozen(joint_ranges(self._arm).toward_middle(self._found.theta[self._found.inside :]))
 
     @property
     def free(self) -> tuple[tuple[str, ...], ...]:
-        """For each of theta, the joints that may go on moving while the target stays met."""
+        """For each of theta, the joints that can go on moving with the target met."""
         names = self._arm.joint_names
         moving = self._found.moves[: self._found.inside]
         return tuple(tuple(names[i] for i in np.flatnonzero(each)) for each in moving)
@@ -107,14 +106,14 @@ class AllSolutions:
 
     @property
     def members(self) -> tuple[Array, ...]:
-        """For each of theta, the members (m, n) of its family inside the limits, itself first."""
+        """For each of theta, its family's members (m, n) inside the limits, itself first."""
         return self._members or tuple(self.theta[:, None])
 
     @property
     def complete(self) -> bool:
         """Whether there are no other configurations, except others of the same families.
 
-        False for sampled joints, axes that miss the family, a search, and when the time was up.
+        False for sampled joints, axes that miss the family, a search, and after a timeout.
         """
         return self._complete
 
@@ -125,7 +124,7 @@ class AllSolutions:
 
     @property
     def rounded(self) -> bool:
-        """Whether only the rounding of the arm's axes allows these; `explain()` says how far they miss."""
+        """Whether only the rounding of the arm's axes allows these. `explain()` gives the miss."""
         return self._rounded and len(self) > 0
 
     @property
@@ -159,7 +158,7 @@ class AllSolutions:
         return np.array([self.target.orientation_error(g) for g in self.arm.fk(self.theta)])
 
     def explain(self) -> str:
-        """What was asked and how many configurations meet it, or how far off the nearest is."""
+        """The target and how many configurations meet it, or how far off the nearest is."""
         lines = [
             f"asked of {self.arm.name}: {self.target.describe()}",
             self._counted(),

@@ -66,7 +66,7 @@ class AllSolutionsBatch:
 
     @cached_property
     def theta(self) -> Array:
-        """(N, most, n) [rad, m], nearest to theta0 first; NaN behind the last of each target."""
+        """(N, most, n) [rad, m], nearest to theta0 first, then NaN."""
         return self._padded(self.thetas, np.nan)
 
     @cached_property
@@ -126,13 +126,13 @@ def solve_ik_all_batch(
 ) -> AllSolutionsBatch:
     """Every configuration of N targets: `solve_ik_all` of each, at the core's speed for families.
 
-    The core needs targets of one kind (and one tool axis), no sampled joint and not `include_turns`. Then `threads`
+    The core needs targets of one kind (and one tool axis), without sampled joints or `include_turns`. Then `threads`
     share the work. The answer to a target depends on that target alone. Ctrl-C ends it.
 
     Args:
         arm: The arm.
         targets: Poses (N, 4, 4), or a sequence of `Pose`, `Position`, `Approach`, `TolerancedPose` and poses (4, 4).
-        theta0: Configuration from which distances are counted (n,) or (N, n) [rad, m], by default `arm.ready`.
+        theta0: Origin of distances (n,) or (N, n) [rad, m], by default `arm.ready`.
         fixed_joints: {joint: value} [rad, m] of joints to hold there.
         redundancy_samples: Number of values of each other joint that is held, in (0, 1000].
         include_turns: Whether configurations that differ by whole turns count as different, inside the limits.
@@ -141,13 +141,13 @@ def solve_ik_all_batch(
         threads: Number of threads.
 
     Returns:
-        The `AllSolutionsBatch`: theta (N, most, n), NaN behind the last of each target, count (N,); batch[i] is an
+        The `AllSolutionsBatch`: theta (N, most, n) with NaN after each target's last, count (N,). batch[i] is an
         `AllSolutions`.
 
     Raises:
-        InputError: A target (the message says which), theta0, a value of fixed_joints or a number cannot be used.
+        InputError: A target (the message says which), theta0, a fixed joint's value or a number is unusable.
         UnknownNameError: `fixed_joints` names no joint of the arm.
-        TwistarmError: The arm is not in the compiled core; the message says how to get it.
+        TwistarmError: The arm is not in the compiled core. The message says how to get it.
     """
     require_arm(arm)._core("solve_ik_all_batch")
     as_flag(include_turns, "include_turns")
@@ -201,7 +201,7 @@ def _by_core(
 ) -> AllSolutionsBatch | None:
     """The core's answer. None where an argument is not plainly right.
 
-    `one` solves a target where the core does not tell families apart or allow for rounded axes.
+    `one` solves a target if the core cannot tell families apart or allow for rounded axes.
     """
     assert method.compiled is not None
     numbers = targets

@@ -1,6 +1,6 @@
 """An answer by name: `IKResult` reads one, `IKBatch` has a record for each target.
 
-An answer holds copies of the arguments, so later changes of your arrays do not change it.
+An answer holds copies of the arguments. Later changes of your arrays do not change it.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ DAMPED, NEAREST, CLOSED_FORM = "damped least squares", "nearest configuration", 
 class StopReason(Enum):
     """Why a solver stopped.
 
-    A missed position decides alone, so the reason is the same for every kind of target. It is BLOCKED_BY_LIMITS if the
-    arm reaches it without its position limits, else OUT_OF_REACH. A missed rotation is BLOCKED_BY_LIMITS if the arm
-    meets the whole target without limits. Otherwise the largest part of the missing rotation decides.
-    IMPOSSIBLE_DIRECTION is a turn that this configuration and those beside it lack. BLOCKED_BY_LIMITS is what the
-    nearest configuration without limits does not miss. OUT_OF_REACH is the rest.
+    A missed position decides alone. So the reason is the same for every kind of target. It is BLOCKED_BY_LIMITS if the
+    arm reaches it without position limits, else OUT_OF_REACH. A missed rotation is BLOCKED_BY_LIMITS if the whole
+    target can be met without limits. Otherwise the largest part of the missing rotation decides. IMPOSSIBLE_DIRECTION
+    is a turn that this configuration and those beside it lack. BLOCKED_BY_LIMITS is what the nearest configuration
+    without limits does not miss. OUT_OF_REACH is the rest.
 
     IN_COLLISION needs a scene: configurations meet the target, and all that were found collide.
     """
@@ -55,13 +55,11 @@ Records = NDArray[np.void]
 class Answer:
     """An answer theta (n,), the searches behind it, and what was asked. The core's own `Answer` has the same fields.
 
-    `stop`: number of the reason in STOPS.
-    `unlimited` (n,): where limits block, an answer without them, if `has_unlimited`.
-    `nearest`: theta is the nearest configuration, because no search met the target.
-    `other_branch`: theta is not near theta0, though the target is near theta0's pose, or cannot be met.
-    `start_moved`: theta0 lay outside the limits.
-    `by_closed_form`: theta comes from the closed form, because no search met the target.
-    `certain`: the closed form shows that no configuration meets the target.
+    `stop`: number of the reason in STOPS. `unlimited` (n,): where limits block, an answer without them, if
+    `has_unlimited`. `nearest`: theta is the nearest configuration, because no search met the target. `other_branch`:
+    theta is not near theta0. Either the target is near theta0's pose, or it cannot be met. `start_moved`: theta0 lay
+    outside the limits. `by_closed_form`: theta comes from the closed form, because no search met the target. `certain`:
+    the closed form shows that no configuration meets the target.
     """
 
     theta: Array

@@ -22,7 +22,7 @@ from .ranges import joint_ranges
 from .request import Request, checked, named
 from .solution import IKResult
 from .solve import solve_ik
-from .targets import AnyTarget, Pose, TargetLike, checked_target, meant_by, target_for, target_of
+from .targets import AnyTarget, Pose, TargetLike, checked_target, shape_hint, target_for, target_of
 
 if TYPE_CHECKING:
     from ..collision import Contact, Scene
@@ -38,7 +38,7 @@ MAX_THREADS = 256
 class IKBatch:
     """The answers to N targets, read-only arrays with a row for each. `batch[i]` is one of them as an `IKResult`.
 
-    A target that was not finished in time has its start as theta, and infinite errors.
+    A target not finished in time has its start as theta, and infinite errors.
     """
 
     arm: Arm
@@ -160,11 +160,11 @@ def solve_ik_batch(
         progress: Called some twenty times a second with the fraction done, or None.
 
     Returns:
-        The `IKBatch`: theta (N, n), errors (N,) [m, rad], `converged` (N,); batch[i] is an `IKResult`.
+        The `IKBatch`: theta (N, n), errors (N,) [m, rad], `converged` (N,). batch[i] is an `IKResult`.
 
     Raises:
-        InputError: A target (the message says which), a start, a posture or a number cannot be used.
-        TwistarmError: The arm is not in the compiled core; the message says how to get it.
+        InputError: A target (the message says which), a start, a posture or a number is unusable.
+        TwistarmError: The arm is not in the compiled core. The message says how to get it.
     """
     if scene is not None:
         from ..collision import require_scene
@@ -185,10 +185,10 @@ def solve_ik_batch(
     chain = require_arm(arm)._core("solve_ik_batch")
     how = position_tol, orientation_tol, restarts, rng, max_time
     start = arm.ready if theta0 is None else named(arm, theta0)
-    rather = None if posture is None else named(arm, posture, start)
+    preferred = None if posture is None else named(arm, posture, start)
     counted = partial(_tell, progress, 0, None) if callable(progress) else progress
     # Poses that are plainly right go straight to the core, which looks at each of them much faster.
-    records = chain.solve_batch(Pose.kind, targets, start, *how, rather, threads, counted)
+    records = chain.solve_batch(Pose.kind, targets, start, *how, preferred, threads, counted)
     if records is not None:
         return IKBatch(arm, _finished(arm, records, None))
     asked = targets_for(arm, targets)
@@ -200,7 +200,7 @@ def solve_ik_batch(
 
 
 def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None) -> Records:
-    """The answers: late ones get their start and infinite errors, the closed form settles missed ones."""
+    """The answers. Late ones get their start and infinite errors, and the closed form settles missed ones."""
     late = records["stop"] == NOT_FINISHED
     if late.any():
         records["theta"][late] = joint_ranges(arm).inside(records["theta0"][late])
@@ -217,7 +217,7 @@ def _finished(arm: Arm, records: Records, targets: tuple[AnyTarget, ...] | None)
 def targets_for(arm: Arm, targets: Any, taken: Callable[[Arm, Any], AnyTarget] = target_for) -> tuple[AnyTarget, ...]:
     """The targets of a batch, of any kinds, each as `taken` makes it. InputError names the place of a wrong one."""
     if isinstance(targets, np.ndarray) and (targets.ndim != 3 or targets.shape[1:] != (4, 4)):
-        raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}{meant_by(targets)}")
+        raise InputError(f"targets must be poses of shape (N, 4, 4); got {targets.shape}{shape_hint(targets)}")
     if isinstance(targets, str) or not isinstance(targets, (np.ndarray, Sequence)):
         raise InputError(f"targets must be poses (N, 4, 4) or a sequence of targets; got {shown(targets)}")
     found: list[AnyTarget] = []
@@ -259,7 +259,7 @@ def _by_core(
 
 
 def _tell(progress: Progress, before: int, count: int | None, done: int, of: int) -> None:
-    """Report a part of a batch of `count` targets, after `before` of them; None for the only part."""
+    """Report a part of a batch of `count` targets, after `before` of them. None if it is the only part."""
     progress((before + done) / (of if count is None else count))
 
 

@@ -22,29 +22,28 @@ from .task_space import Tolerances
 TIMED_OUT = STOPS.index(StopReason.TIMED_OUT)
 
 SAMPLES = 5
-"""Values at which a joint beyond those that the target determines is held, its bounds among them."""
+"""Values tried for a joint that the target does not determine, its bounds included."""
 
-EXACTLY = 1e-5
-"""Wider tolerances [m, rad] ask for more than the closed form knows: it looks for configurations that meet a target
-exactly."""
+EXACT_TOLERANCE = 1e-5
+"""Greatest tolerances [m, rad] for which the closed form decides. It finds only exact configurations."""
 
-FAR = 10.0
-"""How many tolerances the nearest configuration misses at least, where it is certain that none meets the target."""
+FAR_MISS = 10.0
+"""Tolerances by which the nearest configuration must miss for certainty that no configuration meets the target."""
 
-HARDLY_OUTSIDE = 1e-4
-"""A configuration that lies outside the limits by less [rad, m] makes nothing certain."""
+BARELY_OUTSIDE = 1e-4
+"""A configuration outside the limits by less than this [rad, m] proves nothing."""
 
 
 def is_exact(tolerances: Tolerances) -> bool:
     """Whether the closed form knows everything that meets a target within these."""
-    return max(tolerances.position, tolerances.orientation) <= EXACTLY
+    return max(tolerances.position, tolerances.orientation) <= EXACT_TOLERANCE
 
 
 def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
     """The answer, corrected by the closed form.
 
     It may give a configuration after all. If that lies outside the limits, these are the reason. The answer is
-    `certain` where the closed form shows that nothing inside the limits meets the target. An answer that is met, or was
+    `certain` if the closed form proves that nothing inside the limits meets the target. An answer that is met, or was
     not finished in time, comes back unchanged. So does that of one search: a caller of one search wants its result.
     """
     if answer.stop in (0, TIMED_OUT, NOT_FINISHED) or answer.restarts <= 1:
@@ -57,22 +56,22 @@ def settled(arm: Arm, target: AnyTarget, answer: Answer) -> Answer:
     found = method.compiled.solve(target.numbers, start, _held_values(arm, method, start), *tolerances)
     if found is None:
         return answer
-    told = answer_from(partial(getattr, answer))
+    revised = answer_from(partial(getattr, answer))
     if found.inside:
-        told = _met(arm, target, told, found.theta[0])
+        revised = _met_answer(arm, target, revised, found.theta[0])
     else:
         outside = joint_ranges(arm).toward_middle(found.theta)
         beyond = np.abs(outside - np.clip(outside, arm.limits.lower, arm.limits.upper))
         if len(outside):
-            told = _with_limits_blamed(arm, target, told, outside[np.argmin(np.square(beyond).sum(axis=1))])
+            revised = _with_limits_blamed(arm, target, revised, outside[np.argmin(np.square(beyond).sum(axis=1))])
         exact = method.exact and not method.swept and not found.left
         if (
             exact
-            and beyond.max(axis=1, initial=0.0).min(initial=np.inf) > HARDLY_OUTSIDE
-            and _misses_by_far(arm, target, told)
+            and beyond.max(axis=1, initial=0.0).min(initial=np.inf) > BARELY_OUTSIDE
+            and _is_far_miss(arm, target, revised)
         ):
-            told = replace(told, certain=True)
-    return told
+            revised = replace(revised, certain=True)
+    return revised
 
 
 def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:
@@ -86,7 +85,7 @@ def _held_values(arm: Arm, method: Method, start: Array) -> Array | None:
     return np.ascontiguousarray(values[:, list(method.held)])
 
 
-def _met(arm: Arm, target: AnyTarget, answer: Answer, theta: Array) -> Answer:
+def _met_answer(arm: Arm, target: AnyTarget, answer: Answer, theta: Array) -> Answer:
     """The answer with a configuration that meets the target."""
     g = arm.fk(theta)
     return replace(
@@ -105,10 +104,10 @@ def _with_limits_blamed(arm: Arm, target: AnyTarget, answer: Answer, theta: Arra
     return replace(answer, unlimited=theta, stop=STOPS.index(StopReason.BLOCKED_BY_LIMITS), has_unlimited=True)
 
 
-def _misses_by_far(arm: Arm, target: AnyTarget, answer: Answer) -> bool:
+def _is_far_miss(arm: Arm, target: AnyTarget, answer: Answer) -> bool:
     """Whether the nearest misses by many tolerances, which are tight. Rounded axes never have tight ones."""
     position, orientation = np.maximum((answer.position_tol, answer.orientation_tol), arm.rounding)
     free = not len(target._rotation_tolerance)
     tight = is_exact(Tolerances(position, 0.0 if free else orientation))
-    far = answer.position_error > FAR * position or answer.orientation_error > FAR * orientation
+    far = answer.position_error > FAR_MISS * position or answer.orientation_error > FAR_MISS * orientation
     return bool(tight and far)

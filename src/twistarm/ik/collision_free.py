@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .batch import IKBatch
 
 SPREADS = (0.3, 1.0, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
-"""Widths [rad, m] about theta0 of the starts of each round of searches; inf for starts in the whole range."""
+"""Widths [rad, m] of the starts about theta0 in each round of searches; inf for the whole range."""
 
 SEARCHES = 64
 """Searches of each round."""

@@ -29,7 +29,7 @@ class Deadline:
 
     @property
     def left(self) -> float | None:
-        """Seconds until then, as a solver's `max_time`: a microsecond if it has come, None for infinity."""
+        """Seconds left, as a solver's `max_time`: at least a microsecond, None for infinity."""
         return None if math.isinf(self.moment) else max(1e-6, self.moment - time.monotonic())
 
     def until(self, items: Iterable[T]) -> Iterator[T]:

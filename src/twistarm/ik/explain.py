@@ -34,10 +34,10 @@ AT_BOUND = 1e-6
 NEGLIGIBLE = math.radians(0.005)
 """Angles [rad] that would be printed as 0.00°."""
 
-HARDLY = 10.0
+NARROW_MISS = 10.0
 """A target that is missed by fewer tolerances may have been asked for too exactly."""
 
-WIDER = (2.0, 4.0, HARDLY)
+WIDER = (2.0, 4.0, NARROW_MISS)
 """How many times as wide a position tolerance is tried where the rotation is missed."""
 
 SEARCHES = 100
@@ -81,25 +81,25 @@ def reached(solution: IKResult) -> str:
         return "met to within the rounding of the arm's axes"
     if len(solution.target._position_tolerance):
         off = f"{_length(solution.position_error)} off"
-        off += _hardly(solution.position_error, met.position, "position_tol", "m")
+        off += _wider(solution.position_error, met.position, "position_tol", "m")
         hint = length_hint(solution.target.position_error(np.eye(4)), solution.arm.reach)
         off += f" ({hint}: lengths are in metres)" if hint else ""
         parts.append(f"position {off}" if solution.position_error > met.position else "position met")
     if len(solution.target._rotation_tolerance):
         off = f"{_degrees(solution.orientation_error)} off, {OFF_BY[type(solution.target)]}"
-        off += _hardly(solution.orientation_error, met.orientation, "orientation_tol", "rad") or _traded(solution)
+        off += _wider(solution.orientation_error, met.orientation, "orientation_tol", "rad") or _eased(solution)
         parts.append(f"orientation {off}" if solution.orientation_error > met.orientation else "orientation met")
     return ", ".join(parts)
 
 
-def _hardly(error: float, tolerance: float, argument: str, unit: str) -> str:
+def _wider(error: float, tolerance: float, argument: str, unit: str) -> str:
     """The tolerance and the argument that widens it, for an error of few tolerances."""
-    if error >= HARDLY * tolerance:
+    if error >= NARROW_MISS * tolerance:
         return ""
     return f" (the tolerance is {quantity(tolerance, unit)}; {argument}= widens it)"
 
 
-def _traded(solution: IKResult) -> str:
+def _eased(solution: IKResult) -> str:
     """The wider position tolerance with which the arm meets the rotation."""
     chain, target, met = solution.arm._compiled, solution.target, solution.tolerances
     if chain is None or solution.position_error > met.position or not len(target._position_tolerance):
@@ -147,7 +147,7 @@ def at_bounds(solution: IKResult) -> list[str]:
 
 
 def _blocked(solution: IKResult) -> list[str]:
-    """The joint values that the limits do not allow, and what is missed without limits too."""
+    """The joint values outside the limits, and the error that remains without limits."""
     arm, theta, turns = solution.arm, solution.unlimited, joint_ranges(solution.arm).turns
     if theta is None:
         return []
@@ -181,7 +181,7 @@ def _missing(solution: IKResult) -> list[str]:
 
 
 def _impossible(solution: IKResult, theta: Array) -> list[str]:
-    """The rotation that no joint can undo at theta (n,), and the plane of the approach."""
+    """The rotation beyond all joints at theta (n,), and the plane of the approach."""
     arm, target = solution.arm, solution.target
     split = split_rotation(arm, target, theta)
     lacks = solution.stop is StopReason.IMPOSSIBLE_DIRECTION
@@ -197,7 +197,7 @@ def _impossible(solution: IKResult, theta: Array) -> list[str]:
 
 
 def _missing_rotation(solution: IKResult) -> list[str]:
-    """The missing rotation and why, the larger part first, and how far out of reach the position is for it."""
+    """The missing rotation and why, larger part first, and how far out of reach the position is then."""
     arm, target, theta = solution.arm, solution.target, solution.theta
     split = split_rotation(arm, target, theta)
     prevented, impossible = [], _impossible(solution, theta)

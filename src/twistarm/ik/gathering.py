@@ -1,4 +1,4 @@
-"""Gathering: the roots of one target by every way, put into families and listed as answers."""
+"""Gathering: the roots of one target by every method, grouped into families and answers."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ if TYPE_CHECKING:
 STARTS = 1000
 """Searches where no closed form is known."""
 
-BESIDE = 64
-"""Searches beside elimination, and beside a family that the axes miss: what rounding loses is found by chance."""
+EXTRA_SEARCHES = 64
+"""Searches besides elimination, or a family that the axes miss. They find what rounding loses."""
 
 IN_FAMILY = 32
 """Searches along a continuous family whose configuration nearest to theta0 lies outside the limits."""
 
-KEPT = 1e-9
-"""A joint nearer than this [rad, m] to theta0's value has it."""
+SAME_VALUE = 1e-9
+"""A joint within this [rad, m] of theta0's value has that value."""
 
 MOST_COMBINATIONS = 4096
 """Values of several sampled joints together."""
@@ -76,10 +76,10 @@ class Gathering(Asked):
         if not self.method.there:
             return STARTS
         lossy = self.method.rooted is not None or not self.method.exact or self.rounded
-        return BESIDE if lossy and not self.method.swept else 0
+        return EXTRA_SEARCHES if lossy and not self.method.swept else 0
 
     def new_roots(self, candidates: Iterable[Array], held: tuple[int, ...], known: list[Root]) -> list[Root]:
-        """The different answers among the candidates that are not known yet, until the time is up."""
+        """New different answers among the candidates, until the time is up."""
         until = self.deadline.until(candidates)
         if not self.rounded:
             return self.roots(until, held, known)
@@ -87,7 +87,7 @@ class Gathering(Asked):
 
     @property
     def dependent(self) -> float:
-        """Singular values below this part of the largest belong to directions that move nothing at first."""
+        """Singular values below this part of the largest belong to directions without first-order motion."""
         return ROUNDED_DIRECTION if self.rounded else DEPENDENT
 
     def as_near(self, theta: Array) -> Array:
@@ -96,7 +96,7 @@ class Gathering(Asked):
         return np.where(size < ROUNDED_DIRECTION * size.max(initial=0.0), self.stand, theta)
 
     def solved(self, values: Array) -> tuple[list[Root], int, int]:
-        """Roots with the held joints at each of the values (k, h), and how many values have roots."""
+        """Roots with the held joints at each of the values (k, h), and how many values have any."""
         method, found = self.method, list[Root]()
         tries = hits = 0
         for each in self.deadline.until(values if method.there else ()):
@@ -108,7 +108,7 @@ class Gathering(Asked):
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)
             tries += 1
-            self.told_of(tries, len(values) + self.searches)
+            self.report_progress(tries, len(values) + self.searches)
         return (found, tries, hits) if method.swept else (found, 0, 0)
 
     def values_met(self) -> Array:
@@ -126,16 +126,16 @@ class Gathering(Asked):
         arm = holding(self.arm, self.method.given, self.near)
         return solve_ik(arm, self.target, self.near, **self.tolerances.keywords, max_time=self.deadline.left)
 
-    def told_of(self, done: float, count: int) -> None:
+    def report_progress(self, done: float, count: int) -> None:
         """Report the progress to the caller."""
         if self.progress is not None:
             self.progress(done / count)
 
     def held_values(self, count: int) -> Array:
-        """Values (k, h) of the held joints: given ones, theta0's of idle ones, else a grid."""
+        """Values (k, h) of the held joints: given ones, theta0's for idle ones, else a grid."""
         while count ** len(self.method.swept) > MOST_COMBINATIONS:
             count -= 1
-        grid = {i: self._with_near(i, self._spread(i, count)) for i in self.method.swept}
+        grid = {i: self._theta0_first(i, self._spread(i, count)) for i in self.method.swept}
         choices = [grid.get(i, np.array([self.stand[i]])) for i in self.method.held]
         combinations = list(itertools.product(*choices))
         return np.array(combinations).reshape(len(combinations), len(self.method.held))
@@ -150,7 +150,7 @@ class Gathering(Asked):
         end = lower + 2.0 * np.pi if whole else upper
         return np.linspace(lower, end, count, endpoint=not whole)
 
-    def _with_near(self, joint: int, values: Array) -> Array:
+    def _theta0_first(self, joint: int, values: Array) -> Array:
         """Theta0's value of a joint, followed by the values that are another angle."""
         apart = values - self.near[joint]
         if joint_ranges(self.arm).periodic[joint]:
@@ -163,7 +163,7 @@ class Gathering(Asked):
         `before`: how many values of `progress` are done.
         """
         starts = np.vstack([self.near, self.arm.random_theta(0, count - 1)])
-        return self.from_starts(starts, known, lambda done: self.told_of(before + done * count, before + count))
+        return self.from_starts(starts, known, lambda done: self.report_progress(before + done * count, before + count))
 
     def from_starts(
         self, starts: Array, known: list[Root], progress: Progress | None = None
@@ -219,7 +219,7 @@ class Gathering(Asked):
         return all_seen
 
     def keeping(self, members: list[Root]) -> list[Root]:
-        """The first member of a family with a free joint at theta0's value, unless the family has one."""
+        """The first family member with a free joint at theta0's value, unless one exists."""
         free = [i for i in members[0].free if i not in self.motions.still]
         there = [theta for root in members if (theta := self.inside(root)) is not None]
         if any(self.at_start(theta, free) for theta in there):
@@ -237,7 +237,7 @@ class Gathering(Asked):
 
     def at_start(self, theta: Array, joints: Sequence[int]) -> int:
         """How many of the joints are at theta0's value."""
-        return int((np.abs(theta - self.stand)[list(joints)] <= KEPT).sum())
+        return int((np.abs(theta - self.stand)[list(joints)] <= SAME_VALUE).sum())
 
     def along(self, root: Root, known: list[Root]) -> list[Root]:
         """New roots from starts that differ from this one in the free joints."""
@@ -259,7 +259,7 @@ class Gathering(Asked):
         return float(shares.max(initial=0.0))
 
     def entry(self, members: list[Root], swept: bool) -> Entry:
-        """An answer, or a family by one member: most joints at theta0's value, then the nearest."""
+        """An answer, or one member of a family: most joints at theta0's value, then the nearest."""
         there = [theta for root in members if (theta := self.inside(root)) is not None]
         free = {i for root in members for i in root.free}
         own = [i for i in free if i not in self.motions.still]
@@ -301,7 +301,7 @@ class Gathering(Asked):
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """An answer theta (n,), its moving joints (n,), and the members of its family inside the limits."""
+    """An answer theta (n,), its moving joints (n,), and its family's members inside the limits."""
 
     theta: Array
     moving: NDArray[np.bool_]

@@ -15,7 +15,7 @@ from ..support.checks import Array
 TURN = 2.0 * math.pi
 
 WHOLE_TURN_TOL = 1e-9
-"""How far a multiplier may be from a whole number, and a pitch [m/rad] from 0, and still be the rounding of one."""
+"""Greatest rounding of a whole multiplier, and of a pitch of 0 [m/rad]."""
 
 
 Mask = NDArray[np.bool_]
@@ -26,7 +26,7 @@ class JointRanges:
     """Limits `lower`, `upper` (n,), and which joints are `periodic`.
 
     A periodic joint with a range of a whole turn `turns` freely during a search. Every angle then has a representative
-    inside the limits, so the search need not know them.
+    inside the limits, so the search can ignore them.
     """
 
     lower: Array
@@ -79,17 +79,17 @@ def standing(arm: Arm) -> tuple[int, ...]:
 
 
 def holding(arm: Arm, joints: tuple[int, ...], theta: Array) -> Arm:
-    """The arm with these joints held at their values in theta (n,), clipped to the limits."""
+    """The arm with these joints held at theta (n,), clipped to the limits."""
     there = np.clip(theta, arm.limits.lower, arm.limits.upper)
     values = {arm.joint_names[i]: float(there[i]) for i in joints}
     return replace(arm, limits=arm.limits.with_({"lower": values, "upper": values}, arm.joint_names)) if joints else arm
 
 
 def periodic(screws: Array, A: Array) -> Mask:
-    """Which columns of theta (n,) move nothing in 2π: e^{ξ̂ 2π a} = I for their screws ξ and multipliers a.
+    """Columns of theta (n,) for which 2π moves nothing: e^{ξ̂ 2π a} = I for their screws ξ and multipliers a.
 
-    That holds only for pure rotations (w ≠ 0, wᵀv = 0) of a whole number ‖w‖ a of turns. A slide goes on, a helical
-    joint advances, a follower at half speed makes half a turn.
+    That holds only for pure rotations (w ≠ 0, wᵀv = 0) with a whole number ‖w‖ a of turns. A slide moves on, a helical
+    joint advances. A follower at half speed makes half a turn.
     """
     v, w = screws[:3], screws[3:]
     rate = np.linalg.norm(w, axis=0)

@@ -15,19 +15,19 @@ from ..support.errors import InputError, listed, shown
 from .task_space import Tolerances
 
 LEAST_TOLERANCE = 1e-12
-"""Below this a tolerance asks for more digits than forward kinematics has."""
+"""Smaller tolerances need more digits than forward kinematics has."""
 
 MAX_RESTARTS = 1_000_000
 
 FARTHEST_START = 1e6
-"""Beyond this [rad, m] a start is a mistake in the units, and whole turns toward it cost the answer its digits."""
+"""A start beyond this [rad, m] is a mistake in the units. Whole turns toward it would cost the answer its digits."""
 
 POSTURES = ("theta0", "middle")
 
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """How to solve: start theta0 and preferred `posture`, (n,) or, for a batch, also (N, n)."""
+    """How to solve: start theta0 and preferred `posture`, both (n,), in a batch also (N, n)."""
 
     theta0: Array
     posture: Array | None
@@ -38,14 +38,14 @@ class Request:
 
     @property
     def for_core(self) -> tuple[Array, float, float, int, int, float | None, Array | None]:
-        """The request in the order of the compiled core's arguments, after the target's kind and numbers."""
+        """The request as the compiled core's arguments, after the target's kind and numbers."""
         seconds = None if math.isinf(self.max_time) else self.max_time
         met = self.tolerances
         return self.theta0, met.position, met.orientation, self.restarts, self.seed, seconds, self.posture
 
 
 def named(arm: Arm, given: Any, start: Any = None) -> Any:
-    """The configuration with a name: one of the arm's poses or, given the start, of POSTURES.
+    """The named configuration: one of the arm's or, given the start, of POSTURES.
 
     Anything else comes back unchanged, unknown names too.
     """

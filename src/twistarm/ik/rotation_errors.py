@@ -19,7 +19,7 @@ SMALL_ANGLE = 1e-4
 
 
 def chord(R: Array) -> Array:
-    """2 sin(φ/2) u (3,) of the rotation R by φ about u: the chordal error, without an arc tangent.
+    """2 sin(φ/2) u (3,) of the rotation R by φ about u: the chordal error, without arctangent.
 
     ‖R − I‖_F = √2 ‖chord‖. With (R − Rᵀ)^∨ = 2 sin φ u and 1 + tr R = 4 cos²(φ/2), the chord is their quotient (R −
     Rᵀ)^∨ / √(1 + tr R). As R turns with the body velocity ω, dφ/dt = u · ω. With J the rows of the body velocity, Jᵀ

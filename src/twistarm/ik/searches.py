@@ -21,7 +21,7 @@ USUAL = Tolerances(1e-6, 1e-6)
 
 
 class Searched(NamedTuple):
-    """The ends of searches (k, n), which meet their targets, which exactly (k,), and their number."""
+    """Ends of searches (k, n) that meet their targets, which exactly (k,), and their number."""
 
     theta: Array
     converged: NDArray[np.bool_]
@@ -45,7 +45,7 @@ def searched(
     max_time: float | None = None,
     progress: Progress | None = None,
 ) -> Searched:
-    """What `solve_ik` finds for each target (poses (k, 4, 4), or a sequence) from its start (k, n)."""
+    """The answers of `solve_ik` to each target (poses (k, 4, 4), or a sequence) from its start (k, n)."""
     if arm._compiled is not None:
         batch = solve_ik_batch(
             arm, targets, starts, **met.keywords, restarts=restarts, posture=posture, max_time=max_time,

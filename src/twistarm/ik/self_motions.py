@@ -21,31 +21,31 @@ SHORT, LONG = 10, 200
 """Steps toward an answer nearby, and along a whole curve."""
 
 NEIGHBOURS = 3
-"""Families whose nearest member is tried before an answer counts as a family of its own, for the time being."""
+"""Number of families whose nearest member is compared before an answer starts a new family."""
 
 MOST_PAIRS = 300
-"""Families to which a way is looked for, and of each so many members, evenly."""
+"""Most families to connect, and most members of each, evenly chosen."""
 
 REACHED = 1e-3
 """[rad, m]: nearer than this, two members are together."""
 
 NEARBY = 0.5
-"""[rad, m]: nearer than this, two members are together if the one halfway stands halfway, but for this share:"""
+"""Two members nearer than this [rad, m] are together if the midpoint corrects to about itself, up to this share:"""
 
 BENT = 0.1
 
 ACROSS = 0.1
-"""A way on which so small a share of what is left can be gone leads past."""
+"""A path leads past its goal if less than this share of the remaining distance is along it."""
 
-ENOUGH = 1e-10
-"""Errors [m, rad] that are small enough on the way."""
+ACCURACY = 1e-10
+"""Greatest errors [m, rad] on the way."""
 
 
 @dataclass(frozen=True, eq=False)
 class SelfMotions(Asked):
-    """The motions of the arm that keep the target met, with the joints `still` at rest.
+    """Motions of the arm that keep the target met, with the joints `still` at rest.
 
-    Singular values below the part `dependent` of the largest belong to directions without a first-order motion.
+    Singular values below the part `dependent` of the largest are directions without first-order motion.
     """
 
     still: tuple[int, ...]
@@ -93,11 +93,11 @@ class SelfMotions(Asked):
                 family[family == other] = first
 
     def together(self, a: Array, b: Array, steps: int = LONG) -> bool:
-        """Whether the self-motion leads from a to b (n,) in at most so many steps."""
+        """Whether the self-motion connects a and b (n,) in at most so many steps."""
         left = apart(self.arm, b, a)
         if np.abs(left).max(initial=0.0) < NEARBY:
             halfway = a + 0.5 * left
-            between = self.corrected(halfway, self.still, self.dependent, ENOUGH)
+            between = self.corrected(halfway, self.still, self.dependent, ACCURACY)
             if np.linalg.norm(between - halfway) <= BENT * np.linalg.norm(left) and self.met(between):
                 return True
         x, along = a, left
@@ -112,7 +112,7 @@ class SelfMotions(Asked):
             toward = float(along @ left) / max(size, 1e-300)
             if abs(toward) < ACROSS * far and (len(tangents) != 1 or far < STEP):
                 return False
-            on = self._on(x, along, toward if far < 2.0 * STEP and toward > 0.0 else STEP)
+            on = self._step_on(x, along, toward if far < 2.0 * STEP and toward > 0.0 else STEP)
             if on is None:
                 return False
             along, x = on - x, on
@@ -121,7 +121,7 @@ class SelfMotions(Asked):
     def passed(self, start: Array, goals: Sequence[Array]) -> set[int]:
         """The places of the goals, (n,) each, on the closed curve through the start (n,).
 
-        If the start may move in several ways: the places of the goals that a way leads to.
+        For a start with several ways to move: the indices of the goals that a way reaches.
         """
         if len(self._tangents(start)) != 1:
             return {i for i in self.deadline.until(range(len(goals))) if self.together(start, goals[i], LONG // 4)}
@@ -131,7 +131,7 @@ class SelfMotions(Asked):
             x, along = start, sense * self._tangents(start)[0]
             for count in self.deadline.until(range(LONG)):
                 tangents = self._tangents(x)
-                on = self._on(x, tangents.T @ (tangents @ along), STEP)
+                on = self._step_on(x, tangents.T @ (tangents @ along), STEP)
                 if on is None:
                     break
                 along, x = on - x, on
@@ -142,14 +142,14 @@ class SelfMotions(Asked):
                     return found
         return found
 
-    def _on(self, x: Array, along: Array, length: float) -> Array | None:
+    def _step_on(self, x: Array, along: Array, length: float) -> Array | None:
         """The member (n,) one step on in the direction `along`. None where the motion ends."""
         size = float(np.linalg.norm(along))
         if size < 1e-9:
             return None
         for share in (1.0, 0.25):
             step = share * min(length, STEP)
-            on = self.corrected(x + step / size * along, self.still, self.dependent, ENOUGH)
+            on = self.corrected(x + step / size * along, self.still, self.dependent, ACCURACY)
             if 0.5 * step <= np.linalg.norm(on - x) <= 1.5 * step and self.met(on):
                 return on
         return None

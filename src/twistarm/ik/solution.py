@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..collision import Contact
 
 NEGLIGIBLE_LENGTH = 1e-8
-"""[m]: less is not told."""
+"""Shorter lengths [m] are not mentioned."""
 
 
 def missed_by_rounding(position_error: float, orientation_error: float) -> str:
@@ -41,7 +41,7 @@ ANOTHER_BRANCH = "the target is near the pose of theta0, but the answer is not n
 NEAREST_ELSEWHERE = "the nearest configuration is not near theta0, where the arm stays farther from the target"
 
 MANY_JOINTS = 16
-"""Of arms of more joints the search for the nearest configuration finds one minimum of very many."""
+"""On arms with more joints, the nearest-configuration search finds one of very many minima."""
 
 PERHAPS_NEARER = "an arm of so many joints may come nearer: try another rng or theta0"
 
@@ -82,8 +82,8 @@ class IKResult:
     def theta(self) -> Array:
         """(n,) [rad, m], read-only: an answer if `converged`, else the nearest configuration.
 
-        The nearest has the least position error inside the limits, then the least rotation error with the position
-        held. For TIMED_OUT and EXHAUSTED it is the best so far.
+        The nearest has the least position error inside the limits. The least rotation error with that position comes
+        second. For TIMED_OUT and EXHAUSTED it is the best so far.
         """
         return self._answer.theta
 
@@ -119,14 +119,14 @@ class IKResult:
 
     @property
     def method(self) -> str:
-        """The method that found theta: a damped search, the search for the nearest, or the closed form."""
+        """The method that found theta: a damped search, the nearest-configuration search, or the closed form."""
         if self._answer.by_closed_form:
             return CLOSED_FORM
         return NEAREST if self._answer.nearest else DAMPED
 
     @property
     def certain(self) -> bool:
-        """Whether the closed form shows that nothing inside the limits meets the target within the tolerances."""
+        """Whether the closed form proves that nothing inside the limits meets the target within tolerance."""
         return bool(self._answer.certain)
 
     @property
@@ -136,12 +136,12 @@ class IKResult:
 
     @property
     def converged(self) -> bool:
-        """Whether the target is met to the tolerances, or to the rounding of the arm's axes (`rounded`), and free."""
+        """Whether theta is free and meets the target, to the tolerances or to the axes' rounding (`rounded`)."""
         return bool(self._answer.stop == 0) and not self._contacts
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
-        """The pairs that collide at theta, if the call had a scene and the answer collides."""
+        """The pairs that collide at theta, if the call had a scene."""
         return self._contacts
 
     @property

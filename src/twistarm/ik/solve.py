@@ -34,13 +34,13 @@ def solve_ik(
     """Inverse kinematics: joint coordinates inside the limits that bring the tool to `target`.
 
     The first search begins at `theta0`, brought inside the limits. The starts of the others depend only on the seed
-    `rng` and their number. So the same call gives the same bits, unless `max_time` cuts it short. Joints that may turn
-    for ever come back as near to theta0 as the limits allow. A configuration within 0.2 rad (0.2 m) of theta0 is the
-    answer, if a search finds one that meets the target. Otherwise, for a target within 2 cm and 3° of theta0's pose,
-    the answer is the nearest found, and `notes` says so.
+    `rng` and their number. So the same call gives the same bits, unless `max_time` cuts it short. Continuous joints
+    come back as near to theta0 as the limits allow. A configuration within 0.2 rad (0.2 m) of theta0 that meets the
+    target is the answer, if a search finds one. Otherwise, for a target within 2 cm and 3° of theta0's pose, the
+    nearest found is the answer. `notes` says so.
 
-    The searches look for a configuration within both tolerances, not for an exact one. An arm whose axes a CAD export
-    has rounded may also miss by up to `arm.rounding`. `rounded` and `notes` say so.
+    The searches look for a configuration within both tolerances, not for an exact one. An arm with axes rounded by a
+    CAD export may also miss by up to `arm.rounding`. `rounded` and `notes` say so.
 
     A redundant arm moves in the null space toward `posture`, to a minimum of ‖θ − posture‖².
 
@@ -48,12 +48,12 @@ def solve_ik(
     IN_COLLISION if every configuration found collides, and `contacts` are the pairs.
 
     A target that cannot be met is no error. The solution is then the nearest configuration: the least position error
-    inside the limits, then the least rotation error with the position held. `stop` and `explain()` say why.
+    inside the limits, then the least rotation error there. `stop` and `explain()` say why.
 
     Args:
         arm: The arm.
         target: `Pose`, `Position`, `Approach`, `TolerancedPose`, or a pose (4, 4).
-        theta0: Start (n,) [rad, m], {joint: value} or the name of a pose; by default `arm.ready`.
+        theta0: Start (n,) [rad, m], {joint: value} or a pose's name; by default `arm.ready`.
         position_tol: Greatest position error of an answer [m].
         orientation_tol: Greatest rotation error of an answer [rad].
         restarts: Greatest number of searches.
@@ -73,11 +73,11 @@ def solve_ik(
     chain = (arm if type(arm) is Arm else require_arm(arm))._compiled
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
     if chain is not None:
-        given = None if type(target) is np.ndarray else as_given(arm, target)
+        given = None if type(target) is np.ndarray else as_target(arm, target)
         kind, numbers = (Pose.kind, target) if given is None else (given.kind, given.numbers)
         start = arm.ready if theta0 is None else theta0 if type(theta0) is np.ndarray else named(arm, theta0)
-        rather = None if posture is None else named(arm, posture, start)
-        answer = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, rather)
+        preferred = None if posture is None else named(arm, posture, start)
+        answer = chain.solve(kind, numbers, start, position_tol, orientation_tol, restarts, rng, max_time, preferred)
         if answer is not None:
             if answer.stop == 0:
                 return IKResult(arm, answer, given)
@@ -112,7 +112,7 @@ def _avoiding(arm: Arm, scene: Scene, target: TargetLike, theta0: ArrayLike | No
     return collision_free(arm, scene, first, solve, max_time)
 
 
-def as_given(arm: Arm, target: Any) -> AnyTarget | None:
+def as_target(arm: Arm, target: Any) -> AnyTarget | None:
     """A target with its tool axis. None for a value that is not a target yet."""
     if not isinstance(target, KINDS):
         return None

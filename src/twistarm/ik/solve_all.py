@@ -22,7 +22,7 @@ from .deadline import Deadline
 from .gathering import Gathering
 from .ranges import standing
 from .request import checked
-from .solve import as_given
+from .solve import as_target
 from .targets import Approach, Pose, TargetLike, checked_target
 from .task_space import Tolerances
 
@@ -51,18 +51,18 @@ def solve_ik_all(
 
     Distance is the largest joint difference, in shares of the joint's range (else 2π or 1 m).
 
-    The closed form solves an arm's family: joints with axes that meet or are parallel, and at most three joints beside
-    them. Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their axes. Newton's method
+    The closed form solves an arm's family: joints with parallel or intersecting axes, and at most three others.
+    Elimination, an eigenvalue problem, solves five or six joints that turn, whatever their axes. Newton's method
     corrects each answer until forward kinematics meets the target to rounding. Answers that do not meet it are dropped.
     Where neither applies, searches from many starts are tried, and `complete` is False.
 
-    A `Pose` takes arms of up to six joints, an `Approach` of up to five, a `Position` of up to three. Arms with fewer
-    joints meet the targets that fit them. `explain()` says how far off another is. An arm with too many joints for the
-    target holds some: at the values in `fixed_joints`, else at `redundancy_samples` values. A joint that only rolls the
-    tool about an `Approach`'s axis keeps theta0's value.
+    A `Pose` takes up to six joints, an `Approach` up to five, a `Position` up to three. Arms with fewer joints meet the
+    targets that fit them. `explain()` says how far off another is. Of too many joints some are held: at the values in
+    `fixed_joints`, else at `redundancy_samples` values. A joint that only rolls the tool about an `Approach`'s axis
+    keeps theta0's value.
 
-    Two answers less than 0.01 rad or m apart are one if the target is also met halfway between them. The answers on one
-    connected self-motion are one answer, with a free joint at theta0's value if possible.
+    Two answers less than 0.01 rad or m apart are one if the target is also met halfway. Answers on one connected
+    self-motion are one, with a free joint at theta0's value if possible.
 
     Sources: MLS §3.3; Pieper 1968; Elias & Wen, IK-Geo, 2022; Raghavan & Roth 1993.
 
@@ -71,7 +71,7 @@ def solve_ik_all(
         target: `Pose`, `Position`, `Approach` or pose (4, 4); a `TolerancedPose` is only searched for.
         theta0: Configuration (n,) [rad, m] from which distances are counted, by default `arm.ready`.
         fixed_joints: {joint: value} [rad, m] of joints to hold there.
-        redundancy_samples: Number of values of each other joint that is held, in (0, 1000]; at most 4,096 combinations.
+        redundancy_samples: Number of values of each other held joint, in (0, 1000]; at most 4,096 combinations.
         include_turns: Whether configurations that differ by whole turns count as different, inside the limits.
         closed_form: Whether to raise NoClosedFormError rather than to search.
         position_tol: Greatest position error of an answer [m].
@@ -81,13 +81,13 @@ def solve_ik_all(
         progress: Called with the fraction of sampled values and searches that are done, or None.
 
     Returns:
-        The `AllSolutions`: theta (k, n), k ≥ 0, and whether these are all. When the time is up it holds what was
-        found, with `complete` False and `timed_out` True.
+        The `AllSolutions`: theta (k, n), k ≥ 0, and whether these are all. After a timeout it holds what was found,
+        with `complete` False and `timed_out` True.
 
     Raises:
         InputError: The target, theta0, a value of fixed_joints or a number cannot be used.
         UnknownNameError: `fixed_joints` names no joint of the arm.
-        NoClosedFormError: `closed_form` is set and the arm has none for such a target; the message says why.
+        NoClosedFormError: `closed_form` is set and the arm has none for such a target. The message says why.
     """
     if scene is not None:
         from ..collision import require_scene
@@ -179,7 +179,7 @@ def _at_once(
     arm: Arm, target: TargetLike, theta0: ArrayLike | None, position_tol: float, orientation_tol: float
 ) -> AllSolutions | None:
     """The core's answer, where it has the family and all arguments are plainly right."""
-    asked = None if type(target) is np.ndarray else as_given(arm, target)
+    asked = None if type(target) is np.ndarray else as_target(arm, target)
     like, numbers = (Pose, target) if asked is None else (type(asked), asked.numbers)
     method = known_method(arm, like, asked.axis.tobytes() if isinstance(asked, Approach) else None)
     if method is None or method.compiled is None or method.swept:

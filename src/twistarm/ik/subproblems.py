@@ -1,12 +1,12 @@
-"""Subproblems of inverse kinematics: one or two joints that move a point where it is wanted. MLS §3.3.2.
+"""Subproblems of inverse kinematics: one or two joints move a point to its place. MLS §3.3.2.
 
 Joints have unit twists xi (6,) = (v, w), linear part first, as the columns of `arm.screws`. w is a unit vector, or 0
-and v one for a joint that slides. Points are (3,) [m], values in rad or m. InputError names a screw, a twist that is
-not a unit twist, or an argument of another shape.
+and v one for a joint that slides. Points are (3,) [m], values in rad or m. InputError names an invalid screw or unit
+twist, or an argument of another shape.
 
-Each function returns `Roots`: every value there is, and how far the best of them misses. A problem without a solution
-returns the nearest values, so only `residual` tells. Where two solutions have come together, as for a stretched arm,
-one is returned.
+Each function returns `Roots`: all values, and how far the best of them misses. A problem without a solution returns the
+nearest values, so only `residual` tells. Where two solutions have come together, as for a stretched arm, one is
+returned.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from ..support.checks import Array, as_direction, as_number, as_twist, as_vector
 from ..support.errors import InputError
 from .closed_form.joint_axis import JointAxis, Point, along, axis_of, product
 from .closed_form.placing import place, settle
-from .closed_form.trigonometric import NEAREST, NOTHING, harmonic, quadratic
+from .closed_form.trigonometric import NEAREST, NEGLIGIBLE, harmonic, quadratic
 from .ranges import Mask
 
 UNIT = 1e-6
 """How far a twist's length may be from 1."""
 
 SAME = 1e-6
-"""Values nearer together than this [rad, m] are one if the miss halfway is greater by no more than `ROUNDING`."""
+"""Values nearer together than this [rad, m] are one if the halfway miss is no greater than theirs plus `ROUNDING`."""
 
 ROUNDING = 1e-14
 """[m]"""
 
 BEST = 1e-6
-"""What misses by so much more [m] than the best is no root beside it."""
+"""A value that misses by this much more [m] than the best is not a root."""
 
 
 @made_by("a subproblem")
@@ -58,8 +58,8 @@ class Roots:
 def subproblem_1(xi: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
     """The turn about one axis that takes p to q: e^{ξ̂θ} p = q, one value. Paden–Kahan subproblem 1, MLS §3.3.2.
 
-    θ = atan2(w · (p' × q'), p' · q'), p' and q' the parts of p − r and q − r across the axis (w, r). The residual is
-    the difference of p and q along the axis and in their distance from it. A joint that slides goes w · (q − p). For a
+    θ = atan2(w · (p' × q'), p' · q'). p' and q' are the parts of p − r and q − r across the axis (w, r). The residual
+    is the difference of p and q along the axis and in distance from it. A joint that slides goes w · (q − p). For a
     point on the axis every θ is a solution: `free`, and 0 is given.
 
     Args:
@@ -69,15 +69,15 @@ def subproblem_1(xi: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
     """
     axis, start, goal = _axis(xi, "xi"), _point(p, "p"), _point(q, "q")
     x, free = settle(axis, start, goal, 0.0)
-    return _roots((axis,), [x], lambda value: _apart(start.moved(axis.motion(value)), goal), free)
+    return _roots((axis,), [x], lambda value: _distance(start.moved(axis.motion(value)), goal), free)
 
 
 def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
     """The turns about two axes that take p to q: e^{ξ̂₁θ₁} e^{ξ̂₂θ₂} p = q. Paden–Kahan subproblem 2, MLS §3.3.2.
 
     Turning about the first axis changes neither w₁ · (x − r₁) nor ‖x − r₁‖. So θ₂ has to give the values of q: two
-    conditions, linear in cos θ₂ and sin θ₂. θ₁ is then subproblem 1. There are values (k, 2), k ≤ 2. Two axes that meet
-    have up to two solutions, and so have parallel axes (the two-link arm). Skew ones, which MLS leaves out, in general
+    conditions, linear in cos θ₂ and sin θ₂. θ₁ is then subproblem 1. There are values (k, 2), k ≤ 2. Intersecting axes
+    have up to two solutions, and so have parallel ones (the two-link arm). Skew ones, which MLS leaves out, in general
     have one or none. Either joint may slide.
 
     Args:
@@ -90,15 +90,14 @@ def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -
     placed = place(axes, start, goal, (0.0, 0.0), NEAREST)
     values = [each.x for each in placed] or [(0.0, 0.0)]
     free = any(each.free for each in placed)
-    return _roots(axes, values, lambda value: _apart(start.moved(product(axes, np.array(value))), goal), free)
+    return _roots(axes, values, lambda value: _distance(start.moved(product(axes, np.array(value))), goal), free)
 
 
 def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> Roots:
-    """The turn about one axis that takes p to a distance from q: ‖e^{ξ̂θ} p − q‖ = δ. Paden–Kahan 3, MLS §3.3.2.
+    """The turn about an axis that brings p to a distance from q: ‖e^{ξ̂θ} p − q‖ = δ. Paden–Kahan 3, MLS §3.3.2.
 
-    By the law of cosines θ = θ₀ ± acos((‖p'‖² + ‖q'‖² − δ'²) / (2 ‖p'‖ ‖q'‖)). θ₀ is the turn from p' to q', and δ'² is
-    the part of δ² across the axis. There are up to two values. A point on a sliding joint meets the sphere in up to two
-    places.
+    By the law of cosines θ = θ₀ ± acos((‖p'‖² + ‖q'‖² − δ'²) / (2 ‖p'‖ ‖q'‖)). θ₀ turns p' to q'. δ'² is the part of δ²
+    across the axis. There are up to two values. A point on a sliding joint meets the sphere in up to two places.
 
     Args:
         xi: Twist (6,) of a joint that turns or slides.
@@ -112,7 +111,7 @@ def subproblem_3(xi: ArrayLike, p: ArrayLike, q: ArrayLike, distance: float) -> 
         raise InputError(f"distance must not be negative, in metres; got {radius:g}")
 
     def off(value: float) -> float:
-        return abs(_apart(start.moved(axis.motion(value)), centre) - radius)
+        return abs(_distance(start.moved(axis.motion(value)), centre) - radius)
 
     constant, first, second = along(axis, lambda g: ((start.moved(g).p - centre.p) ** 2).sum())
     return _level(axis, (constant - radius**2, first, second), off)
@@ -122,7 +121,7 @@ def subproblem_4(xi: ArrayLike, p: ArrayLike, normal: ArrayLike, offset: float) 
     """The turn about one axis that takes p into a plane: n · e^{ξ̂θ} p = d. Subproblem 4 of IK-Geo.
 
     The circle of p meets the plane where a cos θ + b sin θ = c: θ = atan2(b, a) ± acos(c / √(a² + b²)), up to two
-    values. The line of a joint that slides meets it once, unless it is parallel to it.
+    values. The line of a sliding joint meets it once, unless they are parallel.
 
     Args:
         xi: Twist (6,) of a joint that turns or slides.
@@ -161,7 +160,7 @@ def _point(value: ArrayLike, name: str) -> Point:
     return Point(p)
 
 
-def _apart(a: Point, b: Point) -> float:
+def _distance(a: Point, b: Point) -> float:
     return float(np.linalg.norm(a.p - b.p))
 
 
@@ -172,7 +171,7 @@ def _level(axis: JointAxis, coefficients: tuple[Array, Array, Array], off: Calla
     found: list[float] | None
     if not axis.slides:
         found = harmonic(k[1], k[2], -k[0], scale, NEAREST)
-    elif max(abs(k[1]), abs(k[2])) <= NOTHING:
+    elif max(abs(k[1]), abs(k[2])) <= NEGLIGIBLE:
         found = None
     else:
         found = quadratic(k[2], k[1], k[0], NEAREST)

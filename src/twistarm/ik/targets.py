@@ -1,10 +1,10 @@
 """Targets of inverse kinematics: a pose, a position, an approach, a pose with tolerances.
 
-A solver sees the components that a target constrains. `_position_rows` and `_rotation_rows` take the tool's pose g
-(4, 4) and its body Jacobian J_b (6, n), unchecked. They give an error (k,) and rows (k, n). For the position
-d error = rows · dθ. For the rotation rowsᵀ error is the gradient of a function that grows with the angle. A free
-component has no row, so it makes no matrix singular. `_position_tolerance` and `_rotation_tolerance` say how far each
-row may be from 0 beside the solver's tolerance.
+A solver sees the components that a target constrains. `_position_rows` and `_rotation_rows` take the pose g (4, 4) and
+body Jacobian J_b (6, n), unchecked. They give an error (k,) and rows (k, n). For the position d error = rows · dθ. For
+the rotation, rowsᵀ error is the gradient of a function that grows with the angle. A free component has no row, so it
+makes no matrix singular. `_position_tolerance` and `_rotation_tolerance` say how far each row may be from 0 beside the
+solver's tolerance.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ from .task_space import Rows, excess, offset_rows
 NONE, TWO, THREE = (frozen(np.zeros(count)) for count in (0, 2, 3))
 
 UNIT_LENGTH_TOL = 0.01
-"""A quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
+"""Allowed rounding of a quaternion's length. A greater error means that it is something else."""
 
 FARTHEST = 1e6
-"""Beyond this [m] a target is a mistake in the units, and its square leaves the range where errors add up."""
+"""A target beyond this [m] is a mistake in the units. Its square would exceed the range in which errors add up."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -67,7 +67,7 @@ class Pose(Brief):
 
     @classmethod
     def from_rpy(cls, p: Row, rpy: Row) -> Pose:
-        """The pose at p, turned about the base's x, y and z axes, in this order.
+        """The pose at p, turned about the base's x, y and z axes in order.
 
         Args:
             p: Position (3,) [m].
@@ -226,7 +226,7 @@ class Approach(Brief):
         return offset_rows(self.p, g, J_b)
 
     def _rotation_rows(self, g: Array, J_b: Array) -> Rows:
-        """2 sin(φ/2) u across the axis, φ the angle and u the axis of the turn from the direction to the tool axis."""
+        """2 sin(φ/2) u across the axis: the turn by φ about u from the direction to the tool axis."""
         direction = g[:3, :3].T @ self.direction
         turn = _cross(direction, self.axis)
         length = math.sqrt(turn @ turn)
@@ -259,10 +259,10 @@ class Approach(Brief):
 class TolerancedPose(Brief):
     """The pose g within `tolerance`, six numbers (x, y, z [m], rx, ry, rz [rad]).
 
-    The error is (p − p_g, log(R R_gᵀ)) in base axes, turned into the target's axes for frame="target". A tolerance of 0
-    is met to the solver's tolerance; inf, or ≥ π for a rotation, leaves the component free. Position and orientation
-    error are the norms of the excess over the tolerances. InputError for a negative tolerance, an unknown frame, or six
-    free components.
+    The error is (p − p_g, log(R R_gᵀ)) in base axes. frame="target" turns it into the target's axes. A tolerance of 0
+    means the solver's tolerance. inf, or ≥ π for a rotation, leaves the component free. Position and orientation error
+    are the norms of the excess over the tolerances. InputError for a negative tolerance, an unknown frame, or six free
+    components.
     """
 
     g: Array
@@ -349,7 +349,7 @@ Target = AnyTarget
 TargetLike = AnyTarget | Matrix
 """What a caller may ask for: a target, or a bare pose (4, 4)."""
 
-MEANT = {
+SHAPE_HINTS = {
     (3,): "; did you mean Position([x, y, z])?",
     (6,): "; did you mean Pose.from_rpy([x, y, z], [roll, pitch, yaw])?",
     (7,): "; did you mean Pose.from_quaternion([x, y, z], xyzw=[...])?",
@@ -357,8 +357,7 @@ MEANT = {
 """By how many numbers there are."""
 
 KINDS = (Pose, Position, Approach, TolerancedPose)
-"""By their `kind`. `numbers` are how the core is told a target: g | p | p, direction, tool axis | g, tolerance,
-1 for base axes."""
+"""Kinds of targets, by `kind`. The core receives `numbers`: g; p; p, direction, tool axis; g, tolerance, 1 for base."""
 
 
 def target_for(arm: Arm, value: Any) -> AnyTarget:
@@ -382,14 +381,14 @@ def as_target(value: Any) -> AnyTarget:
     except InputError as error:
         raise InputError(
             f"target must be a Pose, Position, Approach or TolerancedPose, or a pose (4, 4) in SE(3): "
-            f"{error}{meant_by(value)}"
+            f"{error}{shape_hint(value)}"
         ) from error
 
 
-def meant_by(value: Any) -> str:
+def shape_hint(value: Any) -> str:
     """`; did you mean Position([x, y, z])?`: a guess for numbers of another shape, or ""."""
     try:
-        return MEANT.get(as_reals(value, "target").shape[-1:], "")
+        return SHAPE_HINTS.get(as_reals(value, "target").shape[-1:], "")
     except InputError:
         return ""
 

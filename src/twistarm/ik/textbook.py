@@ -1,7 +1,7 @@
 """Inverse kinematics by the textbook: damped least squares inside the limits, start after start.
 
-It answers without a compiled core, with a configuration that meets the target or the best found. Only the core finds
-the nearest configuration and the reason, and is fast: docs/inverse_kinematics.md.
+It works without a compiled core. It returns a configuration that meets the target, or the best found. Only the core is
+fast and finds the nearest configuration and the reason: docs/inverse_kinematics.md.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ from .targets import AnyTarget, TolerancedPose
 from .task_space import Rows, Tolerances, excess_rows
 
 ROTATION_WEIGHT = 0.2
-"""What a squared radian counts beside a squared metre in the error E, which vanishes at an answer."""
+"""Weight of a squared radian relative to a squared metre in the error E, which is 0 at an answer."""
 
 DAMPING, LEAST_DAMPING = 0.03, 1e-9
 """λ = DAMPING · E + LEAST_DAMPING: strong far from the target, vanishing with the error (Chan & Lawrence)."""
 
 LOOSE, ALLOWED = 1e-5, 0.999
-"""A search takes errors below this share of a tolerance [m, rad] that is wider for none, so that it is used."""
+"""A tolerance wider than LOOSE [m, rad] is loose. An error below ALLOWED times a loose tolerance counts as 0."""
 
 PAST_ROUNDED = 24
-"""After a search has met its target but for the rounding of the axes, so many more may still meet it."""
+"""Searches after one has met its target up to the rounding of the axes. They may still meet it."""
 
 ITERATIONS = 30
 PROGRESS, STALLS = 0.8, 4
-"""An iteration that leaves E above PROGRESS times the best so far is a stall; so many of them end a search."""
+"""An iteration that leaves E above PROGRESS times the best is a stall. A search ends after STALLS of them."""
 
 NEAR_POSITION, NEAR_ORIENTATION = 0.02, math.radians(3.0)
 """Up to here [m, rad] a target is near the pose of theta0, ..."""
 
 OTHER_BRANCH = 0.2
-"""... and an answer that moves a coordinate by more than this [rad, m] for it stands on another branch."""
+"""... and an answer that moves a coordinate by more than this [rad, m] is on another branch."""
 
 MOST_POSTURE_STEPS, SHARES, SETTLED_STEP = 100, 0.5 ** np.arange(10), 1e-7
-"""Steps toward a posture, how much of each is tried in turn, and which [rad, m] is too short to be taken."""
+"""Most steps toward a posture, the shares of a step to try, and the least length of a step [rad, m]."""
 
 RANK_TOL = 1e-6
 """Singular values of J below this, relative to the largest, are directions in which nothing moves."""
@@ -132,7 +132,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
 
 
 def toward_posture(problem: Problem, found: Search, posture: Array, deadline: Deadline) -> Search:
-    """The answer moved toward the posture in the null space of the target's rows, inside the limits.
+    """The answer, moved toward the posture in the null space of the target's rows, inside the limits.
 
     Each step is (I − J⁺J)(posture − θ), brought back onto the target by a search. A step that leads no nearer is
     halved. Source: B. Siciliano et al., Robotics: Modelling, Planning and Control, 2009, §3.5.1.
@@ -196,7 +196,7 @@ def _rank(problem: Problem, end: Search) -> tuple[bool, bool, float, float]:
 
 
 def _leaves_branch(problem: Problem, start: Array, theta: Array) -> bool:
-    """Whether the target is near the pose of `start` (n,), and theta is not near `start`."""
+    """Whether the target is near the pose of `start` (n,), but theta is not near `start`."""
     g = problem.arm.fk(start)
     near = Tolerances(NEAR_POSITION, NEAR_ORIENTATION)
     met = near.met(problem.target.position_error(g), problem.target.orientation_error(g))

@@ -16,38 +16,38 @@ from .joint_limits import JointLimits
 from .motion_limits import MotionLimits
 
 UNITS = {"rad": 1.0, "deg": 180.0 / np.pi, "turn": 0.5 / np.pi, "tick": np.nan, "m": 1.0, "mm": 1000.0}
-"""What a motor's drive may count in, and how many of them are one rad (or one m); for ticks see `ticks_per_turn`."""
+"""Units of a drive's counts, and how many make one rad (or m). For ticks see `ticks_per_turn`."""
 
 LINEAR_UNITS = ("m", "mm")
 """Units of a drive that pushes instead of turning."""
 
 RANK_TOL = 1e-9
-"""Relative to the equilibrated G: gear ratios are typed to a few digits, their differences are not smaller."""
+"""Relative to the equilibrated G. Gear ratios have a few digits, so their differences are not smaller."""
 
 NOT_GIVEN = JointLimits.unbounded(0)
-"""Limits of no motor, which stand for unbounded ones of as many as there are."""
+"""Limits of no motor: replaced by unbounded ones for all motors."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Actuators:
-    """k motors that drive n joint coordinates: motor = G theta + o, in rad, or m for slides.
+    """k motors that drive n joints: motor = G theta + o, in rad, or m for slides.
 
-    `G` (k, n) holds motor rad per joint rad (rad per m for a slide), `offset` (k,) the motors at theta = 0. A motor on
-    one joint has one entry in its row. Each motor of a differential wrist has two. `units` are those of each drive's
-    counts (`UNITS`), `ticks_per_turn` (k,) their resolution or NaN. `limits` are those of the k motors, on the motors'
-    side of the gears.
+    `G` (k, n) holds motor rad per joint rad (rad per m for a slide). `offset` (k,) holds the motors at theta = 0. A
+    motor on one joint has one entry in its row. Each motor of a differential wrist has two. `units` are those of each
+    drive's counts (`UNITS`), `ticks_per_turn` (k,) their resolution or NaN. `limits` are those of the k motors, on the
+    motors' side of the gears.
 
     - Positions [rad, m]: `to_motor` is G theta + o, `to_theta` is P (motor − o).
-    - Velocities and accelerations [per s, s²]: `velocity_to_motor` is G theta_dot, `velocity_to_theta` is P motor_dot.
+    - Velocities and accelerations [per s, s²]: `velocity_to_motor` is G theta_dot. `velocity_to_theta` is P motor_dot.
     - Torques [N m, N]: `torque_to_motor` is Pᵀ tau, `torque_to_theta` is Gᵀ tau_motor.
 
     Torques follow from the power, tau_motor · motor_dot = tau · theta_dot, in gears without friction. P = G⁻¹ for as
     many motors as joints. With more motors P is the pseudo-inverse. Positions and velocities are then least squares
-    over all motors [rad, m], torques the least ‖tau_motor‖. Where a joint is `undriven`, methods that need P raise
+    over all motors [rad, m]. Torques have the least ‖tau_motor‖. Where a joint is `undriven`, methods that need P raise
     InputError. All take leading axes: (..., n), (..., k).
 
-    Raises InputError for shapes that do not fit, numbers that are not finite, an unknown unit or bad ticks. It does so
-    too for position limits that leave a joint no place.
+    Raises InputError for wrong shapes, numbers that are not finite, an unknown unit or bad ticks. It does so too for
+    position limits that leave a joint no place.
     """
 
     names: tuple[str, ...]
@@ -92,7 +92,7 @@ class Actuators:
 
     @cached_property
     def undriven(self) -> tuple[str, ...]:
-        """Joints with a share in the null space of G, which the motors do not determine."""
+        """Joints in the null space of G, which the motors do not determine."""
         scaled = self.G * _factors(self.G, axis=1)
         scaled = scaled * _factors(scaled, axis=0)
         _, values, Vt = np.linalg.svd(scaled)
@@ -122,17 +122,17 @@ class Actuators:
         return theta
 
     def velocity_to_motor(self, theta_dot: ArrayLike) -> Array:
-        """Return motor_dot = G theta_dot, (..., n) to (..., k) [rad/s or m/s]; accelerations alike."""
+        """motor_dot = G theta_dot, (..., n) to (..., k) [rad/s or m/s]. Accelerations work alike."""
         motor_dot: Array = self._joints(theta_dot, "theta_dot") @ self.G.T
         return motor_dot
 
     def velocity_to_theta(self, motor_dot: ArrayLike) -> Array:
-        """Return theta_dot (..., n) with G theta_dot = motor_dot (..., k) [rad/s or m/s], as `to_theta` does."""
+        """theta_dot (..., n) with G theta_dot = motor_dot (..., k) [rad/s or m/s], like `to_theta`."""
         theta_dot: Array = self._motors(motor_dot, "motor_dot") @ self.P.T
         return theta_dot
 
     def torque_to_motor(self, tau: ArrayLike) -> Array:
-        """Return tau_motor (..., k) with Gᵀ tau_motor = tau (..., n) [N m or N], of least ‖tau_motor‖.
+        """tau_motor (..., k) with Gᵀ tau_motor = tau (..., n) [N m or N] and the least ‖tau_motor‖.
 
         Raises InputError with the joints that the motors do not determine.
         """
@@ -140,7 +140,7 @@ class Actuators:
         return tau_motor
 
     def torque_to_theta(self, tau_motor: ArrayLike) -> Array:
-        """Return tau = Gᵀ tau_motor: the joint torques (..., n) [N m or N] of motor torques (..., k)."""
+        """Joint torques tau = Gᵀ tau_motor (..., n) [N m or N] of motor torques (..., k)."""
         tau: Array = self._motors(tau_motor, "tau_motor") @ self.G
         return tau
 
@@ -172,7 +172,7 @@ class Actuators:
 
     @cached_property
     def joint_limits(self) -> JointLimits:
-        """The limits of each joint while the others stand still; ∓inf where the motors set none.
+        """Limits of each joint while the others stand still; ∓inf without limits of the motors.
 
         velocity_j = min_i velocity_i / |G_ij|, acceleration alike. effort_j = min_i effort_i / |P_ij| holds a torque at
         joint j and none elsewhere. Positions come only from motors that drive joint j alone. Other bounds would depend

@@ -18,12 +18,12 @@ FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 RATES = FIELDS[2:]
 
 AS_GOOD_AS_UNBOUNDED = 1e4
-"""No joint turns or slides that far [rad, m]; files write such numbers where they mean no limit."""
+"""Greatest position [rad, m]. Files write larger numbers for "no limit"."""
 
 
 @dataclass(frozen=True, repr=False)
 class JointLimits:
-    """Limits of n degrees of freedom, (n,) arrays in rad or m, their rates, and N m or N for effort.
+    """Limits of n degrees of freedom: arrays (n,) in rad or m, their rates, N m or N.
 
     `lower`, `upper` are ∓inf where not given. `velocity`, `acceleration`, `jerk`, `effort` are inf where not given. A
     zero in them reads as inf, because descriptions write it for "not given".
@@ -68,7 +68,7 @@ class JointLimits:
         return cls(-inf, inf, inf, inf, inf, inf)
 
     def contains(self, theta: ArrayLike, tol: float = 0.0) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Tell whether theta (..., n) lies inside the position limits, or within `tol` [rad, m] of them.
+        """Tell whether theta (..., n) is inside the position limits, or beyond by at most `tol` [rad, m].
 
         Args:
             theta: Configurations (..., n) [rad, m].

@@ -14,14 +14,14 @@ from ..support.errors import InputError
 from .joint_limits import JointLimits
 
 STILL = 1e-12
-"""A slower row [rad/s, m/s] stands still and meets no limit: where others keep it at rest, rounding is no motion."""
+"""A slower row [rad/s, m/s] is at rest and meets no limit. Its motion is rounding."""
 
 ROUNDED = 1.0 + 1e-9
-"""What a product of two roundings may be beyond its bound."""
+"""Excess of a product of two rounded numbers over its bound."""
 
 
 class Allowed(NamedTuple):
-    """The velocities theta_dot (n,) to command, and the row `by` and its `limit` that hold them back.
+    """The velocities theta_dot (n,) to command, and the row `by` with the `limit` that restricts them.
 
     `limit` is "position", "velocity" or "acceleration". Both are None where nothing holds the command back.
     """
@@ -33,12 +33,12 @@ class Allowed(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionLimits(Brief):
-    """Limits of x = C theta + c, a row for each motor or joint: C (r, n), c (r,) [rad or m].
+    """Limits of x = C theta + c, one row per motor or joint: C (r, n), c (r,) [rad or m].
 
-    A motion is safe while the arm could stop straight on, all joints slowing in proportion. That takes the time T = max
-    |ẋ| / acceleration. No row may meet its position limit, at its present speed, within dt + T/2. Slowing by dt/T in
-    the next step keeps this true for any dt, with every row below its acceleration. So there is always a way out.
-    (Braking each row separately would be shorter, but coupled rows cannot move that way.)
+    A motion is safe if the arm can stop straight on, all joints slowing in proportion. That takes the time T = max |ẋ|
+    / acceleration. No row may meet its position limit, at its present speed, within dt + T/2. Slowing by dt/T in the
+    next step keeps this true for any dt. Every row stays below its acceleration. So there is always a way out. (Braking
+    each row separately would be shorter, but coupled rows cannot move that way.)
 
     For inner loops: only construction checks anything.
     """
@@ -69,11 +69,11 @@ class MotionLimits(Brief):
         return 1.0 / max(1.0, float((np.abs(self.C @ theta_dot) * self._per_limit[0]).max()))
 
     def within(self, theta: Array, theta_dot: Array, previous_theta_dot: Array, dt: float) -> Allowed:
-        """Return what to command for the next dt [s] instead of theta_dot (n,), after previous_theta_dot (n,).
+        """The command for the next dt [s] instead of theta_dot (n,), after previous_theta_dot (n,).
 
         First theta_dot is slowed as a whole to the velocity and position limits. If the accelerations allow less, it
-        takes another speed of that motion, else as much of the change as possible. If the arm would then not be safe,
-        it mixes in as much of the straight stop as needed.
+        takes another speed of that motion. Failing that, it takes a part of the change. If the arm would then be
+        unsafe, it mixes in the least sufficient part of the straight stop.
         """
         x = self.C @ theta + self.c
         scale, by, limit = self._slowed(x, self.C @ theta_dot, dt)
@@ -87,25 +87,25 @@ class MotionLimits(Brief):
             by, limit = (by, limit) if limit else (int(hurry.argmax()), "acceleration")
             ahead = self.C @ target
             if not self._safe(x, ahead, dt, self._stopping_time(ahead)):
-                target, by, limit = self._partly_stopped(x, previous_theta_dot, target, dt)
+                target, by, limit = self._braked_part(x, previous_theta_dot, target, dt)
         return Allowed(target, self.names[by], limit) if limit else Allowed(target)
 
     def _slowed(self, x: Array, ahead: Array, dt: float) -> tuple[float, int, str | None]:
-        """Return the scale s of `ahead` (r,) that velocities and positions allow, and the limiting row.
+        """The scale s of `ahead` (r,) within velocities and positions, and the limiting row.
 
-        By position: s dt + s² T/2 ≤ t, the time to the first limit at full speed.
+        By position: s dt + s² T/2 ≤ t, where t is the time to the first limit.
         """
         used = np.abs(ahead) * self._per_limit
         most, stopping = used.max(axis=1).tolist()
         scale, row, limit = (1.0 / most, int(used[0].argmax()), "velocity") if most > 1.0 else (1.0, -1, None)
         if not self._safe(x, scale * ahead, dt, scale * stopping):
-            time, met = self._until_met(x, ahead)
+            time, met = self._time_to_limit(x, ahead)
             if scale * (dt + 0.5 * scale * stopping) > time:
                 return 2.0 * time / (dt + sqrt(dt * dt + 2.0 * stopping * time)), met, "position"
         return scale, row, limit
 
     def _speed_in_reach(self, ahead: Array, now: Array, dt: float) -> float | None:
-        """Return the s nearest to 1 for which s · ahead (r,) may follow `now` (r,), or None."""
+        """The s nearest to 1 for which s · ahead (r,) may follow `now` (r,), or None."""
         room = self.limits.acceleration * dt
         moving = np.abs(ahead) > STILL
         if (np.abs(now) > room)[~moving].any():
@@ -120,8 +120,8 @@ class MotionLimits(Brief):
         # Rows that stand still beside the others may not be carried beyond their accelerations by a large speed.
         return speed if (np.abs(speed * ahead - now) <= room * ROUNDED).all() else None
 
-    def _partly_stopped(self, x: Array, previous: Array, target: Array, dt: float) -> tuple[Array, int, str]:
-        """Return as much of `target` (n,) as is safe, mixed with the straight stop, and the limiting row.
+    def _braked_part(self, x: Array, previous: Array, target: Array, dt: float) -> tuple[Array, int, str]:
+        """The largest safe part of `target` (n,), mixed with the straight stop, and the limiting row.
 
         Between two courses no stop takes longer than the longer of theirs. Where the straight stop would be unsafe at
         that length, nothing is mixed in.
@@ -131,9 +131,9 @@ class MotionLimits(Brief):
         slow, ahead = self.C @ stop, self.C @ target
         longer = max(self._stopping_time(slow), self._stopping_time(ahead))
         if not self._safe(x, slow, dt, longer):
-            return stop, self._until_met(x, slow)[1], "position"
+            return stop, self._time_to_limit(x, slow)[1], "position"
         time = dt + 0.5 * longer
-        share, row = self._until_met(x + time * slow, time * (ahead - slow))
+        share, row = self._time_to_limit(x + time * slow, time * (ahead - slow))
         return stop + min(1.0, share) * (target - stop), row, "position"
 
     def _safe(self, x: Array, x_dot: Array, dt: float, stopping: float) -> bool:
@@ -142,8 +142,8 @@ class MotionLimits(Brief):
         upper, lower = np.maximum(self.limits.upper, x), np.minimum(self.limits.lower, x)
         return bool((then <= upper).all() and (then >= lower).all())
 
-    def _until_met(self, x: Array, x_dot: Array) -> tuple[float, int]:
-        """Return the time [s] until the first row meets a position limit at x_dot, and that row."""
+    def _time_to_limit(self, x: Array, x_dot: Array) -> tuple[float, int]:
+        """Time [s] until the first row meets a position limit at x_dot, and that row."""
         room = np.maximum(np.where(x_dot > 0.0, self.limits.upper - x, x - self.limits.lower), 0.0)
         speed = np.abs(x_dot)
         time = np.where(speed > STILL, room / np.maximum(speed, STILL), np.inf)

@@ -1,4 +1,4 @@
-"""Motions in time: planned inside the limits, evaluated at any instant, written to files and read back."""
+"""Motions in time: planning inside the limits, evaluation at any instant, files."""
 
 from .active_limits import ActiveLimit, active_limits
 from .cartesian.refusal import PathError

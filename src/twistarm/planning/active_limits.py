@@ -21,11 +21,11 @@ from .trajectory import Trajectory
 
 Rate = Literal["velocity", "acceleration", "jerk", "linear speed", "angular speed"]
 
-LOOKS = 2000
-"""Instants of a motion that are looked at, about; at least three in each of its pieces."""
+SAMPLES = 2000
+"""About how many instants of a motion are sampled; at least three in each of its pieces."""
 
-ALIKE = 1e-3
-"""A share that is less by no more than this part is as great: where joints move in proportion, one of them is named."""
+EQUAL_SHARE = 1e-3
+"""Shares that differ by no more than this are equal. So one of several proportional joints is named."""
 
 SLIVER = 5e-3
 """A stretch shorter than this part of the motion belongs to the one before it."""
@@ -35,8 +35,8 @@ SLIVER = 5e-3
 class ActiveLimit:
     """The limit that a motion uses most from `begin` to `end` [s].
 
-    `rate` is "velocity", "acceleration" or "jerk" of `owner` "joint" or "motor", by `name`. For owner "tool" it is
-    "linear speed" or "angular speed". `share` is the greatest part of the limit in use there; 1 is all of it.
+    `owner` is "joint", "motor" or "tool", `name` its name. `rate` is "velocity", "acceleration" or "jerk", and for the
+    tool "linear speed" or "angular speed". `share` is the greatest part of the limit in use there; 1 is all of it.
     """
 
     begin: float
@@ -68,13 +68,13 @@ def active_limits(
         arm: The arm, whose motors' limits count too.
         motion: The motion of its joints.
         limits: As given to `plan` or `plan_joint`; usual ones replace missing ones here too.
-        segments: Those given to `plan`: their shares of joint velocities and speeds of the tool count.
+        segments: Those given to `plan`. Their shares of joint velocities and speeds of the tool count.
 
     Returns:
-        The stretches in the order of time, with gaps where the arm stands; () for a motion of duration 0.
+        The stretches in order of time. Gaps are where the arm stands; () for a motion of duration 0.
 
     Raises:
-        InputError: The motion is not of this arm's joints, or does not belong to the segments.
+        InputError: The motion is of other joints, or does not belong to the segments.
     """
     require_arm(arm)
     if not isinstance(motion, Trajectory) or motion.joint_names != arm.joint_names:
@@ -99,16 +99,16 @@ def _instants(motion: Trajectory) -> tuple[Array, Array]:
     if not motion.duration:
         return np.empty(0), np.empty(0)
     steps = np.diff(motion.breakpoints)
-    looks = np.maximum(3, np.ceil(LOOKS * steps / motion.duration)).astype(np.intp)
+    looks = np.maximum(3, np.ceil(SAMPLES * steps / motion.duration)).astype(np.intp)
     piece, nth = spread(looks)
     t: Array = motion.breakpoints[piece] + steps[piece] * (nth + 0.5) / looks[piece]
     return t, np.where(np.diff(piece) > 0, motion.breakpoints[piece[1:]], 0.5 * (t[1:] + t[:-1]))
 
 
 def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Segment], t: Array) -> Array:
-    """Return (m, 3 r + 2): velocity, acceleration and jerk of joints and motors, then the tool's two speeds.
+    """Velocity, acceleration and jerk of joints and motors, then both speeds of the tool: (m, 3 r + 2).
 
-    Each is a share of its limit, 0 where there is none.
+    Each is a share of its limit, 0 without a limit.
     """
     limits = (bounds.velocity, bounds.acceleration, bounds.given_jerk)
     rates = [np.abs(motion(t, order) @ bounds.C.T) / limit for order, limit in enumerate(limits, 1)]
@@ -148,7 +148,7 @@ def _stretches(
     for share, leader, greatest in zip(shares, shares.argmax(axis=1).tolist(), shares.max(axis=1), strict=True):
         if greatest == 0.0:
             row = -1
-        elif row < 0 or share[row] < (1.0 - ALIKE) * greatest:
+        elif row < 0 or share[row] < (1.0 - EQUAL_SHARE) * greatest:
             row = leader
         rows.append(row)
     changes = np.flatnonzero(np.diff(rows)) + 1

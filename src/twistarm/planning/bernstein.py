@@ -1,7 +1,7 @@
 """Bernstein coefficients of piecewise polynomials, which bound them between their ends without samples.
 
-p(σ) = Σ b_k C(d, k) σ^k (1 − σ)^(d−k) on σ in [0, 1] lies between the least and the largest b_k. Its values at the ends
-are b_0 and b_d. Source: Farin, Curves and Surfaces for CAGD, chapters 4 and 5.
+p(σ) = Σ b_k C(d, k) σ^k (1 − σ)^(d−k) on σ in [0, 1] lies between the least and the largest b_k. It starts at b_0 and
+ends at b_d. Source: Farin, Curves and Surfaces for CAGD, chapters 4 and 5.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from ..support.checks import Array, frozen
 from .piecewise import rescaled
 
-ENOUGH = 1e-10
+PRECISION = 1e-10
 """How near, relatively, a bound comes to the largest magnitude that it bounds."""
 
 
@@ -33,9 +33,9 @@ def largest(coefficients: Array, durations: Array) -> float:
     taken = 0.0
     while True:
         taken = max(taken, float(np.abs(b[:, [0, -1]]).max()))
-        above = np.abs(b).max(-1) > taken * (1.0 + ENOUGH)
+        above = np.abs(b).max(-1) > taken * (1.0 + PRECISION)
         if not above.any():
-            return taken * (1.0 + ENOUGH)
+            return taken * (1.0 + PRECISION)
         b = (b[above] @ _halving(b.shape[1] - 1)).reshape(-1, b.shape[1])
 
 

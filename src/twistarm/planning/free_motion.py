@@ -1,4 +1,4 @@
-"""Motions in a scene: free moves go round obstacles, and the whole motion is proven free."""
+"""Motions in a scene: free moves avoid obstacles, and the whole motion is proven free."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .trajectory import Trajectory
 from .unwrapping import unwrapped
 
 ROUNDED, LARGEST = 0.45, 0.1
-"""Radius of a rounded corner: as a part of the way to the nearer neighbour, and at most in reaches of the arm."""
+"""Radius of a rounded corner: greatest share of the way to the nearer neighbour, and of the arm's reach."""
 
 Planner = Callable[[Sequence[Segment], Sequence[int]], Trajectory]
 """Plans segments from the start of the motion. The numbers tell which segments of the caller they belong to."""
@@ -67,7 +67,7 @@ def _through(
 def _ways(
     scene: Scene, arm: Arm, segments: list[Segment], origin: Array, goals: Goals, max_time: float, plan: Planner
 ) -> list[Array]:
-    """For each segment the waypoints (k, n) of its way round, start and goal included; (0, n) if it is no free move."""
+    """Per segment the waypoints (k, n) of its free path with both ends; (0, n) for other moves."""
     ways: list[Array] = []
     at, known = origin, 0
     for i, segment in enumerate(segments):
@@ -102,7 +102,7 @@ def _goal(scene: Scene, segment: FreeMove, at: Array, goals: Goals, where: str) 
 def _expanded(
     arm: Arm, segments: Sequence[Segment], ways: Sequence[Array], rounded: bool
 ) -> tuple[list[Segment], list[int]]:
-    """The segments with joint moves for free moves, and for each the index of the segment that it belongs to."""
+    """The segments with joint moves in place of free moves, and each one's original segment."""
     expanded: list[Segment] = []
     numbers: list[int] = []
     for i, (segment, way) in enumerate(zip(segments, ways, strict=True)):

@@ -19,7 +19,7 @@ CLEARANCE = 0.004
 """How far [m] states keep from everything, so that the ways between them do too; less where start or goal is nearer."""
 
 STEPS = (0.1, 0.05, 0.02, 0.01, 0.005)
-"""How far [rad, m] the checked states of a way are apart, in one attempt after the other."""
+"""Distance [rad, m] of the checked states of a path, for one attempt after the other."""
 
 UNLIMITED = 2.0 * np.pi
 """How far joints without limits may go beyond start and goal."""
@@ -32,10 +32,10 @@ SHORTCUTS = 50
 
 
 def free_path(scene: Scene, start: Array, goal: Array, limits: JointLimits, max_time: float, seed: int = 0) -> Array:
-    """Waypoints (k, n) of a path from start to goal (n,), straight in joint space between them, that is free.
+    """Waypoints (k, n) of a collision-free path from start to goal (n,), straight between them.
 
-    A straight way is taken if it is free. Otherwise RRT-Connect (Kuffner & LaValle, ICRA 2000) plans on states with a
-    clearance, and OMPL's simplifier shortens the path. `Scene.is_free` then proves it. If that fails, the search is
+    A free straight path is taken. Otherwise RRT-Connect (Kuffner & LaValle, ICRA 2000) plans on states with a
+    clearance. OMPL's simplifier shortens the path. `Scene.is_free` then proves it. If that fails, the search is
     repeated with smaller steps.
 
     Raises:
@@ -76,7 +76,7 @@ class _Search:
         self._free = scene.checks(clearance)
 
     def path(self, step: float, ends: float) -> Array | None:
-        """A shortened path (k, n) whose states are free every `step` [rad, m]; None if the time is up."""
+        """A shortened path (k, n) with free states every `step` [rad, m]; None after the time limit."""
         base, geometric = self._ompl
         space, bounds = base.RealVectorStateSpace(self._n), base.RealVectorBounds(self._n)
         for i in range(self._n):

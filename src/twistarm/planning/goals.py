@@ -11,7 +11,7 @@ import numpy as np
 from ..arm.arm import Arm
 from ..ik.explain import in_one_line
 from ..ik.solve import solve_ik
-from ..ik.targets import KINDS, AnyTarget, Approach, Pose, Position, meant_by, target_for
+from ..ik.targets import KINDS, AnyTarget, Approach, Pose, Position, shape_hint, target_for
 from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
@@ -56,7 +56,7 @@ class Goals:
         try:
             end = self.arm.theta_from(goal, name="its goal")
         except (InputError, UnknownNameError) as error:
-            raise type(error)(f"{where}: {error}{meant_by(goal)}") from error
+            raise type(error)(f"{where}: {error}{shape_hint(goal)}") from error
         if end.ndim != 1:
             raise InputError(f"{where}: a goal must be one configuration ({self.arm.n},); got {end.shape}")
         require_waypoints(end[None], self.limits, self.arm.joint_names, self.arm.units, where)
@@ -76,7 +76,7 @@ class Goals:
         return [each for each in found if not each.is_still]
 
     def _goal_pose(self, move: Curved, g0: Array, start: Array, where: str) -> tuple[list[AnyTarget], Array]:
-        """Return what the goal constrains, and an end pose with the least turn of what stays free."""
+        """Return the goal's target, and an end pose with the least turn of its free parts."""
         if not isinstance(move.to, KINDS):
             g1 = self.arm.fk(self.configuration(move, start, where))
             return self._likes(None, g1), g1

@@ -14,7 +14,7 @@ from .piecewise import derivative, evaluate, rescaled, shifted, spread
 Indices = NDArray[np.intp]
 
 ROUNDING = 1e-9
-"""A piece longer than it may be by this part is not cut once more."""
+"""A piece may exceed its greatest length by this share before it is cut again."""
 
 STILL = 1e-12
 """A joint that moves by less [rad, m] stays where it is."""
@@ -22,7 +22,7 @@ STILL = 1e-12
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointPath:
-    """q(s) of n joints, a polynomial on each of m pieces of a path parameter s without a unit.
+    """q(s) of n joints: polynomials on m pieces of a path parameter s without a unit.
 
     `breakpoints` (m + 1,) starts at 0 and increases. `coefficients` (degree + 1, m, n) [rad, m] hold the highest power
     of s − breakpoints[i] first. Position, tangent q' and curvature q'' are continuous. A path without motion may have

@@ -49,16 +49,16 @@ BY_LAW = ("time_optimal", "s_curve")
 """Kinds that keep every limit by construction, at given times too."""
 
 MERGE_TOL = 1e-6
-"""Consecutive waypoints nearer than this [rad, m] in every joint are one: IK answers no finer."""
+"""Consecutive waypoints nearer than this [rad, m] in every joint are one. The tolerance of IK is no finer."""
 
 STAY, STAY_SHARE, STAY_WIDTH = 15, 5.0, 1.9
-"""A stay has so many waypoints, so many times as many as usual, in so many times the tolerance."""
+"""A stay: its least number of waypoints, how many times the usual density, within how many tolerances."""
 
 MOST_NAMED = 12
-"""Of waypoints that are merged so many are named."""
+"""Greatest number of merged waypoints that a note names."""
 
 LEAST_SEGMENT = 1e-7
-"""Given times are nearer together than this part of the whole by mistake, and no spline could be computed."""
+"""Times closer than this share of the duration are a mistake. No spline can be computed for them."""
 
 FITS = {
     ("cubic", False): spline.cubic,
@@ -92,16 +92,15 @@ def plan_joint(
 ) -> Trajectory:
     """Plan a motion through `waypoints`, from rest to rest, inside the joint limits.
 
-    A waypoint is a configuration or a target of the tool (`Pose`, `Position`, `Approach`, `TolerancedPose` or a pose
-    (4, 4)). `solve_ik` finds the configuration of a target from the waypoint before it, or from `arm.ready`. Joints
-    that a whole turn brings back, with room for one, go to a target by the shorter way. To a configuration they go as
-    it says, from 0 to 2π by a full turn. With `unwrap` they take the shorter way there too: from 3.1 to −3.1 by 0.08
-    rad, to 3.18.
+    A waypoint is a configuration or a target: `Pose`, `Position`, `Approach`, `TolerancedPose` or a pose (4, 4).
+    `solve_ik` finds the configuration of a target from the waypoint before it, or from `arm.ready`. Joints that can
+    turn by 2π go to a target by the shorter way. To a configuration they go as written: from 0 to 2π by a full turn.
+    `unwrap` chooses the shorter way there too: from 3.1 to −3.1 by 0.08 rad, to 3.18.
 
     - `cubic`: the C² spline; acceleration jumps at the start and the end only.
     - `quintic`: the C⁴ spline, acceleration zero at both ends. It is smoother and swings wider between waypoints.
-    - Where either would leave the position limits it is pulled in: the joint passes nearby waypoints more slowly, or
-      rests, on added pieces. The cubic stays C² and the quintic C⁴.
+    - Either is pulled in where it would leave the position limits. Extra pieces slow or stop the joint near those
+      waypoints. The cubic stays C² and the quintic C⁴.
     - `trapezoid`: straight from waypoint to waypoint, stopping at each. All joints accelerate, coast and brake
       together. Jerk is not limited.
     - `time_optimal`: the shortest motion along a cubic spline through the waypoints. Some velocity or acceleration
@@ -129,13 +128,13 @@ def plan_joint(
         kind: "cubic", "quintic", "trapezoid", "time_optimal" or "s_curve".
         limits: By default those of the arm; a `JointLimits`, or changes such as {"velocity": 1.0, "acceleration":
             {"elbow": 2.0}} [rad/s, m/s and so on].
-        times: Times of the waypoints (k,) [s], increasing from 0; None for a motion as short as the limits allow.
+        times: Times of the waypoints (k,) [s], increasing from 0. None: as short as the limits allow.
         stop_at_waypoints: Whether cubic and quintic move straight and rest at every waypoint. Without it a spline may
             swing beyond its waypoints, inside the limits.
         position_tol: Tolerance of a target [m]; 1e-6 by default.
         orientation_tol: Tolerance of its rotation [rad], likewise.
         unwrap: Whether these joints go to configurations by the shorter way too.
-        smooth: How far [rad, m] each joint may leave recorded waypoints, such as 0.01 for two decimals. Third
+        smooth: How far [rad, m] each joint may deviate from recorded waypoints: 0.01 for two decimals. Third
             differences become as small as that allows, and a stay is passed once. The first and the last waypoint are
             kept. None: all are passed exactly.
         scene: A `Scene` of the arm, or None. The motion is then proven free of collisions, without gaps.
@@ -145,7 +144,7 @@ def plan_joint(
         The `Trajectory`, a piecewise polynomial in time.
 
     Raises:
-        LimitError: A waypoint lies outside the position limits, or the times are too short; the message gives joint,
+        LimitError: A waypoint lies outside the position limits, or the times are too short. The message gives joint,
             limit, value and place.
         InputError: An argument does not fit the arm.
         UnknownNameError: No such pose or joint.
@@ -216,7 +215,7 @@ def completed(arm: Arm, limits: JointLimits | Mapping[str, Any] | None) -> tuple
 
 
 def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array, met: Tolerances) -> Array:
-    """Return the configuration (n,) of a waypoint, for a target the one nearest to `near` (n,)."""
+    """The configuration (n,) of a waypoint. For a target, the one nearest to `near` (n,)."""
     if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
         solution = solve_ik(arm, waypoint, near, **met.keywords, posture="theta0")
         if not solution.converged:
@@ -253,7 +252,7 @@ def _as_times(times: ArrayLike, count: int) -> Array:
 
 
 def _distinct(points: Array) -> tuple[Array, Array]:
-    """Return the waypoints (j, n) that differ from the one before, and the index of each given one."""
+    """Waypoints (j, n) without repetitions, and for each given one its index."""
     kept, owner = [0], [0]
     for i in range(1, len(points)):
         if np.abs(points[i] - points[kept[-1]]).max(initial=0.0) > MERGE_TOL:
@@ -316,7 +315,7 @@ def _timed(
     bounds: PathBounds,
     progress: Progress | None,
 ) -> Motion:
-    """Return the motion at the given times, else as short as was found."""
+    """Return the motion at the given times, or else the shortest found."""
     if times is not None:
         if kind == "time_optimal":
             raise InputError("a time_optimal motion takes no times: it is as fast as it can be; other kinds take them")

@@ -31,7 +31,7 @@ SHORTEST_STEP = 0.9e-9
 """Seconds between two points: a message counts nanoseconds, and a polynomial divides by the fifth power."""
 
 LARGEST = 1e9
-"""Times [s], positions [rad, m] and rates of every arm are less by far: beyond, polynomials overflow."""
+"""Times [s], positions [rad, m] and rates of every arm are far smaller. Larger values overflow in polynomials."""
 
 BEYOND_LIMIT = 1e-6
 """Beyond a position limit by less [rad, m] is rounding of the file."""
@@ -40,10 +40,10 @@ BEYOND_LIMIT = 1e-6
 def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
     """Read a motion of `arm` from a file of `to_csv`, `to_json`, `to_yaml` or another program.
 
-    Between two instants the motion is a polynomial that meets the positions, rates and accelerations of both. It is
-    quintic, cubic, or straight for positions alone, as in ROS's joint_trajectory_controller. The first instant is t =
-    0. The arm is at rest before the first and after the last. Every instant is a waypoint. Labels are read too; motors
-    are those of the arm.
+    Between two instants a polynomial meets the positions, rates and accelerations of both. It is quintic, cubic, or
+    straight for positions alone, as in ROS's joint_trajectory_controller. The first instant is t = 0. The arm is at
+    rest before the first and after the last. Every instant is a waypoint. Labels are read too; motors are those of the
+    arm.
 
     - CSV: columns `time [s]`, and for each joint `<joint>.position [rad]` and `<joint>.velocity [rad/s]`, with or
       without `<joint>.acceleration [rad/s^2]` (m for slides), in any order. Counts of the motors' drives may replace

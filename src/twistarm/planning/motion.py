@@ -60,12 +60,12 @@ def plan(
     max_time: float = 5.0,
     progress: Progress | None = None,
 ) -> Trajectory:
-    """Plan a motion through `segments`, from rest to rest, inside the limits of joints and motors.
+    """Plan a rest-to-rest motion through `segments`, inside the limits of joints and motors.
 
-    Joint moves go straight in joint space. Lines, screws and arcs keep the tool within 0.1 mm and 0.05° of the ideal,
-    or within wider tolerances. Where curves follow a joint move to a target, `plan` chooses the branch that follows all
-    of them with the least joint motion. The arm stops between two moves, or rounds the corner inside a ball of radius
-    `blend`. It stops there too if that takes less time.
+    Joint moves go straight in joint space. Lines, screws and arcs keep the tool within 0.1 mm and 0.05° of the ideal.
+    Wider tolerances replace these. If curves follow a joint move to a target, `plan` chooses the branch. It follows all
+    curves with the least joint motion. Between two moves the arm stops, or rounds the corner inside a ball of radius
+    `blend`. It also stops if that takes less time.
 
     - `s_curve`: acceleration is continuous and jerk within its limits. A joint without a jerk limit takes 0.1 s to its
       acceleration limit. A joint move that stops at both ends is the shortest possible.
@@ -78,14 +78,14 @@ def plan(
         arm: The arm.
         segments: `JointMove`, `FreeMove`, `LineMove`, `ScrewMove`, `ArcMove` and `Dwell`, one or more.
         start: Configuration (n,) [rad, m], {joint: value} or the name of one; by default `arm.ready`.
-        limits: By default those of the arm; a `JointLimits`, or changes to the arm's such as {"acceleration": 3.0}.
+        limits: By default those of the arm. Or a `JointLimits`, or changes such as {"acceleration": 3.0}.
         kind: "s_curve", "time_optimal" or "quintic".
         linear_speed: Greatest speed of the tool's origin [m/s] where a segment gives none.
         angular_speed: Greatest angular speed of the tool [rad/s] where a segment gives none.
         position_tol: Tolerance of a target [m] where a segment gives none; 1e-6 by default.
         orientation_tol: Tolerance of its rotation [rad], likewise.
-        unwrap: Whether joints that a whole turn brings back, with room for one, go to configurations by the shorter
-            way, from 3.1 to −3.1 by 0.08 rad. To targets they always do.
+        unwrap: Whether joints that can turn by 2π go to configurations by the shorter way, from 3.1 to −3.1 by 0.08
+            rad. To targets they always do.
         scene: A `Scene` of the arm, or None. The motion is then proven free without gaps, and a `FreeMove` goes round.
         max_time: Greatest time [s] for the way of one `FreeMove`.
         progress: Called with the fraction done, in (0, 1], or None.
@@ -96,8 +96,8 @@ def plan(
             do not move.
 
     Raises:
-        PathError: A curve cannot be followed; the message says how far it can, why no farther and what would help. Or
-            the motion collides, or no way round was found.
+        PathError: A curve cannot be followed. The message says where it stops, why, and what would help. Or the motion
+            collides, or no way round was found.
         LimitError: A goal lies outside the position limits.
         NotConvergedError: The target of a joint move cannot be met; the message says why.
         InputError: An argument does not fit the arm, or a blend is too large.
@@ -214,7 +214,7 @@ def as_segments(
 
 @dataclass(frozen=True, eq=False)
 class Timed:
-    """Legs from stop to stop in time: breakpoints (m + 1,) [s], coefficients, and each leg's end [s]."""
+    """Timed legs from stop to stop: breakpoints (m + 1,) [s], coefficients, each leg's end [s]."""
 
     legs: list[Leg]
     breakpoints: Array
@@ -251,7 +251,7 @@ def _timed(arm: Arm, legs: list[Leg], limits: JointLimits, kind: str) -> Timed:
         return Timed(legs, np.array([0.0, stay]), theta[None, None], np.array([stay]))
     path, ends, ceiling = path_along(arm, legs, limits)
     bounds = PathBounds(limits, arm.actuators, ceiling)
-    # A double-S for each joint leaves the straight line, which a free move was proven along.
+    # A double-S for each joint would leave the straight line along which the free move was proven.
     straight = isinstance(segment, FreeMove)
     if kind == "s_curve" and ceiling is None and not straight and path.coefficients.shape[:2] == (2, 1):
         breakpoints, coefficients = double_s(path.start, path.end, bounds)

@@ -32,12 +32,12 @@ from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
 from .segments import ArcMove, Dwell, FreeMove, Goal, JointMove, LineMove, ScrewMove, Segment
 
-WHOLE = ("linear_speed", "angular_speed", "position_tol", "orientation_tol")
+SHARED = ("linear_speed", "angular_speed", "position_tol", "orientation_tol")
 """What holds for every segment that does not say it itself."""
 
-TOP = ("start", "kind", "degrees", *WHOLE, "unwrap", "scene", "limits", "segment")
+TOP_LEVEL = ("start", "kind", "degrees", *SHARED, "unwrap", "scene", "limits", "segment")
 KINDS = ("joint", "free", "line", "screw", "arc", "dwell")
-OPTIONS = ("blend", "velocity_scaling", *WHOLE, "label")
+OPTIONS = ("blend", "velocity_scaling", *SHARED, "label")
 GOAL = ("xyz", "rpy", "quaternion_wxyz", "direction", "tool_axis", "tolerance", "frame")
 
 ANGLES = ("rpy", "angle", "angular_speed", "orientation_tol")
@@ -88,7 +88,7 @@ class _Reader:
 
     def motion(self) -> MotionFile:
         with self._at("at the top"):
-            _only(self.content, TOP)
+            _only(self.content, TOP_LEVEL)
             if as_flag(self.content.get("degrees", False), "degrees"):
                 self.angle = np.pi / 180.0
             limits = require_mapping(self.content.get("limits", {}), "limits", "{ acceleration = 3.0 }")
@@ -96,7 +96,7 @@ class _Reader:
             kind = require_choice(self.content["kind"], LAWS, "kind") if "kind" in self.content else None
             start = self._start(self.content["start"]) if "start" in self.content else None
             whole = {
-                name: as_positive(self._number(self.content, name), name) for name in WHOLE if name in self.content
+                name: as_positive(self._number(self.content, name), name) for name in SHARED if name in self.content
             }
             unwrap = as_flag(self.content.get("unwrap", False), "unwrap")
             scene = self._scene(self.content["scene"]) if "scene" in self.content else None
@@ -136,20 +136,20 @@ class _Reader:
 
     def _line(self, value: Any, options: dict[str, Any]) -> Segment:
         if table := _described(value, ("by",), ("frame", "constrain")):
-            return LineMove.by(_three(table, "by"), **_given(table, "frame", "constrain"), **options)
+            return LineMove.by(_three(table, "by"), **_present(table, "frame", "constrain"), **options)
         return LineMove(self._goal(value), **options)
 
     def _screw(self, value: Any, options: dict[str, Any]) -> Segment:
         if table := _described(value, ("axis", "point", "angle"), ("pitch", "constrain")):
             axis, point, angle = _three(table, "axis"), _three(table, "point"), self._number(table, "angle")
             pitch = self._number(table, "pitch") if "pitch" in table else 0.0
-            return ScrewMove.about(axis, point, angle, pitch, **_given(table, "constrain"), **options)
+            return ScrewMove.about(axis, point, angle, pitch, **_present(table, "constrain"), **options)
         return ScrewMove(self._goal(value), **options)
 
     def _arc(self, value: Any, options: dict[str, Any]) -> Segment:
         if table := _described(value, ("axis", "centre", "angle"), ("turn", "constrain")):
             axis, centre, angle = _three(table, "axis"), _three(table, "centre"), self._number(table, "angle")
-            return ArcMove.about(axis, centre, angle, **_given(table, "turn", "constrain"), **options)
+            return ArcMove.about(axis, centre, angle, **_present(table, "turn", "constrain"), **options)
         through = _described(value, ("via", "to"), ())
         if through is None:
             raise InputError(f"arc takes via and to, or axis, centre and angle; got {shown(value)}")
@@ -232,7 +232,7 @@ class _Reader:
 
 
 def _described(value: Any, needed: Sequence[str], others: Sequence[str]) -> Mapping[str, Any] | None:
-    """Return the table of a move without a goal: all of `needed`, and any of `others`."""
+    """The table of a move without a goal: all of `needed`, and any of `others`."""
     if not isinstance(value, dict) or not set(value) & {*needed, *others}:
         return None
     _only(value, (*needed, *others))
@@ -243,7 +243,7 @@ def _described(value: Any, needed: Sequence[str], others: Sequence[str]) -> Mapp
     return value
 
 
-def _given(table: Mapping[str, Any], *names: str) -> dict[str, Any]:
+def _present(table: Mapping[str, Any], *names: str) -> dict[str, Any]:
     return {name: table[name] for name in names if name in table}
 
 

@@ -1,4 +1,4 @@
-"""A first motion.toml for an arm: a motion that can be planned, with comments to fill in."""
+"""A first motion.toml for an arm: a valid motion, with comments to fill in."""
 
 from __future__ import annotations
 

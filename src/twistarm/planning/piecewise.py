@@ -1,6 +1,6 @@
 """Piecewise polynomials of many joints: values, derivatives, extremes, and polynomials through given states.
 
-Coefficients are (degree + 1, segments, n), highest power first, in the time since the segment's start [s]. SciPy's
+Coefficients are (degree + 1, segments, n), highest power first. Time counts from the segment's start [s]. SciPy's
 `PPoly` has the same layout.
 """
 
@@ -39,7 +39,7 @@ def evaluate(coefficients: Array, tau: Array) -> Array:
 
 
 def rescaled(coefficients: Array, unit: float | Array) -> Array:
-    """Return p(unit · u) of polynomials (d + 1, ...), with one unit for all pieces or one for each (s,)."""
+    """p(unit · u) of polynomials (d + 1, ...), with one unit, or one per piece (s,)."""
     powers = np.arange(len(coefficients) - 1, -1, -1.0)
     factors = np.asarray(unit) ** powers.reshape(-1, *[1] * np.ndim(unit))
     scaled: Array = coefficients * factors.reshape(*factors.shape, *[1] * (coefficients.ndim - factors.ndim))
@@ -47,7 +47,7 @@ def rescaled(coefficients: Array, unit: float | Array) -> Array:
 
 
 def spread(count: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Number `count` (s,) places in each piece: return the piece of each place, and its number there."""
+    """For `count` (s,) places in each piece: the piece of each place, and its number there."""
     piece = np.repeat(np.arange(len(count)), count)
     return piece, np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)
 
@@ -89,18 +89,18 @@ def shifted(coefficients: Array, by: Array) -> Array:
 
 @cache
 def _binomials(degree: int) -> tuple[Array, Array]:
-    """Return the factor and the power of `by` for each coefficient (columns) of each shifted one (rows)."""
+    """The factor and the power of `by` for each coefficient (column) of each shifted one (row)."""
     down = np.arange(degree, -1, -1)
     binomials = [[float(comb(p, k)) for p in down] for k in down]
     return frozen(binomials), frozen(np.maximum(down[None, :] - down[:, None], 0))
 
 
 def extremes(coefficients: Array, durations: Array) -> tuple[Array, Array]:
-    """Return times tau (c, s, n) [s] since each segment's start that include every extreme, and the values there.
+    """Times tau (c, s, n) [s] since each segment's start that include every extreme, and their values.
 
     The candidates are both ends and the zeros of the derivative. These lie between the zeros of the next derivative,
-    and so on up to the linear one. Between those the polynomial is monotone and bisection cannot fail. Where there is
-    no zero, the candidate falls harmlessly on an interval's end.
+    and so on up to the linear one. The polynomial is monotone between those, so bisection cannot fail. Without a zero,
+    the candidate falls harmlessly on an interval's end.
     """
     tau = _edges(derivative(rescaled(coefficients, durations))) * durations[:, None]
     return tau, evaluate(coefficients, tau)

@@ -18,7 +18,7 @@ ROUNDING = 1e-10
 """Beyond a limit by less [rad, m] is rounding."""
 
 EASING = 0.7
-"""A joint's velocity at a waypoint is lowered by this factor, again and again, until the joint stays inside."""
+"""Factor that lowers a joint's velocity at a waypoint, repeatedly, until the joint stays inside."""
 
 LEAST_SHARE = 0.05
 """A velocity lowered to less than this part of it is zero."""
@@ -27,13 +27,13 @@ Mask = NDArray[np.bool_]
 
 
 def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: JointLimits) -> tuple[Array, Array]:
-    """Return breakpoints and coefficients of a spline (d + 1, k − 1, n) through waypoints (k, n), inside the limits.
+    """Breakpoints and coefficients of a spline (d + 1, k − 1, n) through waypoints (k, n), inside the limits.
 
-    A spline inside them comes back unchanged. Where a joint leaves, its velocity at the nearer waypoint drops to a
-    share μ, and its derivative of order r to μ^r. In the middle both waypoints count. A segment becomes d equal pieces
-    with d − 1 continuous derivatives, by the values at its ends. So the motion stays as smooth as the spline. μ = 1 at
-    both ends gives the spline again. μ = 0 gives monotone pieces, the integral of a B-spline of degree d − 1. So some μ
-    always keeps inside. The Bernstein coefficients of the pieces are kept inside.
+    A spline inside them comes back unchanged. Where a joint leaves them, its velocity at the nearer waypoint is scaled
+    by μ, and its derivative of order r by μ^r. In the middle both waypoints count. A segment becomes d equal pieces
+    with d − 1 continuous derivatives and the same ends. So the motion stays as smooth as the spline. μ = 1 at both ends
+    gives the spline again. μ = 0 gives monotone pieces, the integral of a B-spline of degree d − 1. So some μ always
+    keeps inside. The check is on the Bernstein coefficients of the pieces.
 
     Source: de Boor, A Practical Guide to Splines, chapters IX and XI.
     """
@@ -81,7 +81,7 @@ def _states(coefficients: Array, durations: Array) -> Array:
 
 
 def _pieces(states: Array, share: Array, waypoints: Array, durations: Array) -> Array:
-    """Return coefficients (d + 1, k − 1, d, n) of segments in d pieces, with shares (k, n) of the states."""
+    """Coefficients (d + 1, k − 1, d, n) of segments in d pieces. Shares (k, n) scale the waypoints' derivatives."""
     orders = np.arange(1, len(states) + 1)[:, None, None]
     eased, T = states * share**orders, durations[:, None] ** orders
     way = np.diff(waypoints, axis=0)[None]

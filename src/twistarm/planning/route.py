@@ -26,15 +26,15 @@ from .tolerances import rounding_note
 from .unwrapping import unwrapped
 
 NEAREST = 8
-"""Of the configurations in which a run of curves may begin so many, the nearest, are tried before all others."""
+"""How many of the nearest start configurations of a run of curves are tried before all others."""
 
 FOLLOWED = 4
-"""Of the ways through a ladder so many, of least joint motion, are followed until one can be."""
+"""How many ways through a ladder, least joint motion first, are tried."""
 
 
 @dataclass(frozen=True, eq=False)
 class Leg:
-    """The joint path of segment `index`. The path is None for a dwell and where the arm does not move."""
+    """The joint path of segment `index`. The path is None for a dwell, and if the arm does not move."""
 
     index: int
     segment: Segment
@@ -49,7 +49,7 @@ class Leg:
 
 
 _End = tuple[Array, float, Node | None]
-"""Where a run has come to: theta (n,), its cost [s], and the last node of the curve before, None at the beginning."""
+"""The end of a run so far: theta (n,), cost [s], and the last node of the curve before (None at the beginning)."""
 
 
 class _BlockedError(Exception):
@@ -98,9 +98,7 @@ class Router:
         return legs
 
     def _next(self, i: int, theta: Array) -> list[Leg]:
-        """Return the leg of segment i. For a joint move to a target also return those of the curves and dwells after
-        it.
-        """
+        """The leg of segment i. After a joint move to a target, also those of its curves and dwells."""
         segment = self.segments[i]
         after = i + 1
         while after < len(self.segments) and not isinstance(self.segments[after], JointMove):
@@ -127,7 +125,7 @@ class Router:
         return self._leg(i, end, path)
 
     def _run(self, run: range, starts: Array, theta: Array) -> tuple[Array, list[Leg]]:
-        """Return which of `starts` (b, n), nearest first, begins a run of curves and dwells, and its legs.
+        """The first of `starts` (b, n), nearest first, of a run of curves and dwells, and its legs.
 
         A curve may follow several parts of a pose. Each is tried when the one before fails.
         """
@@ -135,7 +133,7 @@ class Router:
         errors: list[_BlockedError] = []
         while True:
             try:
-                return self._nearest(run, starts, theta, options)
+                return self._by_start(run, starts, theta, options)
             except _BlockedError as error:
                 errors.append(error)
                 if error.more:
@@ -146,24 +144,24 @@ class Router:
             where = self.numbers[farthest.index], self._place(farthest.index)
             raise refusal(self.arm, self.limits, farthest.blocked, *where, others=not tried)
 
-    def _nearest(self, run: range, starts: Array, theta: Array, options: dict[int, int]) -> tuple[Array, list[Leg]]:
-        """Do the same for chosen options: from the nearest starts, from all others, then by a wide ladder."""
+    def _by_start(self, run: range, starts: Array, theta: Array, options: dict[int, int]) -> tuple[Array, list[Leg]]:
+        """Do the same for the chosen options: nearest starts, then all others, then a wide ladder."""
         farthest: _BlockedError | None = None
         for group, wide in ((starts[:NEAREST], False), (starts[NEAREST:], False), (starts, True)):
             if not len(group) or (wide and farthest and not farthest.blocked.moving.freedom(self.arm.n)):
                 continue
             try:
-                return self._climbed(run, group, theta, options, wide)
+                return self._laddered(run, group, theta, options, wide)
             except _BlockedError as error:
                 if farthest is None or error.reached > farthest.reached:
                     farthest = error
         assert farthest is not None
         raise farthest
 
-    def _climbed(
+    def _laddered(
         self, run: range, starts: Array, theta: Array, options: dict[int, int], wide: bool
     ) -> tuple[Array, list[Leg]]:
-        """Do the same by ladders, one on top of the other, with the least joint motion."""
+        """Do the same by stacked ladders, with the least joint motion."""
         moved = efforts(theta, starts, self.limits.velocity)
         ends: list[_End] = [(start, float(effort), None) for start, effort in zip(starts, moved, strict=True)]
         more: dict[int, bool] = {}
@@ -187,7 +185,7 @@ class Router:
         raise max(errors, key=lambda error: error.reached)
 
     def _roots(self, k: int, ends: list[_End], option: int) -> tuple[list[Node], bool]:
-        """Return the first nodes of curve k at the `ends` before it, and whether more options follow."""
+        """The first nodes of curve k at the `ends` before it, and whether more options follow."""
         segment = self.segments[k]
         assert isinstance(segment, CURVED)
         known: list[MovingTarget] = []
@@ -205,7 +203,7 @@ class Router:
     def _followed(
         self, run: range, end: Array, last: Node | None, even: bool, more: dict[int, bool]
     ) -> tuple[Array, list[Leg]] | _BlockedError:
-        """Return start and legs of a run that ends at theta (n,) and node `last`, or its error.
+        """Start and legs of a run that ends at theta (n,) and node `last`, or its error.
 
         A curve that is not in `more` does not move.
         """

@@ -25,7 +25,7 @@ from ..support.display import Brief
 from ..support.errors import InputError, shown
 
 Goal = Row | Mapping[str, float] | str | AnyTarget
-"""Where a move ends: a configuration (n,), {joint: value}, the name of one, a target, or a pose (4, 4)."""
+"""End of a move: a configuration (n,), {joint: value}, its name, a target, or a pose (4, 4)."""
 
 Constrained = Literal["pose", "approach", "position"]
 CONSTRAINED: tuple[Constrained, ...] = ("pose", "approach", "position")
@@ -43,7 +43,7 @@ class Segment(Brief):
 class Move(Segment):
     """The options of every move.
 
-    blend: radius [m] of the ball about the move's end in which the tool may round the corner; 0 stops there.
+    blend: radius [m] of the ball at the move's end in which the corner may be rounded; 0 stops.
 
     velocity_scaling: the greatest share, in (0, 1], of the joints' velocity limits.
 
@@ -87,7 +87,7 @@ class JointMove(Move):
     To a target the arm takes the nearest configuration. Where curves follow, it takes one from which it can follow
     them.
 
-    Raises InputError for a goal, a blend, a speed or a label that cannot be used.
+    Raises InputError for an unusable goal, blend, speed or label.
     """
 
     to: Goal
@@ -126,14 +126,14 @@ class _CurveMove(Move):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineMove(_CurveMove):
-    """The tool's origin along a straight line, its rotation about one fixed axis (slerp), in proportion.
+    """The tool's origin on a straight line, with a proportional rotation about one fixed axis (slerp).
 
-    What the target leaves free stays free on the way: the rotation for a `Position`, the turn about the tool axis for
+    The target's free components stay free on the way: the rotation for a `Position`, the turn about the tool axis for
     an `Approach`. The direction of the tool axis then swings in one plane. A `TolerancedPose` keeps its tolerances. To
-    a configuration the tool goes to its pose there. An arm of fewer than six joints keeps what it can: all but the turn
-    about the tool axis, or the position.
+    a configuration the tool goes to its pose there. An arm of fewer than six joints keeps all but the turn about the
+    tool axis, or only the position.
 
-    Raises InputError for a goal, a blend, a speed or a label that cannot be used.
+    Raises InputError for an unusable goal, blend, speed or label.
     """
 
     to: Goal | None
@@ -147,13 +147,13 @@ class LineMove(_CurveMove):
 
     @classmethod
     def by(cls, offset: Row, *, frame: str = "tool", constrain: Constrained | None = None, **options: Any) -> LineMove:
-        """Make a line by an offset (3,) [m], along the axes of the tool at its start or of the base.
+        """A line by an offset (3,) [m] in the axes of the base, or of the tool at its start.
 
         Args:
             offset: From the start to the end (3,) [m].
             frame: Whose axes: "tool" or "base".
-            constrain: The part of the pose to keep: "pose", "approach" (all but turning about the tool axis) or
-                "position". None: the pose, or the first of the three that an arm of fewer than six joints can keep.
+            constrain: The part of the pose to keep: "pose", "position" or "approach" (free turn about the tool axis).
+                None: the first of pose, approach and position that the arm can keep.
             **options: Those of every `Move`: blend, speed and so on.
         """
         return cls(None, offset=one_vector(offset, "offset", unit=""), frame=frame, constrain=constrain, **options)
@@ -165,7 +165,7 @@ class ScrewMove(_CurveMove):
 
     To a goal, ξ = log(g1 g0⁻¹) is the screw of at most half a turn.
 
-    Raises InputError for a goal, a blend, a speed or a label that cannot be used.
+    Raises InputError for an unusable goal, blend, speed or label.
     """
 
     to: Goal | None
@@ -186,7 +186,7 @@ class ScrewMove(_CurveMove):
         constrain: Constrained | None = None,
         **options: Any,
     ) -> ScrewMove:
-        """Make a turn about a base axis that advances by `pitch` per radian: ξ = (−ω × q + h ω, ω) · angle.
+        """A turn about a base axis that advances by `pitch` per radian: ξ = (−ω × q + h ω, ω) · angle.
 
         MLS §2.3.3: ω is the unit axis, q a point on it, h the pitch [m/rad]. The angle may be several turns.
 
@@ -205,13 +205,13 @@ class ScrewMove(_CurveMove):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ArcMove(_CurveMove):
-    """The tool's origin along a circular arc through `via` to the goal, its rotation by slerp.
+    """The tool's origin on a circular arc through `via` to the goal, its rotation by slerp.
 
-    `via` is (3,) [m] in base axes, or a target with a position. The three points must differ and not lie on a line,
+    `via` is (3,) [m] in base axes, or a target with a position. The three points must not coincide or lie on a line,
     within 20 µm and 1e-5 rad. Otherwise rounding would choose the plane. What the goal leaves free stays free, as in
     `LineMove`.
 
-    Raises InputError for a goal, a blend, a speed or a label that cannot be used.
+    Raises InputError for an unusable goal, blend, speed or label.
     """
 
     via: Row | AnyTarget | None
@@ -245,7 +245,7 @@ class ArcMove(_CurveMove):
             axis: Direction of the axis (3,), of any length but 0.
             centre: A point on it (3,) [m].
             angle: How far [rad], by the right-hand rule; several turns too.
-            turn: Whether the tool turns with the arc, as a hand on a door's handle does, or keeps its rotation.
+            turn: Whether the tool turns with the arc, like a hand on a door handle.
             constrain: As for `LineMove.by`.
             **options: Those of every `Move`: blend, speed and so on.
         """

@@ -10,7 +10,7 @@ Progress = Callable[[float], object]
 """Called with the fraction done, in (0, 1]."""
 
 MARGIN = 1e-10
-"""Times are longer than the limits ask by this part, so that rounding falls on the inside."""
+"""Times exceed the limits' least times by this share, so that rounding falls on the safe side."""
 
 SHORTEST, LONGEST = 1e-9, 1e9
 """Lengths [s] of motions whose coefficients keep clear of overflow."""

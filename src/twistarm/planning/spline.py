@@ -1,4 +1,4 @@
-"""Piecewise polynomials through waypoints (k, n) at times (k,): splines, and profiles from rest to rest.
+"""Piecewise polynomials through waypoints (k, n) at times (k,): splines and rest-to-rest profiles.
 
 Coefficients are laid out as in `piecewise`.
 """
@@ -53,7 +53,7 @@ def _jerk_and_snap(way: Array, h: Array) -> tuple[Array, Array]:
     At each inner waypoint the jerk and the snap of both segments agree.
     """
     before, after = h[:-1], h[1:]
-    # Each equation is divided by the size of its terms: lengths of segments may be orders apart.
+    # Each equation is divided by the size of its terms, because segment lengths may differ by orders of magnitude.
     size = (1.0 / before + 1.0 / after) ** np.array([[2.0], [3.0]])
     L2, R2, L3, R3 = 1.0 / before**2, 1.0 / after**2, 1.0 / before**3, 1.0 / after**3
     terms = {
@@ -114,7 +114,7 @@ def _straight(waypoints: Array, times: Array, unit: tuple[float, ...]) -> Array:
 
 
 COAST_TOL = 1e-15
-"""A coast shorter than this part of the time at which it ends is a rounding of none."""
+"""A coast shorter than this share of the time at its end is a rounding error."""
 
 
 def _ramp_coast_brake(start: float, end: float, ramp: float) -> tuple[Array, Array]:

@@ -1,8 +1,8 @@
 """Times between a spline's waypoints, as short as limits of velocity, acceleration and jerk allow.
 
-A motion f times as slow meets its limits. There f is the largest share of a limit in use, to the power of 1 over the
-rate's order. One factor of all durations d does not change Σ d · f. L-BFGS minimizes it in x = log d, with a p-norm for
-the largest (Nocedal & Wright, Numerical Optimization, §7.2).
+A motion f times as slow meets its limits. There f is the largest share of a limit in use, to the power 1/order of the
+rate. One factor of all durations d does not change Σ d · f. L-BFGS minimizes it in x = log d, with a p-norm for the
+largest (Nocedal & Wright, Numerical Optimization, §7.2).
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from ..support.checks import Array, frozen
 from .optional import scipy
 from .piecewise import derivative, evaluate, through
 
-LOOKS = 17
+SAMPLES = 17
 """Places in each segment at which rates are looked at."""
 
 NORMS = (2.0**5, 2.0**7, 2.0**9, 2.0**10)
-"""Powers: the first sees the whole motion, the last comes within a per cent of the largest of very many.
+"""Orders of the norm. The first sees the whole motion; the last is within a per cent of the maximum of very many.
 
-With fewer between them, a search ends where one rate after the other is in its way.
+With fewer orders between them, a search stops at one rate after the other.
 """
 
 STEPS, GAIN = 60, 3e-6
-"""Of the search with each norm: at most so many, until one gains less than this part."""
+"""Greatest number of steps for each norm, and the least gain of a step."""
 
 
 def shortest_spline(way: Array, degree: int, rates: JointLimits, durations: Array) -> Array:
-    """Durations (s,), up to one factor, of as short a motion as the search finds near the given ones.
+    """Durations (s,), up to one factor, of the shortest motion found near the given ones.
 
     The cubic or quintic spline goes `way` (s, r) on each segment, each row within its `rates`.
     """
@@ -57,7 +57,7 @@ def in_numpy(way: Array, degree: int, limits: tuple[Array, ...], durations: Arra
 
 
 def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power: float) -> tuple[float, Array, float]:
-    """The logarithm of the time with durations exp(x) (s,) by the p-norm, its gradient (s,), and by the largest rate.
+    """The logarithm of the time with durations exp(x) (s,): by the p-norm, its gradient (s,), and by the largest rate.
 
     The unknown derivatives u at inner waypoints minimize E = ½ ∫ |q^(R+1)|² dt, degree = 2 R + 1. In unit time a
     segment has the ends e, e_k ~ d^k u_k, and E is the sum of ½ d^(−degree) eᵀ K e. So ∂E/∂u = 0 is a symmetric linear
@@ -81,7 +81,7 @@ def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power
     e[seg, end] = solved(bands, right)[unknown[seg, end]] * scale[seg, end, None]
 
     rates = [
-        np.einsum("mk,skr->smr", looks(degree, o), e) / (limit * d[:, None, None] ** o)
+        np.einsum("mk,skr->smr", sampled_derivative(degree, o), e) / (limit * d[:, None, None] ** o)
         for o, limit in enumerate(limits, 1)
     ]
     shares = [np.abs(rate) ** (1.0 / o) for o, rate in enumerate(rates, 1)]
@@ -92,7 +92,7 @@ def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power
     slope, gradient = np.zeros_like(e), d / d.sum()
     for o, (rate, weight, limit) in enumerate(zip(rates, weights, limits, strict=True), 1):
         by_rate = np.divide(weight, o * total * rate, out=np.zeros_like(rate), where=rate != 0.0)
-        slope += np.einsum("mk,smr->skr", looks(degree, o), by_rate / (limit * d[:, None, None] ** o))
+        slope += np.einsum("mk,smr->skr", sampled_derivative(degree, o), by_rate / (limit * d[:, None, None] ** o))
         gradient -= weight.sum((1, 2)) / total
     gradient += (order[:, None] * slope * e)[:, order > 0].sum((1, 2))
     pull = np.zeros_like(right)
@@ -113,12 +113,12 @@ def solved(bands: Array, right: Array) -> Array:
 
 
 @cache
-def looks(degree: int, order: int) -> Array:
+def sampled_derivative(degree: int, order: int) -> Array:
     """(17, degree): that derivative at σ from 0 to 1, from a segment's ends in unit time.
 
-    The ends are derivatives of order 1 … R at the start, the way, and those at the end.
+    The ends are start, way and end: derivatives of order 1 … R at both, and their difference.
     """
-    return frozen(evaluate(derivative(_from_ends(degree), order), np.linspace(0.0, 1.0, LOOKS)[:, None]))
+    return frozen(evaluate(derivative(_from_ends(degree), order), np.linspace(0.0, 1.0, SAMPLES)[:, None]))
 
 
 @cache

@@ -33,7 +33,7 @@ ROUNDING = 1e-12
 """A piece shorter than this part of its path is rounding."""
 
 SHRINKS, SMALLER = 20, 0.8
-"""How often, and by what factor, a corner shrinks that leaves the ball or the position limits."""
+"""How often a corner shrinks that leaves the ball or the position limits, and by what factor."""
 
 
 def runs(legs: list[Leg]) -> Iterator[list[Leg]]:
@@ -48,10 +48,10 @@ def runs(legs: list[Leg]) -> Iterator[list[Leg]]:
 
 
 def path_along(arm: Arm, run: list[Leg], limits: JointLimits) -> tuple[JointPath, Array, Array | None]:
-    """Return one path along moving legs, the end of each leg, and the greatest ṡ on each piece (m,).
+    """One path along moving legs, the end of each leg, and the greatest ṡ per piece (m,).
 
-    A leg that is rounded ends in the middle of its rounding. The greatest ṡ is None where nothing limits it. Raises
-    InputError where a blend does not fit.
+    A rounded leg ends in the middle of its corner. The greatest ṡ is None without a limit. Raises InputError if a blend
+    does not fit.
     """
     paths = [_of_unit_speed(leg, limits) for leg in run]
     at, begins, parts, ends, caps = 0.0, 0.0, list[JointPath](), list[float](), list[Array]()
@@ -122,8 +122,8 @@ def _rounded(
 ) -> tuple[float, JointPath, float] | None:
     """Return where to leave `before`, the rounding, and where to join `after`. None: the tool does not leave the ball.
 
-    The rounding is the quintic with position, first and second derivative of both paths (Lynch & Park §9.2.2.1). So the
-    whole is C². It shrinks until it stays inside the ball and the position limits.
+    The rounding is a quintic with position and two derivatives of both paths (Lynch & Park §9.2.2.1). So the whole is
+    C². It shrinks until it stays inside the ball and the position limits.
     """
     centre = arm.fk(before.end)[:3, 3]
     for shrink in range(SHRINKS):
@@ -142,7 +142,7 @@ def _rounded(
 
 
 def _leaves_ball(arm: Arm, path: JointPath, radius: float, *, at_end: bool) -> float | None:
-    """Return where the tool first leaves the ball about one end of `path`, seen from there. None: nowhere."""
+    """Where the tool first leaves the ball about one end of `path`, seen from that end. None: nowhere."""
     centre = arm.fk(path.end if at_end else path.start)[:3, 3]
     s = np.linspace(0.0, path.length, SAMPLES)
     if at_end:

@@ -27,21 +27,21 @@ CORRECTION = 0.5
 """Power of a correction: whole steps swing, because a spline answers one segment with its neighbours."""
 
 LEAST_PART = 1e-5
-"""No segment or ramp is shorter than this part of the whole: its length must survive being added to the times."""
+"""Least share of a segment or ramp in the duration. Shorter ones are lost when they are added to the times."""
 
 ROUNDING = 1e-14
 """No ramp at given times is shorter than this part of the whole."""
 
-FEW = 30
-"""Through no more waypoints than that a search begins with what each segment takes alone."""
+FEW_WAYPOINTS = 30
+"""With at most so many waypoints, a search begins with the time that each segment takes alone."""
 
 MOST_KNOTS = 1000
-"""Of the spline along which a motion with jerk limits begins."""
+"""Greatest number of knots of the spline for the first motion with jerk limits."""
 
 INSTANTS = 20_001
-"""At which it is looked at for when it comes to the waypoints."""
+"""Samples of that motion, to find when it reaches the waypoints."""
 
-EASING, EASED_LOOKS = 3.0, 4
+EASING, EASED_SAMPLES = 3.0, 4
 """Segments over which a quintic's first times are averaged, and instants looked at for each."""
 
 DIVERGED = 1.2
@@ -54,18 +54,17 @@ def fastest_spline(
     """Times (k,), breakpoints and coefficients of `fit`, its worst rate just meeting its limit.
 
     Stretching the whole motion by one factor makes it meet its limits exactly. `spline_times` searches the proportions
-    of its segments. Through few waypoints it begins with what each segment takes alone. Through more it begins with the
-    fastest motion along a path (`jerk_limited` with jerk limits). Where that spline leaves the position limits it is
-    pulled in. Then slack segments are shortened, those that set the factor lengthened, and the shortest motion is
-    taken.
+    of its segments. Through few waypoints it starts from the time that each segment takes alone. Through more it starts
+    from the fastest motion along a path (`jerk_limited` with jerk limits). A spline that leaves the position limits is
+    pulled in. Then slack segments are shortened and those that set the factor lengthened. The shortest motion is taken.
     """
     least = np.diff(_accumulated(_least_durations(waypoints, bounds)))
     way = np.ascontiguousarray(np.diff(waypoints, axis=0) @ bounds.C.T)
-    start = least if len(waypoints) <= FEW else _along_path(waypoints, degree, bounds)
+    start = least if len(waypoints) <= FEW_WAYPOINTS else _along_path(waypoints, degree, bounds)
     times = _accumulated(shortest_spline(way, degree, bounds.rates, start))
     best = times, *pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)
     if len(best[1]) > len(times):
-        # Pulled in, those are not always the best to begin with: evened out ones are shorter now and then.
+        # For pulled-in splines these starts are not always the best: evened-out ones are sometimes shorter.
         others = np.diff(times), np.sqrt(least)
         best = min(_searches(waypoints, fit, bounds, others, progress), key=lambda motion: float(motion[0][-1]))
     times, breakpoints, coefficients = best
@@ -131,7 +130,7 @@ def _eased(times: Array) -> Array:
         within += (count - 1) * np.maximum(t - times[-1], 0.0)
         return within
 
-    t = np.linspace(0.0, float(times[-1]) + span, EASED_LOOKS * count)
+    t = np.linspace(0.0, float(times[-1]) + span, EASED_SAMPLES * count)
     eased: Array = np.interp(index, (area(t) - area(t - span)) / span, t)
     return eased
 
@@ -142,7 +141,7 @@ def _needed(fit: Fit, waypoints: Array, times: Array, bounds: PathBounds) -> flo
 
 
 def fastest_rests(waypoints: Array, fit: Fit, bounds: PathBounds) -> Array:
-    """Times (k,) of a `fit` that rests at every waypoint, each segment as short as possible."""
+    """Times (k,) of a `fit` that rests at every waypoint, with the shortest segments."""
     unhurried = np.arange(len(waypoints), dtype=np.float64)
     needed = stretch_needed(fit(waypoints, unhurried) @ bounds.C.T, np.diff(unhurried), bounds.rates)
     return _accumulated(needed * (1.0 + MARGIN))
@@ -162,10 +161,10 @@ def fastest_trapezoid(waypoints: Array, bounds: PathBounds) -> tuple[Array, Arra
 
 
 def trapezoid_ramps(waypoints: Array, times: Array, bounds: PathBounds) -> Array:
-    """Ramps (k − 1,) [s] of trapezoidal segments at given times, as near to a third as the limits allow.
+    """Ramps (k − 1,) [s] of trapezoidal segments at given times, close to a third if possible.
 
-    A ramp r of a segment of length T needs speed 1/(T − r) ≤ V and acceleration 1/(r (T − r)) ≤ A. Where no ramp
-    meets both, one that is too fast is returned.
+    A ramp r of a segment of length T needs the speed 1/(T − r) ≤ V and the acceleration 1/(r (T − r)) ≤ A. If no ramp
+    meets both, the result is too fast.
     """
     V, A = _line_limits(waypoints, bounds)
     T = np.diff(times)

@@ -30,11 +30,11 @@ MAX_SAMPLES = 10_000_000
 """More samples than this are a mistaken `dt`."""
 
 LAST_STEP = 1e-3
-"""A last step shorter than this part of `dt` joins the step before it: between points as near numbers say little."""
+"""A last step shorter than this share of `dt` joins the step before it."""
 
 
 class Samples(NamedTuple):
-    """A trajectory at m instants: `t` (m,) [s], strictly increasing, and (m, n) positions and rates [rad, m]."""
+    """A trajectory at m instants: `t` (m,) [s], strictly increasing, positions and rates (m, n) [rad, m]."""
 
     t: Array
     theta: Array
@@ -50,12 +50,12 @@ class Samples(NamedTuple):
 class Trajectory:
     """theta(t) of n joints, a polynomial on each of s pieces. The motion begins and ends at rest.
 
-    `breakpoints` (s + 1,) [s] starts at 0 and increases. `coefficients` (degree + 1, s, n) hold the highest power of t
-    − breakpoints[i] first, as SciPy's `PPoly` does. The motion passes the planned `waypoints` (k, n) at `times` (k,)
-    [s]. Merged waypoints have equal times. A motion from a point to itself has duration 0 and one piece of no length.
-    `actuators` are the motors of the arm, or None; files hold their values too. `labels` are actions on the way in the
-    order of time, pairs such as (1.5, "close gripper"). Every file carries them. `notes` tell you what was assumed,
-    such as limits. No file carries them.
+    `breakpoints` (s + 1,) [s] starts at 0 and increases. `coefficients` (degree + 1, s, n) has the highest power of t −
+    breakpoints[i] first, like `PPoly` of SciPy. The motion passes the planned `waypoints` (k, n) at `times` (k,) [s].
+    Merged waypoints have equal times. A motion from a point to itself has duration 0 and one piece of no length.
+    `actuators` are the arm's motors or None; files hold their values too. `labels` are actions on the way in order of
+    time, pairs such as (1.5, "close gripper"). Every file contains them. `notes` say what was assumed, such as limits.
+    No file contains them.
     """
 
     joint_names: tuple[str, ...]
@@ -138,7 +138,7 @@ class Trajectory:
     def to_motors(self, actuators: Actuators | None = None) -> Trajectory:
         """Return the same motion of its k motors, motor = G theta + o [rad or m].
 
-        `actuators` default to those of the arm. Raises InputError where there are none, or they drive other joints.
+        `actuators` default to those of the arm. Raises InputError if there are none, or if they drive other joints.
         """
         motors = require_motors(motors_of(self, actuators))
         if motors.joint_names != self.joint_names:
@@ -179,14 +179,14 @@ class Trajectory:
             The path written.
 
         Raises:
-            InputError: The file cannot be written, dt is not positive, or the actuators are missing or of other joints.
+            InputError: The file cannot be written, dt is not positive, or the actuators do not fit.
         """
         return write_whole(path, csv_text(self, dt, actuators, counts=counts))
 
     def to_json(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
         """Write a `trajectory_msgs/JointTrajectory` as JSON: a point every `dt` [s] and one at the end.
 
-        Each point has positions, velocities, accelerations [rad, m, s] and time_from_start as `sec` and `nanosec`,
+        Each point has positions, velocities, accelerations [rad, m, s] and time_from_start (`sec`, `nanosec`),
         increasing from 0. The last velocity is zero. Two fields may follow. `motors` has names, units, count_units and
         points of positions, velocities, counts and counts_rates. `labels` have `time` [s] and `text`. The file is
         written whole or not at all.
@@ -200,7 +200,7 @@ class Trajectory:
             The path written.
 
         Raises:
-            InputError: The file cannot be written, dt is not positive, or the actuators are of other joints.
+            InputError: The file cannot be written, dt is not positive, or the actuators do not fit.
         """
         return write_whole(path, json_text(self, dt, actuators))
 
@@ -227,8 +227,8 @@ class Trajectory:
     ) -> Path:
         """Write a C99 and C++17 header: a table of polynomials and functions that evaluate them.
 
-        In motion.h, `motion_theta(t, theta)`, `motion_velocity` and `motion_acceleration` give this trajectory at any
-        t, in float or double. Names begin with the file's. Labels are a table too.
+        In motion.h, `motion_theta(t, theta)`, `motion_velocity` and `motion_acceleration` evaluate this trajectory, in
+        float or double. Names begin with the file's. Labels are a table too.
 
         Args:
             path: The file to write, named .h, .hpp, .hh or .hxx at its end.
@@ -239,8 +239,7 @@ class Trajectory:
             The path written.
 
         Raises:
-            InputError: The file cannot be written or has another ending, or the actuators are missing or of other
-                joints.
+            InputError: The file cannot be written, its ending is unknown, or the actuators do not fit.
         """
         target = writable(path)
         if target.suffix not in SUFFIXES:

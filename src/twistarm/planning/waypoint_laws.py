@@ -1,4 +1,4 @@
-"""Motions through waypoints by a time law: the shortest along a spline, and double-S between stops."""
+"""Motions through waypoints by a time law: along a spline, or double-S between stops."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .time_laws import PathBounds, double_s, time_optimal
 from .within import RATE_TOL
 
 EXPONENTS = (0.5, 1.0)
-"""Powers of each segment's least time by which the path's parameter grows: the centripetal and the chordal spline."""
+"""Exponents of each segment's least time in the path's parameter: the centripetal and the chordal spline."""
 
 Motion = tuple[Array, Array, Array]
 """Times of the waypoints (k,), breakpoints (p + 1,) and coefficients (degree + 1, p, n)."""
@@ -25,8 +25,7 @@ Motion = tuple[Array, Array, Array]
 def fastest_along_spline(points: Array, bounds: PathBounds, progress: Progress | None = None) -> Motion:
     """The shortest motion along a spline through distinct waypoints (k, n), inside the limits.
 
-    It takes the faster of two natural cubic splines, with centripetal and chordal parameter, pulled inside the position
-    limits.
+    It takes the faster of the centripetal and the chordal cubic spline, pulled inside the position limits.
     """
     laws = [(time_optimal(path, bounds, progress), path, s) for path, s in _splines(points, bounds)]
     law, path, s = min(laws, key=lambda timed: timed[0].duration)
@@ -40,11 +39,11 @@ def fastest_rests(points: Array, bounds: PathBounds) -> Motion:
         line = JointPath(np.array([0.0, 1.0]), np.stack([points[i + 1] - points[i], points[i]])[:, None])
         return time_optimal(line, bounds).along(line)
 
-    return _one_after_another([segment(i) for i in range(len(points) - 1)])
+    return _chained([segment(i) for i in range(len(points) - 1)])
 
 
 def double_s_rests(points: Array, bounds: PathBounds, times: Array | None = None) -> Motion:
-    """Double-S from each waypoint (k, n) to the next, as short as possible or at times (k,) [s]."""
+    """Double-S from each waypoint (k, n) to the next: the shortest, or at times (k,) [s]."""
     given = np.zeros(len(points) - 1) if times is None else np.diff(times)
     segments = [double_s(points[i], points[i + 1], bounds, float(duration)) for i, duration in enumerate(given)]
     needed = np.array([instants[-1] for instants, _ in segments])
@@ -54,10 +53,10 @@ def double_s_rests(points: Array, bounds: PathBounds, times: Array | None = None
             f"from waypoint {i} (counted from 0) to the next takes {needed[i]:.4g} s inside the limits; times leave "
             f"{given[i]:.4g} s: multiply times by {needed[i] / given[i] * (1 + 5e-4):.4g}, or leave times out"
         )
-    return _one_after_another(segments)
+    return _chained(segments)
 
 
-def _one_after_another(segments: list[tuple[Array, Array]]) -> Motion:
+def _chained(segments: list[tuple[Array, Array]]) -> Motion:
     when = np.concatenate([[0.0], np.cumsum([instants[-1] for instants, _ in segments])])
     breakpoints = [start + instants[1:] for start, (instants, _) in zip(when, segments, strict=False)]
     return when, np.concatenate([[0.0], *breakpoints]), np.concatenate([pieces for _, pieces in segments], axis=1)

@@ -10,16 +10,16 @@ from ..support.checks import Array
 from .optional import scipy
 
 ORDER = 3
-"""Of the differences that are made small: those of a path of constant curvature are 0."""
+"""Order of the differences that are minimized. Those of a path of constant curvature are 0."""
 
 SHARPER, STAGES, STEPS = 20.0, 14, 10
-"""By so much roughness counts more from stage to stage; stages, and Newton's steps of each, at most."""
+"""Factor of the roughness between stages, number of stages, and most Newton steps of each."""
 
 SETTLED, GAP = 1e-3, 1e-2
-"""A stage ends below this decrement; the search, where the roughness is within this part of the least."""
+"""Newton decrement that ends a stage, and the gap to the least roughness that ends the search."""
 
 INSIDE = 0.95
-"""Of the way to the edge of the tolerance that a step may go."""
+"""Greatest share of the way to the tolerance's edge in one step."""
 
 PINNED = 1e12
 """Curvature that holds the first and the last waypoint."""

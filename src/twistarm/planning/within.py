@@ -17,10 +17,10 @@ from .piecewise import derivative, evaluate, extremes, rescaled
 from .trajectory import RATE_UNITS, Trajectory
 
 POSITION_TOL = 1e-9
-"""Beyond a position limit by less [rad, m] is the rounding of a motion that ends on the limit."""
+"""Excess over a position limit [rad, m] that is rounding of a motion that ends on the limit."""
 
 RATE_TOL = 1e-9
-"""Above a rate limit by a smaller part of it is the rounding of a motion timed to meet it exactly."""
+"""Relative excess over a rate limit that is rounding of a motion timed to meet it exactly."""
 
 RATES = ("velocity", "acceleration", "jerk")
 
@@ -28,7 +28,7 @@ RATES = ("velocity", "acceleration", "jerk")
 def stretch_needed(coefficients: Array, durations: Array, limits: JointLimits) -> Array:
     """Return the factor (s,) by which each segment must be slowed; 1 just meets a limit.
 
-    A motion `f` times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
+    A motion slowed by `f` has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """
     worst = np.zeros(len(durations))
     for order, limit in _limited(limits):
@@ -73,7 +73,7 @@ def _samplers(degree: int, order: int) -> Array:
 
 
 def farthest_outside(theta: Array, limits: JointLimits) -> tuple[tuple[int, ...], float, str]:
-    """Return where theta (..., n) is farthest beyond a position limit, how far [rad, m], and on which side."""
+    """Where theta (..., n) is farthest beyond a position limit, by how much [rad, m], and the side."""
     beyond = np.maximum(limits.lower - theta, theta - limits.upper)
     at = tuple(int(index) for index in np.unravel_index(np.argmax(beyond), beyond.shape))
     return at, float(beyond[at]), "lower" if theta[at] < limits.lower[at[-1]] else "upper"
@@ -98,7 +98,7 @@ def require_within(trajectory: Trajectory, limits: JointLimits, advice: str = "p
 
 
 def require_rates(trajectory: Trajectory, limits: JointLimits, moved: str = "joint") -> None:
-    """Raise LimitError with joint, limit, value and time where a rate of `trajectory` is too high.
+    """Raise LimitError with joint, limit, value and time if a rate of `trajectory` is too high.
 
     `moved` is the word for what moves: "motor" for a `Trajectory.to_motors`.
     """

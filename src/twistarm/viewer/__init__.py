@@ -1,4 +1,4 @@
-"""The view: an arm in the browser, live, as a saved page or as a picture. Meshcat draws it."""
+"""The view: an arm in the browser, live, in a saved page or a picture. Meshcat draws it."""
 
 from .files.inline import Inline
 from .files.page_export import page_html, save_html

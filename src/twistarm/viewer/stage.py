@@ -37,7 +37,7 @@ from .protocol.messages import Message, Request
 from .scene.placement import Placement
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")
-"""Requests that move the arm: not under a servo's hands."""
+"""Requests that move the arm, refused while a servo drives it."""
 
 LAYERS = {
     "screws": True,
@@ -79,7 +79,7 @@ class Stage(Show):
         self._before_drive = self.theta
 
     def show_solutions(self, answer: Answer | None) -> None:
-        """Keep these configurations for the pages, with the arm at the nearest. None releases them."""
+        """Show these configurations in the pages and move the arm to the nearest. None clears them."""
         if answer is None:
             self.solutions.release()
             return
@@ -136,7 +136,7 @@ class Stage(Show):
         self.driven = self.jogging = True
 
     def show_choice(self, on_unreachable: str, free: bool) -> None:
-        """The servo's behaviour at limits. `free`: a servo of the program follows the pages' choice."""
+        """The servo's behaviour at limits. `free`: a servo in your program follows this choice."""
         self.drive = {**self.drive, "on_unreachable": on_unreachable, "free": free}
 
     def begin_drive(self, note: str) -> None:
@@ -147,15 +147,15 @@ class Stage(Show):
         self.drive = {**self.drive, "on": True, "note": note}
 
     def end_drive(self, taken_over: bool) -> None:
-        """It has ended; `taken_over`: another servo drives by now."""
+        """The drive of the pages has ended. `taken_over`: another servo drives now."""
         self.drive = {**self.drive, "on": False, "note": ""}
-        after = self.seen()  # the list and the joints beside the arm were free, and have steps of their own
+        after = self.seen()  # changes of the list and of other joints have separate steps
         self.history.note("jog", "", after._replace(theta=self._before_drive), after)
         if not taken_over:
             self.set_servo_status(None)
 
     def set_servo_status(self, report: Mapping[str, Any] | None) -> None:
-        """What the servo says; None: it has ended."""
+        """Keep the servo's report. None: the servo has ended."""
         self.driven = report is not None
         self.jogging = self.jogging and self.driven
         self.report = SILENT if report is None else dict(report)
@@ -175,7 +175,7 @@ class Stage(Show):
         self.set_visible("numbers", False)
 
     def _drives(self, request: Request) -> bool:
-        """Whether it moves the arm, and not a joint beside it."""
+        """Whether the request moves the arm. A gripper's joint is not part of it."""
         gripper = request.kind == "joint" and request.fields["name"] in self.extra_joints
         return request.kind in DRIVING and not gripper
 
@@ -207,7 +207,7 @@ class Stage(Show):
         return {"type": "hello", "arm": describe_arm(self.arm), "links": dict(links)}
 
     def messages(self) -> list[Message]:
-        """All that is on show, the frame last."""
+        """Messages of the whole state, the frame last."""
         return [message for source in self.sources() for message in source()]
 
     def sources(self) -> list[Source]:
@@ -220,7 +220,7 @@ class Stage(Show):
         ]
 
     def frame(self) -> Message:
-        """Where everything stands."""
+        """The current frame: the pose of every node, time and whether a motion runs."""
         placed = self._placement.at(self.theta, self.others)
         return {
             "type": "frame",
@@ -230,5 +230,5 @@ class Stage(Show):
         }
 
     def servo(self) -> Message:
-        """Whether a servo drives the arm and takes commands, and its last status, null before the first."""
+        """Whether a servo drives the arm and takes commands, and its last status (None at first)."""
         return {"type": "servo", "jog": self.jogging, "driven": self.driven, **self.report}

@@ -12,7 +12,7 @@ from ..planning.within import require_within
 from ..support.checks import Array
 from ..support.errors import LimitError, listed
 from .parts.limit_checks import LIMIT_TOL
-from .parts.pose_list import LeftOut, told
+from .parts.pose_list import LeftOut, collecting_refusals
 from .parts.summary import extra_joints
 from .parts.tool_path import tool_path
 from .stage import Stage
@@ -28,10 +28,10 @@ def carry(old: Stage, new: Stage) -> list[str]:
     """
     new.visible, new.tolerances = old.visible, old.tolerances
     new.collisions.follow(old.collisions)
-    return [*_posture(old, new), *_poses(old, new), *_motion(old, new)]
+    return [*_configuration(old, new), *_poses(old, new), *_motion(old, new)]
 
 
-def _posture(old: Stage, new: Stage) -> Iterator[str]:
+def _configuration(old: Stage, new: Stage) -> Iterator[str]:
     values = dict(zip(old.arm.joint_names, old.theta.tolist(), strict=True)) | dict(old.others)
     names, limits = new.arm.joint_names, new.arm.limits
     stood: Array = np.array([values.get(name, start) for name, start in zip(names, new.theta, strict=True)])
@@ -53,7 +53,7 @@ def _poses(old: Stage, new: Stage) -> Iterator[str]:
     reasons: list[str] = []
     for moved, pose in [*here, *old.left]:
         before = len(reasons)
-        with told(reasons):
+        with collecting_refusals(reasons):
             reasons += new.poses.take(moved, [pose])
         if len(reasons) > before:
             left.append((moved, pose))

@@ -1,4 +1,4 @@
-"""The live view: an arm in the browser, drawn by Meshcat, moved from Python and from the page."""
+"""The live view: an arm in the browser, drawn by Meshcat, moved from Python and the page."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ MOVED = "the program moves the arm: Drive was switched off"
 
 
 class Viewer(Closeable):
-    """A view of `arm` at `theta`, by default the ready pose, served to the browser until `close`.
+    """A view of `arm` at `theta` (default: the ready pose), served to the browser until `close`.
 
-    host: the interface. Any other than the default opens the view to a network, with the token still required.
+    host: the interface. Any other host opens the view to a network. The token is still required.
 
     port: 0 takes a free one.
 
@@ -59,8 +59,7 @@ class Viewer(Closeable):
     return at once. `theta` and `recorded` wait at most a frame. `save_html`, `save_png` and `inline(static=True)` wait
     for the file and the meshes, `close` for the end.
 
-    Raises InputError for a theta of the wrong shape, a port in use or a closed view, and MissingExtraError without
-    Meshcat.
+    Raises InputError for a wrong theta, a port in use or a closed view, MissingExtraError without Meshcat.
     """
 
     def __init__(
@@ -129,9 +128,9 @@ class Viewer(Closeable):
     def show(self, theta: ArrayLike) -> None:
         """Stand at theta (n,) [rad, m]. Called faster than the pages can draw, the latest wins."""
         self._require_open()
-        self._stand(theta)
+        self._move_to(theta)
 
-    def _stand(self, theta: ArrayLike) -> None:
+    def _move_to(self, theta: ArrayLike) -> None:
         arm = self.arm
         checked = checked_theta(arm, theta).copy()
         self._server.driver.drop(MOVED)
@@ -178,10 +177,10 @@ class Viewer(Closeable):
     def watch(
         self, load: Callable[[], Arm], files: Iterable[Path], say: Callable[[str], None] = lambda _: None
     ) -> None:
-        """Show what `load` returns each time one of `files`, or a file that it read, changes.
+        """Show what `load` returns whenever one of `files`, or a file that it read, changes.
 
-        `twistarm.viewer.server.watching.loaded` finds the files of an arm. The pages show each load, or the reason of a
-        failure while the last good arm stays. `say` receives the same text, from another thread.
+        `twistarm.viewer.server.watching.loaded` finds the files of an arm. The pages show each load, or why it failed
+        while the last good arm stays. `say` receives the same text, from another thread.
 
         Args:
             load: A function that returns the arm.
@@ -200,7 +199,7 @@ class Viewer(Closeable):
         """Keyboard and gamepad commands of the pages, as a source for a stream.
 
         Each page is a separate sender, and two at once bring the arm to rest. Until `show_servo(None)`, sliders, poses
-        and trajectories of the pages are refused, and a page's drive ends.
+        and trajectories of the pages are refused. A page's drive ends.
         """
         self._server.driver.drop()
         self._server.commands.open = True
@@ -230,7 +229,7 @@ class Viewer(Closeable):
             return
         self._server.driver.drop()
         if isinstance(answer, Cycle) and answer.theta is not None:
-            self._stand(answer.theta)
+            self._move_to(answer.theta)
         if answer is None:
             self._server.commands.open = self._server.commands.free = False
             self._server.post("on_unreachable", lambda stage: self._server.show_choice())
@@ -294,12 +293,12 @@ class Viewer(Closeable):
         return write_whole(target, stand_alone(self._exhibit(trajectory)))
 
     def inline(self, height: float = HEIGHT, *, static: bool = False) -> Inline:
-        """The view for a notebook, `height` pixels high, shown as the last line of a cell.
+        """The view for a notebook, `height` pixels high, shown on a cell's last line.
 
         The frame holds the live page, for notebooks on localhost or 127.0.0.1. The notebook keeps its address, which is
         dead after the view closes. With `static` the frame holds a saved page. Use it for exported notebooks, nbviewer,
-        a remote JupyterHub, and VS Code. VS Code frames notebooks in `vscode-webview:`, shared by all its extensions,
-        and the live page refuses it.
+        a remote JupyterHub, and VS Code. VS Code frames notebooks in `vscode-webview:`, shared by all its extensions.
+        The live page refuses it.
 
         Args:
             height: Height of the frame [pixels].

@@ -37,7 +37,7 @@ flip = np.array([zyz[0] + np.pi, -zyz[1], zyz[2] + np.pi])
 assert np.allclose(rotations.from_euler("ZYZ", zyz), rotations.from_euler("ZYZ", flip))
 
 # ## Your arm
-assert np.abs(found.theta - theta).max(axis=1).min() < 1e-4 if len(found) else False, "the posture itself is among them"
+assert np.abs(found.theta - theta).max(axis=1).min() < 1e-4 if len(found) else False, "theta itself is among them"
 assert (found.position_error < 1e-6).all()
 assert (found.orientation_error < 1e-6).all()
 from twistarm import Approach

@@ -5,7 +5,7 @@ assert np.allclose(np.linalg.det(J), l1 * l2 * np.sin(bends))
 r = np.sqrt(l1**2 + l2**2 + 2 * l1 * l2 * np.cos(nearly))
 assert np.allclose(rates, np.degrees(r * outward / (l1 * l2 * np.sin(nearly))))
 
-# ## The worst posture inside your limits
+# ## The worst configuration inside your limits
 assert np.allclose(sigma, arm.manipulability(beside).singular_values)
 felt = J.T @ lost
 assert np.isclose(np.linalg.norm(felt), sigma[rank - 1])  # as little as the arm can feel

@@ -19,14 +19,14 @@ from ..folders import PART, Line, refused, walk
 from ..options import Json, takes_arm, takes_source
 from ..output import console, note, print_json, progress_bar, say, table
 from ..outputs import STDOUT, Force, Output, outputs_of
-from ..wording import told
+from ..wording import worded
 
 Against = Annotated[
     str | None,
     typer.Option(metavar="FILE", help="A golden file, a baked arm or another ARM: say what differs from it."),
 ]
 WORDS_SINCE = ("unchanged since", "CHANGED since", "changed")
-WORDS_BESIDE = ("the same as", "DIFFERENT from", "different")
+WORDS_AGAINST = ("the same as", "DIFFERENT from", "different")
 
 Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configurations to compare at.")]
 
@@ -70,7 +70,7 @@ def _print(result: CrossCheck, difference: Difference | None, against: str | Non
         say(verdict(result))
     else:
         # A .json is the arm as it was; anything else is another arm.
-        same, other, change = WORDS_SINCE if str(against).endswith(".json") else WORDS_BESIDE
+        same, other, change = WORDS_SINCE if str(against).endswith(".json") else WORDS_AGAINST
         say(f"{verdict(result)}; {same if difference.same else other} {against}")
         for words in difference.changes:
             say(f"{change}: {words}")
@@ -84,7 +84,7 @@ def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
     except DescriptionError as error:
         if is_part(path, error.findings):
             return Line(PART, None)
-        return refused(str(error), error.findings, error=without_places(told(error), path))
+        return refused(str(error), error.findings, error=without_places(worded(error), path))
     result = crosscheck(arm, samples)
     worst = max((row.worst for row in result.comparisons if not row.not_compared), default=0.0)
     return Line("ok" if result.ok else "WRONG", result.ok, arm, f"worst difference {worst:.1e}", {"worst": worst})

@@ -168,9 +168,9 @@ def _line(path: Path, load: dict[str, Any], strict: bool) -> Line:
     more = {"findings": [finding_json(one) for one in found]}
     if diagnosis.arm is None:
         return refused("", found, **more)
-    return Line(counted(found), _good(diagnosis, strict), diagnosis.arm, _grave(found), more)
+    return Line(counted(found), _good(diagnosis, strict), diagnosis.arm, _serious_codes(found), more)
 
 
-def _grave(findings: tuple[Finding, ...]) -> str:
+def _serious_codes(findings: tuple[Finding, ...]) -> str:
     """The codes of what is more than a remark."""
     return ", ".join(dict.fromkeys(one.code for one in findings if one.severity != "info"))

@@ -28,7 +28,7 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ...viewer import Viewer
 from ..asked_motion import motion_of_file
-from ..options import POSTURE, Json, Radians, takes_arm
+from ..options import CONFIGURATION, Json, Radians, takes_arm
 from ..output import console, print_json, progress_bar, say
 from ..robot import Hertz, Robot, Tolerance, require_inside, require_positive, takes_robot
 from ..servo_report import follow_json, follow_table
@@ -42,7 +42,7 @@ Motion = Annotated[
         metavar="MOTION", help="A *.csv, *.json or *.yaml, as `twistarm plan -o` writes it, or a motion.toml to plan."
     ),
 ]
-Stand = Annotated[str | None, POSTURE]
+Stand = Annotated[str | None, CONFIGURATION]
 Approach = Annotated[
     bool,
     typer.Option("--approach", help="Where the arm is elsewhere, move to the start first, straight in joint space."),
@@ -89,7 +89,7 @@ def follow(
         raise InputError(f"--speed is a share of the motion's own, at most 1; got {speed:g}")
     driven, read = motion_of_file(arm, motion, {"velocity": velocity, "acceleration": acceleration})
     planned = motion_of(usually_limited(driven), read)
-    x = _standing(arm, theta, planned, rad)
+    x = _simulated_start(arm, theta, planned, rad)
     admitted = robot.admitted()
     out, control, interlock = sys.stderr if json else sys.stdout, FollowControl(), Interlock()
     with ExitStack() as stack:
@@ -121,7 +121,7 @@ def follow(
     return 0 if report.ok else 1
 
 
-def _standing(arm: Arm, theta: str | None, motion: Trajectory, radians: bool) -> Array:
+def _simulated_start(arm: Arm, theta: str | None, motion: Trajectory, radians: bool) -> Array:
     """Where simulated joints stand, theta (n,): at the motion's start unless it was typed."""
     if theta is None:
         start: Array = np.clip(motion.waypoints[0], arm.limits.lower, arm.limits.upper)

@@ -112,7 +112,7 @@ def _built(
 ) -> Built:
     """The course on the typed arm, with its failures."""
     arm = as_keywords(source or "rover_arm", load)
-    place = folder or _kept_in(arm, names)
+    place = folder or _cache_folder(arm, names)
     try:
         with progress_bar(f"the guide on {source or 'rover_arm'}") as progress:
             built = build(place, arm, names, progress=progress)
@@ -124,7 +124,7 @@ def _built(
     return built
 
 
-def _kept_in(arm: Mapping[str, Any], names: Sequence[str] | None) -> Path:
+def _cache_folder(arm: Mapping[str, Any], names: Sequence[str] | None) -> Path:
     """The cache folder for the course on this arm; printed lessons are separate."""
     given = os.environ.get("XDG_CACHE_HOME", "")
     home = Path.home() / ("Library/Caches" if sys.platform == "darwin" else ".cache")

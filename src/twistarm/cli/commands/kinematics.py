@@ -12,7 +12,7 @@ from ...support.checks import Array
 from ...support.errors import InputError
 from ..configurations import configurations_in, poses_csv, tell_poses
 from ..csv_rows import Columns, read_sheet
-from ..options import POSTURE, Json, Radians, Theta, takes_arm
+from ..options import CONFIGURATION, Json, Radians, Theta, takes_arm
 from ..output import (
     console,
     jacobian_table,
@@ -50,7 +50,7 @@ class Kind(str, Enum):
 @takes_arm
 def fk(
     arm: Arm,
-    theta: Annotated[str | None, POSTURE] = None,
+    theta: Annotated[str | None, CONFIGURATION] = None,
     configurations: Configurations = None,
     columns: Columns = None,
     frame: Annotated[str | None, typer.Option(metavar="LINK", help="Another frame than the tip.")] = None,

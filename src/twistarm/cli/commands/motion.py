@@ -20,7 +20,7 @@ from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text, yaml_text
 from ...support.checks import as_positive
 from ...support.errors import InputError
-from ..asked_motion import Asked, capped, typed_targets
+from ..asked_motion import Typed, capped, typed_targets
 from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units
@@ -46,7 +46,7 @@ class Kind(str, Enum):
     s_curve = "s_curve"
 
 
-HOW = typer.Option(
+TIMING = typer.Option(
     help="How it is timed. Through poses: cubic unless given. With --line, --xyz or a motion.toml: s_curve unless "
     "given, or time_optimal, quintic."
 )
@@ -150,7 +150,7 @@ def plan(
     position_tol: PositionTol = None,
     orientation_tol: OrientationTol = None,
     start: Start = None,
-    kind: Annotated[Kind | None, HOW] = None,
+    kind: Annotated[Kind | None, TIMING] = None,
     velocity: Rate = None,
     acceleration: Rate = None,
     stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
@@ -175,7 +175,7 @@ def plan(
         raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
     met = typed_tolerances(position_tol, orientation_tol, rad)
     scene, law = avoided(arm, avoid), None if kind is None else kind.value
-    asked = Asked(arm, start, rad, line, stop, blend, linear_speed, law, met, unwrap, scene, max_time)
+    asked = Typed(arm, start, rad, line, stop, blend, linear_speed, law, met, unwrap, scene, max_time)
     asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line or scene), goals=len(to or xyz or ()))
     targets = typed_targets(xyz or (), rpy or (), direction or (), axis, rad)
     file = None if motion is None else load_motion(motion, arm)
@@ -256,7 +256,7 @@ def plan_table(arm: Arm, planned: Trajectory, radians: bool, limits: JointLimits
 
 
 def active_limits_table(active: Sequence[ActiveLimit]) -> Any:
-    """The limit that each stretch of a motion uses most; of many the longest stretches, in time order."""
+    """The limit that each stretch of a motion uses most. Of many stretches the longest, in time order."""
     longest = sorted(active, key=lambda each: each.begin - each.end)[:MOST_STRETCHES]
     rows = [
         [number(each.begin, 3), number(each.end, 3), each.describe(), f"{100.0 * each.share:.0f} %"]

@@ -12,7 +12,7 @@ from ...arm.loading.load import load_arm
 from ...guide.exercises import LESSONS, exercises_of
 from ...guide.exercises.files import HERE, write_exercises
 from ...guide.grading import Report, check_file
-from ...guide.grading.progress import begun, folder_of, folder_with_progress, kept, read_progress
+from ...guide.grading.progress import begun, folder_of, folder_with_progress, read_progress, save_report
 from ...guide.grading.report import SIGNS
 from ...guide.teaching.arm import arm as arm_of_the_lessons
 from ...support.files import as_path
@@ -34,7 +34,7 @@ def check(
     """
     path = as_path(file)
     report = check_file(path, _arm(source, load), seed)
-    trouble = kept(folder_of(path), report)
+    trouble = save_report(folder_of(path), report)
     if json:
         print_json(_as_json(report))
     else:
@@ -61,7 +61,7 @@ def progress(
 
 
 def _row(lesson: str, states: dict[str, dict[str, Any]]) -> list[str]:
-    """A lesson's line: the number of right ones, a sign for each, and the last verdicts."""
+    """A lesson's line: the number of right ones, a sign for each, the last verdicts."""
     tried = {name: each for name, each in states.items() if each["state"] != "right" and each["tries"]}
     words = ", ".join(f"{name} ({each['slip']})" if each["slip"] else name for name, each in tried.items())
     signs = "".join(SIGNS[each["state"]] for each in states.values())

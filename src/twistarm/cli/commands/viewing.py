@@ -20,7 +20,7 @@ from ...viewer.files.scene_snapshot import of_arm
 from ...viewer.files.screenshot import png_of
 from ...viewer.server.watching import loaded
 from ..asked_motion import motion_of_file
-from ..options import POSTURE, Radians, SceneFile, takes_source
+from ..options import CONFIGURATION, Radians, SceneFile, takes_source
 from ..output import say, warn
 from ..outputs import Force, Format, outputs_of
 from ..typed import parse_theta
@@ -64,7 +64,7 @@ FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
 def view(
     source: str,
     load: dict[str, Any],
-    theta: Annotated[str | None, POSTURE] = None,
+    theta: Annotated[str | None, CONFIGURATION] = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
     browser: Browser = True,

@@ -86,7 +86,7 @@ def _table(arm: Arm, report: WiringReport) -> Any:
 
 
 def _verdict(motor: MotorVerdict) -> str:
-    """In the table a fault that may be another's has a question mark."""
+    """The verdict for the table. A question mark: the fault may be another motor's."""
     return ", ".join(motor.faults) + "?" * (motor.verdict == "possible fault") or motor.verdict
 
 

@@ -20,7 +20,7 @@ class Bounds:
     """The data of an arm for a servo step.
 
     motion: the limits of motors with limits and of joints, less the position margin. The joints are its last n rows.
-    unit (n,): the factor of a coordinate's scaled number in rad, 1 or `length` for a slide. ready (n,): the
+    unit (n,): the factor from a coordinate's scaled number in rad, 1 or `length` for a slide. ready (n,): the
     configuration that shows an exactly singular arm the way out. The rest as in `ServoSettings`.
     """
 
@@ -66,11 +66,11 @@ def _made(arm: Arm, settings: ServoSettings) -> Bounds:
     unit = frozen(np.where(np.array(arm.units) == "m", length, 1.0))
     motion, stops = _motion(arm, settings.position_margin), settings.on_unreachable == STOP
     numbers = length, settings.singularity_threshold, settings.damping
-    compiled = engine.servo_of(_plain(arm, motion, unit), *numbers, stops)
+    compiled = engine.servo_of(_core_arguments(arm, motion, unit), *numbers, stops)
     return Bounds(motion, unit, arm.ready, *numbers, stops, compiled)
 
 
-def _plain(arm: Arm, motion: MotionLimits, unit: Array) -> tuple[Array, ...]:
+def _core_arguments(arm: Arm, motion: MotionLimits, unit: Array) -> tuple[Array, ...]:
     """What the core's servo takes: chain, motors' rows, limits of all rows, unit and ready."""
     motors, limits = len(motion.names) - arm.n, motion.limits
     rates = (limits.lower, limits.upper, limits.velocity, limits.acceleration)

@@ -30,27 +30,26 @@ TOOL, BASE = "tool", "base"
 FRAMES = (TOOL, BASE)
 
 FASTEST, FARTHEST = 1e4, 1e6
-"""Rates [m/s, rad/s] and positions [m] beyond these are no arm's; they come from wrong units or broken messages."""
+"""Greatest rates [m/s, rad/s] and positions [m] of an arm. Larger ones come from wrong units or broken messages."""
 
 HELD = {
     "position": (True, True, True, False, False, False),
     "orientation": (False, False, False, True, True, True),
 }
-"""Components (vx, vy, vz, wx, wy, wz) that are held, by the names of their halves."""
+"""Names of held components in (vx, vy, vz, wx, wy, wz)."""
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class TwistCommand(Brief):
-    """Move the tool: twist (v, w) (6,) [m/s, rad/s] of the tool's origin, in tool axes or in base axes.
+    """Move the tool: twist (v, w) (6,) [m/s, rad/s] of its origin, in tool or base axes.
 
-    frame="tool": the body twist V^b = (g⁻¹ ġ)^∨. frame="base": (ṗ, ω), the velocity of the tool's origin and the
-    angular velocity, both in base axes. This is not the spatial twist; its v is the velocity of the point at the base's
-    origin.
+    frame="tool": the body twist V^b = (g⁻¹ ġ)^∨. frame="base": (ṗ, ω), the tool origin's velocity and the angular
+    velocity, both in base axes. This is not the spatial twist. Its v is the velocity of the point at the base's origin.
 
-    hold: components that keep the tool where the hold began: "position", "orientation" or six booleans in the order of
-    the twist, along the axes of `frame`. They have priority, drift is corrected, and their twist must be 0.
+    hold: components to keep where the hold began, along the axes of `frame`: "position", "orientation" or six booleans
+    in the order of the twist. They have priority, drift is corrected, and their twist must be 0.
 
-    Raises InputError for a twist that is not six finite numbers, an unknown frame, or a held component with a twist.
+    Raises InputError for a twist without six finite numbers, an unknown frame, or a held component with a twist.
     """
 
     twist: Array
@@ -146,7 +145,7 @@ class PoseCommand(Brief):
 AnyCommand = TwistCommand | JogCommand | PoseCommand
 
 CommandLike = AnyCommand | Row | None
-"""What a step may be told: a command, six numbers for a twist in tool axes, or nothing."""
+"""What a step accepts: a command, six numbers for a twist in tool axes, or None."""
 
 
 def held_components(hold: Any) -> tuple[bool, ...]:

@@ -1,4 +1,4 @@
-"""The output of one servo step: joint rates, a status with its reason, and the lost part of the command."""
+"""The output of a servo step: joint rates, a status with its reason, and the lost command."""
 
 from __future__ import annotations
 
@@ -65,21 +65,21 @@ _OF_CAUSE = {
     Cause.UNUSABLE: (ServoStatus.STALE, ServoReason.STALE),
     Cause.NEAR: (ServoStatus.SLOWED_COLLISION, ServoReason.COLLISION),
 }
-"""The status of a step, and the reason that its cause gives."""
+"""The status of a step and its reason, by cause."""
 
-WORTH_SAYING = 0.02
-"""Of the command: a smaller loss is not put into words."""
+NOTABLE_LOSS = 0.02
+"""Least lost share of a command that the output mentions."""
 
 ALL = 0.95
-"""A larger share is all of it."""
+"""A larger lost share counts as all of it."""
 
-STANDING = 1e-3
-"""Of the command: an arm that does less of it stands."""
+STANDSTILL = 1e-3
+"""An arm that executes less than this share of the command counts as standing."""
 
 _NOTHING_LOST = frozen(np.zeros(6))
 
 
-class Asked(NamedTuple):
+class Request(NamedTuple):
     """A command to an arm at theta (n,), whether the arm stops where it cannot follow, and the pair that holds it."""
 
     arm: Arm
@@ -95,18 +95,18 @@ class ServoOutput(Brief):
 
     theta_dot (n,) [rad/s, m/s]: the joint rates for the coming dt.
 
-    scale: the executed share of the reachable command, 1 − ‖done − reachable‖ over the longer of the two, at least 0.
-    It is below 1 while the arm changes its speed, and where a limit or a singularity slows it.
+    scale: the executed share of the reachable command, at least 0: 1 − ‖done − reachable‖ over the longer of the two.
+    It is below 1 while the arm changes speed, or a limit or a singularity slows it.
 
-    lost_twist (6,) [m/s, rad/s], in the axes of the command's frame: the part that the arm cannot do here at any speed.
-    The cause is a missing motion, a singularity, or a joint at its end or braking toward it. At constant speed the tool
-    moves by scale · (twist − lost_twist). If the tool must turn to move, that rotation is in it with the opposite sign.
+    lost_twist (6,) [m/s, rad/s], in the axes of the command's frame: the part impossible here at any speed. The cause
+    is a missing motion, a singularity, or a joint that is or stops at its end. At constant speed the tool moves by
+    scale · (twist − lost_twist). A rotation that the tool needs in order to move is in it, with opposite sign.
 
     lost_share: ‖lost_twist‖ / ‖twist‖, with metres divided by the length.
 
     joint: the joint or motor most concerned by a limit or a singularity, or None.
 
-    remaining: the distance of a `PoseCommand` from its pose, [m] and [rad]; zeros for other commands.
+    remaining: the distance of a `PoseCommand` from its pose, [m] and [rad], else zeros.
     """
 
     theta_dot: Array
@@ -117,7 +117,7 @@ class ServoOutput(Brief):
     joint: str | None
     remaining: tuple[float, float]
     _why: str | Cause = field(repr=False)
-    _asked: Asked | None = field(default=None, repr=False)
+    _asked: Request | None = field(default=None, repr=False)
 
     @property
     def contact(self) -> Contact | None:
@@ -131,17 +131,17 @@ class ServoOutput(Brief):
             return _OF_STATUS[self.status]
         if isinstance(self._why, Cause) and (reason := _OF_CAUSE[self._why][1]):
             return reason
-        if self._asked and self.lost_share >= WORTH_SAYING:
+        if self._asked and self.lost_share >= NOTABLE_LOSS:
             return ServoReason.TURN_LOST
         return ServoReason.CHANGING_SPEED if self.scale < ALL else ServoReason.MOVING
 
     def explain(self) -> str:
         """Why the arm rests or does less than commanded, in one sentence, made on demand.
 
-        It names the joint or motor and its limit, the motion that the arm lacks here or everywhere, or the error in the
-        command. "stopped on its course" precedes it if settings.on_unreachable stopped the arm.
+        It names the joint or motor and its limit, the motion that the arm lacks, or the command's error. "stopped on
+        its course" precedes it if settings.on_unreachable stopped the arm.
         """
-        on_course = self._asked is not None and self._asked.stops and self.scale * (1.0 - self.lost_share) < STANDING
+        on_course = self._asked is not None and self._asked.stops and self.scale * (1.0 - self.lost_share) < STANDSTILL
         if on_course and self._words != self.status.value and self.status is not ServoStatus.IMPOSSIBLE_DIRECTION:
             return f"stopped on its course: {self._words}"
         return self._words
@@ -159,10 +159,10 @@ class ServoOutput(Brief):
             return f"{self.status.value}: {self.contact}"
         if self._why is Cause.VELOCITY:
             return f"slowed by the velocity limit of {self.joint}"
-        complete = self._why is Cause.NONE and self._missing_share < WORTH_SAYING
+        complete = self._why is Cause.NONE and self._missing_share < NOTABLE_LOSS
         if complete and self.scale < ALL:
             return ServoReason.CHANGING_SPEED.value
-        if self._asked and not (complete and self.lost_share < WORTH_SAYING):
+        if self._asked and not (complete and self.lost_share < NOTABLE_LOSS):
             return _missing(self._asked, self.lost_twist, self.joint, self.share)[1]
         return self.status.value
 
@@ -195,7 +195,7 @@ class ServoOutput(Brief):
         return cls(theta_dot, ServoStatus.STALE, 0.0, _NOTHING_LOST, 0.0, None, (0.0, 0.0), reason)
 
     @classmethod
-    def of(cls, answer: Answer, bounds: Bounds, asked: Asked) -> ServoOutput:
+    def of(cls, answer: Answer, bounds: Bounds, asked: Request) -> ServoOutput:
         """The output for an answer of the compiled step.
 
         Args:
@@ -221,15 +221,15 @@ class ServoOutput(Brief):
         return replace(output, status=status, _why=why)
 
 
-def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tuple[bool, str]:
-    """The graver half of the lost twist (6,): whether the arm has it nowhere, and its words."""
+def _missing(asked: Request, lost: Array, joint: str | None, share: float) -> tuple[bool, str]:
+    """The graver half of the lost twist (6,): whether the arm has it nowhere, and words."""
     turned = np.linalg.norm(lost[3:]) * asked.arm.reach >= np.linalg.norm(lost[:3])
     half, way = (ANGULAR, "turn") if turned else (LINEAR, "move")
     part = lost[list(half)]
     unit = part / max(float(np.linalg.norm(part)), np.finfo(float).tiny)
     twist = asked.command if isinstance(asked.command, TwistCommand) else None
     frame = BASE if twist is None else twist.frame
-    before, held = _going_before(twist, half)
+    before, held = _prior_components(twist, half)
     nowhere = lacks(asked.arm, asked.theta, half, unit, frame, before)
     on_the_way = turned and twist is not None and not twist.twist[3:].any()
     if not nowhere:
@@ -241,7 +241,7 @@ def _missing(asked: Asked, lost: Array, joint: str | None, share: float) -> tupl
     return True, (cannot_turn if turned else cannot_move)(unit, frame, held)
 
 
-def _going_before(twist: TwistCommand | None, half: tuple[int, ...]) -> tuple[tuple[int, ...], str]:
+def _prior_components(twist: TwistCommand | None, half: tuple[int, ...]) -> tuple[tuple[int, ...], str]:
     """The components that go before one half of a command, and what they are called."""
     held = [] if twist is None else [k for k in range(6) if twist.held[k] and k not in half]
     if half == ANGULAR:

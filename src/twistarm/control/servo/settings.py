@@ -16,19 +16,19 @@ ON_UNREACHABLE = (SLIDE, STOP)
 class ServoSettings:
     """Settings of `servo_step`.
 
-    length [m]: makes a metre comparable with a radian in singular values; None: the arm's `reach`.
+    length [m]: makes metres and radians comparable in singular values. None: the arm's `reach`.
 
     damping [s]: the τ of the servo's law (docs/servo.md), at least three steps. A twist of size V, in rad/s, is exact
     where the Jacobian's singular values are above √(τ V). More damping is calmer near singularities.
 
     on_unreachable: "slide" or "stop", at a joint limit or the end of the reach. The tool slides along as far as it can,
-    or slows down and stops on its course.
+    or slows down and stops on course.
 
     singularity_threshold: singular values below this (rad per rad, see `Manipulability`) count as singular.
 
     position_margin [rad or m]: distance that joints keep from their position limits.
 
-    max_dt [s]: longer steps are refused, because the arm was not watched for so long.
+    max_dt [s]: longer steps are refused, because the arm was unwatched for so long.
 
     Raises InputError for numbers that are not positive (the margin may be 0).
     """

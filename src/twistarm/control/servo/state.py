@@ -12,13 +12,13 @@ from ...support.checks import Array, as_theta, frozen
 from ...support.display import Brief
 from ...support.errors import InputError
 
-MOST = 1e6
-"""No joint is beyond it, nor as fast [rad, m, per s]."""
+MAX_VALUE = 1e6
+"""Greatest position and rate [rad, m, per s]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ServoState(Brief):
-    """The commanded arm: theta (n,) [rad, m], its rates theta_dot (n,), and the pose it holds.
+    """The commanded arm: theta (n,) [rad, m], its rates theta_dot (n,), and the held pose.
 
     theta integrates the commands and never the measurements, so noise cannot make it drift. `held` (4, 4) is the pose
     with held components, or None. `holding` are the flags of the command that holds them. `period` [s] is a slow mean
@@ -68,6 +68,6 @@ class ServoState(Brief):
         for name, value in checked.items():
             if value.ndim != 1:
                 raise InputError(f"{name} must be one configuration, shape ({arm.n},); got {value.shape}")
-            if np.abs(value).max(initial=0.0) > MOST:
-                raise InputError(f"{name} must be at most {MOST:g} in size; got {np.abs(value).max():g}")
+            if np.abs(value).max(initial=0.0) > MAX_VALUE:
+                raise InputError(f"{name} must be at most {MAX_VALUE:g} in size; got {np.abs(value).max():g}")
         return cls(frozen(checked["theta"]), frozen(checked["theta_dot"]))

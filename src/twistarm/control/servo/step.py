@@ -12,9 +12,9 @@ from ...support.errors import InputError, shown
 from .answer import Answer, Cause
 from .bounds import Bounds, bounds_of
 from .command import AnyCommand, CommandLike, JogCommand, PoseCommand, TwistCommand
-from .output import Asked, ServoOutput
+from .output import Request, ServoOutput
 from .settings import ServoSettings
-from .state import MOST, ServoState
+from .state import MAX_VALUE, ServoState
 
 if TYPE_CHECKING:
     from ...collision import Contact, Scene
@@ -33,33 +33,33 @@ def servo_step(
     settings: ServoSettings = _DEFAULT,
     scene: Scene | None = None,
 ) -> tuple[ServoState, ServoOutput]:
-    """One step of the servo: the state after `dt` [s] under `command`, and the joint rates that lead there.
+    """One step of the servo: the state after `dt` [s] of `command`, and its joint rates.
 
-    An unusable command raises no error, because a loop that raises loses the arm. The arm comes to rest within its
-    acceleration limits, and the status is STALE with the reason. A dt outside (0, settings.max_dt] or a state that
-    is not finite gives STALE with zero rates at once.
+    An unusable command raises no error, because a loop that raises loses the arm. The arm stops within its acceleration
+    limits. The status is STALE with the reason. A dt outside (0, settings.max_dt], or a state that is not finite, gives
+    STALE and zero rates at once.
 
     The rates minimise a strictly convex function, continuous in configuration and command (docs/servo.md). Away from
     singularities a twist is exact. If the arm lacks directions (below six joints, at a limit), held components come
-    first, then the linear part, then the angular part. The rest is lost and reported. Near a singularity the law damps
-    fast directions on the way in, not on the way out. Velocity and acceleration limits of joints and motors slow the
-    motion as a whole. A joint slows down toward its position limit. The others continue, or all stop on the course
+    first. The linear part is next, the angular part last. The rest is lost and reported. Near a singularity the law
+    damps fast directions only on the way in. Velocity and acceleration limits of joints and motors slow the motion as a
+    whole. A joint slows down toward its position limit. The others continue, or all stop on the course
     (settings.on_unreachable).
 
-    A missing limit is no limit: without acceleration limits rates jump, without velocity limits they follow the
+    A missing limit is no limit. Without acceleration limits rates jump; without velocity limits they follow the
     command. `stream.run` assumes limits there.
 
     Args:
         arm: The arm.
         state: The state before the step; `ServoState.at(arm, theta)` makes the first one.
-        command: A `TwistCommand`, `JogCommand` or `PoseCommand`; six numbers are a twist (v, w) [m/s, rad/s] in tool
-            axes; None is no command.
+        command: A `TwistCommand`, `JogCommand`, `PoseCommand` or None. Six numbers are a twist (v, w) [m/s, rad/s] in
+            tool axes.
         dt: The length of the step [s], in (0, settings.max_dt].
         settings: Margins, thresholds and the length that compares metres with radians.
         scene: Keeps the pairs of bodies of a scene apart (docs/servo.md); None to check nothing.
 
     Returns:
-        The state after the step and the `ServoOutput`: rates (n,) [rad/s, m/s], status, reason, and what was lost.
+        The state after the step and the `ServoOutput`: rates (n,) [rad/s, m/s], status, reason and loss.
 
     Raises:
         InputError: The arm, the state, the settings or the scene are of another type, or the scene is of another arm.
@@ -84,7 +84,7 @@ def servo_step(
     after = ServoState(answer.theta, answer.theta_dot, answer.held, _holding(checked), answer.period)
     if checked is None:
         return after, ServoOutput.stale(after.theta_dot, reason)
-    return after, ServoOutput.of(answer, bounds, Asked(arm, state.theta, checked, bounds.stops, contact))
+    return after, ServoOutput.of(answer, bounds, Request(arm, state.theta, checked, bounds.stops, contact))
 
 
 def _require_scene(scene: Scene, arm: Arm) -> None:
@@ -155,13 +155,13 @@ def _clean(arm: Arm, state: ServoState) -> ServoState:
 
 def _period(state: ServoState) -> float:
     period = _seconds(state.period)
-    if not 0.0 <= period <= MOST:
-        raise InputError(f"period must be a time from 0 to {MOST:g} s; got {shown(state.period)}")
+    if not 0.0 <= period <= MAX_VALUE:
+        raise InputError(f"period must be a time from 0 to {MAX_VALUE:g} s; got {shown(state.period)}")
     return period
 
 
 def _holding(command: AnyCommand | None) -> int | None:
-    """What a command holds, as its flags; None where it holds nothing."""
+    """The flags of the held components; None without any."""
     return command.flags if command is not None and command.flags > 1 else None
 
 

@@ -1,4 +1,4 @@
-"""The loop around the servo: commands in, setpoints out, joints watched; sources, sinks and simulated joints."""
+"""The loop around the servo: commands in, setpoints out, watched joints. Also sources, sinks and simulated joints."""
 
 from .cycles import Cycle
 from .driving import come_to_rest

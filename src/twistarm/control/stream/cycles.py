@@ -24,7 +24,7 @@ from .report import Ending, StreamReport, Tally
 from .watch import FeedbackWatch
 
 BRAKING_SPARE = 0.5
-"""Seconds that coming to rest may take beyond twice what velocity over acceleration says."""
+"""Extra seconds for braking, beyond twice velocity over acceleration."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -77,8 +77,8 @@ def worded(error: Exception) -> str:
 class Cycles(ABC, Generic[C]):
     """A loop, cycle by cycle, for programs with a timer.
 
-    Call `cycle` at `rate` [Hz] until it returns an ending. Then call `brake` at the same rate until it returns True,
-    then `halt` in any case. `arm` has assumed limits where the given one has none; `assumed` lists them.
+    Call `cycle` at `rate` [Hz] until it returns an ending. Then call `brake` at the same rate until it returns True.
+    Finally call `halt` in any case. `arm` has assumed limits where the given one has none; `assumed` lists them.
     """
 
     def __init__(
@@ -118,7 +118,7 @@ class Cycles(ABC, Generic[C]):
     def cycle(self, now: float, periods: int = 1) -> C:
         """One cycle: read the joints, take the command, step the servo, write the setpoint.
 
-        A device that fails, or a setpoint that is not finite, is an ending and raises nothing. Such a setpoint is not
+        A failing device, or a setpoint that is not finite, is an ending and raises nothing. Such a setpoint is not
         sent. Other exceptions are errors of a program.
 
         Args:
@@ -141,7 +141,7 @@ class Cycles(ABC, Generic[C]):
 
         A failure of the sink is recorded.
 
-        If the servo fails, the arm stops at once with zero rates at its last position.
+        If the servo fails, the arm stops at once: zero rates at its last position.
 
         Args:
             now: The clock's time [s].
@@ -221,14 +221,14 @@ class Cycles(ABC, Generic[C]):
         if isinstance(device, Interlocked):
             device.interlock = self.interlock
 
-    def _look(self, now: float) -> tuple[Measured | None, Array | None, str]:
+    def _measure(self, now: float) -> tuple[Measured | None, Array | None, str]:
         """What is measured, theta (n,) where it can be used, and why not."""
         measured = call_device(Ending.FEEDBACK_FAILED, self.feedback.read, now)
         theta, blind = self._watch.look(measured, now)
         self.tally.blind_reason = blind or self.tally.blind_reason
         return measured, theta, blind
 
-    def _hear(self, measured: Measured | None, now: float) -> None:
+    def _update_filter(self, measured: Measured | None, now: float) -> None:
         """In velocity mode, update the drives' filter with a usable joint state; None without one."""
         if self._observer is not None and self.state is not None:
             self._observer.hear(measured, now)
@@ -238,7 +238,7 @@ class Cycles(ABC, Generic[C]):
         if self._observer is not None:
             self._observer.start(self.state.theta, now)
 
-    def _untimely(self, now: float) -> str:
+    def _time_fault(self, now: float) -> str:
         """Why the time since the last step is not usable, or "". A period may be late by one."""
         elapsed = self.period if self._stepped is None else now - self._stepped
         if elapsed <= 0.0:
@@ -248,10 +248,11 @@ class Cycles(ABC, Generic[C]):
         return ""
 
     def _elapsed(self, now: float) -> float:
-        """Seconds of this step: the time since the last one, so a late cycle moves nothing faster than its rate. It is
-        one period at first, and if that time is unusable.
+        """Seconds since the last step, so that a late cycle moves nothing faster.
+
+        It is one period at first, and if that time is unusable.
         """
-        if self._stepped is None or self._untimely(now):
+        if self._stepped is None or self._time_fault(now):
             return self.period
         return min(max(now - self._stepped, ROUNDING * self.period), self.settings.max_dt)
 
@@ -305,7 +306,7 @@ class Cycles(ABC, Generic[C]):
 
 
 def checked_rate(rate: float, settings: ServoSettings) -> float:
-    """`rate` [Hz]. Raises InputError if it is not positive, or if a period exceeds the servo's longest step."""
+    """`rate` [Hz]. Raises InputError if it is not positive, or a period exceeds the servo's longest step."""
     checked = as_positive(rate, "rate")
     if 1.0 / checked > settings.max_dt:
         raise InputError(

@@ -25,7 +25,7 @@ def drive(
     until: Callable[[], bool] | None = None,
     before: Callable[[], object] | None = None,
 ) -> StreamReport:
-    """Run cycles until one returns an ending, `longest` [s] are over, `until` returns True, or an interrupt.
+    """Run cycles until one returns an ending, `longest` [s] pass, `until` returns True, or an interrupt.
 
     Then bring the arm to rest. `before` runs before each cycle and may raise `StreamError`.
     """
@@ -54,7 +54,7 @@ def drive(
 def come_to_rest(cycles: Cycles[C], metronome: Metronome, clock: Clock) -> bool:
     """Brake cycle by cycle, then send zero rates, also when Ctrl-C shortens the braking.
 
-    A clock that jumps ahead does not shorten the braking, because the needed cycles run in any case.
+    A clock that jumps ahead does not shorten the braking: the needed cycles run in any case.
 
     Args:
         cycles: The loop.
@@ -116,7 +116,7 @@ def _drive(
 
 
 def _wait(clock: Clock, metronome: Metronome, end: float) -> None:
-    """Sleep until the next cycle or the end, at most a period, because a clock may run backwards."""
+    """Sleep until the next cycle or the end, at most a period. A clock may run backwards."""
     clock.sleep_until(min(metronome.next, end, clock.now() + metronome.period))
 
 

@@ -11,13 +11,13 @@ from ...support.errors import one_line
 ENABLED, STOPPED, EMERGENCY_STOP = "enabled", "stopped", "emergency stop"
 
 WORDS = ("enable", "stop", "emergency stop", "clear")
-"""What messages may say to an interlock."""
+"""Words that messages may send to an interlock."""
 
 STATES = (ENABLED, STOPPED, EMERGENCY_STOP)
-"""What an interlock, or a robot of itself, may be."""
+"""States of an interlock, and those that a robot may report."""
 
 LONGEST_REASON = 200
-"""Characters of a reason that is kept: it may come from outside, and stands in every message."""
+"""Most characters of a reason. It may come from outside and is in every message."""
 
 
 class Permission(NamedTuple):
@@ -41,8 +41,8 @@ class Interlock:
     Thread-safe.
 
     It starts enabled unless `enabled` is False. If it forbids motion, `run` brings the arm to rest within its
-    acceleration limits and keeps it there; the stream continues. An emergency stop is latched: `enable` has no effect
-    before `clear`, which moves nothing (ISO 13850, 4.1.4). This is software and does not replace hardware.
+    acceleration limits. The stream continues. An emergency stop is latched: `enable` has no effect before `clear`,
+    which moves nothing (ISO 13850, 4.1.4). This is software and does not replace hardware.
     """
 
     def __init__(self, *, enabled: bool = True) -> None:

@@ -9,13 +9,13 @@ from typing import Any
 from ...support.errors import InputError, shown
 
 ROUNDING = 1e-6
-"""Part of a period that is none."""
+"""Part of a period that is rounding."""
 
 LATEST = 1e12
-"""Seconds that no clock shows (30,000 years), but one that counts in nanoseconds does."""
+"""Seconds (30,000 years) beyond any clock, except one that counts nanoseconds."""
 
 FINEST = 1e-6
-"""Lateness [s] below this is none."""
+"""Lateness [s] below this counts as 0."""
 
 BINS_PER_E = 100
 """Bins of the lateness within a factor e: percentiles are right to 1 %."""
@@ -43,9 +43,9 @@ class MonotonicClock:
 
 
 class Metronome:
-    """The grid t₀ + k · period [s], with t₀ the first tick; `next` is the next time.
+    """The grid t₀ + k · period [s] with t₀ the first tick. `next` is the next time.
 
-    early: the part of a period by which a tick may be early, for external timers with jitter.
+    early: the part of a period by which a tick may be early, for timers with jitter.
     """
 
     def __init__(self, period: float, early: float = ROUNDING) -> None:
@@ -56,11 +56,11 @@ class Metronome:
         self._index = 0
 
     def tick(self, now: float) -> int:
-        """The number of periods of this cycle: 1 on time, more after missed ones, 0 if too early.
+        """The number of periods of this cycle: 1 on time, more after a delay, 0 if early.
 
         −1 if time ran backwards by a period or more; the grid then restarts.
 
-        Raises InputError for a time that is not finite or at least 1e12 s; the grid stays unchanged.
+        Raises InputError for a time that is not finite or at least 1e12 s, and keeps the grid.
         """
         if not abs(require_time(now)) < LATEST:
             raise InputError(f"now must be seconds of a clock, below {LATEST:g}; got {shown(now)}")

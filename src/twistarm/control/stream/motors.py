@@ -12,13 +12,13 @@ from ...support.errors import InputError, listed
 from .protocols import Setpoint
 
 UNITS = ("joint", "motor", "counts")
-"""Of what goes to a robot and comes from it."""
+"""Units of values to and from a robot."""
 
 
 class MotorSide:
     """The arm as its drives see it, motor = G theta + o, differentials included.
 
-    units: "motor", in rad and m on the motors' side of the gears, or "counts" of the drives, not rounded.
+    units: "motor", rad and m on the motor side, or "counts" of the drives, not rounded.
 
     Raises InputError if the arm has no actuators, or joints that no motor determines.
     """

@@ -12,58 +12,58 @@ from ...support.checks import Array, frozen
 from .protocols import Measured
 
 GAIN_ERROR = 0.13
-"""Of a drive's rate, at most: what its motor and its gear ratio are off."""
+"""Greatest relative error of a drive's rate, from its motor and gear ratio."""
 
 VELOCITY_SHARE, ACCELERATION_SHARE = 0.85, 0.9
-"""Of the arm's limits that the servo plans with: the rest is for gains below 1 and for corrections."""
+"""Shares of the arm's limits for the servo. The rest is for gains below 1 and for corrections."""
 
 STIFFNESS = 5.0
-"""Of the position loop [1/s]: an error falls to a third in 0.2 s. It stays steady where a delay is 0.1 s off."""
+"""Gain of the position loop [1/s]: an error falls to a third in 0.2 s. It is stable with a delay error of 0.1 s."""
 
 CORRECTION = 0.15
-"""The fastest correction, as a share of a joint's velocity limit."""
+"""Greatest correction, as a share of a joint's velocity limit."""
 
 STILL = 1e-3
-"""A joint that is slower than this [rad/s, m/s] should stand, and a correction slower than this is none to it."""
+"""A joint slower than this [rad/s, m/s] should rest. A slower correction counts as 0."""
 
 NEAR_AT_REST = 2e-3
-"""A joint that should stand is led to within this of where it should [rad, m], and stands until it is off by twice."""
+"""A resting joint is corrected to within this [rad, m], and again from twice this error."""
 
 DELAY, LONGEST_DELAY = 0.07, 0.3
-"""From a setpoint to the joint state that shows its effect [s]: what is thought at first, and at most."""
+"""Delay from a setpoint to the joint state with its effect [s]: first guess and maximum."""
 
 SPACING = 0.004
-"""Least time between what is remembered of the rates sent [s]."""
+"""Least time between remembered rates [s]."""
 
 HALF_STEP = 0.8e-3
-"""Half a step of an encoder with 12 bits [rad]: a moving joint that is as near to where it should is not corrected."""
+"""Half a step of a 12-bit encoder [rad]. A moving joint with a smaller error is not corrected."""
 
 FIRST_DEVIATION = np.array([5e-4, 0.15, 0.05])
-"""Standard deviations at first: of a position [rad, m], a gain, a delay [s]."""
+"""Initial standard deviations of a position [rad, m], a gain, and the delay [s]."""
 
 WALK = np.array([1.5e-3, 5e-3, 5e-3])
-"""What they change by in a second of motion, as random walks do; the position at rest too."""
+"""Their random-walk changes in a second of motion; for the position also at rest."""
 
 NOISE, JITTER = 0.7e-3, 0.006
-"""Standard deviations of what is measured [rad, m], and of its time [s]."""
+"""Standard deviations of a measured position [rad, m] and of its time [s]."""
 
 
 def with_reserve(arm: Arm) -> Arm:
-    """The arm with reduced limits, so the servo's rates divided by the gains stay within those of `arm`."""
+    """The arm with reduced limits. The servo's rates divided by the gains then stay within those of `arm`."""
     given = arm.limits
     velocity, acceleration = VELOCITY_SHARE * given.velocity, ACCELERATION_SHARE * given.acceleration
     return replace(arm, limits=replace(given, velocity=velocity, acceleration=acceleration))
 
 
 class RateObserver:
-    """A Kalman filter for each joint's position θ and drive gain g, and one loop delay D for all joints.
+    """A Kalman filter for each joint's position θ and drive gain g, with one loop delay D.
 
     h(t) is the integral of the sent rates u, and θ' = g u. The state heard at t shows the joint as θ − g (h(now) − h(t
-    − D)). The delay is in the prediction (a Smith predictor) and not in the loop. A wrong gain leaves a lasting error,
-    a wrong delay one that vanishes at rest; this tells them apart.
+    − D)). The delay is in the prediction (a Smith predictor) and not in the loop. A wrong gain leaves a lasting error;
+    that of a wrong delay vanishes at rest.
 
-    `rates` closes a position loop: the servo's rate plus STIFFNESS times the distance to the servo's position, divided
-    by the gain, within the arm's velocity and acceleration limits.
+    `rates` closes a position loop: the servo's rate plus STIFFNESS times the distance to the servo's position. It is
+    divided by the gain and kept within the arm's velocity and acceleration limits.
     """
 
     def __init__(self, arm: Arm) -> None:
@@ -99,8 +99,7 @@ class RateObserver:
             self._update(measured.theta, min(measured.time, now))
 
     def rates(self, theta: Array, theta_dot: Array, elapsed: float, follow: bool = True) -> Array:
-        """The rates u (n,) for joints that should be at theta (n,) now and move at theta_dot (n,), `elapsed` [s] after
-        the last.
+        """The rates u (n,) for joints at theta (n,) with the rate theta_dot (n,), `elapsed` [s] after the last.
 
         Unless `follow`, theta is ignored and the joints come to rest as the servo does.
         """

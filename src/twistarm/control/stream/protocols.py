@@ -1,4 +1,4 @@
-"""Interfaces of the loop: a source of commands, a sink for setpoints, feedback from the joints, a clock.
+"""Interfaces of the loop: sources of commands, sinks for setpoints, feedback from joints, clocks.
 
 Any object with these methods works. An object that must be closed is a context manager, closed by its opener. A device
 that fails raises OSError or a TwistarmError. A sink without a listener raises `UndeliveredError`.
@@ -20,7 +20,7 @@ from .interlock import ENABLED
 class Reading(Brief):
     """The state of a source: a command and its age [s], or None and the reason.
 
-    `idle`: there was never a command, or the last one was a stop, so silence is normal.
+    `idle`: there was no command yet, or the last one was a stop. Silence is then normal.
     """
 
     command: AnyCommand | None
@@ -34,7 +34,7 @@ class Reading(Brief):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Measured(Brief):
-    """The joint positions theta (n,) [rad, m] and their time [s]; None and a reason if unknown."""
+    """The joint positions theta (n,) [rad, m] and their time [s]. If unknown, None and a reason."""
 
     theta: Array | None
     time: float
@@ -46,9 +46,9 @@ class Measured(Brief):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Setpoint(Brief):
-    """Rates theta_dot (n,) until the next setpoint, and the positions theta (n,) at that time.
+    """Rates theta_dot (n,) until the next setpoint, and positions theta (n,) then.
 
-    `time` [s] is the clock's at the computation, `number` counts from 0, `interlock` is the `Interlock`'s word.
+    `time` [s] is the clock's at the computation. `number` counts from 0. `interlock` is the `Interlock`'s word.
     """
 
     number: int

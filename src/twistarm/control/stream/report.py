@@ -30,7 +30,7 @@ class Ending(Enum):
     SERVO_FAILED = "the servo failed"
 
 
-AS_ASKED = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED, Ending.ARRIVED, Ending.STOPPED)
+ON_REQUEST = (Ending.DURATION, Ending.DONE, Ending.INTERRUPTED, Ending.ARRIVED, Ending.STOPPED)
 
 
 @dataclass(frozen=True, repr=False)
@@ -40,9 +40,9 @@ class StreamReport:
     cycles: begun ones, and `missed` ones of the grid, at `rate` [Hz] over `duration` [s]. late_p50, late_p99, late_max
     [s]: the lateness of cycles, the jitter. statuses, reasons: cycles of each.
 
-    waited, blind, uncommanded [s]: time before the first joint state, with a stale one after it, and without a command,
-    with the last reason of each. barred [s]: time without permission of the interlock, with the last reason. interlock:
-    its final word.
+    waited, blind, uncommanded [s]: time before the first joint state, with a stale one later, and without command. Each
+    has its last reason. barred [s]: time without permission of the interlock, with the last reason. interlock: its
+    final word.
 
     ending and reason: why it ended. at_rest: whether the commanded arm was at rest at the end. undelivered: why
     setpoints were lost. delivered: whether the last one arrived, as far as known. failures: errors while it came to
@@ -80,8 +80,8 @@ class StreamReport:
 
     @property
     def ok(self) -> bool:
-        """Whether it ended on request, with the arm moved at least once under watch and at rest."""
-        return self.ending in AS_ASKED and self.started and self.at_rest and self.delivered and not self.failures
+        """Whether it ended on request, at rest, after at least one watched motion."""
+        return self.ending in ON_REQUEST and self.started and self.at_rest and self.delivered and not self.failures
 
     @property
     def started(self) -> bool:
@@ -146,7 +146,7 @@ class Tally:
         self.failures: Counter[str] = Counter()
 
     def count(self, *, blind: str = "", uncommanded: str = "", barred: str = "") -> None:
-        """Count a cycle, with the reasons if it had no fresh joint state, no command or no permission."""
+        """Count a cycle and its reasons: no fresh joint state, no command, no permission."""
         self.blind += bool(blind)
         self.uncommanded += bool(uncommanded)
         self.uncommanded_reason = uncommanded or self.uncommanded_reason

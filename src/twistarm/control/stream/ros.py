@@ -1,4 +1,4 @@
-"""ROS 2's messages as plain data, without ROS, for any object with their fields; see examples/ros2/twistarm_servo."""
+"""ROS 2's messages as plain data, without ROS, for any object with their fields (examples/ros2/twistarm_servo)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
 """Levels of a diagnostic_msgs/DiagnosticStatus."""
 
 WAITING = "WAITING"
-"""The status before the first joint state, and after a device has failed."""
+"""The status before the first joint state and after a device failure."""
 
 
 def positions_of(arm: Arm, message: Any) -> dict[str, float]:
@@ -42,7 +42,7 @@ def twist_of(message: Any) -> list[float]:
 
 
 def frame_of(arm: Arm, frame_id: str, unsaid: str) -> str:
-    """The frame "tool" or "base" for a frame_id, and `unsaid` for an empty one, as joystick tools send it.
+    """The frame "tool" or "base" for a frame_id. `unsaid` replaces an empty one, as joystick tools send it.
 
     Raises InputError for any other.
     """
@@ -84,7 +84,7 @@ def pose_of(arm: Arm, message: Any) -> AnyCommand:
 
 
 class TrajectoryPoint(NamedTuple):
-    """A point of a trajectory_msgs/JointTrajectory: positions, velocities, and time_from_start as sec and nanosec."""
+    """A point of a trajectory_msgs/JointTrajectory: positions, velocities, time_from_start (sec, nanosec)."""
 
     positions: list[float]
     velocities: list[float]
@@ -93,11 +93,11 @@ class TrajectoryPoint(NamedTuple):
 
 
 def trajectory_points(arm: Arm, setpoint: Setpoint, ahead: float) -> list[TrajectoryPoint]:
-    """The setpoint as a point `ahead` [s] from now, and, if it moves then, a point where the arm is at rest.
+    """The setpoint as a point `ahead` [s] from now. If it moves then, a second point is at rest.
 
-    All joints brake evenly over the time T of the slowest, Δθ = θ̇ T / 2; the servo's rates leave room for this.
-    Controllers refuse a trajectory that ends with a velocity, and each setpoint is an end. Without another trajectory
-    the arm comes to rest within its limits, or the assumed ones.
+    All joints brake evenly over the slowest's time T, Δθ = θ̇ T / 2. The servo's rates leave room for this. Controllers
+    refuse a trajectory that ends with a velocity, and each setpoint is an end. Without another trajectory the arm comes
+    to rest within its limits, or the assumed ones.
     """
     if not ahead * NANOSECONDS >= 1.0:
         raise InputError(f"a trajectory's point lies ahead in time; got {ahead!r} s")
@@ -130,7 +130,7 @@ class Diagnosis(NamedTuple):
 
 
 def diagnosis_of(cycle: Cycle, tally: Tally) -> Diagnosis:
-    """The state of the stream at this cycle: an error without a joint state or after its end."""
+    """The state of the stream now: an error without a joint state or after its end."""
     output = cycle.setpoint.output if cycle.setpoint is not None else None
     late = tally.lateness
     status, joint, *_ = status_of(cycle)

@@ -22,32 +22,33 @@ SUBSTEP = 0.002
 """Longest step of the simulation [s]."""
 
 GAIN = 40.0
-"""Of the drives' position loop [1/s]: an error falls to a third in 25 ms, as with small servo drives."""
+"""Gain of the drives' position loop [1/s]: an error falls to a third in 25 ms, as with small servo drives."""
 
 HOLD_AFTER = 0.1
-"""Without a new setpoint for so long [s], the drives hold their position and forget the rate."""
+"""Seconds without a new setpoint after which the drives hold their position."""
 
 VELOCITY_RESERVE, ACCELERATION_RESERVE = 1.2, 2.0
-"""What drives can do beyond the arm's limits: without a reserve a joint that is a moment late never catches up with a
-motion at its limits, and overshoots where that brakes."""
+"""What drives can do beyond the arm's limits. Without a reserve a late joint never catches up with a motion at its
+limits, and overshoots when it brakes.
+"""
 
-THERE = 1e-9
+ARRIVED = 1e-9
 """A joint this near its goal [rad, m] is at it."""
 
 LONGEST_QUEUE = 10_000
-"""Setpoints under way; more is a latency that was given in milliseconds."""
+"""Most setpoints under way. More mean that a latency was given in milliseconds."""
 
 
 class SimulatedJoints:
     """The joints of `arm`, at rest at `theta` (n,): a sink and a feedback.
 
-    A setpoint takes effect `latency` [s] later. Each joint then moves at the setpoint's rate plus 40 1/s times its
-    position error, within `velocity` and `acceleration` (n,) [rad/s, m/s, and per s²]. By default these are the arm's
-    limits or the assumed ones, plus the usual reserve of drives. `assumed` lists assumed limits. At a position limit a
-    joint stops dead. `step` advances time by hand; `write` and `read` first advance it to now. With your own clock the
-    same calls give the same motion.
+    A setpoint takes effect `latency` [s] later. Each joint moves at the setpoint's rate plus 40 1/s times its position
+    error. `velocity` and `acceleration` (n,) [rad/s, m/s, and per s²] limit it. By default these are the arm's limits
+    or assumed ones, plus the usual reserve of drives. `assumed` lists assumed limits. At a position limit a joint stops
+    dead. `step` advances time by hand; `write` and `read` first advance it to now. With your own clock the same calls
+    give the same motion.
 
-    Raises InputError for a negative latency, limits that are not positive, a theta of another shape.
+    Raises InputError for a negative latency, limits that are not positive, or a wrong theta shape.
     """
 
     def __init__(
@@ -112,7 +113,7 @@ class SimulatedJoints:
         while self._now < end:
             self._receive()
             until = min(end, self._queue[0][0]) if self._queue else end
-            if not self._standing:
+            if not self._at_rest_at_goal:
                 until = min(until, self._now + SUBSTEP)
                 self._move(until - self._now)
             self._now = until
@@ -128,7 +129,7 @@ class SimulatedJoints:
             self._goal = np.clip(goal, self._lower, self._upper)
 
     @property
-    def _standing(self) -> bool:
+    def _at_rest_at_goal(self) -> bool:
         """Whether nothing will move until another setpoint arrives."""
         return not self._theta_dot.any() and not self._rate.any() and bool((self._goal == self._theta).all())
 
@@ -143,7 +144,7 @@ class SimulatedJoints:
         most = self._acceleration * h
         self._theta_dot += np.clip(wanted - self._theta_dot, -most, most)
         self._theta += self._theta_dot * h
-        there = (np.abs(self._goal - self._theta) < THERE) & (np.abs(self._theta_dot) < THERE / SUBSTEP)
+        there = (np.abs(self._goal - self._theta) < ARRIVED) & (np.abs(self._theta_dot) < ARRIVED / SUBSTEP)
         if there.all() and not self._rate.any():
             self._theta, self._theta_dot = self._goal.copy(), np.zeros_like(self._rate)
         self._stop_at_limits()

@@ -1,4 +1,4 @@
-"""The loop around the servo: in each cycle, take the command, step the servo, send the setpoint."""
+"""The loop around the servo. Each cycle takes the command, steps the servo and sends the setpoint."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from ...collision import Scene
 
 TOLERANCE = 0.2
-"""How far a joint may be from where it was commanded to be [rad, m]."""
+"""Allowed distance of a joint from the command [rad, m]."""
 
 RELEASE_FIRST = "release the controls first: they were held when the arm was enabled"
 
 
 class Streaming(Cycles[Cycle]):
-    """A stream, cycle by cycle (see `Cycles`), for loops with a timer; the arguments are those of `run`."""
+    """A stream, cycle by cycle (see `Cycles`), for loops with a timer. The arguments are those of `run`."""
 
     def __init__(
         self,
@@ -66,9 +66,9 @@ class Streaming(Cycles[Cycle]):
         self._held = not self.interlock.allows_motion  # a command since before the arm was enabled, which moves nothing
 
     def _cycle(self, now: float) -> Cycle:
-        measured, theta, blind = self._look(now)
+        measured, theta, blind = self._measure(now)
         self._start(theta, now)
-        self._hear(None if blind else measured, now)
+        self._update_filter(None if blind else measured, now)
         reading = call_device(Ending.SOURCE_FAILED, self.source.read, now, self.state)
         command, uncommanded = self._command(reading)
         barred = self.interlock.look().barrier
@@ -82,7 +82,7 @@ class Streaming(Cycles[Cycle]):
         if barred:
             command, uncommanded = None, ""
         self.tally.count(blind=blind, uncommanded=uncommanded, barred=barred)
-        reason = strayed or barred or blind or self._untimely(now) or uncommanded
+        reason = strayed or barred or blind or self._time_fault(now) or uncommanded
         setpoint = self._step(None if reason else command, now, reason)
         undelivered = self._send(setpoint)
         self._restart_at_rest(theta, now, released=command is None)
@@ -94,7 +94,7 @@ class Streaming(Cycles[Cycle]):
         return Cycle(now, None, None, None, reason, ending, interlock=self.interlock.word)
 
     def _start(self, theta: Array | None, now: float) -> None:
-        """Start at the measured theta: the first one, or one that returns while the commanded arm rests.
+        """Start at the measured theta: the first, or one that returns while the commanded arm rests.
 
         The arm may have moved meanwhile, so it is not sent back.
         """
@@ -120,7 +120,7 @@ class Streaming(Cycles[Cycle]):
         return self._moved(state, output, now, follow=True)
 
     def _restart_at_rest(self, theta: Array | None, now: float, released: bool) -> None:
-        """In velocity mode, restart at the measured position after the arm has rested for a while without a command."""
+        """In velocity mode, restart at the measured position after resting a while without a command."""
         if not (self.velocity_mode and released and self.at_rest and theta is not None):
             self._released = inf
             return
@@ -157,26 +157,24 @@ def run(
 ) -> StreamReport:
     """Stream `source`'s commands through the servo to `sink` at `rate` [Hz] until something ends it.
 
-    Missing velocity and acceleration limits are assumed (1 rad/s, 3 rad/s²; 0.25 m/s, 1 m/s²), and the report says so.
+    Missing velocity and acceleration limits are assumed (1 rad/s, 3 rad/s²; 0.25 m/s, 1 m/s²). The report says so.
 
     The servo waits for the first joint state of `feedback` and starts there. A command is valid for `command_timeout`
-    [s]. No command counts while the joint state is older than `feedback_timeout` [s] or after a cycle later than the
-    servo's longest step. The arm then comes to rest within its acceleration limits and continues when all is well. If
-    it came to rest without a joint state, it restarts at the measured position.
+    [s]. Commands are ignored while the joint state is older than `feedback_timeout` [s]. They are also ignored after a
+    cycle later than the servo's longest step. The arm then stops within its acceleration limits, and continues when all
+    is well. If it came to rest without a joint state, it restarts at the measured position.
 
-    A joint farther than `tolerance` (one number or (n,)) [rad, m] from all setpoints within the last `feedback_timeout`
+    A joint farther than `tolerance` (one number or (n,)) [rad, m] from all setpoints of the last `feedback_timeout`
     ends the stream. While `interlock` forbids motion, the arm comes to rest and waits. Each cycle, each setpoint and
-    the report have its word. After it is enabled, the controls must be released first: a cycle without a command, or
-    with a zero twist or jog.
+    the report have its word. After it is enabled, the controls must be released first: a cycle without a motion.
 
-    Robots that accept only rates receive the servo's rates plus a correction toward the servo's position. A filter
-    learns each drive's gain and delay (`RateObserver`). The servo reserves 15 % of the velocity and 10 % of the
-    acceleration limits for it. Without a command nothing is corrected, and at rest the servo restarts at the measured
-    position.
+    Robots that accept only rates receive the servo's, plus a correction toward the servo's position. A filter learns
+    each drive's gain and delay (`RateObserver`). The servo reserves 15 % of the velocity and 10 % of the acceleration
+    limits for it. Without a command nothing is corrected. At rest the servo restarts at the measured position.
 
-    At every end (time, Ctrl-C, a failing device, an exception of `on_cycle`) the arm comes to rest within its limits,
-    and the last setpoint has zero rates. A second Ctrl-C stops at once. The report has the errors of devices (OSError,
-    TwistarmError); other exceptions are raised at the end. An undelivered setpoint (`UndeliveredError`) is counted and
+    At every end (time, Ctrl-C, a failing device, an exception of `on_cycle`) the arm stops within its limits. The last
+    setpoint has zero rates. A second Ctrl-C stops at once. The report has the errors of devices (OSError,
+    TwistarmError). Other exceptions are raised at the end. An undelivered setpoint (`UndeliveredError`) is counted and
     ends nothing.
 
     Args:
@@ -193,19 +191,19 @@ def run(
         scene: The bodies that the servo keeps apart, or None.
         velocity_mode: Whether the robot takes rates alone.
         interlock: The switch that allows motion, or None.
-        handle_signals: Whether SIGTERM and SIGHUP end the stream as Ctrl-C does, in the main thread and where the
-            program has no handler of its own; they have their usual effect again once it has returned.
+        handle_signals: Whether SIGTERM and SIGHUP end the stream as Ctrl-C does. This works in the main thread, and if
+            the program has no handler. On return the old effect is back.
         duration: Greatest duration [s]; None for no limit.
         until: A function whose true result ends the stream, or None.
-        on_cycle: Called with each `Cycle` between its setpoint and the next one, or None; it must be quick.
+        on_cycle: Called with each `Cycle` between its setpoint and the next, or None. It must be quick.
         clock: The clock, by default the system's monotonic one.
 
     Returns:
         The `StreamReport`: cycles, jitter, stale inputs, failures, and how the stream ended.
 
     Raises:
-        InputError: A rate, timeout, tolerance or duration is not positive, the settings are of another type, or a
-            period is longer than the servo's longest step.
+        InputError: A rate, timeout, tolerance or duration is not positive, the settings have another type, or a period
+            exceeds the servo's longest step.
     """
     require_callback(until, "until", "nothing")
     require_callback(on_cycle, "on_cycle", "a Cycle")

@@ -26,8 +26,8 @@ class FeedbackWatch:
     """Whether the measurement is usable and the arm follows.
 
     timeout [s]: older joint states are stale. tolerance (n,) or one number [rad, m]: the allowed distance of a joint
-    from all setpoints within the last `timeout`; a shorter lag is no deviation. `returned`: whether the last joint
-    state was the first after a gap longer than `timeout`.
+    from all setpoints of the last `timeout`. A shorter lag is no deviation. `returned`: whether the last joint state
+    was the first after a gap longer than `timeout`.
     """
 
     def __init__(self, arm: Arm, timeout: float, tolerance: ArrayLike) -> None:
@@ -74,7 +74,7 @@ class FeedbackWatch:
             self._now = np.minimum(lower, theta), np.maximum(upper, theta)
 
     def error(self, theta: Array) -> Array | None:
-        """The distance of each joint (n,) from all setpoints within the last timeout; None before the first."""
+        """Each joint's distance (n,) from all setpoints of the last timeout. None before the first."""
         if self._now is None:
             return None
         lower, upper = self._now

@@ -1,4 +1,4 @@
-"""The course built on an arm: run every lesson, write its page and the pages around it."""
+"""The course built on an arm: every lesson run, its page and the pages around it."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def build(
     names: Sequence[str] | None = None,
     progress: Callable[[float], object] = lambda done: None,
 ) -> Built:
-    """Build the course, or the lessons `names` of it, on the arm that `load_arm(**arm)` loads, into `folder`.
+    """Build the course, or its lessons `names`, into `folder`. The arm is `load_arm(**arm)`.
 
     An earlier build stays if the arm's files and twistarm are unchanged and nothing failed. A failed lesson gets a page
     that says so, and the others are built.

@@ -48,7 +48,7 @@ def _sine_of_nothing() -> Slip:
         "Sine and cosine without an argument (2.1.1)",
         r"The elementary rotations write $\sin$ and $\cos$ alone, and one of them $R_v(\beta)$ for $R_y(\beta)$. An "
         r"angle belongs in each, and with it its unit: what computes takes radians.",
-        f"Turned by 1 rad instead of 1°, a point at 1 m from the axis is {_far(wrong, right):.3f} m off.",
+        f"Turned by 1 rad instead of 1°, a point at 1 m from the axis is {_gap(wrong, right):.3f} m off.",
     )
 
 
@@ -82,7 +82,7 @@ def _square_of_a_norm() -> Slip:
 
 def _double_cover() -> Slip:
     Q = rotations.to_quaternion_wxyz(rotations.exp([1, 2, 3], 0.4))
-    same = _far(rotations.from_quaternion_wxyz(Q), rotations.from_quaternion_wxyz(-Q))
+    same = _gap(rotations.from_quaternion_wxyz(Q), rotations.from_quaternion_wxyz(-Q))
     return Slip(
         "Quaternions are no global parametrisation (2.1.1)",
         r"They are written $\mathbb{H}$, not $\mathbb{Q}$, which are the fractions. And unit quaternions cover the "
@@ -121,8 +121,8 @@ def _series() -> Slip:
         r"The axis turns for $\theta$ units of time at unit rate, not at unit velocity for $\omega$ units; and the "
         r"series runs through $\theta^4/4!$ and $\theta^6/6!$, not $\omega^4/4!$ and $\omega^6/6!$: $\omega$ is a "
         r"vector.",
-        f"At $\\theta = {theta}$ the series is ${rough(_far(right, exact))}$ from the rotation; with $\\|\\omega\\| = "
-        f"1$ in place of $\\theta$ in those two terms it is {_far(wrong, exact):.3f} from it.",
+        f"At $\\theta = {theta}$ the series is ${rough(_gap(right, exact))}$ from the rotation; with $\\|\\omega\\| = "
+        f"1$ in place of $\\theta$ in those two terms it is {_gap(wrong, exact):.3f} from it.",
     )
 
 
@@ -139,7 +139,7 @@ def _unit_axis() -> Slip:
         r"\sin(\|\omega\|\theta) + \frac{\hat\omega^2}{\|\omega\|^2} (1 - \cos(\|\omega\|\theta))$.",
         "For $\\omega = (0, 0, 2)$ and 30° the short formula gives a matrix of determinant "
         f"{np.linalg.det(careless):.3f}, no rotation; the long one is within "
-        f"${rough(max(_far(careful, rotations.exp(w, theta)), 1e-16))}$ of the exponential.",
+        f"${rough(max(_gap(careful, rotations.exp(w, theta)), 1e-16))}$ of the exponential.",
     )
 
 
@@ -279,7 +279,7 @@ def _tip(l1: float, l2: float, first: float, second: float) -> Array:
     )
 
 
-def _far(A: Array, B: Array) -> float:
+def _gap(A: Array, B: Array) -> float:
     return float(np.abs(A - B).max())
 
 

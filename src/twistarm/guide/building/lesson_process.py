@@ -1,9 +1,8 @@
-"""The process of one lesson: it runs the cells and writes text and outputs as HTML.
+"""The process of one lesson: it runs the cells and writes their text and outputs as HTML.
 
     python -m twistarm.guide.building.lesson_process LESSON.py SCENES OUT.json
 
-The outcome is JSON: `body`, `sections` (name and title of each), and `failed` (empty, or a sentence with the cell and
-the reason).
+The outcome is JSON: `body`, `sections` (name and title of each) and `failed`, empty or a sentence with cell and reason.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from ..teaching.markup import program, slug
 from .cells import Cell, cells_of
 
 LONGEST_OUTPUT = 20_000
-"""Characters of what a cell prints that a page shows."""
+"""Most characters of a cell's output on a page."""
 
 
 def outcome(path: Path, scenes: Path) -> dict[str, Any]:
@@ -48,7 +47,7 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
                 output = f'<p class="failed" role="note">{escape(failed)}. The programs after it did not run.</p>'
         if cell.shown:
             body.append(program(cell.source))
-        elif not _speaks_only(cell.source):
+        elif not _only_calls_guide(cell.source):
             programs.append(cell.source)
         body.append(output)
         if output and programs:
@@ -80,7 +79,7 @@ def _folded(programs: list[str]) -> str:
     return fold("The program behind this", program("\n\n\n".join(programs)), "fold program")
 
 
-def _speaks_only(source: str) -> bool:
+def _only_calls_guide(source: str) -> bool:
     with suppress(SyntaxError):
         return all(ast.unparse(each).startswith("guide.") for each in ast.parse(source).body)
     return False

@@ -23,7 +23,7 @@ SCRIPTS = tuple(f"sliders/{name}.js" for name in ("numbers", "bench", "space", "
 """Of pages with sliders, in the order in which they need one another."""
 
 Titles = Mapping[str, str]
-"""Of the lessons, by name."""
+"""Titles of the lessons by name."""
 
 
 def site_text(name: str) -> str:

@@ -16,7 +16,7 @@ SOLUTION = r"<details[^>]*><summary>Show a solution</summary>.*?</details>"
 
 
 def pdf_of(site: Path, lesson: str, solutions: bool = True) -> bytes:
-    """The PDF of a lesson of the site in `site`, fully unfolded; without `solutions` a sheet for a class.
+    """The PDF of a lesson of the site in `site`, unfolded. Without `solutions` it is a sheet for a class.
 
     Raises TwistarmError without a browser, or if it prints nothing.
     """

@@ -1,4 +1,4 @@
-"""Exercises on all solutions of inverse kinematics: the Paden–Kahan subproblems, and the flip of a wrist."""
+"""Exercises on all solutions of inverse kinematics: the Paden–Kahan subproblems, and a wrist's flip."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def _turns(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
 
 
 def _circles(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
-    """Axes at an angle, and circles that cross well away from the plane of both axes."""
+    """Axes at an angle. The circles cross well away from the plane of both axes."""
     for _ in range(TIMES):
         while True:
             omega_1, omega_2, r, p = unit(rng), unit(rng), rng.normal(size=3), rng.normal(size=3)

@@ -47,10 +47,10 @@ def whole(answer: Any, *_: Any) -> Any:
 class Exercise:
     """A function for the reader to write.
 
-    `model` is the model solution, a function with the exercise's name and the prompt as docstring. `reference` gives
-    the right answer from an independent source. `instances(rng, arm)` yields tuples of arguments: numbers, texts and
-    arrays. `seen(answer, *arguments)` is the part that counts if several answers are right, as the rotation of a
-    quaternion. `tolerance` is relative to the largest expected number, at least 1.
+    `model` is the model solution, named as the exercise, with the prompt as docstring. `reference` gives the right
+    answer from an independent source. `instances(rng, arm)` yields tuples of arguments: numbers, texts and arrays.
+    `seen(answer, *arguments)` is the graded part if several answers are right, as the rotation of a quaternion.
+    `tolerance` is relative to the largest expected number, at least 1.
     """
 
     model: Callable[..., Any]

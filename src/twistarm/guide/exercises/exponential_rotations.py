@@ -24,7 +24,7 @@ def skew(omega: Array) -> Array:
 def rodrigues(omega: Array, theta: float) -> Array:
     """The rotation exp(ω̂θ) (3, 3), by Rodrigues' formula. `omega` (3,) may have any length, 0 too.
 
-    The angle of the turn is ‖ω‖ θ [rad]: the length of `omega` is a part of it. Where it is 0, that is the identity.
+    The angle of the turn is ‖ω‖ θ [rad], including the length of `omega`. Where it is 0, that is the identity.
     """
     length = np.linalg.norm(omega)
     if length < 1e-12:
@@ -40,8 +40,8 @@ def rotation_log(R: Array) -> Array:
     """The rotation vector ωθ (3,) of a rotation `R` (3, 3): its direction is the axis, its length the angle [rad], from
     0 to π.
 
-    Take an angle below 1e-6 as 0, and one above π − 1e-6 as a half turn with either axis direction. `R` comes from a
-    computer: its trace may be slightly above 3, or below −1.
+    Take an angle below 1e-6 as 0. Above π − 1e-6 it is a half turn, and either axis direction is right. `R` comes from
+    a computer: its trace may be slightly above 3, or below −1.
     """
     theta = np.arccos(np.clip((np.trace(R) - 1.0) / 2.0, -1.0, 1.0))
     if theta < 1e-6:

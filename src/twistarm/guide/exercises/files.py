@@ -1,4 +1,4 @@
-"""The files that a reader fills in: Python for each lesson, and tasks for Octave and MATLAB."""
+"""The reader's files: Python for each lesson, and tasks for Octave and MATLAB."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def python_text(lesson: str) -> str:
 
 
 def exercise_files(arm: Arm) -> Iterator[tuple[str, str]]:
-    """Name and text of every file; those for Octave and MATLAB hold instances of that arm."""
+    """Name and text of every file. Those for Octave and MATLAB hold instances of the arm."""
     for lesson in LESSONS:
         yield f"{lesson}.py", python_text(lesson)
     for name, text in octave_files(arm):

@@ -29,8 +29,8 @@ def chain_of_frames(frames: Array) -> Array:
 def product_of_exponentials(twists: Array, home: Array, x: Array) -> Array:
     """The pose of the tool (4, 4), g_st = exp(ξ̂₁x₁) ⋯ exp(ξ̂ₘxₘ) g_st(0).
 
-    `twists` (6, m) has the twist (v, ω) of a joint in each column, in base coordinates at the home posture. `home` (4,
-    4) is the tool's pose there, g_st(0). `x` (m,) are the joints' values [rad, m]. Use your `twist_exp`, or
+    Each column of `twists` (6, m) is the twist (v, ω) of a joint, in base coordinates at the home configuration.
+    `home` (4, 4) is the tool's pose there, g_st(0). `x` (m,) are the joint values [rad, m]. Use your `twist_exp`, or
     `screws.exp` after `from twistarm import screws`.
     """
     from twistarm import screws
@@ -42,7 +42,7 @@ def product_of_exponentials(twists: Array, home: Array, x: Array) -> Array:
 
 
 def body_screws(twists: Array, home: Array) -> Array:
-    """The same joints' twists seen from the tool in the home posture: (6, m), ξᵢᵇ = Ad(g_st(0)⁻¹) ξᵢ.
+    """The twists of the same joints (6, m), seen from the tool in the home configuration: ξᵢᵇ = Ad(g_st(0)⁻¹) ξᵢ.
 
     Use your `adjoint`, or `screws.adjoint` after `from twistarm import screws`.
     """
@@ -53,8 +53,10 @@ def body_screws(twists: Array, home: Array) -> Array:
 
 
 def body_product(body_twists: Array, home: Array, x: Array) -> Array:
-    """The pose of the tool (4, 4) from twists ξᵢᵇ seen from the tool in the home posture, the columns of `body_twists`
-    (6, m): g_st = g_st(0) exp(ξ̂₁ᵇx₁) ⋯ exp(ξ̂ₘᵇxₘ). Use `screws.exp` after `from twistarm import screws`.
+    """The pose of the tool (4, 4) from its body twists: g_st = g_st(0) exp(ξ̂₁ᵇx₁) ⋯ exp(ξ̂ₘᵇxₘ).
+
+    The columns of `body_twists` (6, m) are the twists ξᵢᵇ seen from the tool in the home configuration. Use
+    `screws.exp` after `from twistarm import screws`.
     """
     from twistarm import screws
 
@@ -181,13 +183,13 @@ EXERCISES = (
             Slip(
                 "axes carried along",
                 "You carry each twist to where the joints before it have brought the axis, and then multiply in the "
-                "order base to tip. The product of exponentials takes the twists as they are in the home posture.",
+                "order base to tip. The product of exponentials takes the twists of the home configuration.",
                 {"exp(twists[:, i]": "exp(screws.adjoint(g) @ twists[:, i]"},
             ),
             Slip(
                 "axes of the moment",
                 "You multiply the exponentials of the axes as they are now, moved by all joints before them. The "
-                "product of exponentials takes the twists as they are in the home posture.",
+                "product of exponentials takes the twists of the home configuration.",
                 {
                     "    g = np.eye(4)\n": "    from twistarm import poe\n    twists = "
                     "poe.spatial_jacobian(twists, x)\n    g = np.eye(4)\n"

@@ -13,7 +13,7 @@ from ...support.errors import missing_extra
 def expm(matrix: Array) -> Array:
     """The exponential of a square matrix by its power series, with halving and squaring.
 
-    SciPy's takes a thousand times as long for small matrices if its threads wait for each other.
+    For small matrices SciPy's is a thousand times slower if its threads wait for each other.
     """
     halvings = max(int(np.ceil(np.log2(max(float(np.abs(matrix).sum()), 1e-9)))) + 4, 0)
     term = power = np.eye(len(matrix))
@@ -26,7 +26,7 @@ def expm(matrix: Array) -> Array:
 
 
 def pose_log(g: Array) -> Array:
-    """The twist (v, ω) of a pose: ω is SciPy's rotation vector, and p = (∫₀¹ exp(ω̂s) ds) v gives v.
+    """The twist (v, ω) of a pose. ω is SciPy's rotation vector, and p = (∫₀¹ exp(ω̂s) ds) v gives v.
 
     The integral is a corner of the exponential of [ω̂, I; 0, 0].
     """

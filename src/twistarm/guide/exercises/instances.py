@@ -37,7 +37,7 @@ def pose(rng: np.random.Generator) -> Array:
 
 
 def angle(rng: np.random.Generator) -> float:
-    """An angle from 0.2 to 2.9 rad with either sign: not small and no half turn, which hide mistakes."""
+    """An angle from 0.2 to 2.9 rad with either sign. Small angles and half turns would hide mistakes."""
     return float(rng.uniform(0.2, 2.9) * rng.choice([-1.0, 1.0]))
 
 
@@ -51,7 +51,7 @@ def column(rng: np.random.Generator, kind: str) -> Array:
 
 
 def chain(rng: np.random.Generator) -> tuple[Array, Array, Array]:
-    """Screws (6, m), home (4, 4) and joint values (m,) of a random chain of three to seven joints with slides.
+    """Screws (6, m), home (4, 4) and joint values (m,) of a random chain of three to seven joints.
 
     The first joint turns and is not at 0, so it moves the axes after it.
     """
@@ -60,7 +60,7 @@ def chain(rng: np.random.Generator) -> tuple[Array, Array, Array]:
 
 
 def own_chain(rng: np.random.Generator, arm: Arm) -> tuple[Array, Array, Array]:
-    """Screws, home and joint values of the reader's arm at a random configuration, mimic joints included."""
+    """Screws, home and joint values of the reader's arm at random, mimic joints included."""
     return np.array(arm.screws), np.array(arm.home), arm.coupling.A @ arm.random_theta(rng)
 
 

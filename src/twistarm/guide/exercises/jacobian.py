@@ -64,7 +64,7 @@ def tool_velocity(J_s: Array, p: Array, rates: Array) -> Array:
     return velocity
 
 
-def _postures(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+def _configurations(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
     for twists, _, x in chains(rng, arm):
         yield twists, x
 
@@ -93,7 +93,7 @@ def _by_power(J_b: Array, F_t: Array) -> Array:
 
 
 def _by_motion(J_s: Array, p: Array, rates: Array) -> Array:
-    """By difference: the motion of this twist moves the point for a millionth of a second, and back."""
+    """By difference: the motion of this twist moves the point for a microsecond, and back."""
     V = (J_s @ rates)[:, None]
     h = np.array([1e-6])
     ahead, behind = (motion_of(V, h * sign) @ np.append(p, 1.0) for sign in (1.0, -1.0))
@@ -104,7 +104,7 @@ EXERCISES = (
     Exercise(
         spatial_jacobian,
         spatial_columns,
-        _postures,
+        _configurations,
         (
             Slip(
                 "columns not moved",

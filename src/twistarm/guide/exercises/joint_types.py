@@ -53,7 +53,7 @@ def _centres(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
 
 
 def _stacks(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
-    """Joints with a fourth turn about a ball's centre, a plane with one more, a doubled one; the arm's own."""
+    """Joints with a fourth turn about a ball's centre, or one too many in a plane, or a copy; also the arm's."""
     w, q = unit(rng), rng.normal(size=3)
     turns = [np.concatenate([-np.cross(each, q), each]) for each in (*np.eye(3), unit(rng))]
     slides = [np.concatenate([np.cross(w, each), np.zeros(3)]) for each in (unit(rng), unit(rng), unit(rng))]
@@ -236,7 +236,7 @@ EXERCISES = (
             ),
             Slip(
                 "what is missing",
-                "You count the directions that are missing, 6 less the rank. Asked for are those that there are.",
+                "You count the directions that are missing, 6 less the rank. The answer is the rank itself.",
                 {"int(np.linalg.matrix_rank(twists, tol=1e-9))": "6 - int(np.linalg.matrix_rank(twists, tol=1e-9))"},
             ),
         ),

@@ -1,4 +1,4 @@
-"""The tasks for Octave and MATLAB: functions to fill in, and scripts that run them and write the answers."""
+"""The tasks for Octave and MATLAB: functions to fill in, and scripts that write their answers."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ SCRIPTS = {
 """The scripts, of the guide's sections 2.1.3, 2.2.3 and 4, and the functions that each of them runs."""
 
 FOLDER = Path(__file__).with_name("octave")
-"""The model solutions, a file each."""
+"""Folder of the model solutions, one file each."""
 
 MARK = "% --- yours from here on ---\n"
-"""In a model solution, where its own part begins."""
+"""Line in a model solution after which the reader's part begins."""
 
 SCRIPT = """% Runs your functions on some instances, and writes what they answer to results_{name}.csv.
 % Then: twistarm guide check results_{name}.csv

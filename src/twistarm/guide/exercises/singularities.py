@@ -83,7 +83,7 @@ def _axes(J_b: Array) -> Array:
     return np.array(np.sqrt(np.maximum(values, 0.0)))
 
 
-def _left_over(J: Array) -> Array:
+def _remainder(J: Array) -> Array:
     """The rest of a vector after its projection onto an orthonormal basis of the columns."""
     Q = np.linalg.qr(J[:, :5])[0]
     rest = np.eye(6) - Q @ Q.T
@@ -200,7 +200,7 @@ EXERCISES = (
     ),
     Exercise(
         carried_wrench,
-        _left_over,
+        _remainder,
         _singular,
         (
             Slip(

@@ -33,7 +33,7 @@ def quintic_velocity(t: float, T: float, theta0: float, theta1: float) -> float:
 def shortest_time(distance: float, velocity: float, acceleration: float) -> float:
     """The least duration [s] of a cubic from rest to rest over `distance` (of either sign) that keeps to both limits.
 
-    Over u = t/T, the cubic 3 u² − 2 u³ has the greatest slope 3/2 and the greatest curvature 6.
+    Over u = t/T, the cubic 3 u² − 2 u³ has the greatest slope 3/2 and curvature 6.
     """
     d = abs(distance)
     return float(max(1.5 * d / velocity, np.sqrt(6 * d / acceleration)))

@@ -52,8 +52,8 @@ def twist_exp(xi: Array, theta: float) -> Array:
 
 
 def pose_log(g: Array) -> Array:
-    """The logarithm of a pose `g` (4, 4): the twist ξθ = (v, ω), (6,), with exp(ξ̂θ) = g. The length of ω is the angle;
-    it is less than a half turn here, and may be 0.
+    """The logarithm of a pose `g` (4, 4): the twist ξθ = (v, ω), (6,), with exp(ξ̂θ) = g. The length of ω is the angle.
+    Here it is less than a half turn and may be 0.
 
     For ω you may use `rotations.log(R)`, after `from twistarm import rotations`.
     """
@@ -96,13 +96,13 @@ def _displacements(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ..
 
 
 def _velocity_at_points(axis: Array, point: Array, pitch: float) -> Array:
-    """The twist by its effect: v is the velocity of the body's point at the origin."""
+    """The twist by its effect: v is the velocity of the body point at the origin."""
     w = axis / np.sqrt(np.sum(axis**2))
     return np.concatenate([np.cross(w, np.zeros(3) - point) + pitch * w, w])
 
 
 def _screw_by_solving(xi: Array) -> tuple[Array, Array, float]:
-    """Axis point q and pitch h by least squares of v = −ω × q + hω, of least ‖q‖."""
+    """Axis point q and pitch h by least squares of v = −ω × q + hω, with the least ‖q‖."""
     W = twist_matrix(np.concatenate([np.zeros(3), xi[3:]]))[:3, :3]
     solution = np.linalg.lstsq(np.column_stack([-W, xi[3:]]), xi[:3], rcond=None)[0]
     return xi[3:] / np.sqrt(np.sum(xi[3:] ** 2)), np.array(solution[:3], float), float(solution[3])

@@ -99,7 +99,7 @@ def _elbow(l1: float, l2: float, r: float) -> float:
 
 
 def _both(l1: float, l2: float, x: float, y: float) -> Array:
-    """By the intersection of two circles: elbow points, and the directions of the links from there."""
+    """By intersecting two circles: elbow points, and the directions of the links from there."""
     target = complex(x, y)
     r = abs(target)
     along = (r * r + l1 * l1 - l2 * l2) / (2 * r)
@@ -112,7 +112,7 @@ def _both(l1: float, l2: float, x: float, y: float) -> Array:
 
 
 def _directions(angles: Any, *_: Any) -> Array:
-    """Unchanged angles; within 1e-5 of a half turn −π and π are one, because rounding decides between them."""
+    """Unchanged angles. Within 1e-5 of a half turn −π and π are one, because rounding decides."""
     return np.where(np.abs(np.add(angles, np.pi)) < 1e-5, np.pi, angles)
 
 

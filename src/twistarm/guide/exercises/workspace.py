@@ -31,14 +31,16 @@ def dextrous(l1: float, l2: float, l3: float) -> Array:
     return np.array([l1 - l2 + l3, l1 + l2 - l3])
 
 
-def cloud(twists: Array, home: Array, postures: Array) -> Array:
-    """Where the tool's origin is, (N, 3) [m], at N postures (N, m) [rad, m] of an arm with the joints' twists `twists`
-    (6, m), seen from the base, and the home pose `home` (4, 4). Use `screws.exp` after `from twistarm import screws`.
+def cloud(twists: Array, home: Array, configurations: Array) -> Array:
+    """Positions of the tool's origin (N, 3) [m] at N configurations (N, m) [rad, m].
+
+    `twists` (6, m) are the joints' twists seen from the base, `home` (4, 4) is the tool's pose at zero. Use
+    `screws.exp` after `from twistarm import screws`.
     """
     from twistarm import screws
 
     points = []
-    for x in postures:
+    for x in configurations:
         g = np.eye(4)
         for xi, value in zip(twists.T, x, strict=True):
             g = g @ screws.exp(xi, value)
@@ -67,7 +69,7 @@ def _links(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
         yield float(l2 + l3 + rng.uniform(0.05, 0.4)), float(l2), float(l3)
 
 
-def _postures(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
+def _configurations(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:
     for _ in range(3):
         screws, home, x = chain(rng)
         yield screws, home, x * rng.uniform(-1.0, 1.0, (4, 1))
@@ -82,7 +84,7 @@ def _triangle(l1: float, l2: float, x: float, y: float) -> bool:
 
 
 def _by_the_wrist(l1: float, l2: float, l3: float) -> Array:
-    """The wrist moves in an annulus, which must contain a whole circle of radius l3 about the tip."""
+    """The wrist moves in an annulus. It must contain a whole circle of radius l3 about the tip."""
     inner, outer = l1 - l2, l1 + l2
     distances = np.linspace(0.0, l1 + l2 + l3, 100_001)
     inside = (np.abs(distances - l3) >= inner) & (distances + l3 <= outer)
@@ -183,8 +185,8 @@ EXERCISES = (
     ),
     Exercise(
         cloud,
-        lambda screws, home, postures: np.array([tool(screws, home, x)[:3, 3] for x in postures]),
-        _postures,
+        lambda screws, home, configurations: np.array([tool(screws, home, x)[:3, 3] for x in configurations]),
+        _configurations,
         (
             Slip("home forgotten", NO_HOME, {"(g @ home)": "g"}),
             Slip(
@@ -195,7 +197,7 @@ EXERCISES = (
             Slip("degrees", DEGREES, {"exp(xi, value)": "exp(xi, np.radians(value))"}),
             Slip(
                 "goes on from the last",
-                "Each posture goes on from the one before: begin each with the identity, inside the loop.",
+                "Each configuration goes on from the one before: begin each with the identity, inside the loop.",
                 {"    points = []\n": "    points = []\n    g = np.eye(4)\n", "        g = np.eye(4)\n": ""},
             ),
             Slip(

@@ -1,4 +1,4 @@
-"""The grader of the exercises: a reader's function or file against independent answers and known mistakes."""
+"""The grader of the exercises: a reader's function or file against independent answers and typical mistakes."""
 
 from __future__ import annotations
 

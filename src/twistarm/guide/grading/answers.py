@@ -1,4 +1,4 @@
-"""Answers in the grader's form: a shape or the forms of the parts, and all numbers in a row."""
+"""Answers in the grader's form: a shape or the parts' forms, and all numbers in a row."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LARGEST = 10_000
 
 @dataclass(frozen=True)
 class Failure:
-    """An error of a function or a file: its type, its text, and the last line of the reader's file in it.
+    """An error of a function or a file: type, text, and the last line of the reader's file.
 
     `module` is the module that could not be imported. `signature` is that of a function with the wrong arguments.
     """
@@ -53,7 +53,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Answer:
-    """One answer: its value (a number, an array, a list of values, None), its form and its numbers.
+    """One answer: its value (a number, an array, a list, None), its form and its numbers.
 
     `error` is the error instead of a value. `changed` are the arguments that the function changed. `strange` describes
     a result that is no value.

@@ -11,7 +11,7 @@ from ...arm.arm import Arm
 from ...support.errors import InputError, UnknownNameError, closest, listed, shown
 from ...support.files import read_bounded, why_no_file
 from ..exercises import LESSONS, Exercise, every_exercise, exercises_of
-from .progress import kept
+from .progress import save_report
 from .report import Report
 from .results import HEADER, verdicts_on
 from .running import SECONDS, Run, run, run_function
@@ -47,15 +47,14 @@ def check(function: Callable[..., Any], arm: Arm, seed: int = 0) -> Report:
     cases = cases_of(exercises[name], arm, seed)
     done = run_function(function, name, [case.arguments for case in cases])
     report = Report(name, (judged(exercises[name], cases, done.answers[name]),), printed=done.printed)
-    kept(Path(), report, only_there=True)
+    save_report(Path(), report, only_there=True)
     return report
 
 
 def check_file(path: Path, arm: Arm, seed: int = 0, seconds: float = SECONDS) -> Report:
-    """Grade the exercises in a Python file, or in a results file that the Octave and MATLAB scripts write.
+    """Grade the exercises in a Python file, or in a results file of Octave or MATLAB.
 
-    A file named as a lesson (`2_1_1_quaternions.py`) must have all its exercises; in others the existing functions are
-    graded.
+    A file named as a lesson (`2_1_1_quaternions.py`) must have all its exercises. In others those found are graded.
 
     Args:
         path: The file.

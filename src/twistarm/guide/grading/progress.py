@@ -54,7 +54,7 @@ def folder_with_progress(given: Path, usual: Path) -> Path:
 
 
 def folder_of(path: Path) -> Path:
-    """The folder with a graded file's progress: the file's own, or the one above if only that has progress."""
+    """The folder with a graded file's progress: the file's, or the one above if only that has progress."""
     own = path.absolute().parent
     above = why_no_file(own / NAME) == NO_SUCH_FILE and not why_no_file(own.parent / NAME)
     return own.parent if above else own
@@ -66,7 +66,7 @@ def begun(folder: Path) -> None:
         _write(folder, {})
 
 
-def kept(folder: Path, report: Report, only_there: bool = False) -> str:
+def save_report(folder: Path, report: Report, only_there: bool = False) -> str:
     """Note a report in the folder's file. Returns a sentence if that fails; the report is valid either way.
 
     With `only_there` nothing is written if the folder has no such file.

@@ -1,4 +1,4 @@
-"""A report on a file or a function: a verdict for each exercise, or why there is none."""
+"""A report on a file or a function: a verdict per exercise, or why there is none."""
 
 from __future__ import annotations
 

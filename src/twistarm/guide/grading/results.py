@@ -1,4 +1,4 @@
-"""The results file of the Octave and MATLAB exercises: arguments and answers of their functions, as CSV.
+"""The results file of the Octave and MATLAB exercises: arguments and answers as CSV.
 
 A line is `exercise,case,argument,k,rows,columns,numbers…` or `exercise,case,answer,0,rows,columns,numbers…`, numbers
 column by column, or `exercise,case,error,0,0,0,text`. The last line, `# N cases`, counts the cases.
@@ -140,7 +140,7 @@ def _as(numbers: Any, axes: int) -> Any:
 
 
 def _answer(entry: dict[str, Any], case: Case) -> Answer:
-    """An answer, with a row or column made a vector or a number if one is expected."""
+    """An answer. A row or column becomes a vector or a number if one is expected."""
     text = entry.get("error", None if "answer" in entry else "it gave no answer")
     if text is not None:
         return Answer(error=Failure("NotImplementedError" if "not written yet" in text else "an error", text))

@@ -1,4 +1,4 @@
-"""A reader's code, run in copies of this process with limits for its time, its memory and what it prints.
+"""A reader's code, run in copies of this process with limits of time, memory and output.
 
 One copy reads a file. Another answers each exercise, so that one exercise cannot spoil the next.
 """
@@ -25,13 +25,13 @@ from .answers import Answer, Failure, of_function
 from .verdict import why_stopped
 
 SECONDS = 10.0
-"""For the file to be read, and for each exercise again."""
+"""Time limit for reading the file, and for each exercise."""
 
 MEMORY = 2**30
-"""Bytes that the code may take, where the system has such a limit."""
+"""Bytes that the code may use, if the system has such a limit."""
 
 OUTPUT = 10_000
-"""Characters of what is printed that are kept; the rest is forgotten."""
+"""Most characters of output to keep."""
 
 IN_SANDBOX = "TWISTARM_GUIDE_GRADING"
 """Set while a reader's code is graded: a `check` in it does nothing then."""
@@ -47,7 +47,7 @@ class Run:
     """The result of a file: its functions, each exercise's answers, its output, and its errors.
 
     `own` are the functions that the file defines itself. `answers` has a text for an exercise that ended the process.
-    `problem` says why the file cannot be used; `excerpt` shows a syntax error with a caret below.
+    `problem` says why the file is unusable. `excerpt` shows a syntax error with a caret below.
     """
 
     functions: tuple[str, ...] = ()
@@ -83,18 +83,18 @@ def run_function(function: Callable[..., Any], name: str, rows: Rows, seconds: f
 
 
 def _in_a_copy(work: Callable[[], Any], seconds: float) -> tuple[Any, str]:
-    """The result of the work in a copy of this process, or how the copy ended; and what it printed."""
+    """The result of the work in a copy of this process, or how the copy ended, and its output."""
     context = multiprocessing.get_context("fork")
-    told, telling = context.Pipe(duplex=False)
+    receiver, sender = context.Pipe(duplex=False)
     with TemporaryFile("w+", encoding="utf-8", errors="replace") as printed:
-        copy = context.Process(target=_be_the_copy, args=(lambda: telling.send(work()), printed))
+        copy = context.Process(target=_run_copy, args=(lambda: sender.send(work()), printed))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of threads: the copy uses nothing that they hold
             copy.start()
-        telling.close()
+        sender.close()
         try:
             late = f"was not done after {seconds:g} s: does a loop or a recursion never end?"
-            result = told.recv() if told.poll(seconds) else late
+            result = receiver.recv() if receiver.poll(seconds) else late
         except (EOFError, OSError):
             copy.join(1.0)
             result = _how_it_ended(copy.exitcode)
@@ -103,7 +103,7 @@ def _in_a_copy(work: Callable[[], Any], seconds: float) -> tuple[Any, str]:
                 os.killpg(copy.pid or 0, signal.SIGKILL)  # with all that it has started
             copy.kill()
             copy.join()
-            told.close()
+            receiver.close()
         printed.seek(0)
         return result, printed.read()
 
@@ -130,8 +130,8 @@ class _Printed(io.TextIOBase):
         return len(text)
 
 
-def _be_the_copy(work: Callable[[], None], printed: TextIO) -> None:
-    """Release the terminal or notebook, limit the memory to `MEMORY` more than now, work, and end at once."""
+def _run_copy(work: Callable[[], None], printed: TextIO) -> None:
+    """Release the terminal or notebook, limit the memory to `MEMORY` more, work, and end at once."""
     try:
         os.setsid()
         sys.stdin, sys.stdout = io.StringIO(), _Printed(printed)
@@ -148,7 +148,7 @@ def _be_the_copy(work: Callable[[], None], printed: TextIO) -> None:
 
 
 def _answers(function: Callable[..., Any], rows: Rows, file: str) -> list[Answer]:
-    """The answers of a function to the rows, until it says that it is not written."""
+    """A function's answers to the rows, up to the first that is not written."""
     answers: list[Answer] = []
     for row in rows:
         answers.append(of_function(function, row, file))
@@ -158,7 +158,7 @@ def _answers(function: Callable[..., Any], rows: Rows, file: str) -> list[Answer
 
 
 def _load(source: str, name: str, folder: Path) -> tuple[Run, Functions]:
-    """A reader's file as it was read, and the functions that it defines; none where it cannot be run."""
+    """A reader's file and the functions that it defines; none if it cannot be run."""
     try:
         code = compile(source, name, "exec", dont_inherit=True)
     except SyntaxError as error:

@@ -1,4 +1,4 @@
-"""A verdict on answers in one sentence: right, a known mistake, or the first wrong case."""
+"""A verdict on answers in one sentence: right, a typical mistake, or the first wrong case."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Case:
 
 
 def cases_of(exercise: Exercise, arm: Arm, seed: int) -> list[Case]:
-    """The instances of an exercise with their answers, the same for the same seed and arm."""
+    """An exercise's instances with their answers, reproducible for one seed and arm."""
     rows = list(exercise.instances(np.random.default_rng(seed), arm))
     return [Case(row, of_function(exercise.reference, row)) for row in rows]
 
@@ -95,7 +95,7 @@ def judged(exercise: Exercise, cases: Sequence[Case], answers: Sequence[Answer] 
     return verdict(*_of_the_case(exercise, *pairs[wrong]))
 
 
-def _seen(exercise: Exercise, case: Case, answer: Answer) -> Any:
+def _graded_numbers(exercise: Exercise, case: Case, answer: Answer) -> Any:
     """What counts of an answer of the right form, as numbers in a row."""
     if answer.form != case.expected.form or not np.isfinite(answer.numbers).all():
         return answer.numbers
@@ -108,7 +108,7 @@ def _right(exercise: Exercise, case: Case, answer: Answer) -> bool:
 
 
 def _alike(exercise: Exercise, case: Case, answer: Answer, slip: Answer) -> bool:
-    """Whether a slip explains an answer: the same form and numbers, with NaN equal to NaN or to an error."""
+    """Whether a slip explains an answer by form and numbers. NaN equals NaN and an error."""
     if answer.error is not None and slip.error is not None:
         return answer.error.kind == slip.error.kind
     if answer.error is not None or slip.error is not None:
@@ -117,7 +117,7 @@ def _alike(exercise: Exercise, case: Case, answer: Answer, slip: Answer) -> bool
 
 
 def _close(exercise: Exercise, case: Case, one: Answer, other: Answer) -> bool:
-    a, b = _seen(exercise, case, one), _seen(exercise, case, other)
+    a, b = _graded_numbers(exercise, case, one), _graded_numbers(exercise, case, other)
     scale = max(1.0, float(np.abs(case.expected.numbers).max(initial=0.0)))
     return a.shape == b.shape and bool(np.allclose(a, b, rtol=0.0, atol=exercise.tolerance * scale, equal_nan=True))
 
@@ -139,12 +139,12 @@ def _of_the_case(exercise: Exercise, case: Case, answer: Answer) -> tuple[str, s
         what = "NaN (not a number)" if np.isnan(bad).any() else "infinity"
         return "wrong", f"It returns {what} for {call}: a division by 0, or a root, acos or logarithm out of its range."
     known = "is" if exercise.seen is whole else "may be"
-    where, right, yours = _part_that_differs(exercise, case.expected.value, answer.value)
+    where, right, yours = _first_difference(exercise, case.expected.value, answer.value)
     return "wrong", f"{where}{call} {known} {_shown(right)}, and yours gives {_shown(yours)}."
 
 
-def _part_that_differs(exercise: Exercise, right: Any, yours: Any) -> tuple[str, Any, Any]:
-    """The first column, row or number that differs in arrays that are too large for a line, and its name."""
+def _first_difference(exercise: Exercise, right: Any, yours: Any) -> tuple[str, Any, Any]:
+    """The first different column, row or number of arrays too large for a line, and its name."""
     if isinstance(right, list) or np.size(right) <= LARGEST_SHOWN:
         return "", right, yours
     scale = max(1.0, float(np.abs(right).max()))
@@ -178,7 +178,7 @@ def why_stopped(error: Failure, where: str = "") -> str:
 
 
 def _of_a_name_taken(exercise: Exercise, text: str) -> str:
-    """The problem, if an argument is used as the module or function of the same name; else empty."""
+    """The problem, if an argument is used as its namesake module or function. Otherwise empty."""
     missing = re.fullmatch(r"'numpy.ndarray' object has no attribute '(\w+)'", text)
     meant = next((each for each in THEORY if missing and hasattr(import_module(f"{THEORY_OF}.{each}"), missing[1])), "")
     if missing and meant:

@@ -3,14 +3,14 @@
 #
 # The encoders have told you every joint angle, and the tool is somewhere in front of the arm. *Where* it is, three
 # numbers say. But which way does it point, and how far is it rolled? You need an answer that a program can multiply,
-# compare and send to a motor. And it must not break in the one posture in which you pick things up.
+# compare and send to a motor. And it must not break in the one configuration in which you pick things up.
 #
 # This lesson has two answers: nine numbers that never fail, and three that do.
 #
-# To have an example, bring your arm into some posture. `arm.ready` holds the joint values with which it stands ready.
-# The program mixes them with random values inside the limits, 60 % of the one and 40 % of the other, so that no angle
-# is special. Then it asks twistarm for the pose of the tool in this posture, a matrix $g$. Lesson 3.1 shows how `arm.fk`
-# finds it. Here you need only its upper left corner, three rows and three columns.
+# To have an example, bring your arm into some configuration. `arm.ready` holds the joint values with which it stands
+# ready. The program mixes them with random values inside the limits, 60 % of the one and 40 % of the other, so that no
+# angle is special. Then it asks twistarm for the pose of the tool in this configuration, a matrix $g$. Lesson 3.1 shows
+# how `arm.fk` finds it. Here you need only its upper left corner, three rows and three columns.
 
 # %% tags=["shown"]
 import numpy as np

@@ -20,7 +20,7 @@ from scipy.linalg import expm
 from twistarm import guide, rotations
 
 arm = guide.arm()
-theta = 0.6 * arm.ready + 0.4 * arm.random_theta(3)  # between ready and a random posture
+theta = 0.6 * arm.ready + 0.4 * arm.random_theta(3)  # between ready and a random configuration
 R = arm.fk(theta)[:3, :3]
 guide.say(rf"The tool of `{arm.name}` on its way: $$R_{{ab}} = {guide.tex(R)}$$")
 

@@ -36,7 +36,7 @@ import numpy as np
 from twistarm import guide, rotations, screws
 
 arm = guide.arm()
-theta = 0.6 * arm.ready + 0.4 * arm.random_theta(5)  # between ready and a random posture
+theta = 0.6 * arm.ready + 0.4 * arm.random_theta(5)  # between ready and a random configuration
 g_st = arm.fk(theta)
 point = np.array([0.0, 0.0, 0.12, 1.0])  # the tip of a screwdriver, in the tool's axes [m]
 vector = np.array([0.0, 0.0, 0.12, 0.0])  # the direction and length of its blade

@@ -203,7 +203,7 @@ guide.say(
     f"Of the three axes, {ranks[0]} are independent at 0°, {ranks[1]} at {np.degrees(1.0):.0f}° and "
     f"{ranks[2]} at 90°. The ball itself is as free there as anywhere; its coordinates have lost a "
     "direction. A wrist of three motors whose axes meet in a point is such a product of three turns, "
-    "and in this posture *it* loses the direction: it is singular, as a later lesson calls it."
+    "and in this configuration *it* loses the direction: it is singular, as a later lesson calls it."
 )
 
 # %% [markdown]
@@ -270,7 +270,7 @@ for pair in pairs:
 guide.predict(
     f"`{arm.name}` moves {len(arm.moving_names)} joints with {arm.n} coordinates. Into which of the "
     "six types do they group, base to tip? In how many independent ways does the tool move in the "
-    "ready posture?",
+    "ready configuration?",
     "As "
     + ", ".join(pair.kind for pair in pairs)
     + f". The tool moves in {spanned} independent ways: so many of its joints' twists are independent there. There cannot be "

@@ -12,7 +12,7 @@ import numpy as np
 from twistarm import guide, poe, screws
 
 arm = guide.arm()
-theta = arm.ready  # the posture in which the arm waits
+theta = arm.ready  # the configuration in which the arm waits
 
 # %% [markdown]
 # ## Link by link
@@ -51,9 +51,9 @@ guide.figure(
 # %% [markdown]
 # ## Two frames and the axes: the product of exponentials
 #
-# Put every joint to zero, which is called the **home** posture, and take two photographs. One shows the tool: its pose
-# $g_{st}(0)$. The other shows the axes of the joints, all seen from the base: their twists $\xi_1, \dots, \xi_n$. For a joint that turns about a line
-# through $q$ along the unit vector $\omega$, and for one that slides along $v$:
+# Put every joint to zero, which is called the **home** configuration, and take two photographs. One shows the tool: its
+# pose $g_{st}(0)$. The other shows the axes of the joints, all seen from the base: their twists $\xi_1, \dots, \xi_n$.
+# For a joint that turns about a line through $q$ along the unit vector $\omega$, and for one that slides along $v$:
 #
 # $$\xi = \begin{bmatrix} -\omega \times q \\ \omega \end{bmatrix}, \qquad \xi = \begin{bmatrix} v \\ 0 \end{bmatrix}$$
 #
@@ -256,7 +256,7 @@ rows = [
 guide.table(
     ["mistake", "the tool is computed wrong by [mm]"],
     [[words, f"{far:.0f}"] for words, far in rows],
-    f"On `{arm.name}`, in its ready posture.",
+    f"On `{arm.name}`, in its ready configuration.",
 )
 
 # %% [markdown]

@@ -3,7 +3,7 @@
 #
 # Before you drill the holes for the base of the arm, you want to know some things. Does it reach the ground in front of
 # the wheels? Does it reach its own battery box? And where it does, can it point the gripper straight down? These are
-# questions about all postures at once. Forward kinematics answers them, if you try very many.
+# questions about all configurations at once. Forward kinematics answers them, if you try very many.
 
 # %%
 import numpy as np
@@ -15,9 +15,9 @@ arm = guide.arm()
 # %% [markdown]
 # ## The law
 #
-# Let $\Theta$ be the set of all postures $\theta$ that the joints allow, and let $p(\theta)$ and $R(\theta)$ be the
-# position and the orientation of the tool. The **reachable workspace** consists of the places where the tool can be at
-# all. The **dextrous workspace** consists of those where it can have *every* orientation (Murray, Li and Sastry, *A
+# Let $\Theta$ be the set of all configurations $\theta$ that the joints allow, and let $p(\theta)$ and $R(\theta)$ be
+# the position and the orientation of the tool. The **reachable workspace** consists of the places where the tool can be
+# at all. The **dextrous workspace** consists of those where it can have *every* orientation (Murray, Li and Sastry, *A
 # Mathematical Introduction to Robotic Manipulation* (MLS), section 3.2.4):
 #
 # $$W_R = \{\, p(\theta) : \theta \in \Theta \,\}$$
@@ -44,7 +44,7 @@ guide.predict(
     f"The links are {l1:.2f} and {l2:.2f} m long. How large is the hole in the middle? You have "
     f"{l1 + l2:.2f} m of tube for both links: how would you cut it so that there is no hole?",
     f"Its radius is the difference of the links, {abs(l1 - l2):.2f} m; the nearest of {len(r):,} "
-    f"random postures comes to {r.min():.3f} m. Cut two links of {(l1 + l2) / 2:.2f} m: folded, the "
+    f"random configurations comes to {r.min():.3f} m. Cut two links of {(l1 + l2) / 2:.2f} m: folded, the "
     "tip lies on the shoulder. (That the arm then runs into itself is another matter.)",
 )
 guide.slider(
@@ -66,8 +66,8 @@ guide.slider(
 # %%
 rng = np.random.default_rng(1)
 stops = np.radians([[0, 180], [-120, 120]])
-few_postures = rng.uniform(stops[:, 0], stops[:, 1], (4000, 2))
-stopped = planar.fk(few_postures)[:, :2, 3] - q1[:2]
+few_configurations = rng.uniform(stops[:, 0], stops[:, 1], (4000, 2))
+stopped = planar.fk(few_configurations)[:, :2, 3] - q1[:2]
 
 # %%
 fig, panels = guide.axes2(columns=2, width=6.4, height=3.3, xlabel="x [m]", ylabel="y [m]", equal=True)
@@ -88,7 +88,7 @@ guide.figure(
     fig,
     "Two clouds of points in a ring between two circles: on the left they fill it all round, on the "
     "right only a part of its upper half and a piece below",
-    "The tip of the two-link arm in five hundred random postures. The circles have the radii $|l_1 - "
+    "The tip of the two-link arm in five hundred random configurations. The circles have the radii $|l_1 - "
     "l_2|$ and $l_1 + l_2$.",
 )
 
@@ -150,8 +150,8 @@ guide.figure(
 # %% [markdown]
 # ## Your arm
 #
-# For most arms there is no such formula, and you do not need one. Draw postures at random inside the limits and look
-# where the tool is.
+# For most arms there is no such formula, and you do not need one. Draw configurations at random inside the limits and
+# look where the tool is.
 
 # %% tags=["shown"]
 cloud = arm.fk(arm.random_theta(2, 20_000))[:, :3, 3]
@@ -162,7 +162,7 @@ drawn = cloud[:700]  # those of the picture
 guide.table(
     ["", "from [m]", "to [m]"],
     [[f"${axis}$", float(a), float(b)] for axis, a, b in zip("xyz", low, high, strict=True)],
-    f"How far the tool of `{arm.name}` comes in {len(cloud):,} random postures, seen from its base.",
+    f"How far the tool of `{arm.name}` comes in {len(cloud):,} random configurations, seen from its base.",
 )
 at_ready = guide.arm_points(arm, arm.ready)
 fig, panels = guide.axes2(columns=2, width=6.4, height=3.3, equal=True)
@@ -177,13 +177,13 @@ guide.figure(
     fig,
     f"The places that the tool of {arm.name} comes to, as a cloud of points, from the side and from "
     "above, with the arm at its ready pose in it",
-    f"The reachable workspace of `{arm.name}` as a cloud of {len(drawn)} postures.",
+    f"The reachable workspace of `{arm.name}` as a cloud of {len(drawn)} configurations.",
 )
 
 # %% [markdown]
-# Is the cloud as large as the workspace? Ask a solver of inverse kinematics, `solve_ik`, for a place that is far too far
-# away, along each axis and to either side. It answers with the posture that comes nearest. How it finds that is for
-# later lessons; whether it is true you can check by forward kinematics.
+# Is the cloud as large as the workspace? Ask a solver of inverse kinematics, `solve_ik`, for a place that is far too
+# far away, along each axis and to either side. It answers with the configuration that comes nearest. How it finds that
+# is for later lessons; whether it is true you can check by forward kinematics.
 
 # %%
 short = {}
@@ -196,12 +196,12 @@ for k, axis in enumerate("xyz"):
 worst = max(short, key=lambda side: abs(short[side][0] - short[side][1]))
 (axis, sign), (end, seen) = worst, short[worst]
 guide.predict(
-    f"In the {len(drawn)} postures of the picture the tool has come out to ${axis} = {seen:.3f}$ m on "
+    f"In the {len(drawn)} configurations of the picture the tool has come out to ${axis} = {seen:.3f}$ m on "
     f"the {'positive' if sign > 0 else 'negative'} side. Is that the edge of the workspace, to a "
     "millimetre, to a centimetre, or worse?",
     f"The tool comes to ${axis} = {end:.3f}$ m, {1000 * abs(end - seen):.0f} mm farther. The "
-    "outermost places need one particular posture, and chance does not find it. The cloud is dense "
-    "where many postures lead; how dense it is says nothing about where the arm can go.",
+    "outermost places need one particular configuration, and chance does not find it. The cloud is dense "
+    "where many configurations lead; how dense it is says nothing about where the arm can go.",
 )
 
 # %% [markdown]
@@ -322,8 +322,8 @@ guide.scene(
 )
 nearest = arm.random_theta(2, 20_000)[np.linalg.norm(cloud, axis=1).argmin()]
 guide.predict(
-    "Where does the tool come nearest to the base? Look for the posture in the view.",
-    f"In the nearest of the {len(cloud):,} random postures it is "
+    "Where does the tool come nearest to the base? Look for the configuration in the view.",
+    f"In the nearest of the {len(cloud):,} random configurations it is "
     f"{np.linalg.norm(cloud, axis=1).min():.2f} m from the base's origin: "
     + ", ".join(
         f"`{name}` at " + (f"{x:.2f} m" if unit == "m" else f"{np.degrees(x):.0f}°").replace("-", "−")
@@ -336,7 +336,7 @@ guide.predict(
 # ## What goes wrong in practice
 #
 # - **Reachable taken for usable.** The arm gets there, and the gripper looks at the sky.
-# - **The edge as a work place.** At full stretch there is one posture and one direction, and the tool cannot move
+# - **The edge as a work place.** At full stretch there is one configuration and one direction, and the tool cannot move
 #   outwards, however fast the motors are.
 # - **Another tool.** A longer gripper moves the whole workspace and shrinks the dextrous one. Draw it again.
 # - **The arm itself.** Kinematics knows no bodies. Between two reachable places the forearm may have to pass through
@@ -358,7 +358,7 @@ for words, points in size_of.items():
 guide.table(
     ["turning joints", f"cells of {100 * cell:.0f} cm that are reached", "height $z$ [m]"],
     rows,
-    f"`{arm.name}` in {len(cloud):,} random postures each.",
+    f"`{arm.name}` in {len(cloud):,} random configurations each.",
 )
 guide.say(
     f"The stops of `{arm.name}` make a difference: without them {cells[1] - cells[0]} cells more seem "

@@ -1,10 +1,10 @@
 # %% [markdown]
 # # How many ways are there?
 #
-# The gripper is where it should be, and the forearm leans against the camera mast. Is there another posture that holds
-# the gripper in exactly the same pose? For two links in a plane the answer was the flip. A whole arm of six joints that
-# turn has, as a rule, several such postures, sixteen at most. This lesson takes the question apart into three small
-# ones, puts them together again for an arm with a wrist, and then counts the ways of your own arm.
+# The gripper is where it should be, and the forearm leans against the camera mast. Is there another configuration that
+# holds the gripper in exactly the same pose? For two links in a plane the answer was the flip. A whole arm of six
+# joints that turn has, as a rule, several such configurations, sixteen at most. This lesson takes the question apart
+# into three small ones, puts them together again for an arm with a wrist, and then counts the ways of your own arm.
 
 # %%
 import numpy as np
@@ -234,9 +234,9 @@ guide.predict(
 
 
 # %% [markdown]
-# The two wrists of a posture are each other's flip. The middle joint bends to the other side, and its two neighbours
-# turn by half a turn to make up for it. For a wrist with axes $z$, $y$, $z$ these are the ZYZ angles of your first
-# lesson, told in two ways:
+# The two wrists of a configuration are each other's flip. The middle joint bends to the other side, and its two
+# neighbours turn by half a turn to make up for it. For a wrist with axes $z$, $y$, $z$ these are the ZYZ angles of your
+# first lesson, told in two ways:
 #
 # $$R_z(\theta_4)\, R_y(\theta_5)\, R_z(\theta_6) = R_z(\theta_4 + \pi)\, R_y(-\theta_5)\, R_z(\theta_6 + \pi)$$
 
@@ -301,7 +301,7 @@ draw_all(
 # What can be asked of an arm depends on how many joints it has. Six joints can be asked for a **pose**. Five cannot
 # meet every pose. Ask them for an **approach**: a position and the direction in which the tool points, five numbers,
 # with the roll about that direction left free. Fewer joints meet only the poses that they happen to make. So take a
-# posture of your arm, look where its tool is, and ask for all ways to bring it there.
+# configuration of your arm, look where its tool is, and ask for all ways to bring it there.
 
 # %%
 own = guide.arm()
@@ -373,8 +373,8 @@ guide.say("What the solver says of itself:\n\n```text\n" + found.explain() + "\n
 #
 # ## What goes wrong in practice
 #
-# - **Whole turns counted as ways.** 190° and −170° are one posture. Wrap before you compare. Apart from the cable they are
-#   not the same: `solve_ik_all(…, include_turns=True)` lists both.
+# - **Whole turns counted as ways.** 190° and −170° are one configuration. Wrap before you compare. Apart from the cable
+#   they are not the same: `solve_ik_all(…, include_turns=True)` lists both.
 # - **The first of the list, every time.** Along a path, take the answer nearest to the last one, or the arm changes
 #   elbows on the way.
 # - **Limits forgotten.** A closed form knows no limits. What it returns may be outside all of them.
@@ -396,8 +396,8 @@ above = meant.copy()  # joint 2 brings the wrist point onto the axis of joint 1
 elbowed = apply(screws.exp(xi[2], meant[2]), r_w)
 above[1] = turn_to(xi[1], elbowed, r_b + np.linalg.norm(elbowed - r_b) * xi[0, 3:])
 free_at = []
-for posture in (in_line, above):
-    ways_there = solve_ik_all(elbow_arm, elbow_arm.fk(posture), posture)
+for configuration in (in_line, above):
+    ways_there = solve_ik_all(elbow_arm, elbow_arm.fk(configuration), configuration)
     free_at.append(next((names for names in ways_there.free if names), ()))
 guide.table(
     ["slip", "how it shows"],

@@ -31,7 +31,7 @@ planar = guide.bundled("rr_planar")  # the two-link arm
 # Such a matrix is called a **Jacobian**. It has a column for each joint: what that joint does alone, at a rate of one.
 #
 # For a whole arm the columns are twists. Column $i$ of the **body Jacobian** $J^b(\theta)$ is the twist $(v, \omega)$
-# of joint $i$, seen from the tool in that posture. All rates together give the body twist of the tool: $V^b =
+# of joint $i$, seen from the tool in that configuration. All rates together give the body twist of the tool: $V^b =
 # J^b(\theta)\,\dot\theta$ (Murray, Li and Sastry, *A Mathematical Introduction to Robotic Manipulation* (MLS), section
 # 3.4.1). This is all that you need of it here, and `arm.body_jacobian` computes it. [The lesson on the
 # Jacobian](3_3_2_jacobian.html) shows how the columns come about.
@@ -90,7 +90,7 @@ def size(arm, gaps):
 
 
 def nimble(arm, theta):
-    """The least singular value but for directions that the arm never has; lengths in shares of the reach."""
+    """The least singular value but for directions that the arm never has. Lengths are shares of the reach."""
     sigma = np.linalg.svd(
         arm.body_jacobian(theta) / np.repeat([arm.reach, 1.0], 3)[:, None], compute_uv=False
     )
@@ -115,7 +115,7 @@ guide.table(
         ]
         for i, (e, s) in enumerate(zip(gaps[:6], size(arm, gaps), strict=False))
     ],
-    f"`{arm.name}` walks to a pose from a posture nearby. The last column has lengths in shares of the arm's reach.",
+    f"`{arm.name}` walks to a pose from a configuration nearby. The last column has lengths as shares of its reach.",
 )
 guide.predict(
     "Look at the exponents in the last column. What does each step do to the number of digits that are right?",
@@ -128,7 +128,7 @@ guide.predict(
 # %% [markdown]
 # ## How it breaks
 #
-# Take the two-link arm, almost stretched out, and ask its tip to come a little closer. In this posture hardly any
+# Take the two-link arm, almost stretched out, and ask its tip to come a little closer. In this configuration hardly any
 # motion of the joints moves the tip along the arm. Newton asks for that motion all the same. Only one combination of
 # joint rates makes it, and makes little of it, so Newton asks for very much of this combination.
 #
@@ -389,7 +389,7 @@ for k in np.flatnonzero(np.isfinite(arm.limits.upper)):
 turned = arm.fk(goal) @ screws.exp(np.array([0, 0, 0, 0.3, 0.2, 0.1]), 1.0)
 if arm.n < 6:
     cases.append(("the tool turned where the arm cannot turn it", solve_ik(arm, Pose(turned), goal)))
-cases.append(("the pose of a posture of its own", solve_ik(arm, Pose(g_d))))
+cases.append(("the pose of one of its configurations", solve_ik(arm, Pose(g_d))))
 guide.table(
     ["asked", "`stop`", "in words"],
     [[words, f"`{each.stop.name}`", each.stop.value] for words, each in cases],

@@ -258,14 +258,15 @@ guide.say(
 #
 # Two successive joints with parallel axes are a two-link arm, at any place and with any zero. The first link goes from
 # the one axis to the other, the second from there to what the two carry: the next joint, or the tool. To flip it you
-# need no formula for $\theta$ at all. Take the posture that the arm has, and measure two signed angles. $\beta$ is the
-# angle at the shoulder, from what is carried to the first link. $\theta_2$ goes from the direction of the first link to
-# that of the second. Then turn the shoulder by $-2\beta$ and the elbow by $-2\theta_2$: this mirrors the triangle.
+# need no formula for $\theta$ at all. Take the configuration that the arm has, and measure two signed angles. $\beta$
+# is the angle at the shoulder, from what is carried to the first link. $\theta_2$ goes from the direction of the first
+# link to that of the second. Then turn the shoulder by $-2\beta$ and the elbow by $-2\theta_2$: this mirrors the
+# triangle.
 
 
 # %%
 def two_links(arm):
-    """The first of two parallel turning joints, each with a coordinate of its own, that carry something; or None."""
+    """The first of two parallel turning joints that carry something and have separate coordinates, or None."""
     A = arm.coupling.A
     points = guide.arm_points(arm, arm.ready)
     axes = poe.spatial_jacobian(arm.screws, A @ arm.ready)[3:]
@@ -290,7 +291,7 @@ first = two_links(arm)
 
 
 def flipped(arm, theta, i):
-    """The posture with the other elbow: moving joints i and i + 1 have parallel axes."""
+    """The configuration with the other elbow: moving joints i and i + 1 have parallel axes."""
     values = arm.coupling.A @ theta
     points = guide.arm_points(arm, theta)
     a, b, c = points[i + 1 : i + 4]  # shoulder, elbow, what they carry
@@ -339,13 +340,13 @@ guide.say(
     f"$l_1 = {own_l1:.3f}$ m, $l_2 = {own_l2:.3f}$ m, and they carry the {what}."
 )
 guide.table(
-    ["joint", "posture", "its flip"],
+    ["joint", "configuration", "its flip"],
     [[f"`{arm.joint_names[k]}`", degrees(theta[k]), degrees(other[k])] for k in k_pair],
     f"Forward kinematics says that the {what} stands at the same place in both, "
     + (f"to ${guide.rough(carried)}$ m." if carried > 1e-12 else "to the last digit."),
 )
 guide.say(
-    "Both postures are inside the limits of the joints."
+    "Both configurations are inside the limits of the joints."
     if inside
     else "The flip lies outside the limits: with these limits the arm has one elbow only. The limits choose for you."
 )
@@ -373,7 +374,7 @@ guide.figure(
 #   shows most.
 # - **No clamp.** The arm works everywhere and sends `nan` when it is stretched out. Clip the cosine.
 # - **No wrap.** $\pi + \alpha$ is between half a turn and a whole one. A joint with limits of ±150° refuses it,
-#   though the same posture, a turn less, is allowed.
+#   though the same configuration, a turn less, is allowed.
 # - **`atan(y / x)`.** It cannot tell a cross in front of the arm from one behind it, and it divides by zero straight to
 #   the left. Use `atan2(y, x)`.
 # - **Flipping on the way.** A program that takes either answer at each point of a line may change elbows in the middle.

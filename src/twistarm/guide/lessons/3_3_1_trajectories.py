@@ -1,9 +1,9 @@
 # %% [markdown]
 # # What do you send every ten milliseconds?
 #
-# The arm is folded, and you have recorded the posture in which it should be. You send the new angles to the motors, all
-# at once. The arm bangs, the battery's fuse blows, and the rover has moved by a hand's width. Nothing was wrong with
-# the angles. But you did not say how to get there.
+# The arm is folded, and you have recorded the configuration in which it should be. You send the new angles to the
+# motors, all at once. The arm bangs, the battery's fuse blows, and the rover has moved by a hand's width. Nothing was
+# wrong with the angles. But you did not say how to get there.
 #
 # You need two things: a **path**, which says where, and a **time law**, which says when.
 
@@ -15,7 +15,7 @@ from twistarm import LineMove, PathError, TwistarmError, guide, plan, plan_joint
 
 arm = guide.arm()
 start = arm.ready
-goal = start + 0.4 * (arm.random_theta(7) - start)  # some posture inside the limits
+goal = start + 0.4 * (arm.random_theta(7) - start)  # some configuration inside the limits
 
 # %% [markdown]
 # ## The straight path, and its clock
@@ -47,7 +47,7 @@ cubic = np.poly1d(np.linalg.solve(conditions, [0.0, 1.0, 0.0, 0.0]))
 u = np.linspace(0, 1, 1001)
 fastest, hardest = np.abs(cubic.deriv()(u)).max(), np.abs(cubic.deriv(2)(u)).max()
 guide.predict(
-    "You halve the time $T$ of the same move. By which factors do the greatest velocity and the greatest acceleration "
+    "You halve the time $T$ of a move. By which factors do the greatest velocity and the greatest acceleration "
     "grow?",
     "The velocity doubles, and the acceleration becomes four times as large. It is the acceleration that asks the "
     "motors for torque: haste costs by the square.",
@@ -195,10 +195,10 @@ guide.predict(
 # %% [markdown]
 # ## Via points
 #
-# On the way is a rock. You add a posture that goes around it. Now you may stop there, or pass through. To pass through
-# you need one cubic for each stretch, and conditions where two meet: the same position, the same velocity, the same
-# acceleration. With both ends at rest there are just as many equations as coefficients. This is the **cubic spline**
-# (Lynch & Park, section 9.3).
+# On the way is a rock. You add a configuration that goes around it. Now you may stop there, or pass through. To pass
+# through you need one cubic for each stretch, and conditions where two meet: the same position, the same velocity, the
+# same acceleration. With both ends at rest there are just as many equations as coefficients. This is the **cubic
+# spline** (Lynch & Park, section 9.3).
 
 # %%
 via = 0.35 * start + 0.45 * goal + 0.2 * arm.random_theta(12)  # half way, and to one side
@@ -232,16 +232,16 @@ guide.figure(
     fig,
     f"The joint {arm.joint_names[k]} over time, through a via point and stopping there, and its velocity, with its "
     f"limits",
-    "The same three postures, passed and stopped at. Dots: the postures; dotted: the velocity limit.",
+    "The same three configurations, passed and stopped at. Dots: the configurations; dotted: the velocity limit.",
 )
 low, high = through.waypoints.min(axis=0), through.waypoints.max(axis=0)
 inner = through(at)
 beyond = np.maximum(inner - high, low - inner).max(axis=0)
 worst = int(np.argmax(beyond * np.array([f for _, f in units])))
 guide.predict(
-    "Is passing through always faster than stopping? And does the spline stay between the postures that you gave?",
+    "Is passing through always faster than stopping? And does the spline stay between your configurations?",
     f"Here it takes {through.duration:.2f} s, and with a stop {stopping.duration:.2f} s. Passing through is usually "
-    f"faster; where a path turns back on itself it need not be. Nothing keeps a spline between its postures: "
+    f"faster; where a path turns back on itself it need not be. Nothing keeps a spline between its configurations: "
     + (
         f"here `{arm.joint_names[worst]}` swings {beyond[worst] * units[worst][1]:.2f}{units[worst][0]} beyond the "
         f"range of the three."
@@ -311,7 +311,7 @@ guide.table(
         "straight in",
         "way of the tool's origin",
         "it leaves the straight line by",
-        "a point 10 cm ahead leaves its own by",
+        "a point 10 cm ahead leaves its own line by",
     ],
     rows,
     "Three ways between the same two poses.",
@@ -355,14 +355,14 @@ guide.predict(
 #
 # ## Let the planner do it
 #
-# Whether the arm *can* follow a line is another question: the limits end somewhere, and there are singularities.
+# Whether the arm *can* follow a line is another question: joints have limits, and there are singularities.
 # `plan` solves inverse kinematics along the way, keeps to one of its answers (the elbow never flips on the way), and then
 # finds the time law within all limits.
 
 
 # %%
 def push(arm, share):
-    """Along an axis of the base, that share of its reach: the first of six ways that the arm can go; or None."""
+    """A straight motion by this share of the reach along the first feasible of six base axes, or None."""
     v = np.where(np.isfinite(arm.limits.velocity), arm.limits.velocity, 1.0)
     a = np.where(np.isfinite(arm.limits.acceleration), arm.limits.acceleration, 2.0 * v)
     for direction in np.vstack([np.eye(3), -np.eye(3)]):
@@ -415,14 +415,14 @@ guide.predict(
         f"Each metre of the line asks the same of it, {per_metre.mean():.2f} {unit}."
         if np.ptp(per_metre) < 0.01 * per_metre.max()
         else f"A metre of the line asks it for {per_metre.min():.2f} to {per_metre.max():.2f} {unit}, depending on the "
-        "posture: where the tool moves evenly, the joint does not."
+        "configuration: where the tool moves evenly, the joint does not."
     ),
 )
 
 # %% [markdown]
 # ## What goes wrong in practice
 #
-# - **Straight in the wrong space.** Two recorded postures close to the table, and the tool goes through the table
+# - **Straight in the wrong space.** Two recorded configurations close to the table, and the tool goes through the table
 #   between them. Add via points, or use a line.
 # - **A full turn.** From 350° to 10° is 20° to you and 340° back to a program that subtracts. Wrap the difference where
 #   the joint has no limits; never where it has a cable.

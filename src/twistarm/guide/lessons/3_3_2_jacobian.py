@@ -258,8 +258,8 @@ guide.say(
 # \tau = (J^b)^T F_t$$
 #
 # (MLS, section 3.4.2; on the left, $\tau$ are the torques of the joints, forces for those that slide.) With a wrench
-# that is seen from the base it is $\tau = (J^s)^T F_s$. Nothing is inverted. The formula holds in every posture and
-# for any number of joints.
+# that is seen from the base it is $\tau = (J^s)^T F_s$. Nothing is inverted. The formula holds in every configuration
+# and for any number of joints.
 #
 # A stone of one kilogram hangs at the tool's origin. The tool carries it, which means that it pushes it **up**.
 

@@ -2,8 +2,8 @@
 # # Why does the arm get stuck when it is stretched out?
 #
 # You drive the tool outward with the joystick, slowly and straight. All is well until the arm is nearly straight. Then
-# the elbow motor runs away at full speed, and the tool hardly moves. You look for a loose wire. None exists: the arm has
-# come to a **singular configuration**, and its Jacobian shows the reason.
+# the elbow motor runs away at full speed, and the tool hardly moves. You look for a loose wire. None exists: the arm
+# has come to a **singular configuration**, and its Jacobian shows the reason.
 
 # %%
 import numpy as np
@@ -35,8 +35,8 @@ l1 = float(np.linalg.norm(elbow_at - screws.to_screw(planar.screws[:, 0]).point)
 l2 = float(np.linalg.norm(planar.home[:3, 3] - elbow_at))
 
 bends = np.radians(np.linspace(-179, 179, 359))
-postures = np.stack([0.4 + 0 * bends, bends], axis=-1)
-J = planar.hybrid_jacobian(postures)[:, :2]  # x and y of the tool's origin
+configurations = np.stack([0.4 + 0 * bends, bends], axis=-1)
+J = planar.hybrid_jacobian(configurations)[:, :2]  # x and y of the tool's origin
 
 # %%
 guide.predict(
@@ -144,8 +144,8 @@ guide.figure(
 # %%
 slides = np.array(arm.units) == "m"
 m = arm.manipulability(theta)
-postures = arm.random_theta(0, 2000)
-rank = int(arm.manipulability(postures).rank.max())  # where the tool moves in most
+configurations = arm.random_theta(0, 2000)
+rank = int(arm.manipulability(configurations).rank.max())  # where the tool moves in most
 
 
 def least(x):
@@ -158,7 +158,7 @@ guide.say(
     f"direction{'s' if rank > 1 else ''}"
     + (
         f", the most that its joints allow; of the six, {6 - rank} {'are' if rank < 5 else 'is'} missing in *every* "
-        f"posture. That is not a singularity: it is what {arm.n} joint{'s' if arm.n > 1 else ''} can do."
+        f"configuration. That is not a singularity: it is what {arm.n} joint{'s' if arm.n > 1 else ''} can do."
         if rank < 6
         else ", which is all that there are."
     )
@@ -190,19 +190,19 @@ guide.figure(
 )
 
 # %% [markdown]
-# ## The worst posture inside your limits
+# ## The worst configuration inside your limits
 #
-# Where is your own arm singular? Ask two thousand random postures, take the worst, and roll downhill from there, within
-# the joint limits.
+# Where is your own arm singular? Ask two thousand random configurations, take the worst, and minimise $\sigma$ from
+# there, within the joint limits.
 
 # %%
 low, high = arm.sampling_bounds
 bounds = list(zip(low, high, strict=True))
-worst = postures[np.argsort(arm.manipulability(postures).singular_values[:, rank - 1])[:4]]
+worst = configurations[np.argsort(arm.manipulability(configurations).singular_values[:, rank - 1])[:4]]
 found = [minimize(lambda x: least(x) ** 2, x, method="L-BFGS-B", bounds=bounds) for x in worst]
 singular = min((np.clip(each.x, low, high) for each in found), key=least)
 
-# The same posture may lie whole turns away: take it where the limits have it nearest to waiting.
+# A whole turn of a joint changes nothing: take the copy inside the limits that is nearest to the ready one.
 nearest = singular + 2 * np.pi * np.round((theta - singular) / (2 * np.pi)) * ~slides
 nearest = np.where((nearest >= low) & (nearest <= high), nearest, singular)
 if np.allclose(arm.fk(nearest), arm.fk(singular)):
@@ -212,8 +212,8 @@ gone = least(singular) / arm.manipulability(singular).singular_values[0]
 is_singular = gone < 1e-4
 
 # %% [markdown]
-# The decomposition tells what has happened in a singular posture, where the last singular value is $\sigma = 0$. Look at
-# the columns $w$ and $u$ that belong to it:
+# The decomposition tells what has happened in a singular configuration, where the last singular value is $\sigma = 0$.
+# Look at the columns $w$ and $u$ that belong to it:
 #
 # - $J w = \sigma u = 0$. These joint rates cancel each other: the motors run, and the tool stands still. $w$ is called a
 #   *null vector* of $J$.
@@ -222,8 +222,8 @@ is_singular = gone < 1e-4
 #   *reciprocal* to every joint (MLS, section 2.5.3). Whether you count in metres or in millimetres, it is the same
 #   wrench.
 #
-# In the singular posture itself several singular values may be 0 at once. Any mixture of their columns is then as good,
-# and rounding chooses one. So the program reads both columns a little beside the posture.
+# In the singular configuration itself several singular values may be 0 at once. Any mixture of their columns is then as
+# good, and rounding chooses one. So the program reads both columns a little beside the configuration.
 
 # %%
 lengths = np.where(slides, arm.reach, 1.0)  # slides are counted in units of the reach, too
@@ -258,7 +258,7 @@ guide.table(
         ]
         for name, slide, a, b, w in zip(arm.joint_names, slides, theta, singular, idle, strict=True)
     ],
-    f"The worst posture that was found in the limits of `{arm.name}`.",
+    f"The worst configuration that was found in the limits of `{arm.name}`.",
 )
 verdict = (
     rf"There $\sigma_{{{rank}}}/\sigma_1 = {guide.rough(gone)}$: singular."
@@ -286,9 +286,9 @@ for k, name in enumerate(arm.joint_names):
 guide.fit(ax)
 guide.figure(
     fig,
-    f"{arm.name} in its worst posture, with the axes of the joints that work against each other; behind it, grey, the "
-    "posture in which it waits",
-    f"The worst posture, and the axes of {', '.join(f'`{name}`' for name in against)}. Grey: waiting.",
+    f"{arm.name} in its worst configuration, with the axes of the joints that work against each other; behind it, "
+    "grey, the configuration in which it waits",
+    f"The worst configuration, and the axes of {', '.join(f'`{name}`' for name in against)}. Grey: waiting.",
 )
 
 # %% [markdown]
@@ -335,8 +335,8 @@ guide.table(
 # %% [markdown]
 # ## Driving through
 #
-# Move from the posture in which the arm waits to the worst one, every joint in proportion. At each step, take the twist
-# of size one that suits the joints least, and ask how large their rates must be for it: $1/\sigma$.
+# Move from the configuration in which the arm waits to the worst one, every joint in proportion. At each step, take the
+# twist of size one that needs the largest joint rates. Their size is $1/\sigma$.
 #
 # A controller that inverts $J$ sends these rates to the motors. **Damped least squares** does not. It is the mended step
 # of the numeric solver, with the wanted twist $V$ in the place of the gap, and rates in the place of the step:
@@ -365,7 +365,7 @@ guide.predict(
 
 # %%
 fig, ax = guide.axes2(
-    xlabel="from waiting (0) to the worst posture (1)", ylabel="joint rates per unit of twist"
+    xlabel="from waiting (0) to the worst configuration (1)", ylabel="joint rates per unit of twist"
 )
 top = 30 / damping
 ax.semilogy(s, np.minimum(plain, 10 * top), label="inverse, 1/σ")
@@ -375,17 +375,17 @@ ax.set_ylim(min(0.3 / damping / 10, plain.min() / 2, damped[0] / 2), top)
 ax.legend(loc="upper left")
 guide.figure(
     fig,
-    "The rates that the inverse asks for grow without bound towards the singular posture; those of damped least "
+    "The rates that the inverse asks for grow without bound towards the singular configuration; those of damped least "
     f"squares stay below {1 / (2 * damping):.0f} and fall to zero there"
     if is_singular
-    else "The rates that the inverse and damped least squares ask for on the way to the worst posture",
-    "The worst direction, on the way to the worst posture.",
+    else "The rates that the inverse and damped least squares ask for on the way to the worst configuration",
+    "The worst direction, on the way to the worst configuration.",
 )
 
 # %% [markdown]
 # Damping is for driving by hand. When you *plan*, you may do better: move the joints instead of the tool past such a
 # place (`JointMove`), choose the other solution of inverse kinematics, or place the work elsewhere. `twistarm`'s servo
-# and its solver damp by themselves.
+# and its solver are damped.
 #
 # ## What is lost for motion is won for force
 #
@@ -414,7 +414,8 @@ guide.predict(
 #   whole way; `plan` does, and `PathError` names the place.
 # - **The determinant as a distance.** It shrinks with the size of the arm, not only with the distance from trouble. Use
 #   the condition or the smallest singular value.
-# - **Metres beside radians.** In millimetres the same posture has another condition. Say what length is worth a radian.
+# - **Metres beside radians.** In millimetres the same configuration has another condition. Say what length is worth a
+#   radian.
 # - **A hard switch.** A pseudo-inverse that cuts off small singular values jumps when one crosses the threshold, and
 #   the motors knock. Damping is smooth.
 # - **Zero is singular.** Many descriptions stretch the arm out at zero: there Newton's method and joysticks begin

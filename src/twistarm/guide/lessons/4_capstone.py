@@ -116,8 +116,8 @@ else:
 # `twistarm check my_arm.urdf.xacro`
 #
 # One program may read your file wrongly. Three programs by different people hardly make the same mistake. At random
-# postures twistarm compares its screws with Pinocchio and with yourdfpy, and the Jacobians with difference quotients as
-# well.
+# configurations twistarm compares its screws with Pinocchio and with yourdfpy, and the Jacobians with difference
+# quotients as well.
 
 # %% tags=["shown"]
 agreement = crosscheck(arm, samples=100)
@@ -138,8 +138,8 @@ guide.table(
         ]
         for row in worst.values()
     ],
-    f"`{arm.name}` at random postures, in metres and radians: of each quantity the two engines that differ most. *poe* "
-    "is the product of exponentials, *core* the same in compiled code, *walk* goes link by link.",
+    f"`{arm.name}` at random configurations, in metres and radians: of each quantity the two engines that differ most. "
+    "*poe* is the product of exponentials, *core* the same in compiled code, *walk* goes link by link.",
 )
 guide.predict(
     "All agree. What do you know now about the arm on the table?",
@@ -150,9 +150,9 @@ guide.predict(
 # %% [markdown]
 # ## 4. Is the file the arm?
 #
-# Bring the arm into its waiting posture, by hand if need be. Measure where the tool is. Then move one joint after the
-# other by the amount in the table, each time from the waiting posture, and look which way the tool goes. A wrong
-# sign, a swapped motor and a zero that is off show here, in five minutes and at low speed.
+# Bring the arm into its waiting configuration, by hand if need be. Measure where the tool is. Then move one joint after
+# the other by the amount in the table, each time from the waiting configuration, and look which way the tool goes. A
+# wrong sign, a swapped motor and a zero that is off show here, in five minutes and at low speed.
 
 # %%
 g = arm.fk(arm.ready)

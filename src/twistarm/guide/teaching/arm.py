@@ -1,4 +1,4 @@
-"""The arm of a lesson: the reader's, or a bundled one if that lacks what the lesson needs."""
+"""The arm of a lesson: the reader's, or a bundled one if that does not fit."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ VARIABLE = "TWISTARM_GUIDE_ARM"
 """Environment variable with what `load_arm` takes, as JSON: {"source": "my_arm.urdf.xacro", "tip": "tool0"}."""
 
 BUNDLED = ("rover_arm", "rover_arm_6dof", "scara", "stanford", "rr_planar", "elbow")
-"""Arms that stand in for the reader's, in the order in which they are asked."""
+"""Bundled arms that may replace the reader's, in this order."""
 
 
 def arm() -> Arm:
@@ -37,7 +37,7 @@ def bundled(name: str = BUNDLED[0]) -> Arm:
 
 
 def arm_with(what: str, fits: Callable[[Arm], bool]) -> Arm:
-    """The reader's arm if it fits, else the first bundled arm that does, with a sentence that says so.
+    """The reader's arm if it fits, else the first fitting bundled one, with a sentence about it.
 
     Args:
         what: What the lesson needs, as the end of "does not have …": "three joints that turn".

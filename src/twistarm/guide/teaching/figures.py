@@ -31,8 +31,8 @@ def axes2(
         height: Of the figure [inches].
         xlabel: What the abscissa is, with its unit.
         ylabel: What the ordinate is, with its unit.
-        equal: Whether a length is as long along both axes, whose limits grow for it; where you set the limits yourself,
-            have `aspect="equal"` set with them instead, and the axes shrink.
+        equal: Whether a length is the same along both axes; their limits grow for it. If you set limits, set
+            `aspect="equal"` too: then the axes shrink.
 
     Returns:
         The figure and its axes.
@@ -58,7 +58,7 @@ def axes3(
     azim: float = -55.0,
     box: bool = True,
 ) -> tuple[Any, Any]:
-    """A figure with axes in space, as (figure, axes); several columns give a list of axes.
+    """A figure with axes in space, as (figure, axes). Several columns give a list of axes.
 
     Call `fit` at the end, so lengths are equal in each direction.
 
@@ -171,7 +171,7 @@ def plot_point(ax: Any, point: ArrayLike, name: str = "", colour: str = INK, mar
 def plot_screw(
     ax: Any, xi: ArrayLike, length: float = 1.0, name: str = "", colour: str = PINK, near: ArrayLike = (0.0, 0.0, 0.0)
 ) -> None:
-    """Draw the axis of a twist (v, w): a line along w with an arrow around it, or an arrow along v for w = 0.
+    """Draw the axis of a twist (v, w): a line along w with an arrow around it, or an arrow along v (w = 0).
 
     Args:
         ax: Axes in space.
@@ -179,7 +179,7 @@ def plot_screw(
         length: Of what is drawn of the axis.
         name: Set at its end.
         colour: One of the guide's colours.
-        near: What the drawn piece of the axis lies nearest to: the joint; an arrow of w = 0 lies there.
+        near: A point near the drawn piece of the axis: the joint. An arrow of w = 0 is there.
     """
     screw = to_screw(xi)
     axis, middle = screw.axis, np.asarray(near, float)
@@ -198,7 +198,7 @@ def plot_screw(
 def plot_arm(
     ax: Any, arm: Arm, theta: ArrayLike | None = None, colour: str = INK, alpha: float = 1.0, tool: bool = True
 ) -> None:
-    """Draw an arm as a skeleton: its joints (circles turn, squares slide), links, and the tool's frame.
+    """Draw an arm as a skeleton: joints (circles turn, squares slide), links, the tool's frame.
 
     Args:
         ax: Axes in space.
@@ -221,7 +221,7 @@ def plot_arm(
 
 
 def arm_points(arm: Arm, theta: ArrayLike) -> Array:
-    """The arm as a line (m + 2, 3): the base, a point for each moving joint, and the tool.
+    """The arm as a line (m + 2, 3): base, one point per moving joint, tool.
 
     A joint's point is the origin of its link. Without a description it is the point of the axis nearest to the one
     before.
@@ -243,7 +243,7 @@ def arm_points(arm: Arm, theta: ArrayLike) -> Array:
 
 
 def _sense(centre: Array, axis: Array, radius: float) -> Array:
-    """Three quarters of a turn about an axis, with an arrow head at its end, (k, 3)."""
+    """Three quarters of a turn about an axis (k, 3), with an arrow head at its end."""
     u = np.cross(axis, [1.0, 0, 0] if abs(axis[0]) < 0.8 else [0, 1.0, 0])
     u /= np.linalg.norm(u)
     v = np.cross(axis, u)

@@ -1,4 +1,4 @@
-"""HTML of a lesson's outputs, the same for a page of the guide and for a notebook."""
+"""HTML of a lesson's outputs, for a page of the guide and for a notebook."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def scene(
     alt: str,
     folder: Path | None,
 ) -> str:
-    """An arm to look at from all sides: a saved page in a frame, and a drawing for paper."""
+    """An arm to look at from all sides: a saved page in a frame, a drawing for paper."""
     shown = scenes.snapshot(arm, theta, trajectory, screws)
     if folder is None:
         frame = Inline.page(stand_alone(shown), alt).html

@@ -87,7 +87,7 @@ def _renderer() -> Any:
 
 
 def _list(state: Any, first: int, last: int, silent: bool) -> bool:
-    """A markdown list; a number at the start of a sentence's line does not begin one.
+    """A markdown list. A number at the start of a sentence's line does not begin one.
 
     A numbered list begins a paragraph, with 1, and has a second entry.
     """

@@ -15,7 +15,7 @@ from .outlet import show
 
 
 def practice(lesson: str) -> None:
-    """Show the exercises of a lesson, by its name: prompts, signatures, how to check, folded solutions."""
+    """Show the exercises of a lesson by name: prompts, signatures, how to check, folded solutions."""
     from . import html
 
     entries = exercises_of(lesson)
@@ -25,10 +25,12 @@ def practice(lesson: str) -> None:
 
 
 def check(function: Callable[..., Any]) -> Report:
-    """Grade a function as the exercise of its name, on random instances and on the screws of `arm()`; show the verdict.
+    """Grade a function as the exercise of its name and show the verdict.
+
+    The instances are random and the screws of `arm()`.
 
     Args:
-        function: The reader's function; it is run in a copy of this process, for a limited time.
+        function: The reader's function. A copy of this process runs it for a limited time.
 
     Returns:
         The report: `ok` where everything is right. In a file that is being graded itself it is empty.

@@ -30,7 +30,7 @@ SLIDERS: dict[str, dict[str, Any]] = {
 
 
 ROUNDING = 1e-9
-"""What is smaller in a table of coordinates is rounding, and written as 0."""
+"""Smaller entries in a table of coordinates are rounding and shown as 0."""
 
 
 def say(markdown: str) -> None:
@@ -49,7 +49,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = 
 
     Cells are markdown; other objects than floats are shown as text.
 
-    A float has four digits. A smaller one has its first digit and a power of ten, and a rounding error is 0. To show
+    A float has four digits. A smaller one has its first digit and a power of ten. Rounding errors are 0. To show
     rounding errors, use `rough`.
 
     Args:
@@ -125,7 +125,7 @@ def slider(name: str, question: str, answer: str, **numbers: Any) -> None:
 
 
 def predict(question: str, answer: str) -> None:
-    """Ask the reader a question before the lesson answers it, with a folded answer; both markdown."""
+    """Ask the reader a question before the lesson answers it. Question and folded answer are markdown."""
     from . import html
 
     show(f"Question: {question}\nAnswer: {answer}", lambda _: html.prediction(question, answer))

@@ -1,4 +1,4 @@
-"""Scenes of the lessons: saved pages, alone in a notebook, beside shared scripts in a site."""
+"""Scenes of the lessons: saved pages, alone in a notebook, with shared scripts in a site."""
 
 from __future__ import annotations
 

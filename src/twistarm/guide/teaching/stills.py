@@ -1,4 +1,4 @@
-"""Drawings for paper and for pages without JavaScript: a scene or a slider at its start."""
+"""Drawings for paper and for pages without JavaScript: the start of a scene or a slider."""
 
 from __future__ import annotations
 
@@ -135,4 +135,4 @@ SLIDERS: dict[str, Callable[[Numbers], tuple[Any, str]]] = {
     "spline": _spline,
     "ellipsoid": _ellipsoid,
 }
-"""What a slider shows as it begins, and its words for a reader who does not see it."""
+"""The first picture of each slider, and its text alternative."""

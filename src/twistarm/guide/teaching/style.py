@@ -48,7 +48,7 @@ _SETTINGS: dict[str, Any] = {
 
 
 def use() -> None:
-    """Set this style for matplotlib for good, because it reads much of it only when it draws."""
+    """Set this style for matplotlib for good, because matplotlib reads much of it only when it draws."""
     import matplotlib
     from cycler import cycler
 

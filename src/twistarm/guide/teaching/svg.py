@@ -1,4 +1,4 @@
-"""A matplotlib figure as SVG for a page: its colours follow the page, its names are unique."""
+"""A matplotlib figure as SVG for a page, with the page's colours and unique names."""
 
 from __future__ import annotations
 

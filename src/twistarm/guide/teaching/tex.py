@@ -11,7 +11,7 @@ from ...support.errors import InputError
 
 
 def tex(value: ArrayLike, digits: int = 3) -> str:
-    """A number, a vector (in a line) or a matrix in TeX, for use between dollars.
+    """A number, a vector (in a line) or a matrix in TeX, to put between dollars.
 
     Args:
         value: A number, a vector (n,) or a matrix (m, n).
@@ -38,7 +38,7 @@ def _number(value: float, digits: int) -> str:
 
 
 def rough(value: float | np.floating[Any]) -> str:
-    r"""A size by its first digit and its power of ten, in TeX: `2 \cdot 10^{-16}`, for rounding errors.
+    r"""A size in TeX by its first digit and power of ten: `2 \cdot 10^{-16}`, for rounding errors.
 
     Below 1e-20 it is 0.
     """

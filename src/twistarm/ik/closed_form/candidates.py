@@ -1,8 +1,8 @@
 """A family's closed form: all candidates for x with E₁(x₁) ⋯ Eₖ(xₖ) = G.
 
-E_L, E_K, E_R are the products of the joints before the group, in it and behind it. E_K = E_L⁻¹ G E_R⁻¹ keeps the point
-or plane X in place: E_L X = G E_R⁻¹ X. Seen from the other side of G, the joints behind come before the others. So one
-chain of at most three joints has to place X where G takes it.
+E_L, E_K, E_R are the products of the joints before, in and behind the group. E_K = E_L⁻¹ G E_R⁻¹ keeps the point or
+plane X in place: E_L X = G E_R⁻¹ X. Seen from the other side of G, the joints behind come before the others. So one
+chain of at most three joints has to move X to its place under G.
 """
 
 from __future__ import annotations
@@ -23,11 +23,10 @@ from .trigonometric import NEAREST
 NO_ORIGIN = np.zeros(3)
 
 ROUNDED = 1e-12
-"""A candidate that misses by less [m, or a rotation's numbers] is an answer but for rounding."""
+"""A candidate that misses by less than this [m, or a rotation's numbers] is an answer up to rounding."""
 
 VALUES_TRIED = 16
-"""Where nothing with the value at hand is an answer, a joint of which any would do is tried at so many values, evenly
-about a turn or a length of 2π m, the nearest to it first."""
+"""Values tried for a free joint if the present one gives no answer: evenly over a turn or 2π m, nearest first."""
 
 
 class Candidate(NamedTuple):
@@ -41,8 +40,8 @@ def candidates(fitted: FittedFamily, G: Array, near: Array, slack: float) -> Ite
     """Every x (k,) with E₁(x₁) ⋯ Eₖ(xₖ) = G (4, 4), and near misses: forward kinematics decides.
 
     A joint that may have any value takes that of `near` (k,). Such a candidate may be an answer only with another
-    value, or together with others elsewhere. So further lists follow, of candidates with free joints, where those
-    joints have other values. Newton's method brings these to all answers nearby.
+    value, or with others elsewhere. So further lists follow, of candidates with free joints, where those joints have
+    other values. Newton's method brings these to all answers nearby.
     """
     found = list(_with(fitted, G, near, slack))
     yield found
@@ -64,7 +63,7 @@ def _with(fitted: FittedFamily, G: Array, near: Array, slack: float) -> Iterator
     wanted = [float(near[i]) for i in order]
     b, e = len(before), len(before) + len(group)
     chain = (*(axis.seen(G) for axis in behind), *before)
-    for beside in _beside(chain, fitted.kept, G, (*wanted[e:], *wanted[:b]), slack):
+    for beside in _place_others(chain, fitted.kept, G, (*wanted[e:], *wanted[:b]), slack):
         x_behind, x_before = beside.x[: len(behind)], beside.x[len(behind) :]
         E = inverse(product(before, np.array(x_before))) @ G @ inverse(product(behind, np.array(x_behind)))
         for inside in within_group(fitted.kept, group, E, tuple(wanted[b:e]), NEAREST if beside.free else slack):
@@ -74,7 +73,7 @@ def _with(fitted: FittedFamily, G: Array, near: Array, slack: float) -> Iterator
             yield Candidate(x, frozenset(order[i] for i in (*places, *(b + i for i in inside.free))))
 
 
-def _beside(
+def _place_others(
     chain: tuple[JointAxis, ...], kept: Point | Plane | None, G: Array, near: tuple[float, ...], slack: float
 ) -> list[Placed]:
     return [Placed(())] if kept is None else place(chain, kept, kept.moved(G), near, slack)
@@ -83,7 +82,7 @@ def _beside(
 def within_group(
     kept: Point | Plane | None, group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float
 ) -> list[Placed]:
-    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3, for a group that keeps `kept` in place. k ≤ 6 for a decoupled one."""
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E, k ≤ 3, for a group that fixes `kept`. k ≤ 6 for a decoupled one."""
     if kept is None:
         return decoupled(group, E, near, slack)
     if isinstance(kept, Point):
@@ -95,7 +94,7 @@ def rotating(w: tuple[Array, ...], R: Array, near: tuple[float, ...], slack: flo
     """All x with e^{ŵ₁x₁} ⋯ e^{ŵₖxₖ} = R (3, 3), k ≤ 3.
 
     With three axes, the angle from w₁ to R w₃ gives x₂ (`_middle_turns`). Then x₁ turns e^{ŵ₂x₂} w₃ to R w₃, and x₃ is
-    the turn that is left. Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
+    the remaining turn. Where x₂ brings w₃ along w₁ the wrist is singular: x₁ is free.
     """
     axes = tuple(JointAxis(each, NO_ORIGIN, slides=False) for each in w)
     if not w:
@@ -104,10 +103,10 @@ def rotating(w: tuple[Array, ...], R: Array, near: tuple[float, ...], slack: flo
         u = across(w[0])[0]
         return [Placed((settle(axes[0], Point(u), Point(R @ u), near[0])[0],))]
     if len(w) == 2:
-        return _first_then_rest(axes, R, w[1], near, slack)
+        return _first_then_last(axes, R, w[1], near, slack)
     found = []
     for x in _middle_turns(axes[1], w[0], w[2], R @ w[2], slack):
-        found += _first_then_rest(axes, R, axes[1].motion(x)[:3, :3] @ w[2], near, slack, x)
+        found += _first_then_last(axes, R, axes[1].motion(x)[:3, :3] @ w[2], near, slack, x)
     return found
 
 
@@ -132,7 +131,7 @@ def _angle(a: Array, b: Array) -> float:
     return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
 
 
-def _first_then_rest(
+def _first_then_last(
     axes: tuple[JointAxis, ...],
     R: Array,
     moved: Array,
@@ -153,7 +152,7 @@ def _first_then_rest(
 def sliding(
     group: tuple[JointAxis, ...], normal: Array, E: Array, near: tuple[float, ...], slack: float
 ) -> list[Placed]:
-    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4), k ≤ 3, of joints that turn about the normal and slide across it.
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4), k ≤ 3, of turns about the normal and slides across it.
 
     The angles add up. One turn takes the whole angle, and the slides are two lengths in the plane. With more turns, the
     joints before the last place a point of its axis.
@@ -178,7 +177,7 @@ def sliding(
 
 
 def decoupled(group: tuple[JointAxis, ...], E: Array, near: tuple[float, ...], slack: float) -> list[Placed]:
-    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4): at most three turns, by the rotation, and three slides."""
+    """All x with E₁(x₁) ⋯ Eₖ(xₖ) = E (4, 4): up to three turns, by the rotation, and three slides."""
     turning = [i for i, axis in enumerate(group) if not axis.slides]
     turned = rotating(tuple(group[i].w for i in turning), E[:3, :3], tuple(near[i] for i in turning), slack)
     return [

@@ -2,11 +2,10 @@
 
 E₁(x₁) ⋯ Eₙ(xₙ) V₁(y₁) ⋯ Vₖ(yₖ) = G. A `Pose` adds nothing, and G = g home⁻¹. An `Approach` leaves the turn about the
 tool axis free. That is one more joint behind the last, with a value that does not matter. A `Position` leaves every
-rotation free, which adds three. So an `Approach` of five joints, and a `Position` of three, are equations of six
-joints.
+rotation free, which adds three. So `Approach` with five joints and `Position` with three are equations of six joints.
 
-A joint that is held at a value is no longer unknown. E_h is moved behind all others, which it carries along, and G
-becomes G E_h⁻¹.
+A joint that is held at a value is no longer unknown. E_h is moved behind all others, which it carries along. G becomes
+G E_h⁻¹.
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ class Chain:
         return len(self.rates)
 
     def held(self, joints: tuple[int, ...], values: Array) -> tuple[tuple[JointAxis, ...], Array]:
-        """The axes without these joints, which are at `values` of x, and the factor (4, 4) for G."""
+        """The axes without these joints, held at `values` of x, and the factor (4, 4) for G."""
         carried, left = np.eye(4), []
         for i, axis in enumerate(self.axes):
             if i in joints:
@@ -61,7 +60,7 @@ class Chain:
         return len(left) - max(_rank(self._jacobian(rng)[:, left]) for _ in range(3))
 
     def idle(self, joint: int) -> bool:
-        """Whether the joint only moves what the target leaves free: a roll about the tool axis."""
+        """Whether the joint moves only free parts of the target, as a roll about the tool axis."""
         rng = np.random.default_rng(0)
         J = self._jacobian(rng)
         columns = [joint, *range(self.n, len(self.axes))]

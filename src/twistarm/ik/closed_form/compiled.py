@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from ..._core import ClosedForm
 
 SAMPLE = 0.3
-"""Held joints stand at this value [rad, m] while their family is looked for: almost every value shows it."""
+"""Value [rad, m] of held joints in the search for their family. Almost every value shows it."""
 
 
 class ClosedFormParameters(NamedTuple):
-    """A family and its axes with held joints at 0, as the core takes them (twistarm::solved_arm)."""
+    """A family and its axes with held joints at 0, in the core's form (twistarm::solved_arm)."""
 
     first: int
     last: int
@@ -43,7 +43,7 @@ def family_numbers(
 ) -> ClosedFormParameters:
     """The numbers of a family with joints `held`. `idle` joints may have any value in an answer.
 
-    The core holds joints at other values in every call, so its axes have these joints at 0.
+    The core gets the values of held joints in every call, so its axes have these joints at 0.
     """
     axes, _ = chain.held(held, np.full(len(held), SAMPLE))
     fitted = family.fitted(axes)

@@ -2,11 +2,11 @@
 
 Consecutive joints are a *group* if together they keep something in place. Axes that meet in a point keep the point (a
 spherical group). Parallel axes, and slides across them, keep every plane across the axes (a planar group). At most
-three joints beside the group place the point, or the plane, for the target (`placing`). The group does the rest. That
-covers a spherical wrist or shoulder with three other joints, three parallel axes, and every arm of four joints. A slide
-along parallel axes commutes with them, so another order is possible too.
+three joints beside the group place its point or plane for the target (`placing`). The group does the rest. That covers
+a spherical wrist or shoulder with three other joints, three parallel axes, and all four-joint arms. A slide along
+parallel axes commutes with them, so another order is possible too.
 
-Up to three turns in different directions and three slides are one *decoupled* group that keeps nothing. The rotation
+Up to three turns in different directions and three slides are a *decoupled* group that keeps nothing. The rotation
 alone gives the turns.
 
 Sources: Pieper 1968 (three axes that meet, three that are parallel); Elias & Wen, IK-Geo, 2022; MLS §3.3.
@@ -24,16 +24,16 @@ from ...support.checks import Array
 from .joint_axis import JointAxis, Plane, Point, product
 
 EXACT = 1e-9
-"""Axes that miss a point by less than this share of the arm's reach, or a direction by less [rad], are exact."""
+"""Axes are exact if they miss a point by less than this share of the reach, or a direction by less than this [rad]."""
 
 NEARLY = 2e-3
-"""Up to so much of the reach, or rad, the family of the nearest exact arm gives starts for Newton's method."""
+"""Up to this share of the reach, or angle [rad], the nearest exact arm's family gives starts for Newton's method."""
 
-MOST_BESIDE = 3
+MAX_OTHERS = 3
 """Joints beside the group that can be solved for."""
 
 INDEPENDENT = 1e-5
-"""Singular values above this tell motions apart."""
+"""Motions with singular values above this are independent."""
 
 TRIALS = 3
 """Random configurations among which a rank is the largest; almost every one has it."""
@@ -74,7 +74,7 @@ class Family:
 class FittedFamily:
     """A family with its axes, in its order. `kept`: the point or plane that the group keeps in place.
 
-    `off`: how far the arm's axes miss the family, in m for a point and rad for a plane.
+    `off`: how far the axes miss the family, in m for a point and rad for a plane.
     """
 
     family: Family
@@ -94,19 +94,19 @@ class FittedFamily:
 
 
 def families(axes: tuple[JointAxis, ...], reach: float, tolerance: float = NEARLY) -> list[FittedFamily]:
-    """All families of at most six axes (k,), exact ones first, then the simplest to solve.
+    """All families of at most six axes (k,), exact ones first, then by simplicity.
 
     `tolerance`: share of the reach [m], or angle [rad], by which the axes may miss.
     """
     turning = [axis for axis in axes if not axis.slides]
-    if len(turning) <= MOST_BESIDE and len(axes) - len(turning) <= MOST_BESIDE:
+    if len(turning) <= MAX_OTHERS and len(axes) - len(turning) <= MAX_OTHERS:
         whole = Family(DECOUPLED, tuple(range(len(axes))), 0, len(axes)).fitted(axes)
         if _decoupled(whole):
             return [whole]
     found = []
     for order in _orders(axes):
         for first, last in itertools.combinations(range(len(axes) + 1), 2):
-            if last - first > MOST_BESIDE or len(axes) - (last - first) > MOST_BESIDE:
+            if last - first > MAX_OTHERS or len(axes) - (last - first) > MAX_OTHERS:
                 continue
             for kind in _kinds([axes[i] for i in order[first:last]]):
                 fitted = Family(kind, order, first, last).fitted(axes)
@@ -122,7 +122,7 @@ def closest_miss(axes: tuple[JointAxis, ...], reach: float) -> FittedFamily | No
 
 
 def _rank(fitted: FittedFamily, reach: float) -> tuple[object, ...]:
-    """A key that sorts families: exact ones first, then the largest group, then the arm's order."""
+    """A key that sorts families: exact ones, then the largest group, then the arm's order."""
     off = fitted.off_share(reach)
     family = fitted.family
     size = family.last - family.first

@@ -63,7 +63,7 @@ def _distance(a: JointAxis, b: JointAxis) -> float:
 
 
 def _from_parallel(a: JointAxis, b: JointAxis) -> float:
-    """The angle [rad] by which they are not parallel; not square, if one of them slides."""
+    """The angle [rad] by which they are not parallel, or not square if one slides."""
     sine, cosine = float(np.linalg.norm(np.cross(a.w, b.w))), abs(float(a.w @ b.w))
     if a.slides != b.slides:
         return float(np.arctan2(cosine, sine))

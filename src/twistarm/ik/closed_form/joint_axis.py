@@ -1,4 +1,4 @@
-"""The axis of one joint, which turns or slides, and what it moves: points and planes."""
+"""The axis of one turning or sliding joint, and its effect on points and planes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NO_TURN = 1e-12
 class JointAxis:
     """A line along the unit vector w (3,) through the point o (3,) [m]. The joint turns about it, or slides along it.
 
-    E(x) = e^{ξ̂x} with ξ = (o × w, w) for a joint that turns, (w, 0) for one that slides.
+    E(x) = e^{ξ̂x} with ξ = (o × w, w) for a turning joint, (w, 0) for a sliding one.
     """
 
     w: Array
@@ -62,7 +62,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """The points x with n · x = d, n (3,) a unit vector, d [m]; −n makes another plane."""
+    """The points x with n · x = d, n (3,) a unit vector, d [m]. −n makes another plane."""
 
     n: Array
     d: float

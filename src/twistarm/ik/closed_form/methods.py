@@ -1,4 +1,4 @@
-"""The way to find all configurations for a kind of target: a family, elimination, or a search.
+"""The method to find all configurations for a kind of target: a family, elimination, or a search.
 
 It follows from the axes alone. It is looked for once for each arm and kind, and kept with the arm.
 """
@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from ..._core import ClosedForm
 
 SLACK = 1e-6
-"""What misses a subproblem of an exact arm by less, in shares of its size, is rounding: a stretched arm."""
+"""Relative miss of a subproblem that is rounding on an exact arm, as when it is stretched."""
 
 SLACK_NEARLY = 0.05
-"""The same for an arm whose axes miss its family: a root of the true arm may be none of the exact one."""
+"""The same for axes that miss their family. A root of the true arm may not be one of the exact arm."""
 
 MOST_WAYS = 1000
-"""Ways to hold surplus joints that are tried: ten joints have 210 for a pose, twenty some 39,000."""
+"""Most choices of held joints to try. Ten joints have 210 for a pose, twenty some 39,000."""
 
 CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from many starts"
 
@@ -48,9 +48,9 @@ CLOSED_FORM, ELIMINATION, SEARCH = "closed form", "elimination", "search from ma
 class Method:
     """A way by a `family`, or by elimination if it is `rooted`. With neither, `reason` says why.
 
-    `held`: joints of the arm that are `given` or sampled, because the target leaves them open. `idle`: held joints that
-    only do what the target leaves free, so one value is enough. `numbers` and `compiled`: the family for the core and
-    in it, where it is exact.
+    `held`: joints of the arm that are `given` or sampled, because the target does not determine them. `idle`: held
+    joints that move only free parts of the target, so one value is enough. `numbers` and `compiled`: the family for the
+    core and in it, where it is exact.
     """
 
     chain: Chain
@@ -71,7 +71,7 @@ class Method:
 
     @property
     def exact(self) -> bool:
-        """Whether the candidates hold every answer: the axes fit the family exactly, or elimination is used."""
+        """Whether the candidates hold every answer: by an exact family or by elimination."""
         return self.rooted is not None or (self.family is not None and self.off <= EXACT)
 
     @property
@@ -103,7 +103,7 @@ class Method:
     def candidates(self, arm: Arm, target: AnyTarget, near: Array, values: Array, exact: bool) -> Iterator[list[Array]]:
         """Lists of candidates theta (n,), held joints at `values`. In the first list free joints are at `near`.
 
-        `exact`: whether a candidate misses a subproblem by the rounding of numbers only, not of axes.
+        `exact`: whether only rounding of numbers, not of axes, makes candidates miss a subproblem.
         """
         chain = self.chain
         rates = chain.rates[list(self.held)]
@@ -141,32 +141,32 @@ def known_method(arm: Arm, like: type[AnyTarget], axis: bytes | None) -> Method 
 
 
 def method_for(arm: Arm, target: AnyTarget, given: tuple[int, ...] = ()) -> Method:
-    """The method for targets like this one, with the joints `given` held, and others if too many are left.
+    """The method for targets like this one, with the joints `given` held, and others if necessary.
 
     A joint with limits of one value is given.
     """
     given = tuple(sorted({*given, *standing(arm)}))
-    return _kept(arm, target, given, lambda: _with_core(arm, target, _looked_for(arm, target, given)))
+    return _cached_method(arm, target, given, lambda: _with_core(arm, target, _find_method(arm, target, given)))
 
 
 def family_method(arm: Arm, target: AnyTarget) -> Method:
     """The method by families alone, without elimination, which takes long to set up."""
-    return _kept(arm, target, "family", lambda: _with_core(arm, target, _nearest_family(arm, target)))
+    return _cached_method(arm, target, "family", lambda: _with_core(arm, target, _nearest_family(arm, target)))
 
 
 def family_for(arm: Arm, target: AnyTarget) -> Method | None:
-    """The family in the core for targets like this one, with at most one sampled joint; else None.
+    """The family in the core for targets like this one, with at most one sampled joint, or None.
 
-    If the axes miss their family by a little, it is the nearest exact arm's (`Method.exact`).
+    If the axes nearly fit a family, it is that of the nearest exact arm (`Method.exact`).
     """
     free = {Pose: 0, Approach: 1, Position: 3}.get(type(target), MOST_JOINTS)
     if arm.n - len(standing(arm)) + free > MOST_JOINTS + 1:
         return None
-    method = _kept(arm, target, "nearest family", lambda: _in_core(arm, target, _nearest_family(arm, target)))
+    method = _cached_method(arm, target, "nearest family", lambda: _in_core(arm, target, _nearest_family(arm, target)))
     return method if method.compiled is not None and len(method.swept) <= 1 else None
 
 
-def _kept(arm: Arm, target: AnyTarget, what: object, made: Callable[[], Method]) -> Method:
+def _cached_method(arm: Arm, target: AnyTarget, what: object, made: Callable[[], Method]) -> Method:
     key = type(target), what, target.axis.tobytes() if isinstance(target, Approach) else None
     kept = _KEPT.setdefault(arm, {})
     if key not in kept:
@@ -175,7 +175,7 @@ def _kept(arm: Arm, target: AnyTarget, what: object, made: Callable[[], Method])
 
 
 def _nearest_family(arm: Arm, target: AnyTarget) -> Method:
-    return _looked_for(arm, target, standing(arm), families_alone=True)
+    return _find_method(arm, target, standing(arm), families_alone=True)
 
 
 def _with_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
@@ -191,7 +191,7 @@ def _in_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
     return replace(method, numbers=numbers, compiled=compiled(arm, target.kind, numbers))
 
 
-def _looked_for(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, families_alone: bool = False) -> Method:
+def _find_method(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, families_alone: bool = False) -> Method:
     try:
         chain = chain_for(arm, target)
     except InputError as error:
@@ -230,7 +230,7 @@ def _by_family(
 def _by_elimination(
     arm: Arm, chain: Chain, ways: list[tuple[int, ...]], given: tuple[int, ...], idle: tuple[int, ...]
 ) -> Method:
-    """The first way to hold joints that leaves axes for elimination, or why no way does."""
+    """The first choice of held joints that leaves axes for elimination, or why there is none."""
     for held in ways:
         axes, _ = chain.held(held, np.full(len(held), SAMPLE))
         way = elimination.rooted(axes, arm.reach)
@@ -248,7 +248,7 @@ def _why_not(arm: Arm, chain: Chain, ways: list[tuple[int, ...]]) -> str:
 
 
 def closest_miss_of(arm: Arm, method: Method) -> tuple[float, str]:
-    """How far the axes miss their family, or the nearest, in shares of the reach or rad, and in words.
+    """How far the axes miss their family or the nearest, in shares of the reach or rad, and in words.
 
     (0, "") where they miss nothing.
     """

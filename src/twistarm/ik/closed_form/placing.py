@@ -1,13 +1,13 @@
 """Placing a point or a plane by up to three joints: all x with E₁(x₁) ⋯ Eₖ(xₖ) X = Y.
 
-A motion along the middle joint keeps two numbers, so E₃(x₃) X and E₁(x₁)⁻¹ Y must have the same:
+A motion along the middle joint keeps two numbers. E₃(x₃) X and E₁(x₁)⁻¹ Y must agree in both:
 
 | middle joint | of a point p | of a plane (n, d) |
 |---|---|---|
 | turns about (w, o) | w · (p − o), ‖p − o‖² | w · n, d − n · o |
 | slides along w | the two coordinates of p across w | — |
 
-These are two conditions on x₁ and x₃, linear in sines and cosines, or in a length and its square. Then x₂ is the turn
+These are two conditions on x₁ and x₃, linear in sines and cosines (length and square for slides). Then x₂ is the turn
 or slide that is left (subproblem 1). For points Pieper (1968) solves three joints before a spherical wrist like this.
 For planes it solves three parallel axes.
 """
@@ -21,12 +21,13 @@ import numpy as np
 
 from ...support.checks import Array
 from .joint_axis import JointAxis, Plane, Point, across, along
-from .trigonometric import NOTHING
+from .trigonometric import NEGLIGIBLE
 from .two_conditions import Side, one_joint, two_conditions
 
 ON_AXIS = 1e-7
-"""What lies nearer to an axis than this [m], or points along it to so much, is hardly moved by a turn about it, and
-where a double root, which has half the digits, brought it there, by which is not known: any will do to begin with."""
+"""A point nearer to an axis than this [m], or a direction this close to it, hardly moves when turned about it. A double
+root has half the digits, so which angle brought it there is unknown. Any angle serves as a start.
+"""
 
 
 class Placed(NamedTuple):
@@ -52,7 +53,7 @@ def place(
 
 
 def settle(axis: JointAxis, X: Point | Plane, Y: Point | Plane, near: float) -> tuple[float, bool]:
-    """The x that brings E(x) X nearest to Y, and whether every x does (subproblem 1)."""
+    """The x that brings E(x) X nearest to Y, and whether all do (subproblem 1)."""
     if axis.slides:
         return _slid(axis, X, Y, near)
     a, b = (Z.n if isinstance(Z, Plane) else Z.p - axis.o for Z in (X, Y))
@@ -65,7 +66,7 @@ def settle(axis: JointAxis, X: Point | Plane, Y: Point | Plane, near: float) -> 
 def _slid(axis: JointAxis, X: Point | Plane, Y: Point | Plane, near: float) -> tuple[float, bool]:
     if isinstance(X, Plane) and isinstance(Y, Plane):
         share = float(axis.w @ X.n)
-        return (near, True) if abs(share) < NOTHING else ((Y.d - X.d) / share, False)
+        return (near, True) if abs(share) < NEGLIGIBLE else ((Y.d - X.d) / share, False)
     assert isinstance(X, Point)
     assert isinstance(Y, Point)
     return float(axis.w @ (Y.p - X.p)), False
@@ -113,7 +114,7 @@ def _kept(middle: JointAxis, X: Point | Plane) -> Array:
 
 
 def _kept_along(middle: JointAxis, axis: JointAxis, X: Point | Plane, sense: float = 1.0) -> Array:
-    """(2, 3): the kept numbers of E(sense · x) X as k₀ + k₁ cos x + k₂ sin x, or k₀ + k₁ x + k₂ x² where it slides."""
+    """(2, 3): the kept numbers of E(sense · x) X as k₀ + k₁ cos x + k₂ sin x, or k₀ + k₁ x + k₂ x² for slides."""
     return np.stack(along(axis, lambda g: _kept(middle, X.moved(g)), sense), axis=1)
 
 

@@ -38,7 +38,7 @@ class ClosedFormReport:
 
 
 def closed_form_of(arm: Arm, like: TargetLike | None = None) -> ClosedFormReport:
-    """The report for targets like this one; by default an approach for five joints, else a pose."""
+    """The report for targets like this one. By default an approach for five joints, else a pose."""
     target = _usual(arm) if like is None else checked_target(arm, like)
     method = method_for(arm, target)
     off, miss = closest_miss_of(arm, method)

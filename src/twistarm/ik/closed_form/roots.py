@@ -15,50 +15,50 @@ from ..targets import AnyTarget
 from ..task_space import Tolerances
 
 STEPS = 30
-"""Newton's steps for a candidate: exact ones take one or two, those of a nearby arm four or five."""
+"""Newton steps for a candidate. Exact ones need one or two, those of a nearby arm four or five."""
 
 LONGEST_STEP = 0.3
-"""[rad, m]: a candidate is near its answer or none."""
+"""Longest Newton step [rad, m]. A candidate farther from an answer is dropped."""
 
 ROUNDING = 1e-14
 """Errors [m, rad] below this are those of forward kinematics itself."""
 
 SINGULAR = 1e-12
-"""Singular values below this part of the largest are none: Newton's step leaves those directions alone."""
+"""Relative singular values below this are 0. Newton's step does not use those directions."""
 
 ROUNDED_DIRECTION = 1e-3
-"""The same where the axes are rounded: what exact ones could not do, these do by their rounding."""
+"""The same for rounded axes, which move in such directions only by their rounding."""
 
 DEPENDENT = 1e-6
-"""Singular values below this part of the largest are those of directions that move nothing at first."""
+"""Relative singular values below this are directions without first-order motion."""
 
 SAME = 1e-5
-"""Two candidates nearer together than this [rad, m] are one if the target is met as well halfway between them."""
+"""Two candidates nearer together than this [rad, m] are one if the target is met equally well halfway."""
 
 TWINS = 1e-2
-"""Two answers nearer together than this [rad, m] are one if the target is met to the tolerances halfway between."""
+"""Two answers nearer together than this [rad, m] are one if the target is met to the tolerances halfway."""
 
 HALFWAY = 1e-13
-"""Or to so much [m, rad]."""
+"""Or to this precision [m, rad]."""
 
 ROUNDED_LIMIT = 1e-5
-"""An answer that passes a limit by less [rad, m] may be at the limit: a multiple root is known no better."""
+"""An answer beyond a limit by less than this [rad, m] may be at the limit: multiple roots are no more exact."""
 
 LEAST_ROUNDED = 1e-11
-"""By so little [rad, m] that the target is met at the limit as well."""
+"""Below this excess [rad, m] the target is met at the limit as well."""
 
-ALIKE, HARDLY = 1e-12, 1e-10
-"""Members of a family miss the target by less [m, rad], or by at most so much where the first does too."""
+MEMBER_MISS, MAX_MEMBER_MISS = 1e-12, 1e-10
+"""Greatest error of a family's members [m, rad], and the greatest if the first member has it too."""
 
 SIDESTEP = 0.05
-"""How far [rad, m] along a singular direction an answer is looked for again: where there is one, a family begins."""
+"""Step [rad, m] along a singular direction. If an answer exists there too, a family begins."""
 
 MOST_COPIES = 4096
 
 
 @dataclass(frozen=True, eq=False)
 class Root:
-    """An answer theta (n,), with angles in any turn, and the joints that may move then."""
+    """An answer theta (n,), with angles in any turn, and the joints free to move."""
 
     theta: Array
     free: tuple[int, ...]
@@ -82,7 +82,7 @@ class Asked:
         return self.tolerances.met(*self.errors(theta))
 
     def rows(self, theta: Array) -> tuple[Array, Array]:
-        """By how much theta (n,) misses the target [m, rad] (k,), and the derivative (k, n)."""
+        """The error of theta (n,) from the target [m, rad] (k,), and its derivative (k, n)."""
         g, J_b = self.arm._fk_and_body_jacobian(theta)
         (e_p, J_p), (e_r, J_r) = self.target._position_rows(g, J_b), self.target._rotation_rows(g, J_b)
         return np.concatenate([e_p, e_r]), np.concatenate([J_p, J_r])
@@ -129,10 +129,9 @@ class Asked:
     def self_motion(self, theta: Array, held: tuple[int, ...] = (), dependent: float = DEPENDENT) -> tuple[int, ...]:
         """The joints, beside those `held`, that move while the target stays met.
 
-        Where more joints are left than there are rows, and the rows are independent, the null space is a family's
-        tangent: all that it moves is free. Otherwise a direction in it only moves nothing at first. A step along it,
-        corrected, may come back. If not, it is another answer of the family where it is as exact, or so exact that a
-        whole turn would stay within the tolerances.
+        If more joints are left than independent rows, the null space is a family's tangent: all that it moves is free.
+        Otherwise a direction in it only moves nothing at first. A step along it, corrected, may come back. If not, it
+        is another answer of the family, provided it is as exact. A whole turn within the tolerances is exact enough.
         """
         solved = [i for i in range(self.arm.n) if i not in held]
         J = self.rows(theta)[1][:, solved]
@@ -141,7 +140,7 @@ class Asked:
         if rank == len(J) and np.abs(Vt[rank:]).max(axis=0, initial=0.0).min(initial=1.0) > DEPENDENT:
             return tuple(solved)
         moving: set[int] = set()
-        alike = max(ALIKE, min(2.0 * max(self.errors(theta)), HARDLY))
+        alike = max(MEMBER_MISS, min(2.0 * max(self.errors(theta)), MAX_MEMBER_MISS))
         if dependent > DEPENDENT:  # rounded axes miss the target all along
             alike = min(self.tolerances.position, self.tolerances.orientation)
         share = 0.5 * SIDESTEP
@@ -156,10 +155,10 @@ class Asked:
         return tuple(sorted(moving))
 
     def inside_limits(self, theta: Array, near: Array) -> Array | None:
-        """theta (n,) by whole turns inside the limits, as near to `near` (n,) as they allow. None where it is outside.
+        """theta (n,) by whole turns inside the limits, as near to `near` (n,) as possible. None where it is outside.
 
-        A copy may pass a limit by the error of a multiple root. It is brought to the limit if the target is met there
-        too, by what the other joints can do.
+        A copy may pass a limit by the error of a multiple root. It is brought to the limit if the other joints can meet
+        the target there too.
         """
         lower, upper = self.arm.limits.lower, self.arm.limits.upper
         for slack in (ROUNDED_LIMIT, LEAST_ROUNDED):
@@ -193,7 +192,7 @@ class Asked:
 
 
 def _nearest_copy(arm: Arm, theta: Array, near: Array, slack: float) -> Array:
-    """theta (n,) by whole turns as near to `near` as the limits and `slack` [rad, m] allow."""
+    """theta (n,) by whole turns as near to `near` as limits and `slack` [rad, m] allow."""
     lowest = np.ceil((arm.limits.lower - slack - theta) / TURN)
     highest = np.floor((arm.limits.upper + slack - theta) / TURN)
     counts = np.maximum(np.minimum(np.round((near - theta) / TURN), highest), lowest)

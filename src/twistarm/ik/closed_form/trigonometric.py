@@ -1,4 +1,4 @@
-"""Roots of the subproblems' equations in the sine and cosine of an angle, or in a length.
+"""Roots of the subproblems' equations in an angle's sine and cosine, or in a length.
 
 Each function returns the real roots, or None where every value is a root. An equation that misses by less than `slack`
 of its size has its nearest root. A stretched arm has one answer, in spite of rounding. Forward kinematics decides later
@@ -13,20 +13,20 @@ import numpy as np
 
 from ...support.checks import Array
 
-NOTHING = 1e-9
+NEGLIGIBLE = 1e-9
 """A coefficient below this part of the equation's scale is zero."""
 
 NEAREST = 1e100
-"""The slack with which whatever misses has the root that comes nearest."""
+"""Slack that accepts every miss, with the nearest value as root."""
 
 LEVEL = 1e-7
-"""What is left of the equation when all its coefficients are zero may be so much of its scale."""
+"""Greatest constant, relative to the equation's scale, if all other coefficients are zero."""
 
 DOUBLE_ROOT = 1e-13
 """A discriminant below this part of its size is rounding, and two roots are one."""
 
 OFFSETS = 0.7 * np.arange(8)
-"""Zeros of the angle that are tried, so that no root lies at its half turn."""
+"""Zeros of the angle to try, so that no root is at its half turn."""
 
 CORRECTIONS = 3
 """Newton's steps for a root of the quartic."""
@@ -38,9 +38,9 @@ def harmonic(a: float, b: float, c: float, scale: float, slack: float) -> list[f
     `scale`: the size of the equation's other coefficients, by which zero is judged.
     """
     amplitude = math.hypot(a, b)
-    if amplitude <= NOTHING * scale:
+    if amplitude <= NEGLIGIBLE * scale:
         return None if abs(c) <= (LEVEL + slack) * scale else []
-    if abs(c) > amplitude * (1.0 + slack) + NOTHING * scale:
+    if abs(c) > amplitude * (1.0 + slack) + NEGLIGIBLE * scale:
         return []
     square = (amplitude - c) * (amplitude + c)
     middle, opening = math.atan2(b, a), math.sqrt(square) if square > DOUBLE_ROOT * amplitude**2 else 0.0
@@ -50,7 +50,7 @@ def harmonic(a: float, b: float, c: float, scale: float, slack: float) -> list[f
 
 def quadratic(f: float, b: float, c: float, slack: float) -> list[float]:
     """Lengths x with f x² + b x + c = 0, without cancellation."""
-    if abs(f) <= NOTHING * abs(b):
+    if abs(f) <= NEGLIGIBLE * abs(b):
         return [] if b == 0.0 else [-c / b]
     discriminant, size = b * b - 4.0 * f * c, b * b + abs(4.0 * f * c)
     if discriminant < -slack * size:
@@ -61,17 +61,17 @@ def quadratic(f: float, b: float, c: float, slack: float) -> list[float]:
 
 
 def second_harmonic(k: Array, slack: float, terms: float = 0.0) -> list[float] | None:
-    """Angles x with k₀ + k₁ c + k₂ s + k₃ c² + k₄ c s + k₅ s² = 0, c = cos x and s = sin x: at most four.
+    """Angles x with k₀ + k₁ c + k₂ s + k₃ c² + k₄ c s + k₅ s² = 0, c = cos x and s = sin x: up to four.
 
-    A quartic in tan((x − x₀)/2), with x₀ chosen so that its leading coefficient is large. `terms`: the size of what the
-    coefficients are sums of. Where they all cancel to rounding every x is a root.
+    A quartic in tan((x − x₀)/2). x₀ makes its leading coefficient large. `terms`: the size of what the coefficients are
+    sums of. Where they all cancel to rounding every x is a root.
     """
     scale = float(np.abs(k).max())
-    if scale <= NOTHING * terms:
+    if scale <= NEGLIGIBLE * terms:
         return None
     offset = max(OFFSETS, key=lambda start: abs(_value(k, start + math.pi)))
     polynomial = _in_half_tangent(k, float(offset))
-    if float(np.abs(polynomial).max()) <= NOTHING * scale:
+    if float(np.abs(polynomial).max()) <= NEGLIGIBLE * scale:
         return None
     roots = np.roots(polynomial)
     real = roots[np.abs(roots.imag) <= 3.0 * math.sqrt(slack) * (1.0 + np.abs(roots) ** 2)].real
@@ -102,7 +102,7 @@ def _corrected(k: Array, x: float, scale: float) -> float:
     """x after some short steps of Newton's, which do not improve a double root."""
     for _ in range(CORRECTIONS):
         slope = _slope(k, x)
-        if abs(slope) < NOTHING * scale:
+        if abs(slope) < NEGLIGIBLE * scale:
             break
         step = _value(k, x) / slope
         if abs(step) > 0.01:

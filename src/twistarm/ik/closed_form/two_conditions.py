@@ -1,11 +1,11 @@
-"""Two conditions on two joints, A u(x) + B u(y) = e: where two ellipses meet.
+"""Two conditions on two joints, A u(x) + B u(y) = e: the intersection of two ellipses.
 
-u(x) is (cos x, sin x) for a joint that turns and (x, x²) for one that slides; A and B are (2, 2), e (2,). For two
-joints that turn this is subproblem 6 of Elias & Wen, IK-Geo, 2022: a quartic. Only the second condition has squares of
+u(x) is (cos x, sin x) for a turning joint and (x, x²) for a sliding one. A and B are (2, 2), e (2,). For two joints
+that turn this is subproblem 6 of Elias & Wen, IK-Geo, 2022: a quartic. Only the second condition has squares of
 lengths.
 
-What just misses counts (see `trigonometric`). If one joint may have any value, but the other has none with it, the
-nearest counts too. Newton's method moves both from there. Where one condition is nearly a multiple of the other, both
+What just misses counts (see `trigonometric`). If one joint may have any value, but then the other has no root, the
+nearest value counts. Newton's method moves both from there. If one condition is nearly a multiple of the other, both
 ways of solving are taken. So the answers hold every root, and some values that are not roots.
 """
 
@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...support.checks import Array
-from .trigonometric import NEAREST, NOTHING, harmonic, quadratic, second_harmonic
+from .trigonometric import NEAREST, NEGLIGIBLE, harmonic, quadratic, second_harmonic
 
 CLEARLY_TWO = 1e-6
 """Ratio of a matrix's singular values above which its two rows are two conditions."""
@@ -61,16 +61,16 @@ def two_conditions(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
 
 
 def one_joint(a: Side, e: Array, slack: float) -> list[tuple[float, bool]]:
-    """All x with A u(x) = e, and whether every x does: two conditions, where one is enough."""
+    """All x with A u(x) = e, and whether every x solves it: two conditions, one would suffice."""
     if a.slides:
         linear, square = a.matrix[:, 0], a.matrix[:, 1]
-        if np.abs(square).max() <= NOTHING * np.abs(a.matrix).max():
+        if np.abs(square).max() <= NEGLIGIBLE * np.abs(a.matrix).max():
             square_of = float(linear @ linear)
             return [(float(linear @ e) / square_of, False)] if square_of > 0.0 else [(a.near, True)]
         roots = [x for i in range(2) if a.matrix[i].any() for x in quadratic(square[i], linear[i], -e[i], slack)]
         return [(x, False) for x in roots]
     U, size, Vt = np.linalg.svd(a.matrix)
-    if size[0] <= NOTHING:
+    if size[0] <= NEGLIGIBLE:
         return [(a.near, True)]
     if size[1] > WELL_CONDITIONED * size[0]:
         both = np.linalg.solve(a.matrix, e)
@@ -82,18 +82,18 @@ def one_joint(a: Side, e: Array, slack: float) -> list[tuple[float, bool]]:
 def _two_lengths(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
     """Both slide: one length follows from the first condition; with parallel slides one is free."""
     A, B = a.matrix, b.matrix
-    if np.abs(A[:, 1]).max() + np.abs(B[:, 1]).max() <= NOTHING:
+    if np.abs(A[:, 1]).max() + np.abs(B[:, 1]).max() <= NEGLIGIBLE:
         return _two_linear(a, b, e)
     if abs(B[0, 0]) > abs(A[0, 0]):
         return [pair.swapped for pair in _two_lengths(b, a, e, slack)]
-    if abs(A[0, 0]) <= NOTHING:
+    if abs(A[0, 0]) <= NEGLIGIBLE:
         rest = e[1] - B[1, 0] * b.near - B[1, 1] * b.near**2
         return [Pair(x, b.near, False, True) for x in quadratic(A[1, 1], A[1, 0], -rest, NEAREST)]
     p, q = e[0] / A[0, 0], -B[0, 0] / A[0, 0]  # x = p + q y
     square = A[1, 1] * q * q + B[1, 1]
     linear = A[1, 0] * q + 2.0 * A[1, 1] * p * q + B[1, 0]
     constant = A[1, 0] * p + A[1, 1] * p * p - e[1]
-    if abs(square) <= NOTHING and abs(linear) <= NOTHING:
+    if abs(square) <= NEGLIGIBLE and abs(linear) <= NEGLIGIBLE:
         return [Pair(p + q * b.near, b.near, False, True)]
     return [Pair(p + q * y, y) for y in quadratic(square, linear, constant, slack)]
 
@@ -101,7 +101,7 @@ def _two_lengths(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
 def _two_linear(a: Side, b: Side, e: Array) -> list[Pair]:
     """Both conditions are linear. Where they are one condition the second length keeps its value."""
     both = np.stack([a.matrix[:, 0], b.matrix[:, 0]], axis=1)
-    if abs(np.linalg.det(both)) > NOTHING:
+    if abs(np.linalg.det(both)) > NEGLIGIBLE:
         return [Pair(*np.linalg.solve(both, e))]
     first, second = one_joint(a, e, 0.0), one_joint(b, e, 0.0)
     if not first or not second:  # squares that are nothing beside the conditions, but something beside these lengths
@@ -117,9 +117,9 @@ def _angle_and_length(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
     """x turns, y slides: y follows from a condition linear in it, or x from one without y."""
     A, linear, square = a.matrix, b.matrix[:, 0], b.matrix[:, 1]
     scale = float(np.abs(A).max() + np.abs(b.matrix).max())
-    if np.abs(square).max() <= NOTHING:
+    if np.abs(square).max() <= NEGLIGIBLE:
         i = int(np.argmax(np.abs(linear)))
-        if abs(linear[i]) <= NOTHING * scale:
+        if abs(linear[i]) <= NEGLIGIBLE * scale:
             return [Pair(x, b.near, free, True) for x, free in one_joint(a, e, slack)]
         share = linear[1 - i] / linear[i]
         cosine, sine = A[1 - i] - share * A[i]
@@ -141,12 +141,12 @@ def _angle_and_length(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
 
 
 def _two_angles(a: Side, b: Side, e: Array, slack: float) -> list[Pair]:
-    """Both turn: x is eliminated by the inverse of the better A, or by the row that A lacks."""
+    """Both turn: the inverse of the better A eliminates x, or the row that A lacks does."""
     (U, size_a, _), size_b = np.linalg.svd(a.matrix), np.linalg.svd(b.matrix)[1]
     scale = float(max(size_a[0], size_b[0]))
-    if size_a[0] <= NOTHING * scale:
+    if size_a[0] <= NEGLIGIBLE * scale:
         return [Pair(a.near, y, True, free) for y, free in one_joint(b, e, slack)]
-    if size_b[0] <= NOTHING * scale:
+    if size_b[0] <= NEGLIGIBLE * scale:
         return [Pair(x, b.near, free, True) for x, free in one_joint(a, e, slack)]
     ratio = size_a[1] / size_a[0]
     if size_b[1] / size_b[0] > ratio:

@@ -14,14 +14,14 @@ from ...support.checks import Array
 from ..tolerances import leeway
 from .nodes import ALL_BUT_EXACT, EXACT
 
-MOST = 96
-"""Searches from random starts, beside the one from where the arm is; configurations of a closed form, at most."""
+MANY = 96
+"""Searches from random starts, besides the one from the arm's configuration; also the most closed-form answers."""
 
-TURNED = 12
-"""Values of joints of which each leaves the others as they are, the turn about an approach's axis."""
+FREE_VALUES = 12
+"""Values tried for the turn about an approach's axis, and for each joint that changes no other."""
 
-APART = 0.02
-"""Configurations nearer together than this [rad, m] in every joint are one; branches may come near each other."""
+DISTINCT = 0.02
+"""Configurations nearer together than this [rad, m] in every joint are one. Branches may come close to each other."""
 
 SEED = 0
 
@@ -29,37 +29,36 @@ SEED = 0
 def branches(arm: Arm, target: AnyTarget, near: Array, tolerances: Tolerances = USUAL) -> Array:
     """Return configurations (b, n) that meet the target, b ≥ 0, nearest to `near` (n,) first.
 
-    The closed form of the arm's family gives them, at random values of joints that stay free. Without a closed form, or
-    for a continuous family, searches from random starts find them. Of close answers the nearest stays. Joints with room
-    for whole turns give all their windings. Tolerances count where nothing meets the target exactly, or where they are
-    wide.
+    The closed form of the arm's family gives them, with random values for free joints. Without a closed form, or for a
+    continuous family, searches from random starts find them. Of close answers the nearest stays. Joints with room for
+    whole turns give all their windings. Tolerances are used if wide, or if no configuration meets the target exactly.
     """
-    starts = np.vstack([near, arm.random_theta(SEED, MOST)])
+    starts = np.vstack([near, arm.random_theta(SEED, MANY)])
     met, all_found = _by_closed_form(arm, target, starts)
     if not all_found:
         met = np.vstack([_nearest(arm, target, near), met, _by_searches(arm, target, starts, ALL_BUT_EXACT)])
     if not len(met) or leeway(tolerances):
         met = np.vstack([met, _by_searches(arm, target, starts, tolerances)])
     met = joint_ranges(arm).wrapped(met, near)
-    return _in_order(_windings(arm, _apart(_in_order(met, near))), near)
+    return _in_order(_windings(arm, _distinct(_in_order(met, near))), near)
 
 
 def _by_closed_form(arm: Arm, target: AnyTarget, starts: Array) -> tuple[Array, bool]:
     """Return configurations (k, n), and whether nothing is left to search for.
 
-    Held joints take their values from `starts`. Of more than `MOST` the nearest half stays, and others evenly.
+    Held joints take their values from `starts`. Of more than `MANY` the nearest half stays, and others evenly.
     """
     method = family_method(arm, target)
     if method.compiled is None:
         return starts[:0], False
     held = list(method.held)
-    values = np.ascontiguousarray(starts[: None if method.swept else TURNED, held]) if held else None
+    values = np.ascontiguousarray(starts[: None if method.swept else FREE_VALUES, held]) if held else None
     found = method.compiled.solve(target.numbers, np.array(starts[0]), values, EXACT, EXACT)
     assert found is not None, "what was checked is plain"
     theta, moving = found.theta[: found.inside], np.array(found.moves[: found.inside])
     moving[:, held] = False
-    if len(theta) > MOST:
-        theta = theta[np.append(np.arange(MOST // 2), np.linspace(MOST // 2, len(theta) - 1, MOST // 2).astype(int))]
+    if len(theta) > MANY:
+        theta = theta[np.append(np.arange(MANY // 2), np.linspace(MANY // 2, len(theta) - 1, MANY // 2).astype(int))]
     if held:
         theta = np.vstack([_nearest(arm, target, starts[0]), theta])
     return theta, not found.left and not moving.any()
@@ -80,13 +79,13 @@ def _in_order(thetas: Array, near: Array) -> Array:
     return thetas[np.argsort(np.linalg.norm(thetas - near, axis=1), kind="stable")]
 
 
-def _apart(thetas: Array) -> Array:
+def _distinct(thetas: Array) -> Array:
     """Drop configurations close to an earlier one."""
     left = thetas
     kept: list[Array] = []
     while len(left):
         kept.append(left[0])
-        left = left[np.abs(left - left[0]).max(axis=1) > APART]
+        left = left[np.abs(left - left[0]).max(axis=1) > DISTINCT]
     return np.array(kept).reshape(-1, thetas.shape[1])
 
 

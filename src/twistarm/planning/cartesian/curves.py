@@ -1,4 +1,4 @@
-"""Curves of the tool's pose, g(s) for s in [0, 1]: straight line, screw motion, circular arc."""
+"""Curves of the tool's pose g(s), s in [0, 1]: line, screw motion, circular arc."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from ...support.errors import InputError
 from ...theory import rotations, screws
 
 FLAT, LOW = 1e-5, 2e-5
-"""Three points lie on a line if their triangle is lower than this part of its longest side, or than so many metres:
-where it is, the rounding of a configuration would choose the plane of a circle through them.
+"""Three points are collinear if their triangle is lower than this share of its longest side, or than so many metres.
+Rounding of a configuration would otherwise choose the plane of the circle.
 """
 
 
@@ -58,7 +58,7 @@ def screw(g0: Array, twist: Array) -> Curve:
 
 
 def arc(g0: Array, via: Array, g1: Array) -> Curve:
-    """Return the circular arc from p0 through `via` (3,) to p1, with a slerp from R0 to R1.
+    """Circular arc from p0 through `via` (3,) to p1, with a slerp from R0 to R1.
 
     The centre lies on both perpendicular bisectors in the plane of the three points. Raises InputError where they lie
     on a line or coincide, within 20 µm and 1e-5 rad.

@@ -25,10 +25,10 @@ from .tool_derivatives import deviation_bend
 Flags = NDArray[np.bool_]
 
 POSITION_TOL, ANGLE_TOL = 1e-4, np.radians(0.05)
-"""How far the tool may be from the curve [m, rad], between samples too, where its tolerances are narrower."""
+"""Greatest distance of the tool from the curve [m, rad], also between samples. Wider tolerances replace it."""
 
-WELL = 0.95
-"""A path whose error is no greater a part of a wide tolerance is looked at more closely, and not led elsewhere."""
+SHARE = 0.95
+"""A path that uses less than this share of a wide tolerance is sampled more densely and keeps its targets."""
 
 MOST_SAMPLES = 4096
 
@@ -37,13 +37,13 @@ MOST_CHECKS = 20_000
 ROUNDS = 12
 """Halvings of intervals in which the tool is too far from the curve."""
 
-EVENINGS = 20
-"""How often the samples of an arm that is left free are drawn to the line between their neighbours."""
+SMOOTHINGS = 20
+"""How often the samples of a redundant arm are smoothed toward the line between their neighbours."""
 
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """A joint path, s from 0 to 1, and bounds of the tool's distance from the curve [m, rad]."""
+    """A joint path on s in [0, 1], with bounds of the tool's error [m, rad]."""
 
     path: JointPath
     position_error: float
@@ -53,9 +53,9 @@ class Followed:
 def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed | Blocked:
     """Return the joint path through samples of one curve, or the place where it leaps.
 
-    A C² cubic spline goes through the samples. Intervals are halved where the tool may be too far from the curve: by
-    `POSITION_TOL`, `ANGLE_TOL` or wider tolerances. The deviation is measured at check points. The curvature of the
-    tool's path bounds it between them. `even`: samples of an arm that is left free are evened out first.
+    A C² cubic spline goes through the samples. Intervals where the tool may be too far from the curve are halved. Too
+    far means beyond `POSITION_TOL`, `ANGLE_TOL` or wider tolerances. The deviation is measured at check points. The
+    curvature of the tool's path bounds it between them. `even` first evens out the samples of a redundant arm.
     """
     moving = samples[0].moving
     s, theta = np.array([node.s for node in samples]), np.array([node.theta for node in samples])
@@ -72,7 +72,7 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed
             break
         between = 0.5 * (s[:-1] + s[1:])[off]
         found = path(between)
-        met = _well_within(arm, moving, between, found) & ~outside[off]
+        met = _uses_tolerance_well(arm, moving, between, found) & ~outside[off]
         found[~met], met[~met] = met_near(arm, moving, moving.curve(between[~met]), found[~met])
         if not met.all():
             unmet = int(np.flatnonzero(~met)[0])
@@ -84,20 +84,20 @@ def follow(arm: Arm, samples: Sequence[Node], *, even: bool = False) -> Followed
     return _blocked(samples[0], s, theta, float(s[worst + 1]), leap=True)
 
 
-def _well_within(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flags:
+def _uses_tolerance_well(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Flags:
     """Tell which configurations (k, n) at s (k,) are well within wide tolerances."""
     if leeway(moving.tolerances) is None:
         return np.zeros(len(s), dtype=bool)
     position, angle = moving.errors(s, arm.fk(theta))
-    return (position <= WELL * moving.tolerances.position) & (angle <= WELL * moving.tolerances.orientation)
+    return (position <= SHARE * moving.tolerances.position) & (angle <= SHARE * moving.tolerances.orientation)
 
 
 def _evened(arm: Arm, moving: MovingTarget, s: Array, theta: Array) -> Array:
-    """Draw the samples (k, n) to the line between their neighbours, as far as the targets allow."""
+    """Pull the samples (k, n) toward the line between their neighbours. The targets stay met."""
     ideal = moving.curve(s[1:-1])
     share = ((s[1:-1] - s[:-2]) / (s[2:] - s[:-2]))[:, None]
     theta = theta.copy()
-    for _ in range(EVENINGS):
+    for _ in range(SMOOTHINGS):
         between = theta[:-2] + share * (theta[2:] - theta[:-2])
         found, met = projected(arm, moving.like, ideal, between, EXACT, leeway(moving.tolerances))
         met &= np.abs(found - theta[1:-1]).max(axis=1) <= LONGEST_JUMP
@@ -111,9 +111,9 @@ def _blocked(root: Node, s: Array, theta: Array, ahead: float, *, leap: bool) ->
 
 
 def _deviation(arm: Arm, moving: MovingTarget, path: JointPath) -> tuple[Flags, float, float]:
-    """Return in which pieces (m,) the tool may be too far away, and its greatest distance [m, rad].
+    """Pieces (m,) in which the tool may be too far away, and its greatest distance [m, rad].
 
-    Between check points a distance d apart the deviation e is at most the greater of both plus d² ‖e''‖ / 8.
+    Between check points a distance d apart, the deviation e exceeds the larger end by at most d² ‖e''‖ / 8.
     """
     h = np.diff(path.breakpoints)
     bend = deviation_bend(arm, moving, path)

@@ -14,26 +14,26 @@ from .meeting import Met, met_near, targets_at
 from .moving_target import MovingTarget
 from .nodes import EXACT, LONGEST_JUMP, Blocked, Node, Rungs, cheapest_first, efforts
 
-FEWEST = 4
+MIN_RUNGS = 4
 """Rungs of the shortest curve."""
 
-UNMET = 8
-"""Where a rung has no answer, others are tried back to so small a part of the step."""
+SMALLEST_STEP = 8
+"""A rung without an answer is tried again nearer, back to this fraction (1/8) of the step."""
 
-FINEST = 2**-12
-"""Rungs are no nearer together than this in s; a path that needs them nearer does not continue."""
+LEAST_DISTANCE = 2**-12
+"""Least distance of rungs in s. A path that needs less does not continue."""
 
 MOST_HALVINGS = 4096
 """Rungs in between of one climb, at most."""
 
 
 def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
-    """Return the configurations at the ends of the curves, least joint motion first, or where all stop.
+    """Configurations at the ends of the curves, least joint motion first, or the place where all stop.
 
     Each rung is solved from every configuration at the one before, in one batch. The closed form does it if no joint is
     held. Where a joint would leap or there is no answer, a rung halfway comes first.
     """
-    climber = _Climber(arm, limits, Rungs(roots, FEWEST))
+    climber = _Climber(arm, limits, Rungs(roots, MIN_RUNGS))
     nodes = list(roots)
     for k in range(1, climber.rungs.count + 1):
         nodes = climber.advance(nodes, float(climber.rungs.s[k]), k)
@@ -44,7 +44,7 @@ def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | 
 
 
 class _Climber:
-    """One climb: how many rungs may still be added, and the farthest node that was blocked."""
+    """One climb: the number of rungs left, and the farthest blocked node."""
 
     def __init__(self, arm: Arm, limits: JointLimits, rungs: Rungs) -> None:
         self.arm, self.limits, self.rungs = arm, limits, rungs
@@ -61,7 +61,7 @@ class _Climber:
         return found
 
     def _step(self, nodes: list[Node], s: float, k: int | None) -> tuple[list[Node], list[Node]]:
-        """Return what follows the nodes in one step, and the nodes that need a rung halfway."""
+        """Return the successors of the nodes, and the nodes that need a rung halfway."""
         here = np.array([node.theta for node in nodes])
         theta, met = self._solved(nodes, s, k)
         moved, leap = efforts(here, theta, self.limits.velocity), np.abs(theta - here).max(axis=1) > LONGEST_JUMP
@@ -69,7 +69,7 @@ class _Climber:
         for i, node in enumerate(nodes):
             if met[i] and not leap[i]:
                 found.append(Node(node.moving, s, theta[i], node.cost + float(moved[i]), node))
-            elif self.left > 0 and step > (FINEST if met[i] else self.rungs.s[1] / UNMET):
+            elif self.left > 0 and step > (LEAST_DISTANCE if met[i] else self.rungs.s[1] / SMALLEST_STEP):
                 self.left -= 1
                 halved.append(node)
             elif self.farthest is None or node.s > self.farthest.share:
@@ -83,7 +83,7 @@ class _Climber:
         return met_near(self.arm, nodes[0].moving, g, near, self._by_closed_form)
 
     def _by_closed_form(self, moving: MovingTarget, ideal: Array, near: Array) -> Met | None:
-        """Return the nearest answer to each target, if the arm's family gives all of them and no joint is held."""
+        """Return the nearest answer to each target. The arm's family must give all of them and hold no joint."""
         method = family_method(self.arm, moving.like)
         if method.compiled is None or method.swept:
             return None

@@ -28,7 +28,7 @@ def met_near(
     near: Array,
     closed_form: Callable[[MovingTarget, Array, Array], Met | None] | None = None,
 ) -> Met:
-    """Return configurations near `near` (k, n) for the targets at the poses `ideal` (k, 4, 4), and which meet them.
+    """Configurations near `near` (k, n) for the targets at poses `ideal` (k, 4, 4), and which are met.
 
     They meet targets exactly where possible, so that a spline through them is smooth. With wide tolerances, the nearest
     configuration within them comes first. A search within tolerances comes last. `closed_form` replaces the search for
@@ -40,7 +40,7 @@ def met_near(
         return _searched(arm, moving, ideal, near, ALL_BUT_EXACT) if found is None else found
 
     theta, met = near.copy(), np.zeros(len(near), dtype=bool)
-    for solve in (*([_calmly] if leeway(moving.tolerances) else []), exactly, _within):
+    for solve in (*([_without_leap] if leeway(moving.tolerances) else []), exactly, _within):
         left = np.flatnonzero(~met)
         found, good = solve(arm, moving, ideal[left], near[left])
         theta[left[good]], met[left[good]] = found[good], True
@@ -49,7 +49,7 @@ def met_near(
     return theta, met
 
 
-def _calmly(arm: Arm, moving: MovingTarget, ideal: Array, near: Array) -> Met:
+def _without_leap(arm: Arm, moving: MovingTarget, ideal: Array, near: Array) -> Met:
     theta, met = projected(arm, moving.like, ideal, near, EXACT, moving.tolerances)
     return theta, met & (np.abs(theta - near).max(axis=1) <= LONGEST_JUMP)
 

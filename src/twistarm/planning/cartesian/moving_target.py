@@ -12,11 +12,11 @@ from ...ik.task_space import Tolerances
 from ...support.checks import Array
 from .curves import Curve
 
-NO_WAY = 1e-9
+NO_MOTION = 1e-9
 """A curve that goes no farther than this [m, rad] goes nowhere."""
 
 SPREAD: Array = np.arange(1.0, 17.0) * 0.6180339887498949 % 1.0
-"""Places on a curve at which several turns, whole ones, do not all end where they began."""
+"""Places along a curve at which several whole turns are not all back at their beginning."""
 
 SAME = 1e-8
 """Numbers of targets that differ by less are the same."""
@@ -24,7 +24,7 @@ SAME = 1e-8
 
 @dataclass(frozen=True)
 class MovingTarget:
-    """A `curve` that the tool follows as far as `like`, a target of any kind, constrains a pose.
+    """A `curve` that the tool follows in the components that the target `like` constrains.
 
     `tolerances` are the distances at which the tool still meets it.
     """
@@ -38,7 +38,7 @@ class MovingTarget:
         return self.like.at(self.curve(np.array(s)))
 
     def freedom(self, n: int) -> int:
-        """Return how many of n joints the targets leave free; tolerances of a `TolerancedPose` count as free."""
+        """Return how many of n joints the targets leave free. Tolerances of a `TolerancedPose` count as free."""
         tolerances = np.concatenate([self.like._position_tolerance, self.like._rotation_tolerance])
         return max(n - int(np.count_nonzero(tolerances == 0.0)), 0)
 
@@ -54,7 +54,7 @@ class MovingTarget:
     def is_still(self) -> bool:
         """Whether a tool at the curve's start is on it everywhere, in what is constrained."""
         g = np.broadcast_to(self.curve(np.array(0.0)), (len(SPREAD), 4, 4))
-        return float(max(map(np.max, self.errors(SPREAD, g)))) <= NO_WAY
+        return float(max(map(np.max, self.errors(SPREAD, g)))) <= NO_MOTION
 
     @property
     def angle(self) -> float:
@@ -62,7 +62,7 @@ class MovingTarget:
         return 0.0 if isinstance(self.like, Position) else self.curve.angle
 
     def errors(self, s: Array, g: Array) -> tuple[Array, Array]:
-        """Return the distances of poses g (k, 4, 4) from the targets at s (k,): [m] and [rad]."""
+        """Distances of poses g (k, 4, 4) from the targets at s (k,): [m] and [rad]."""
         return errors_from(self.like, self.curve(s), g)
 
 

@@ -1,4 +1,4 @@
-"""Nodes of a ladder: configurations at the rungs of a curve, and the ways through them."""
+"""Nodes of a ladder: configurations at the rungs of a curve, and paths through them."""
 
 from __future__ import annotations
 

@@ -17,14 +17,14 @@ STEPS = 12
 DAMPING, LEAST_DAMPING = 0.05, 1e-12
 """Of a step, as part of the squared error and at least. Far from targets and near singularities it is short."""
 
-CALM = 1e-6
-"""Least damping within tolerances: no joint turns far for what an axis that is off by rounding misses."""
+TOLERANCE_DAMPING = 1e-6
+"""Least damping within tolerances. It keeps joints from turning far to correct rounding of an axis."""
 
 GROWTH, MOST_GROWTH = 10.0, 1e8
-"""So much the least damping within tolerances grows where a step makes errors greater, and at most."""
+"""Factor and limit of the least damping within tolerances, which grows where a step increases errors."""
 
 MOST_WEIGHT = 1e3
-"""By so much at most an error with a narrow tolerance counts more than one with a wide tolerance."""
+"""Greatest weight of an error with a narrow tolerance relative to one with a wide tolerance."""
 
 LIMIT = 1e-12
 """A joint this near to a limit [rad, m] is at it."""
@@ -60,7 +60,7 @@ def projected(
                 theta = kept
                 e, J = errors_and_rows(like, ideal, arm.fk(theta), arm.body_jacobian(theta))
                 e, J = e * weights, J * weights[:, None]
-            damping = DAMPING * best + CALM * more
+            damping = DAMPING * best + TOLERANCE_DAMPING * more
         damped = damping[:, None, None] * np.eye(e.shape[1])
         step = _shortest(e, J, damped)
         held = ((theta <= lower + LIMIT) & (step < 0.0)) | ((theta >= upper - LIMIT) & (step > 0.0))
@@ -87,7 +87,7 @@ def _shortest(e: Array, J: Array, damping: Array) -> Array:
 
 
 def errors_and_rows(like: AnyTarget, ideal: Array, g: Array, J_b: Array) -> tuple[Array, Array]:
-    """Return the errors (k, r) of poses g (k, 4, 4) from targets at `ideal`, and their rows (k, r, n).
+    """Errors (k, r) of poses g (k, 4, 4) from targets at `ideal`, and their rows (k, r, n).
 
     They match the targets' `position_rows` and `rotation_rows`, except for the size of large errors. What a
     `TolerancedPose` tolerates is no error and has no rows.

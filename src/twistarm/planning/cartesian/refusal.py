@@ -24,13 +24,13 @@ from .moving_target import MovingTarget
 from .nodes import LONGEST_JUMP, Blocked, Node, way
 
 AT_LIMIT = 0.01
-"""A joint that is nearer to its limit than this [rad, m] where a path ends has come to it."""
+"""A joint nearer to its limit than this [rad, m] at the end of a path is at the limit."""
 
 MORE_ROOM = 0.5
-"""So much farther [rad, m] a joint may go to see whether its limit is what blocks."""
+"""Extra room [rad, m] for a joint, to see whether its limit blocks the path."""
 
 SINGULAR = 0.05
-"""A smaller least singular value, metres over the arm's reach, is that of a configuration near a singular one."""
+"""A configuration is nearly singular below this least singular value, with metres divided by the arm's reach."""
 
 CERTAIN = "; no configuration inside the limits meets it farther on, that is certain"
 """What the closed form shows of some targets."""
@@ -38,7 +38,7 @@ CERTAIN = "; no configuration inside the limits meets it farther on, that is cer
 NEAR_MISS = 10.0
 """Where the tool misses a path by less than so many tolerances, wider ones are named."""
 
-FEW = 2
+MAX_OTHER_STARTS = 2
 """Other configurations from which the path may be followed that are tried."""
 
 
@@ -104,7 +104,7 @@ def _part(moving: MovingTarget, share: float) -> str:
 
 
 def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str | None, str]:
-    """Return reason, joint and words. A limit is the reason if the arm would go on with more room at that joint.
+    """Return reason, joint and words. The reason is a limit if the arm could go on with more room at that joint.
 
     `beyond` is the nearest solution farther on, or None where the target there is met.
     """
@@ -148,7 +148,7 @@ def _other_start(arm: Arm, limits: JointLimits, blocked: Blocked) -> Array | Non
     moving, start = blocked.moving, blocked.start
     roots = [Node(moving, 0.0, theta, 0.0) for theta in branches(arm, moving.at(0.0), start, moving.tolerances)]
     found = climb(arm, limits, roots) if roots else []
-    for node in [] if isinstance(found, Blocked) else found[:FEW]:
+    for node in [] if isinstance(found, Blocked) else found[:MAX_OTHER_STARTS]:
         if isinstance(follow(arm, way(node)), Followed):
             return way(node)[0].theta
     return None
@@ -159,7 +159,7 @@ def _help(arm: Arm, limits: JointLimits, blocked: Blocked, other: Array | None) 
         begin = posture(other.tolist(), arm.units)
         return f"begin it in another configuration, {begin}, from which all of it can be followed"
     moving = blocked.moving
-    if loose := _loose_enough(arm, limits, blocked):
+    if loose := _sufficient_tolerances(arm, limits, blocked):
         return loose
     if isinstance(moving.like, Pose):
         g, axis = moving.like.g, arm.tool_axis
@@ -173,7 +173,7 @@ def _help(arm: Arm, limits: JointLimits, blocked: Blocked, other: Array | None) 
     return "make it shorter, or move its ends"
 
 
-def _loose_enough(arm: Arm, limits: JointLimits, blocked: Blocked) -> str:
+def _sufficient_tolerances(arm: Arm, limits: JointLimits, blocked: Blocked) -> str:
     """Return tolerances that allow the whole path; "" where ten times the requested ones do not."""
     moving, met = blocked.moving, blocked.moving.tolerances
     looser = replace(moving, tolerances=Tolerances(NEAR_MISS * met.position, NEAR_MISS * met.orientation))

@@ -1,4 +1,4 @@
-"""Bounds of the tool's motion along a joint path: speed, its changes, and the bend of a deviation."""
+"""Bounds of the tool's motion along a joint path: speed, acceleration, and curvature of a deviation."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from ..joint_path import Indices, JointPath
 from ..piecewise import derivative, spread
 from .moving_target import MovingTarget
 
-LOOKS = 8
-"""Intervals of each piece at whose ends the tool's velocity is first sampled."""
+FIRST_SAMPLES = 8
+"""Intervals in each piece for the first samples of the tool's velocity."""
 
 NEAR = 1e-4
 """A bound that matters exceeds the greatest sampled speed by at most this part."""
 
-MOST_LOOKS = 512
+MAX_SAMPLES = 512
 """The most intervals of one piece."""
 
 
 class ToolDerivatives(NamedTuple):
-    """Bounds (m,) on each piece of a path of derivatives by s of the tool's origin p and rotation.
+    """Bounds (m,) per piece of a path for derivatives by s of the tool's origin p and rotation.
 
     velocity, acceleration, jerk: of ‖p'‖, ‖p''‖, ‖p'''‖ [m]. turn_velocity, turn_acceleration, turn_jerk: of ‖ω‖, ‖ω'‖,
     ‖ω''‖ [rad].
@@ -77,11 +77,11 @@ class ToolDerivatives(NamedTuple):
 
 
 def deviation_bend(arm: Arm, moving: MovingTarget, path: JointPath) -> Array:
-    """Bound the second derivatives of position error [m] and rotation error [rad] on each piece, (m, 2).
+    """Bound the second derivatives of position [m] and rotation error [rad] on each piece, (m, 2).
 
-    The curve has p_c and a constant ω_c. Then ‖p'' − p_c''‖ ≤ ‖p''‖ + ‖p_c''‖. For E = R_cᵀ R,
-    E'' = R_cᵀ (ω̂' + (ω − ω_c)^ ω̂ − ω̂_c (ω − ω_c)^) R, so the angle's is at most ‖ω'‖ + (‖ω‖ + ‖ω_c‖)². Errors
-    along axes that turn with the target, R_cᵀ (p − p_c), have two more terms.
+    The curve has p_c and a constant ω_c. Then ‖p'' − p_c''‖ ≤ ‖p''‖ + ‖p_c''‖. For E = R_cᵀ R, E'' = R_cᵀ (ω̂' + (ω −
+    ω_c)^ ω̂ − ω̂_c (ω − ω_c)^) R, so the angle's is at most ‖ω'‖ + (‖ω‖ + ‖ω_c‖)². Errors in axes that turn with the
+    target, R_cᵀ (p − p_c), have two more terms.
     """
     motion = ToolDerivatives.along(arm, path)
     curve, w = moving.curve, moving.angle
@@ -100,29 +100,29 @@ def greatest_tool_speeds(
 ) -> tuple[Array, Array]:
     """Bound ‖p'‖ [m] and ‖ω‖ [rad] by s on each piece, (m,) each.
 
-    Between samples a distance d apart, a vector v(s) is within d² max ‖v''‖ / 8 of the chord. So ‖v‖ exceeds the
-    greater of both ends by at most that. `ToolDerivatives` bounds v''. Samples are refined until the bound is tight.
-    They stay coarse where the joints' velocity limits (n,) keep the tool below both speeds anyway.
+    Between samples a distance d apart, a vector v(s) is within d² max ‖v''‖ / 8 of the chord. ‖v‖ exceeds its larger
+    end by at most that. `ToolDerivatives` bounds v''. Samples are refined until the bound is tight. They stay coarse
+    where the joints' velocity limits (n,) keep the tool below both speeds.
     """
     bounds = ToolDerivatives.along(arm, path)
     bend = np.stack([bounds.jerk, bounds.turn_jerk], axis=1)
     most = np.array([linear_speed, angular_speed])
-    count = np.full(len(bend), LOOKS)
-    seen, pace = _seen(arm, path, limits, count)
-    slack = (np.diff(path.breakpoints) / LOOKS)[:, None] ** 2 / 8.0 * bend
+    count = np.full(len(bend), FIRST_SAMPLES)
+    seen, pace = _sampled_speeds(arm, path, limits, count)
+    slack = (np.diff(path.breakpoints) / FIRST_SAMPLES)[:, None] ** 2 / 8.0 * bend
     with np.errstate(divide="ignore", invalid="ignore"):
         counts = (slack > NEAR * seen) & ((seen + slack) * pace[:, None] > most)
         finer = np.where(counts, np.sqrt(slack / (NEAR * seen)), 1.0).max(axis=1)
     if counts.any():
-        count = np.ceil(LOOKS * np.minimum(finer, MOST_LOOKS / LOOKS)).astype(np.int64)
-        seen, _ = _seen(arm, path, limits, count)
+        count = np.ceil(FIRST_SAMPLES * np.minimum(finer, MAX_SAMPLES / FIRST_SAMPLES)).astype(np.int64)
+        seen, _ = _sampled_speeds(arm, path, limits, count)
         slack = (np.diff(path.breakpoints) / count)[:, None] ** 2 / 8.0 * bend
     linear, angular = (seen + slack).T
     return linear, angular
 
 
-def _seen(arm: Arm, path: JointPath, limits: JointLimits, count: Indices) -> tuple[Array, Array]:
-    """Return the greatest speeds (m, 2) by s at the ends of `count` intervals of each piece.
+def _sampled_speeds(arm: Arm, path: JointPath, limits: JointLimits, count: Indices) -> tuple[Array, Array]:
+    """Greatest speeds (m, 2) by s at the ends of `count` intervals of each piece.
 
     The second array (m,) is the greatest ṡ there by the joints' velocity limits.
     """

@@ -1,4 +1,4 @@
-"""Wide ladder: curves climbed in many configurations at each rung, by an arm with freedom left."""
+"""Wide ladder: the path of a redundant arm, with many configurations at each rung."""
 
 from __future__ import annotations
 
@@ -14,45 +14,45 @@ from ..tolerances import leeway
 from .nodes import EXACT, LONGEST_JUMP, Blocked, Node, Rungs, cheapest_first, efforts
 from .projection import projected
 
-FEWEST = 40
+MIN_RUNGS = 40
 """Rungs of the shortest curve: on each the arm may change its configuration a little."""
 
 WIDTH = 100
 """Configurations at each rung."""
 
-SOUGHT, KICK = 500, 0.8
-"""So many are sought for the next rung, from up to so far away [rad, m] in every joint."""
+CANDIDATES, KICK = 500, 0.8
+"""Candidates for the next rung, and their greatest distance [rad, m] in every joint."""
 
 PULL, LONGEST_PULL = 0.3, 0.3
-"""Each is also followed by one that is drawn by so much of its way, or so far [rad, m], to the middle of the joints."""
+"""Each candidate is also tried nearer to the joints' middle: by PULL of the way, at most LONGEST_PULL [rad, m]."""
 
 CELL = 0.15
-"""Of configurations in one cube of this side [rad, m] the one with the least joint motion is kept."""
+"""Side [rad, m] of a cube of configurations. Each cube keeps the one with the least joint motion."""
 
 HALFWAY = 0.2
-"""Halfway the joints are nearer to the middle of both configurations than this part of how far these are apart."""
+"""Greatest distance of the joints at halfway from the middle of both ends, as a share of the ends' distance."""
 
 SEED = 0
 
 
 def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | Blocked:
-    """Return the configurations at the ends of the curves, least joint motion first, or how far they come.
+    """Configurations at the ends of the curves, least joint motion first, or how far they come.
 
-    At each rung a configuration goes on near itself, nearer to the middle of the joints, or at random. `WIDTH` of them
-    stay that are apart, each with its least joint motion.
+    Candidates at each rung are near the last configuration, nearer to the joints' middle, or random. `WIDTH` of them
+    that are apart stay, each with its least joint motion.
     """
     rng = np.random.default_rng(SEED)
-    rungs, nodes = Rungs(roots, FEWEST), list(roots)
+    rungs, nodes = Rungs(roots, MIN_RUNGS), list(roots)
     for k in range(1, rungs.count + 1):
         theta, parents = _spread(arm, rungs, k, nodes, rng)
         if not len(theta):
-            return Blocked(max(nodes, key=lambda node: _room(arm, node.theta)), float(rungs.s[k]), False)
+            return Blocked(max(nodes, key=lambda node: _distance_to_limits(arm, node.theta)), float(rungs.s[k]), False)
         here = np.array([node.theta for node in nodes])
         costs = np.array([node.cost for node in nodes])[parents] + efforts(here[parents], theta, limits.velocity)
-        kept = _apart(theta, costs, rng)
+        kept = _cheapest_per_cell(theta, costs, rng)
         kept = kept[_continuous(arm, nodes, parents[kept], float(rungs.s[k]), theta[kept])]
         if not len(kept):
-            return Blocked(max(nodes, key=lambda node: _room(arm, node.theta)), float(rungs.s[k]), True)
+            return Blocked(max(nodes, key=lambda node: _distance_to_limits(arm, node.theta)), float(rungs.s[k]), True)
         nodes = [
             Node(nodes[parents[i]].moving, float(rungs.s[k]), theta[i], float(costs[i]), nodes[parents[i]])
             for i in kept
@@ -67,7 +67,7 @@ def _spread(
     here, moving = np.array([node.theta for node in nodes]), nodes[0].moving
     drawn = PULL * (arm.limits.middle() - here)
     drawn *= np.minimum(1.0, LONGEST_PULL / np.maximum(np.abs(drawn).max(axis=1, keepdims=True), LONGEST_PULL))
-    each = -(-SOUGHT // len(nodes))
+    each = -(-CANDIDATES // len(nodes))
     kicks = rng.uniform(-1.0, 1.0, (each, *here.shape)) * rng.uniform(0.0, KICK, (each, len(nodes), 1))
     sought = np.concatenate([here, here + drawn, *(here + kicks)])
     parents = np.tile(np.arange(len(nodes)), 2 + each)
@@ -78,7 +78,7 @@ def _spread(
 
 
 def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float, theta: Array) -> NDArray[np.bool_]:
-    """Tell which configurations (c, n) at s follow their parents without a leap: halfway the arm is about halfway."""
+    """Tell which configurations (c, n) at s follow their parents without a leap: halfway, the arm is about halfway."""
     before = np.array([nodes[i].theta for i in parents])
     middle = np.array(0.5 * (nodes[0].s + s))
     poses = {id(node.moving): node.moving.curve(middle) for node in nodes}
@@ -91,7 +91,7 @@ def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float
     return near
 
 
-def _apart(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.intp]:
+def _cheapest_per_cell(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.intp]:
     """Return which to keep: the cheapest of each cell, at most `WIDTH`."""
     order = np.argsort(costs, kind="stable")
     _, first = np.unique(np.round(theta[order] / CELL), axis=0, return_index=True)
@@ -101,6 +101,6 @@ def _apart(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.i
     return np.concatenate([kept[:1], rng.choice(kept[1:], WIDTH - 1, replace=False)])
 
 
-def _room(arm: Arm, theta: Array) -> float:
+def _distance_to_limits(arm: Arm, theta: Array) -> float:
     """Return the distance to the nearest limit."""
     return float(np.minimum(theta - arm.limits.lower, arm.limits.upper - theta).min())

@@ -1,1 +1,1 @@
-"""Motions in files: CSV for people and plots, JSON and YAML as ROS's JointTrajectory, C headers for firmware."""
+"""Files of motions: CSV, ROS's JointTrajectory in JSON and YAML, C headers for firmware."""

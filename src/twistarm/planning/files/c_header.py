@@ -1,4 +1,4 @@
-"""A trajectory as a header for C99 and C++17: a table and the functions that evaluate it."""
+"""A trajectory as a C99 and C++17 header: a table and functions that evaluate it."""
 
 from __future__ import annotations
 

@@ -129,17 +129,17 @@ def _groups(arm: Arm, header: list[str], file: str) -> tuple[list[list[str]], bo
     """
     *needed, accelerations = _columns(JOINTS, arm.joint_names, arm.units)
     motors = arm.actuators
-    if motors is not None and not _is_there(needed, header):
+    if motors is not None and not _has_columns(needed, header):
         counts = _columns(COUNTS, motors.names, motors.units)
-        if _is_there(counts, header):
+        if _has_columns(counts, header):
             return counts, True
     for name in (TIME, *needed[0], *needed[1]):
         if header.count(name) != 1:
             others = [each for each in header if each not in (*needed[0], *needed[1])]
             what = "twice" if name in header else f"not{closest(name, others)}"
             raise InputError(f"{file}, line 1: a motion of {arm.name} has {listed([name])} once; here it is {what}")
-    return [*needed, accelerations] if _is_there([accelerations], header) else needed, False
+    return [*needed, accelerations] if _has_columns([accelerations], header) else needed, False
 
 
-def _is_there(groups: list[list[str]], header: list[str]) -> bool:
+def _has_columns(groups: list[list[str]], header: list[str]) -> bool:
     return all(header.count(name) == 1 for group in groups for name in group)

@@ -29,7 +29,7 @@ def require_motors(motors: Actuators | None) -> Actuators:
 
 
 def motor_values(trajectory: Trajectory, motors: Actuators, t: Array) -> list[Array]:
-    """Return position and velocity of the k motors at t (m,), then both in counts: (m, k) each."""
+    """Position and velocity of the k motors at t (m,), then both in counts: four arrays (m, k)."""
     moved = trajectory.to_motors(motors)
     turned = [moved(t), moved(t, 1)]
     return [*turned, *map(motors.to_counts, turned)]

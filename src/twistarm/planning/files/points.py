@@ -9,7 +9,7 @@ from ...support.checks import Array
 
 
 class Points(NamedTuple):
-    """k instants t (k,) [s] of n joints (k, n), with any rates and accelerations of the file.
+    """k instants t (k,) [s] of n joints (k, n). Rates and accelerations are optional.
 
     `place(i)` tells the place of point i in the file.
     """

@@ -1,4 +1,4 @@
-"""PathBounds: limits of the speed along a path, as rows C q' of joints and motors."""
+"""PathBounds: speed limits along a path, as rows C q' of joints and motors."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ...support.checks import Array, frozen
 from ..joint_path import JointPath
 
 RISE = 0.1
-"""In this time [s] what has no jerk limit comes to its acceleration limit, in laws that limit the jerk."""
+"""Rise time [s] to the acceleration limit for joints without a jerk limit, in laws that limit the jerk."""
 
 Owner = tuple[Literal["joint", "motor"], int]
 
@@ -23,9 +23,9 @@ Owner = tuple[Literal["joint", "motor"], int]
 class PathBounds:
     """Limits along a path: of the joints, of any motors, and a cap of ṡ.
 
-    Every moving joint has an acceleration limit, or a motor of it has one. `limits` are of n joints. `actuators` have
-    theirs on the motors' side of the gears, motor = G theta + o. Velocity, acceleration and jerk count, positions do
-    not. `ceiling` (m,) [1/s] is the largest ṡ on each piece of the path, for limits of the tool's speed.
+    Every moving joint, or a motor of it, has an acceleration limit. `limits` are of n joints. `actuators` have their
+    limits on the motor side, motor = G theta + o. Velocity, acceleration and jerk count; positions do not. `ceiling`
+    (m,) [1/s] is the largest ṡ per piece of the path, from limits of the tool's speed.
     """
 
     limits: JointLimits
@@ -47,12 +47,12 @@ class PathBounds:
     @cached_property
     def velocity(self) -> Array:
         """(r,), inf where there is no limit."""
-        return self._both("velocity")
+        return self._joints_and_motors("velocity")
 
     @cached_property
     def acceleration(self) -> Array:
         """(r,), inf where there is no limit."""
-        return self._both("acceleration")
+        return self._joints_and_motors("acceleration")
 
     @cached_property
     def jerk(self) -> Array:
@@ -62,7 +62,7 @@ class PathBounds:
     @cached_property
     def given_jerk(self) -> Array:
         """(r,), inf where there is no limit."""
-        return self._both("jerk")
+        return self._joints_and_motors("jerk")
 
     @cached_property
     def rates(self) -> JointLimits:
@@ -71,10 +71,10 @@ class PathBounds:
         return replace(JointLimits.unbounded(len(self.C)), **rates)
 
     def ceiling_of(self, path: JointPath) -> Array:
-        """The largest ṡ on each of the path's pieces (m,), inf where there is none."""
+        """The largest ṡ on each of the path's pieces (m,), inf without a limit."""
         return np.full(len(path.breakpoints) - 1, np.inf) if self.ceiling is None else self.ceiling
 
-    def _both(self, rate: str) -> Array:
+    def _joints_and_motors(self, rate: str) -> Array:
         joints: Array = getattr(self.limits, rate)
         if self.actuators is None:
             return joints

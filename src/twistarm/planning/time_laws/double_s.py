@@ -1,4 +1,4 @@
-"""Double-S profiles from rest to rest: the shortest within velocity, acceleration and jerk, in closed form."""
+"""Double-S profiles: the shortest rest-to-rest motion within velocity, acceleration and jerk, in closed form."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ from .law import apart
 
 
 def double_s(start: Array, goal: Array, bounds: PathBounds, duration: float = 0.0) -> tuple[Array, Array]:
-    """Breakpoints (k + 1,) [s] and coefficients (4, k, n) of the motion from `start` to `goal` (n,), from rest to rest.
+    """Breakpoints (k + 1,) [s] and coefficients (4, k, n) of a rest-to-rest motion from `start` to `goal` (n,).
 
-    Each joint has seven phases of constant jerk, or fewer on a way too short for its limits. All are slowed to the
-    slowest's time, or to `duration` [s] where that is longer. Where one motor drives several joints, all joints share
-    one profile along the straight line. A joint without a jerk limit comes to its acceleration limit in 0.1 s. A motion
-    to where it begins takes no time. Source: Biagiotti & Melchiorri, Trajectory Planning for Automatic Machines and
-    Robots, §3.4.
+    Each joint has seven phases of constant jerk, or fewer on a short way. All are slowed to the slowest joint's time,
+    or to a longer `duration` [s]. Where one motor drives several joints, all joints share one profile along the
+    straight line. A joint without a jerk limit reaches its acceleration limit in 0.1 s. A motion to its start takes no
+    time. Source: Biagiotti & Melchiorri, Trajectory Planning for Automatic Machines and Robots, §3.4.
     """
     way = goal - start
     if not way.any():
@@ -53,7 +52,7 @@ def _phases(d: Array, V: Array, A: Array, J: Array) -> tuple[Array, Array, Array
 
 
 def _profiles(d: Array, jerk: Array, hold: Array, coast: Array, duration: float) -> tuple[Array, Array]:
-    """Breakpoints and coefficients of the ways d (n,) in those phases, slowed to one time."""
+    """Breakpoints and coefficients for the distances d (n,) with these phases, slowed to one duration."""
     own = 4.0 * jerk + 2.0 * hold + coast
     whole = max(float(own.max()), duration)
     moves = own > 0

@@ -1,9 +1,9 @@
 """Limits on the intervals of a grid along a path, linear in x = ṡ² at both ends.
 
-Where x is linear in s from x0 to x1, on an interval of length h, s̈ = (x1 − x0)/(2 h) is constant. A row p = C q, a
-polynomial of degree d in s, moves with acceleration p' s̈ + p'' x and velocity p' ṡ. The acceleration has degree d − 1,
-the square of the velocity, p'² x, degree 2 d − 1. Their Bernstein coefficients are linear in x0 and x1. Where all of
-them keep a limit, so do the polynomials on the whole interval.
+On an interval of length h where x is linear in s from x0 to x1, s̈ = (x1 − x0)/(2 h) is constant. A row p = C q, a
+polynomial of degree d in s, has the acceleration p' s̈ + p'' x and the velocity p' ṡ. The acceleration has degree d −
+1. The square of the velocity, p'² x, has degree 2 d − 1. Their Bernstein coefficients are linear in x0 and x1. If all
+of them keep a limit, so do the polynomials on the whole interval.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class LimitedPath:
 
 
 def derivatives(path: LimitedPath, grid: Array) -> tuple[Array, Array, Array]:
-    """Bernstein coefficients of p' (d, N, r) and p'' (d − 1, N, r) on each interval, and the ceiling (N,)."""
+    """Bernstein coefficients of p' (d, N, r) and p'' (d − 1, N, r) per interval, and the ceiling (N,)."""
     starts, steps = grid[:-1], np.diff(grid)
     piece = np.searchsorted(path.breakpoints[1:-1], starts + 0.5 * steps, side="right")
     sigma = (starts - path.breakpoints[piece])[:, None]

@@ -1,4 +1,4 @@
-"""The fastest way along a path within velocity, acceleration and jerk, on a grid: an interior point.
+"""The fastest motion along a path within velocity, acceleration and jerk: an interior-point method on a grid.
 
 With x = ṡ² a row p = C q(s) moves with p' ṡ, p'' x + ½ p' x' and ṡ (p''' x + 3/2 p'' x' + ½ p' x''). The time Σ 2 h /
 (ṡ_i + ṡ_(i+1)) is convex in x, velocity and acceleration are linear. The jerk's limit is |p''' x + …| ≤ limit / ṡ.
@@ -17,23 +17,23 @@ from ..joint_path import JointPath
 from ..optional import scipy
 from .bounds import PathBounds
 
-INTERVALS, LOOKS, ENDS = 300, 2000, 0.9
-"""Of the grid; places looked at to lay it; how much shorter its steps are at both ends."""
+INTERVALS, GRID_SAMPLES, ENDS = 300, 2000, 0.9
+"""Intervals of the grid, samples to lay it out, and how much shorter its steps are at both ends."""
 
 SHARPER, GAP, STEPS = 8.0, 1e-2, 16
-"""The time counts more by this factor from stage to stage, until the barrier costs this part of it; a stage's steps."""
+"""Factor of the time's weight between stages, the barrier's final share of the time, and Newton steps per stage."""
 
 SETTLED, INSIDE, HALVINGS = 1e-1, 0.95, 12
-"""A stage ends below this decrement; how far to the edge a step goes; how often it is halved at most."""
+"""Newton decrement that ends a stage, greatest share of the way to the edge in a step, and most halvings of it."""
 
 LARGEST = 1e12
 """The largest ṡ² where no velocity limits it."""
 
 ROUNDS, CLOSE = 6, 1.01
-"""So many motions are tried, each tighter where the last one exceeded a limit, until none does by this factor."""
+"""Greatest number of motions, each with tighter limits where the last exceeded one, and the accepted excess."""
 
-BEGIN, AGAIN = 0.5, 0.9
-"""The first search begins where limits are used to this part; the others."""
+BEGIN, BEGIN_AGAIN = 0.5, 0.9
+"""Share of the limits in use at the start of the first search, and of the others."""
 
 
 Passes = Iterator[tuple[Array, Array]]
@@ -42,11 +42,11 @@ Passes = Iterator[tuple[Array, Array]]
 def fastest_passes(
     path: JointPath, bounds: PathBounds, excess: Callable[[Array, Array], tuple[Array, Array]], *, smooth_ends: bool
 ) -> Passes:
-    """Places s and times t (N + 1,) of nearly the fastest motions along a path, from rest to rest.
+    """Places s and times t (N + 1,) of a nearly time-optimal rest-to-rest motion.
 
     Each motion is tighter where the last one exceeded a limit. `excess(s, t)` gives acceleration and jerk at each inner
-    place, (N − 1,) each, as multiples of their limits. With `smooth_ends` the acceleration begins and ends with zero,
-    else it may jump there.
+    place, (N − 1,) each, relative to their limits. With `smooth_ends` the acceleration begins and ends with zero, else
+    it may jump there.
     """
     s = _grid(path, bounds)
     problem = _Problem.of(path, bounds, s, smooth_ends)
@@ -68,19 +68,19 @@ def fastest_passes(
         if max(float(each.max()) for each in over) < CLOSE:
             return
         problem = problem.tightened(*over)
-        x *= min(1.0, AGAIN * problem.room(x))
+        x *= min(1.0, BEGIN_AGAIN * problem.room(x))
         weight /= SHARPER
 
 
 def _grid(path: JointPath, bounds: PathBounds) -> Array:
     """Places (N + 1,) along the path: nearer together where it bends, and towards both ends."""
-    s = np.linspace(0.0, path.length, LOOKS + 1)
+    s = np.linspace(0.0, path.length, GRID_SAMPLES + 1)
     limits = bounds.velocity, bounds.acceleration, bounds.jerk
     slow = sum(
         np.max(np.abs(path(s, order) @ bounds.C.T / limit), axis=1) ** (1.0 / order)
         for order, limit in enumerate(limits, 1)
     )
-    near = np.ones(LOOKS // 50) / (LOOKS // 50)
+    near = np.ones(GRID_SAMPLES // 50) / (GRID_SAMPLES // 50)
     density = np.convolve(np.pad(slow, len(near), mode="edge"), near, mode="same")[len(near) : -len(near)]
     come = np.concatenate([[0.0], np.cumsum(density[1:] + density[:-1])])
     part = np.linspace(0.0, 1.0, INTERVALS + 1)
@@ -90,7 +90,7 @@ def _grid(path: JointPath, bounds: PathBounds) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """Steps h (N,), and for every row and inner place the factors of x before, there and behind it (r, N − 1, 3)."""
+    """Steps h (N,), and factors of x before, at and after every inner place (r, N − 1, 3)."""
 
     h: Array
     shape: Array
@@ -156,7 +156,7 @@ class _Problem:
         return weight * self.time(x) - logs
 
     def centred(self, x: Array, weight: float) -> Array:
-        """The least of `value`, by Newton's method with the convex, banded part of its second derivatives."""
+        """The least of `value`, by Newton's method with the convex, banded part of its Hessian."""
         solve = scipy("linalg").solveh_banded
         value = self.value(x, weight)
         for _ in range(STEPS):

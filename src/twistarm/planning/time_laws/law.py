@@ -17,7 +17,7 @@ APART = 1e-12
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TimeLaw:
-    """s(t) along a path, a polynomial on each of k pieces, from rest to rest.
+    """s(t) along a path from rest to rest, a polynomial on each of k pieces.
 
     `breakpoints` (k + 1,) [s] starts at 0; `coefficients` (degree + 1, k), highest power of t − breakpoints[i] first.
     Each of its pieces lies within one of the path's.

@@ -1,4 +1,4 @@
-"""A law slowed down, or sped up, as a whole until it just meets its limits."""
+"""A law, slowed down or sped up as a whole, that just meets its limits."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from .law import TimeLaw
 
 
 def at_full_pace(path: JointPath, law: TimeLaw, bounds: PathBounds, jerk: Array) -> TimeLaw:
-    """The law at the pace at which one rate just meets its limit; `jerk` (r,) is that limited.
+    """The law slowed until one rate just meets its limit. `jerk` (r,) is the limit of the jerk.
 
-    A law f times as slow has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
+    A law slowed by f has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
     """
     breakpoints, coefficients = law.along(path)
     steps = np.diff(breakpoints)

@@ -1,7 +1,7 @@
 """The largest ṡ² along a path within limits, on a grid: reachability analysis in two passes.
 
 Source: Pham & Pham, A new approach to time-optimal path parameterization based on reachability analysis, IEEE T-RO
-34(3), 2018. The rows of each interval are our own (`interval_limits`). The compiled core makes the same passes.
+34(3), 2018. The rows of each interval are from `interval_limits`. The compiled core makes the same passes.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ CORRECTIONS = 64
 """Newton's steps to a corner of a convex region; a handful are needed."""
 
 LONGEST_STEP = 1e-10
-"""No step goes farther down than to this part: what is left would be the rounding of a start much too large."""
+"""Least share of the value after a step down. Less would be rounding of a start that is much too large."""
 
 SHORTEST_STEP = 1.0 - 1e-13
-"""Every step goes down at least to this part: where a row is nearly upright, Newton's own is lost in rounding."""
+"""Greatest share of the value after a step down. Newton's step for a nearly vertical row is lost in rounding."""
 
 
 class Profile(NamedTuple):
@@ -33,12 +33,12 @@ class Profile(NamedTuple):
 
 
 def path_velocity(path: LimitedPath, grid: Array) -> Profile:
-    """The profile on the grid (N + 1,) from 0 to the path's length, with every breakpoint of the path.
+    """The profile on the grid (N + 1,) over the path's length, with every breakpoint of the path.
 
     Backwards: from which x the end can be reached at rest. Forwards: the largest x, interval by interval, that stays
     among those. Every interval's region of (x0, x1) is convex and holds (0, 0), so neither pass can fail.
     """
-    found = engine.asked("path_velocity", *vars(path).values(), grid, _most(path))
+    found = engine.asked("path_velocity", *vars(path).values(), grid, _unlimited(path))
     return in_numpy(path, grid) if found is None else Profile(*found)
 
 
@@ -46,11 +46,11 @@ def in_numpy(path: LimitedPath, grid: Array) -> Profile:
     """The same profile in NumPy."""
     tangent, bend, ceiling = derivatives(path, grid)
     steps = np.diff(grid)
-    x = passes(*rows(path, tangent, bend, ceiling, steps), _most(path))
+    x = passes(*rows(path, tangent, bend, ceiling, steps), _unlimited(path))
     return Profile(x, used(path, tangent, bend, ceiling, steps, x))
 
 
-def _most(path: LimitedPath) -> float:
+def _unlimited(path: LimitedPath) -> float:
     """The largest ṡ² where nothing else limits it."""
     return float(path.breakpoints[-1] / SHORTEST) ** 2
 
@@ -71,8 +71,8 @@ def passes(A: Array, B: Array, most: float) -> Array:
 def _largest_start(a: Array, b: Array, end: float, most: float) -> float:
     """The largest x0 ≥ 0 for which an x1 in [0, end] has a x0 + b x1 ≤ 1.
 
-    The room for x1 is the least upper bound less the greatest lower one. It is concave in x0 and not negative at 0.
-    From a start too large, Newton's method comes down to its zero along finitely many straight lines.
+    The room for x1 is the least upper bound minus the greatest lower one. It is concave in x0 and not negative at 0.
+    From too large a start, Newton's method reaches its zero along finitely many lines.
     """
     level = (b == 0) & (a > 0)
     start = (1.0 / a[level]).min(initial=most)
@@ -88,7 +88,7 @@ def _largest_start(a: Array, b: Array, end: float, most: float) -> float:
 
 
 def _tightest(a: Array, b: Array, start: float, otherwise: float, sign: float) -> tuple[float, float]:
-    """The tightest bound of x1 at x0 = start and its slope: the least (sign −1), the greatest (1), or `otherwise`."""
+    """The tightest bound of x1 at x0 = start, and its slope. sign −1: the least, 1: the greatest."""
     if not len(b):
         return otherwise, 0.0
     bound = (1.0 - a * start) / b

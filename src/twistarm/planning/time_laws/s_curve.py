@@ -20,39 +20,39 @@ from .tightening import Needs, widened
 from .time_optimal import first_grid, on_grid
 
 WINDOWS = (0.7, 1.0, 1.4, 2.0, 2.8, 4.0)
-"""Widths of the window that may be tried, in the time in which the slowest rate comes to its acceleration limit."""
+"""Window widths to try, as multiples of the rise time of the slowest rate to its acceleration limit."""
 
 FIRST, NARROW = 3, 1
-"""Which of them are tried first: the one that is mostly the best, and the one that is often when that is not."""
+"""Indices of the widths to try first: usually the best, and often the best otherwise."""
 
 BEND_SHARE = 0.9
-"""Of the jerk, left to the bend of the path itself; the rest is for changes of the acceleration along it."""
+"""Share of the jerk for the bend of the path. The rest is for changes of the acceleration along it."""
 
 PIECES = 64
-"""No piece of the path is longer than this part of it, so that a ceiling is low only where it must be."""
+"""Least number of pieces of the path, so that a ceiling is low only in a short part."""
 
 CLOSE = 1.06
-"""A law that must be slowed by less than this factor is not made slower in places instead."""
+"""A law that needs less slowing than this factor gets no lower ceilings."""
 
-SPARE = 1.05
-"""A ceiling that a law comes near to by this factor counts."""
+NEAR_CEILING = 1.05
+"""A ceiling counts if the law comes within this factor of it."""
 
-KEPT = 1.002
-"""A law that exceeds its limits by less than this factor keeps them nearly."""
+NEARLY_KEPT = 1.002
+"""A law nearly keeps its limits if it exceeds them by less than this factor."""
 
 ROUNDS = 6
 GAIN = 5e-3
-"""So many laws of ever lower ceilings are tried, as long as each is shorter than the one before by this part."""
+"""Greatest number of laws with ever lower ceilings, and the least share by which each must be shorter."""
 
 
 def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
-    """A law of limited jerk, without velocity and acceleration at both ends, that keeps every limit.
+    """A law of limited jerk that keeps every limit, with zero velocity and acceleration at both ends.
 
-    A moving average of the time-optimal law has a jerk of at most its jumps of acceleration over the window's width.
-    Several widths are tried. Where sharp bends exceed the limits, ceilings of ṡ are lowered about them. The shortest of
-    all laws is then slowed as a whole to its exact extremes. A joint or a motor without a jerk limit comes to its
-    acceleration limit in 0.1 s. From rest to rest in a straight line `double_s` is shorter. A path that stays where it
-    is takes no time. Raises InputError as `time_optimal`.
+    A moving average of the time-optimal law limits the jerk: to its acceleration jumps over the window's width. Several
+    widths are tried. Where sharp bends exceed the limits, the ceilings of ṡ around them are lowered. The shortest of
+    all laws is then slowed as a whole to its exact extremes. A joint or motor without a jerk limit reaches its
+    acceleration limit in 0.1 s. `double_s` is shorter from rest to rest in a straight line. A path without motion takes
+    no time. Raises InputError as `time_optimal` does.
     """
     if not path.moves:
         return TimeLaw.at_once()
@@ -86,7 +86,7 @@ def _downhill(tried: Callable[[int], _Tried], first: int, best: _Tried) -> _Trie
 
 @dataclass(frozen=True, eq=False)
 class _Tried:
-    """The fastest law under a ceiling (m,), the window [s] of its average, and what each piece needs."""
+    """The fastest law under a ceiling (m,), the window [s] of its average, and each piece's needs."""
 
     fastest: TimeLaw
     ceiling: Array
@@ -101,7 +101,7 @@ class _Tried:
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """A path in fine pieces, what laws need along it, and the grid of its laws."""
+    """A path in fine pieces, the needs of laws along it, and their grid."""
 
     path: JointPath
     needs: Needs
@@ -119,7 +119,7 @@ class _Search:
 
     def slow_in_bends(self, at: _Tried) -> _Tried:
         """The ceiling held for a window about each piece where it counts."""
-        counts = np.where(at.ceiling < at.speed * SPARE, at.ceiling, np.inf)
+        counts = np.where(at.ceiling < at.speed * NEAR_CEILING, at.ceiling, np.inf)
         return self.tried(np.minimum(at.ceiling, widened(counts, self.path.breakpoints, at.window)), at.window)
 
     def tightened(self, at: _Tried) -> Iterator[_Tried]:
@@ -127,7 +127,7 @@ class _Search:
         shortest = np.inf
         for _ in range(ROUNDS):
             yield at
-            if at.factor.max() < KEPT or at.duration() > shortest * (1.0 - GAIN):
+            if at.factor.max() < NEARLY_KEPT or at.duration() > shortest * (1.0 - GAIN):
                 return
             shortest = at.duration()
             with np.errstate(divide="ignore", invalid="ignore"):

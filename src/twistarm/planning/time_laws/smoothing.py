@@ -11,14 +11,14 @@ from .law import TimeLaw, apart
 
 BISECTIONS = 20
 CORRECTIONS = 3
-"""Steps to where a place is reached: by halves, then by Newton's method inside what is left."""
+"""Steps to find when a place is reached: bisections, then Newton's steps inside the bracket."""
 
 
 def smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
     """s_w(t) = (1/w) ∫ s(τ) dτ over [t − w, t] is longer by the window w [s], and of one degree more.
 
-    Its rate is (s(t) − s(t − w))/w ≥ 0, and further derivatives are difference quotients too. Where s̈ jumps, s̈_w
-    rises evenly. It is zero at both ends. Pieces end where the path's do.
+    Its rate is (s(t) − s(t − w))/w ≥ 0. Further derivatives are difference quotients too. Where s̈ jumps, s̈_w rises
+    evenly. It is zero at both ends. Pieces end where the path's do.
     """
     average = _Average(law, window)
     return average.law(_reached(average, path.breakpoints[1:-1]))

@@ -1,4 +1,4 @@
-"""Tightening of a time law: what each piece of a path needs, and local ceilings of ṡ."""
+"""Tightening of a time law: the needs of each piece of a path, and local ceilings of ṡ."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from ..piecewise import derivative, evaluate
 from .bounds import PathBounds
 from .law import TimeLaw
 
-LOOKS = np.array([[0.0], [0.5], [1.0 - 1e-9]])
+SAMPLES = np.array([[0.0], [0.5], [1.0 - 1e-9]])
 """Where in each of its pieces a law is looked at."""
 
 
 class Needs:
-    """What a time law needs along a path with the derivatives p', p'', p''' of the rows p = C q."""
+    """Needs of a time law along a path with derivatives p', p'', p''' of the rows p = C q."""
 
     def __init__(self, path: JointPath, bounds: PathBounds) -> None:
         self.path, self.bounds, self.ceiling = path, bounds, bounds.ceiling_of(path)
@@ -26,9 +26,9 @@ class Needs:
         """By what factor each piece of the path must be slowed (m,), and ṡ (m,).
 
         The rates are p' ṡ, p'' ṡ² + p' s̈ and p''' ṡ³ + 3 p'' ṡ s̈ + p' s⃛. Each piece of the law is sampled at three
-        instants, and may lie across several of the path's.
+        instants. It may span several pieces of the path.
         """
-        tau = LOOKS * np.diff(law.breakpoints)
+        tau = SAMPLES * np.diff(law.breakpoints)
         s, s1, s2, s3 = (evaluate(derivative(law.coefficients[:, :, None], k)[..., 0], tau).ravel() for k in range(4))
         piece = self.path.piece_at(s)
         sigma = s - self.path.breakpoints[piece]
@@ -44,7 +44,7 @@ class Needs:
 
 
 def widened(ceiling: Array, breakpoints: Array, window: float) -> Array:
-    """The ceiling (m,), held for half a window [s] around each piece, so that its average is as low."""
+    """The ceiling (m,), held for half a window [s] around each piece, so that its average keeps it."""
     slow = np.flatnonzero(np.isfinite(ceiling))
     reach = 0.5 * window * ceiling[slow, None]
     before, after = breakpoints[slow, None] - reach, breakpoints[slow + 1, None] + reach

@@ -1,4 +1,4 @@
-"""The time-optimal law: as fast along a path as velocities, accelerations, motors and the tool's speed allow."""
+"""The time-optimal law along a path, within velocities, accelerations, motors and the tool's speed."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from .interval_limits import LimitedPath
 from .law import TimeLaw
 from .path_velocity import Profile, path_velocity
 
-FIRST = 150
+FIRST_INTERVALS = 150
 """Intervals to begin with, about."""
 
-LEAST = 2
+LEAST_PER_PIECE = 2
 """Intervals to begin with on each piece of the path."""
 
 GAIN = 1e-3
-"""The grid is fine enough where a finer one makes the motion shorter by less than this part."""
+"""The grid is fine enough when a finer one shortens the motion by less than this share."""
 
-LEFT = 4.0
-"""Of the time that limits leave unused one in so many parts is lost to the grid."""
+UNUSED_PER_GAIN = 4.0
+"""The grid loses one in so many parts of the time that the limits leave unused."""
 
 LOSS = 3e-3
-"""Intervals are halved whose own loss exceeds this part of the motion's time, shared among all of them."""
+"""Intervals are halved if their loss exceeds this share of the motion's time, divided among all of them."""
 
 ROUNDS = 10
 """How often intervals are halved at most."""
 
-MOST = 5000
+MAX_INTERVALS = 5000
 """A grid of more intervals is not refined: a trajectory has a piece for each."""
 
 
@@ -40,8 +40,7 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
     s̈ is constant on each interval of a grid, so s is a parabola on each. No limit is exceeded between the grid's
     points either (`interval_limits`). Intervals are halved until the gain is below 0.1 %, or there are 5,000. Where p'
     = 0, curvature alone limits the acceleration. Where the path does not move, nothing does. Jerk is not limited. A
-    path that stays where it is takes no time. Raises InputError where the motion would take less than 1e-9 s or more
-    than 1e9 s.
+    path that stays where it is takes no time. Raises InputError for a motion of less than 1e-9 s or more than 1e9 s.
     """
     if not path.moves:
         return TimeLaw.at_once()
@@ -55,8 +54,8 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
         endless = np.isinf(durations)
         loss = np.where(endless, 0.0, durations) * (1.0 - profile.share)
         coarse = endless | (loss > LOSS * duration / len(loss))
-        fine = loss.sum() < LEFT * GAIN * duration or duration > shortest * (1.0 - GAIN)
-        if not endless.any() and (fine or not coarse.any() or len(coarse) > MOST):
+        fine = loss.sum() < UNUSED_PER_GAIN * GAIN * duration or duration > shortest * (1.0 - GAIN)
+        if not endless.any() and (fine or not coarse.any() or len(coarse) > MAX_INTERVALS):
             break
         shortest = duration
         grid = np.sort(np.concatenate([grid, (0.5 * (grid[:-1] + grid[1:]))[coarse]]))
@@ -72,7 +71,7 @@ def on_grid(limited: LimitedPath, grid: Array) -> TimeLaw:
 def first_grid(breakpoints: Array) -> Array:
     """Every piece of the path in as many intervals of one length."""
     pieces = len(breakpoints) - 1
-    count = max(LEAST, -(-FIRST // pieces))
+    count = max(LEAST_PER_PIECE, -(-FIRST_INTERVALS // pieces))
     inner = breakpoints[:-1, None] + np.diff(breakpoints)[:, None] * np.arange(count) / count
     return np.append(inner.ravel(), breakpoints[-1])
 

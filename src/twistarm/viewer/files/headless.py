@@ -34,7 +34,7 @@ FLAGS = (
 )
 
 TIMEOUT = 60.0
-"""How long a browser may take [s]; software rendering of 4096 x 4096 pixels takes some 12 s."""
+"""Most seconds for a browser. Software rendering of 4096 × 4096 pixels takes some 12 s."""
 
 
 def draw(browser: str, page: Path, size: tuple[int, int]) -> bytes:

@@ -8,14 +8,14 @@ from html import escape
 from ...support.checks import as_positive
 
 HEIGHT = 480
-"""Of a frame [pixels]; it is as wide as the notebook's output."""
+"""Height of a frame [pixels]. It is as wide as the notebook's output."""
 
 STYLE = "width:100%;border:1px solid #8884;border-radius:8px;color-scheme:normal"
 
 
 @dataclass(frozen=True)
 class Inline:
-    """HTML that a notebook shows on the last line of a cell or by IPython's `display`."""
+    """HTML that a notebook shows on a cell's last line or by IPython's `display`."""
 
     html: str
 

@@ -1,4 +1,4 @@
-"""A motion at moments in time, for the stand-alone page: joint values, and the numbers of the theory."""
+"""Samples of a motion for the stand-alone page: joint values and the numbers of the theory."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from ..parts.theory import axes
 from ..parts.theory_numbers import numbers
 
 SAMPLE_TIME = 1.0 / 30.0
-"""Between samples [s]. The page interpolates, so the eye sees no steps."""
+"""Time between samples [s]. The page interpolates between them."""
 
 MOST_SAMPLES = 2000
-"""A longer motion has coarser samples: the file stays within a megabyte."""
+"""Most samples of a motion, which keep the file within a megabyte."""
 
 DECIMALS = 9
-"""Of rad and m."""
+"""Decimals of values in rad and m."""
 
 MOST_NUMBERS = 250
-"""Moments with the numbers of the theory: with seven joints some 600 kB."""
+"""Most samples with numbers of the theory: some 600 kB for seven joints."""
 
 NUMBERS_PER_SECOND = 15.0
 
@@ -43,7 +43,7 @@ def _times(duration: float) -> Array:
 
 
 def recorded(arm: Arm, theta: Array, trajectory: Trajectory | None) -> dict[str, Any]:
-    """The axes, times (k,) [s], the numbers at each, and `aside`, those at theta (n,), where the arm stands.
+    """The axes, times (k,) [s], the numbers at each, and `aside`, those at the shown theta (n,).
 
     `moved`: the joint that is fastest at that moment, metres measured in the reach.
     """

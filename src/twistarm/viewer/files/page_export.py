@@ -27,7 +27,7 @@ EXPORT = r"^export ((?:async )?function|class|const) ([\w$]+)"
 """How the page's modules export: a definition at the start of a line."""
 
 STATE = '<script type="application/json" id="state">{}</script>'
-"""How the page that saved it stood, its camera and what was chosen: share.js writes it in place of the braces."""
+"""State of the page that saved it: camera and choices. share.js writes it in place of the braces."""
 
 RANDOM_NAME = rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}"
 
@@ -41,7 +41,7 @@ def save_html(
     *,
     trajectory: Trajectory | None = None,
 ) -> Path:
-    """Write one HTML file that shows `arm` and plays `trajectory`, or shows theta (n,) without one.
+    """Write one HTML file that shows `arm` and plays `trajectory`, or shows theta (n,).
 
     The page draws the tool's path. It contains Meshcat's code and the meshes, and its policy lets it load nothing.
     Writing it needs no server and no browser. The file is written whole or not at all.
@@ -56,7 +56,7 @@ def save_html(
         The path written.
 
     Raises:
-        InputError: The trajectory is of another arm, theta does not fit, or the file cannot be written.
+        InputError: The trajectory has another arm, theta does not fit, or the file cannot be written.
         MissingExtraError: Meshcat is not installed.
     """
     target = writable(path)
@@ -80,7 +80,7 @@ def stand_alone(shown: SceneSnapshot) -> str:
 def beside(shown: SceneSnapshot) -> tuple[str, dict[str, str]]:
     """The page for a folder with many pages, and the scripts beside it by name.
 
-    All pages share Meshcat's code and ours, and all pages of an arm share its meshes. The page's policy runs only the
+    All pages share Meshcat's code and ours. All pages of an arm share its meshes. The page's policy runs only the
     scripts that it names, also when opened from disk.
     """
     data = shown.data()
@@ -100,7 +100,7 @@ def beside(shown: SceneSnapshot) -> tuple[str, dict[str, str]]:
 
 
 def _numbered(objects: list[str]) -> list[str]:
-    """Replace Meshcat's random names by numbers, so an arm's meshes are the same text each time."""
+    """Replace Meshcat's random names by numbers, so that an arm's meshes always have the same text."""
     numbers: dict[bytes, bytes] = {}
 
     def numbered(found: re.Match[bytes]) -> bytes:

@@ -1,4 +1,4 @@
-"""A snapshot of the scene for a saved page: the arm, the visible layers and an optional motion."""
+"""A snapshot of the scene for a saved page: arm, visible layers, and an optional motion."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ from .motion_samples import moving, recorded
 from .page_kinematics import kinematics
 
 PLAYED = ("time", "running", "speed", "loop")
-"""Of a playback, what the page goes on with."""
+"""State of a playback that the page continues."""
 
 SAME = 1e-9
-"""An arm this near [rad, m] to a trajectory's theta stands on it."""
+"""An arm within this [rad, m] of a trajectory's theta is on the trajectory."""
 
 
 @dataclass(frozen=True)
 class SceneSnapshot:
-    """`arm` at theta (n,) [rad, m] with the joints beside it, drawn as `scene`, and the visible layers.
+    """`arm` at theta (n,) [rad, m] with its other joints, drawn as `scene`, and the visible layers.
 
     `playback` is the motion that the page plays and its start time, or None. `findings` is their message, or None
     before the doctor has run. `recorded` holds poses by name.
@@ -88,7 +88,7 @@ class SceneSnapshot:
         }
 
     def _poses(self) -> dict[str, list[float]]:
-        """The poses that the page can go to, by name: the arm's and the recorded ones."""
+        """Poses that the page can go to, by name: the arm's and the recorded ones."""
         named = {name: theta.tolist() for name, theta in named_poses(self.arm).items()}
         own = {f"{name} (recorded)" if name in named else name: theta.tolist() for name, theta in self.recorded.items()}
         return named | own

@@ -22,7 +22,7 @@ from .page_export import stand_alone
 from .scene_snapshot import SceneSnapshot, of_arm
 
 SMALLEST, LARGEST = 200, 4096
-"""Sides of a picture [pixels]: below, the legend hides the arm; above, a canvas may be scaled down without a word."""
+"""Sides of a picture [pixels]. In smaller ones the legend hides the arm. Larger ones may be scaled down."""
 
 
 def save_png(
@@ -41,7 +41,7 @@ def save_png(
     Args:
         arm: The arm.
         path: The file to write, which ends in .png.
-        theta: The configuration to show (n,) [rad, m]; by default the trajectory's start, else the ready pose.
+        theta: The configuration to show (n,) [rad, m]. By default the trajectory's start, else the ready pose.
         size: (width, height) [pixels].
         trajectory: A motion whose tool path is drawn, or None.
 

@@ -15,8 +15,8 @@ from ...support.path_redaction import without_places
 from ..protocol.messages import LONGEST_NAME, Message
 from ..scene.nodes import link_path, screw_path
 
-MOST = 500
-"""Findings on the page; nobody reads more, and the rest is counted."""
+MAX_FINDINGS = 500
+"""Most findings on the page. The rest is counted."""
 
 PENDING = "From the loading alone: the doctor looks while no servo drives."
 
@@ -27,7 +27,7 @@ def loaded(arm: Arm) -> Message:
 
 
 def examined(arm: Arm, reader: MeshReader | None = None) -> Message:
-    """The doctor's findings, or those of the loading if there is no description or the doctor fails.
+    """The doctor's findings, or those of loading without a description or if the doctor fails.
 
     reader: the reader of the arm's meshes.
     """
@@ -60,10 +60,10 @@ def _message(arm: Arm, findings: Iterable[Finding], note: str) -> Message:
     """{"type": "findings", "findings": [...], "counts": {severity: how many}, "note": text}, gravest first."""
     severities = get_args(Severity)
     ordered = sorted(findings, key=lambda one: severities.index(one.severity), reverse=True)
-    more = f"{len(ordered) - MOST} more: twistarm doctor lists them." if len(ordered) > MOST else ""
+    more = f"{len(ordered) - MAX_FINDINGS} more: twistarm doctor lists them." if len(ordered) > MAX_FINDINGS else ""
     return {
         "type": "findings",
-        "findings": [_finding_fields(arm, one) for one in ordered[:MOST]],
+        "findings": [_finding_fields(arm, one) for one in ordered[:MAX_FINDINGS]],
         "counts": dict(Counter(one.severity for one in ordered)),
         "note": " ".join(part for part in (note, more) if part),
     }

@@ -19,26 +19,26 @@ from ..protocol.messages import Message
 from .part import Part, Show
 
 NEAR = 0.1
-"""Of the range between two limits: nearer than this is near, as in the rows of the joints."""
+"""Share of the range between two limits that counts as near a limit, as in the joints' rows."""
 
 LEAST = {"rad": np.pi / 36, "m": 0.01}
-"""Near in any case [rad, m]: 5°, 1 cm."""
+"""Least distance [rad, m] that counts as near: 5°, 1 cm."""
 
 SAMPLES = 16
-"""Random configurations among which one moves the tool in every direction that the arm has."""
+"""Random configurations, of which one moves the tool in every direction that the arm has."""
 
 DIRECTIONS = ("along x", "along y", "along z", "about x", "about y", "about z")
 
 LEVELS = ((0, 1, 2), (3, 4, 5))
 
 JOINTS_TO_POINT = 5
-"""Joints that position and point a tool; below, the position alone can be singular, and is looked at first."""
+"""Joints that position and point a tool. With fewer, the position alone can be singular and is examined first."""
 
 SILENT: dict[str, Any] = {
     "sigma": None, "below": ServoSettings().singularity_threshold, "lacks": None,
     "joint": None, "unit": None, "room": None, "near": None, "end": None,
 }  # fmt: skip
-"""Where no servo drives."""
+"""The message without a servo."""
 
 
 class Least(NamedTuple):
@@ -65,8 +65,8 @@ class Gauge(Part):
 
         sigma: smallest singular value [rad per rad], singular below `below`. lacks: its direction in base axes.
 
-        joint: the joint or motor nearest to a position limit, with `room` [unit] to its `end` and the warning distance
-        `near`. All are null without a servo or without a limit.
+        joint: the joint or motor nearest to a position limit. It has `room` [unit] to its `end`, and the warning
+        distance `near`. All are null without a servo or without a limit.
         """
         if not show.driven:
             self._at, self._words = None, SILENT
@@ -77,7 +77,7 @@ class Gauge(Part):
 
 
 class Measure:
-    """The servo's own measures of an arm at its standard settings."""
+    """Measures of an arm as a servo with standard settings computes them."""
 
     def __init__(self, arm: Arm) -> None:
         self.arm, settings = arm, ServoSettings()
@@ -85,8 +85,8 @@ class Measure:
         motors = arm.actuators.motor_units[: len(self.bounds.motion.names) - arm.n] if arm.actuators else ()
         self.units = (*motors, *arm.units)
         self._slides = np.array(arm.units) == "m"
-        postures = [arm.ready, *arm.random_theta(0, SAMPLES)]
-        ranks = [[len(sigma) for sigma, _ in self._levels(theta)] for theta in postures]
+        configurations = [arm.ready, *arm.random_theta(0, SAMPLES)]
+        ranks = [[len(sigma) for sigma, _ in self._levels(theta)] for theta in configurations]
         self._ranks = np.max(ranks, axis=0)
 
     def words(self, theta: Array) -> dict[str, Any]:
@@ -101,10 +101,10 @@ class Measure:
         }
 
     def least(self, theta: Array) -> Least:
-        """The smallest singular value of the directions that the arm has elsewhere, 0 if it lacks one here.
+        """The smallest singular value of the directions that the arm has elsewhere. 0 if one is missing here.
 
-        The Jacobian is scaled as the servo damps it: the whole twist from five joints on, else the position, then the
-        rotation that keeps it.
+        The Jacobian is scaled as the servo damps it. From five joints on it is the whole twist, else the position, then
+        the rotation that keeps it.
         """
         found = Least(np.inf, np.zeros(6))
         for (sigma, U), rank in zip(self._levels(theta), self._ranks, strict=True):

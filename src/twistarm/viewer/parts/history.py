@@ -15,11 +15,11 @@ from ..protocol.messages import Message, Request
 from .part import Seen, Show
 from .pose_list import RecordedPose
 
-MOST = 100
-"""Steps that are kept."""
+MAX_STEPS = 100
+"""Most steps to keep."""
 
 PAUSE = 1.0
-"""Seconds between two moves of the same kind from which on they are two: a drag is one."""
+"""Seconds that separate two moves of the same kind. A drag is one move."""
 
 WORDS = {
     "record": "record a pose",
@@ -37,7 +37,7 @@ WORDS = {
     "go": "go to a pose",
     "jog": "jog",
 }
-"""What is kept of what the pages ask for, as it is called. Playing a motion is none: it can be sought back."""
+"""Names of the requests that can be undone. Playing a motion is not among them: seek back instead."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class History:
         if step.theta is not None:
             show.require_free()
         source.pop()
-        sink.append(self._taken_back(step, show, request.fields["ease"], now))
+        sink.append(self._undone(step, show, request.fields["ease"], now))
         self._last = ("", -np.inf)
         return None
 
@@ -95,11 +95,11 @@ class History:
             self._last = (words, now)
 
     def _keep(self, step: Step) -> None:
-        self._past = [*self._past[1 - MOST :], step]
+        self._past = [*self._past[1 - MAX_STEPS :], step]
         self._future = []
         self._last = ("", -np.inf)
 
-    def _taken_back(self, step: Step, show: Show, ease: bool, now: float) -> Step:
+    def _undone(self, step: Step, show: Show, ease: bool, now: float) -> Step:
         """Put back what the step has kept; the step that undoes this again."""
         there = show.seen()
         if step.poses is not None:

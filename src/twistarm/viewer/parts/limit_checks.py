@@ -12,7 +12,7 @@ from ...support.errors import InputError, LimitError
 from ..protocol.messages import LARGEST_VALUE
 
 LIMIT_TOL = 1e-6
-"""A slider's end may lie this far [rad, m] beyond a limit: its value went through decimal text."""
+"""Rounding of a slider's end at a limit [rad, m], from decimal text."""
 
 
 def checked_theta(arm: Arm, theta: ArrayLike) -> Array:

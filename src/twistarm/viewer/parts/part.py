@@ -1,4 +1,4 @@
-"""The arm on show, and the interface of its parts, such as the target or the player."""
+"""The arm on show, and the interface of its parts, such as target and player."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class Show:
 
     @property
     def moving(self) -> bool:
-        """Whether the arm moves by itself: a trajectory plays, or it is on its way to a pose."""
+        """Whether the arm moves by itself, in a trajectory or on its way to a pose."""
         return self.running or self._glide is not None
 
     def seen(self) -> Seen:

@@ -9,7 +9,7 @@ from ...planning.trajectory import Trajectory
 from ...support.checks import Array, as_theta
 
 GLIDE_TIME = 0.5
-"""[s]; as in page/glide.js."""
+"""Duration of a glide [s], as in page/glide.js."""
 
 
 @dataclass

@@ -16,16 +16,16 @@ from .part import Part, Show
 from .playback import Playback
 
 RATES = ("position", "velocity", "acceleration")
-"""By the order of the derivative."""
+"""Names of the derivatives by order."""
 
 MOST_POINTS = 300
-"""Of each line: a plot is about as many pixels wide."""
+"""Most points of a line: about a plot's width in pixels."""
 
 BEFORE = 1e-9
-"""Of the duration, before a breakpoint: a jump there is drawn as one."""
+"""Share of the duration before a breakpoint, so that a jump is drawn as one."""
 
 DECIMALS = 6
-"""Finer than any plot [rad, m, and per s and s²]."""
+"""Decimals of values [rad, m, and per s and s²]; finer than any plot."""
 
 NO_PLOTS: Message = {"type": "plots", "times": [], "joints": [], **{rate: [] for rate in RATES}, "tool": {}}
 

@@ -17,10 +17,10 @@ from ...support.strict_json import LARGEST_MESSAGE, encode
 from .limit_checks import checked_theta, require_all_inside
 
 LONGEST_NAME = 60
-"""Characters of a pose's name: a row of the page shows half of it."""
+"""Most characters of a pose's name. A row of the page shows half of it."""
 
 LARGEST_LIST = LARGEST_MESSAGE * 7 // 8
-"""Bytes of a whole list as a message, some 300 poses of seven joints: what was saved can be loaded in one."""
+"""Bytes of a whole list as a message: some 300 poses of seven joints."""
 
 
 MOVES = ("joint", "line", "screw", "via")
@@ -30,7 +30,7 @@ leads through this pose to the next."""
 
 @dataclass(frozen=True, eq=False)
 class RecordedPose:
-    """A pose of the list. theta (n,) [rad, m] is inside the limits, and `by` of MOVES is the way to it."""
+    """A pose of the list. theta (n,) [rad, m] is inside the limits. `by` of MOVES is the way to it."""
 
     id: int
     name: str
@@ -91,7 +91,7 @@ class PoseList:
         order = self._order(joints)
         reasons: list[str] = []
         for pose in poses:
-            with told(reasons):
+            with collecting_refusals(reasons):
                 self._keep([*self.poses, self._read(pose, order, self.poses)])
         return reasons
 
@@ -154,7 +154,7 @@ class PoseList:
 
 
 @contextmanager
-def told(reasons: list[str]) -> Iterator[None]:
+def collecting_refusals(reasons: list[str]) -> Iterator[None]:
     """What is refused inside goes to the reasons, and the rest goes on."""
     try:
         yield

@@ -17,13 +17,13 @@ from .pose_list import RecordedPose
 from .tool_path import drawn
 
 ROOM = 0.45
-"""A corner is rounded at most within this share of the tool's distance to the poses beside it."""
+"""Greatest radius of a rounded corner, as a share of the tool's distance to the neighbouring poses."""
 
 LEAST_CORNER = 1e-4
 """A smaller radius [m] is a stop."""
 
 POINTS = 60
-"""Of the ideal way from a pose to the next."""
+"""Points of the ideal path from a pose to the next."""
 
 
 def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[Segment]:

@@ -1,4 +1,4 @@
-"""The program of recorded poses: edit the list, go to a pose, plan a motion through them."""
+"""The program of recorded poses: edit the list, go to a pose, plan a motion."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ from .tool_path import tool_path
 STALE = "The list has changed since this motion was planned: plan again."
 
 STRAIGHT = "straight in joint space between the poses: the tool's way is a curve"
-"""What is said of a motion that stops at each pose: straight, people take for the tool's way."""
+"""Note on a motion that stops at each pose. "Straight" could be read as the tool's path."""
 
 SPLINES = ("cubic", "quintic", "time_optimal", "trapezoid")
 """Kinds that lead through joint moves alone without a stop; trapezoid stops at each pose."""
 
 WHY = {"limit": "a leap would follow", "singular": "singular configuration", "out of reach": "out of reach"}
-"""In a few words, by the reason of a PathError."""
+"""Short words by the reason of a PathError."""
 
 MOST_GHOSTS = 12
-"""The arm is drawn faintly at so many poses, evenly chosen."""
+"""Most poses at which the arm is drawn faintly, evenly chosen."""
 
 
-class Asked(NamedTuple):
-    """A requested motion: its kind, its stops or corner radius [m], and the tool's speed limit [m/s] (0: none)."""
+class MotionRequest(NamedTuple):
+    """A requested motion: kind, stops or corner radius [m], the tool's speed limit [m/s] (0: none)."""
 
     kind: Any
     stop: bool
@@ -53,7 +53,7 @@ class Asked(NamedTuple):
         return plain and (self.stop or self.kind in SPLINES)
 
 
-NOTHING_ASKED = Asked("", False, 0.0, 0.0)
+NO_REQUEST = MotionRequest("", False, 0.0, 0.0)
 
 
 class Program:
@@ -67,7 +67,7 @@ class Program:
         self._usual = defaults_line(arm)
         self._motion: Trajectory | None = None
         self._through: tuple[tuple[int, str], ...] = ()
-        self._asked = NOTHING_ASKED
+        self._asked = NO_REQUEST
         self._shown: tuple[Any, ...] = ()
         self._message: Message = {}
 
@@ -75,7 +75,7 @@ class Program:
         """Do what a page asks for; a plan is a job. TwistarmError, and nothing changed, where it cannot."""
         kind, fields = request.kind, request.fields
         if kind == "plan":
-            return self._plan(Asked(**fields), show)
+            return self._plan(MotionRequest(**fields), show)
         if kind == "record":
             self.list.record(fields["name"], show.theta)
         elif kind == "rename":
@@ -110,14 +110,14 @@ class Program:
     def _words(self, ours: bool) -> Message:
         current = ours and self._through == _listed(self.list.poses)
         poses = [{"id": pose.id, **pose.entry()} for pose in self.list.poses]
-        asked = self._asked if ours else NOTHING_ASKED
+        asked = self._asked if ours else NO_REQUEST
         through_joints = asked.through_joints(self.list.poses)
         straight = STRAIGHT if through_joints and (asked.stop or asked.kind == "trapezoid") else ""
         note = ("; ".join(filter(None, (straight, self._usual))) if current else STALE) if ours else ""
         said = {**asked._asdict(), "kind": asked.kind or None}
         return {"type": "program", "poses": poses, "planned": current, **said, "note": note}
 
-    def _plan(self, asked: Asked, show: Show) -> Job:
+    def _plan(self, asked: MotionRequest, show: Show) -> Job:
         poses = self.list.poses
         if len(poses) < 2:
             raise InputError(f"a motion needs at least two poses; the list has {len(poses)}: record another")
@@ -137,7 +137,7 @@ class Program:
         self,
         show: Show,
         poses: tuple[RecordedPose, ...],
-        asked: Asked,
+        asked: MotionRequest,
         result: tuple[Trajectory | PathError, dict[str, Any]],
     ) -> None:
         planned, path = result
@@ -156,13 +156,13 @@ class Program:
 def _planned(
     arm: Arm,
     poses: tuple[RecordedPose, ...],
-    asked: Asked,
+    asked: MotionRequest,
     limits: JointLimits,
     others: Mapping[str, float],
     met: Mapping[str, Any],
     progress: Progress,
 ) -> tuple[Trajectory | PathError, dict[str, Any]]:
-    """In a thread: the motion or the reason why there is none, and the tool's path."""
+    """In a thread: the motion or why there is none, and the tool's path."""
     beside = {"ideal": ideal_way(arm, poses), "waypoints": _ghosts(arm, poses, others)}
     try:
         motion = _motion(arm, poses, asked, limits, met, progress)
@@ -184,7 +184,7 @@ def _stop(arm: Arm, error: PathError, others: Mapping[str, float]) -> dict[str, 
 def _motion(
     arm: Arm,
     poses: Sequence[RecordedPose],
-    asked: Asked,
+    asked: MotionRequest,
     limits: JointLimits,
     met: Mapping[str, Any],
     progress: Progress,

@@ -28,12 +28,12 @@ def servo_words(answer: Cycle | ServoOutput) -> dict[str, Any]:
 
 
 def _words(output: ServoOutput, asked: bool) -> dict[str, Any]:
-    told = asked and output.status is not ServoStatus.STALE
+    valid = asked and output.status is not ServoStatus.STALE
     return {
         "status": output.status.name,
         "joint": output.joint,
         "reason": output.explain(),
-        "share": round(output.share, 2) if told else None,  # whole percents: pages are told only of what changes
+        "share": round(output.share, 2) if valid else None,  # whole percents: pages get only changes
     }
 
 

@@ -19,14 +19,14 @@ from ..scene.placement import Placement, standing_at
 from .part import Show
 from .target import target_asked
 
-MOST = 32
-"""Configurations to step through, the nearest of all; of those beyond the limits what these leave."""
+MAX_SHOWN = 32
+"""Most configurations to step through: the nearest inside the limits, then those beyond."""
 
-STANDS = 1e-3
-"""An arm that is nearer than this [rad, m] to a configuration stands there."""
+AT_SOLUTION = 1e-3
+"""An arm within this [rad, m] of a configuration is at it."""
 
 NONE: Message = {"type": "solutions", "asked": False, "places": [], "words": "", "ghosts": []}
-"""What is told while nobody has asked."""
+"""The message before a search."""
 
 
 class Answer(NamedTuple):
@@ -81,7 +81,7 @@ class Solutions:
 
     def take(self, answer: Answer, where: Array) -> None:
         """Hold these configurations; the arm stands at `where` (n,)."""
-        here = answer.inside > 0 and np.abs(answer.theta[0] - where).max(initial=0.0) < STANDS
+        here = answer.inside > 0 and np.abs(answer.theta[0] - where).max(initial=0.0) < AT_SOLUTION
         self._answer, self._where = answer, where
         self._at = self._stands = 0 if here else None
 
@@ -113,7 +113,7 @@ def _found(arm: Arm, target: AnyTarget, start: Array, others: Mapping[str, float
 
 def answer_of(solutions: AllSolutions, others: Mapping[str, float], more: Sequence[str] = ()) -> Answer:
     """What is held and told of the configurations; `more`: further lines of words."""
-    theta = np.vstack([solutions.theta, solutions.outside])[:MOST]
+    theta = np.vstack([solutions.theta, solutions.outside])[:MAX_SHOWN]
     placement = Placement(solutions.arm)
     told = {
         "type": "solutions",
@@ -122,7 +122,7 @@ def answer_of(solutions: AllSolutions, others: Mapping[str, float], more: Sequen
         "words": "\n".join([*solutions.explain().splitlines(), *more]),
         "ghosts": [standing_at(placement, each, others) for each in theta],
     }
-    return Answer(theta, min(len(solutions), MOST), told)
+    return Answer(theta, min(len(solutions), MAX_SHOWN), told)
 
 
 def _held_in_words(arm: Arm, held: Mapping[str, float]) -> list[str]:

@@ -22,29 +22,29 @@ from ..scene.placement import ghost
 from .part import Show
 
 MAX_TIME = 0.5
-"""Of a search [s]. The compiled core needs 3 ms at most; without it, a target out of reach takes some 0.4 s."""
+"""Most seconds of a search. The core needs at most 3 ms. Without it, an unreachable target takes some 0.4 s."""
 
 AT_ONCE = 0.2e-3
-"""Of a search in the loop [s], which the compiled core alone keeps: a dragged target takes it a tenth of this."""
+"""Most seconds of a search in the loop, which only the compiled core keeps. A dragged target needs a tenth."""
 
 LENGTH_TOL = 1e-3
-"""How far from 1 the length of a quaternion may be: decimal text, not another quantity."""
+"""Rounding of a quaternion's length, from decimal text."""
 
 TOLERANCES = {"position": "m", "orientation": "rad"}
 
 NONE: Mapping[str, Any] = {}
 
-NOTHING: Message = {
+NO_TARGET: Message = {
     "type": "target",
     "given": None,
     "met": None,
     "words": "",
     "ghost": None,
 }
-"""What is told while no target is given."""
+"""The message without a target."""
 
 Answer = tuple[Array, Message]
-"""The configuration to show (n,), and what is told of it."""
+"""The configuration to show (n,), and the message about it."""
 
 
 class TargetPart:
@@ -53,7 +53,7 @@ class TargetPart:
     requests = frozenset({"target", "release", "tolerances"})
 
     def __init__(self) -> None:
-        self._status = NOTHING
+        self._status = NO_TARGET
         self._shown: Array | None = None  # the configuration on show, where it is the target's answer
         self._wanted = False  # whether an answer may still come
         self._number = self._answered = 0  # of the latest target asked for, and of the one whose answer is on show
@@ -91,7 +91,7 @@ class TargetPart:
         yield self._status
 
     def _finish(self, show: Show, start: Array, number: int, answer: Answer) -> None:
-        """Show the answer unless a later target replaced it, the user released it, or the arm moved."""
+        """Show the answer unless a later target came, the user released it, or the arm moved."""
         moved = show.theta is not start and show.theta is not self._shown
         if number < self._answered or not self._wanted or moved or show.driven or show.moving:
             return
@@ -100,7 +100,7 @@ class TargetPart:
         show.show(self._shown)
 
     def _release(self) -> None:
-        self._status, self._shown, self._wanted = NOTHING, None, False
+        self._status, self._shown, self._wanted = NO_TARGET, None, False
 
 
 def target_asked(arm: Arm, fields: Mapping[str, Any]) -> Pose | Position | Approach:
@@ -131,9 +131,9 @@ def tolerances_asked(fields: Mapping[str, float]) -> dict[str, float]:
 def solved_at_once(
     arm: Arm, target: Pose | Position | Approach, start: Array, met: Mapping[str, Any] = NONE
 ) -> IKResult | None:
-    """The solution of the first search from `start` if it meets the target within AT_ONCE, else None.
+    """The solution of the first search from `start`, if it succeeds within AT_ONCE, else None.
 
-    A full search gives the same bits, because the first converged search wins and none was cut short.
+    A full search gives the same bits: the first converged search wins, and none was cut short.
     """
     if arm._compiled is None:
         return None

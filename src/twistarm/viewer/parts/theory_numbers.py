@@ -16,10 +16,10 @@ from ...theory.manipulability import Manipulability, scaled_jacobian
 from ...theory.screws import to_screw
 
 BELOW = ServoSettings().singularity_threshold
-"""Singular values less than this are said to be singular by a servo of ordinary settings."""
+"""Singular values below this count as singular for a servo with default settings."""
 
 SLIGHT = 0.05
-"""A part of a unit direction below this is left unsaid."""
+"""A component of a unit direction below this is not mentioned."""
 
 
 def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any]:
@@ -28,7 +28,7 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
     g (4, 4): g_st. spatial, body, hybrid (6, n): the Jacobians. columns: each column of J^s as a screw. axes: each
     moving joint's screw, null if equal to the columns. singular_values, condition (null if infinite), rank, yoshikawa,
     smallest, below, standing (in words): of the body Jacobian, with metres divided by `reach`. linear, angular: the
-    ellipsoids. motion: V^s = J^s θ̇ for `rates` (n,), as twist and screw, and the velocity of the tool's origin.
+    ellipsoids. motion: V^s = J^s θ̇ for `rates` (n,), as twist and screw, and the tool origin's velocity.
     """
     g, J_b = arm._fk_and_body_jacobian(theta)
     J_s = arm.spatial_jacobian(theta)

@@ -15,10 +15,10 @@ from ..scene.axes import arm_size
 from .limit_checks import check_trajectory, checked_theta
 
 MOST_POINTS = 400
-"""Enough for any curve on a screen, and small enough to send."""
+"""Most points: enough for any curve on a screen."""
 
 STILL = 1e-4
-"""A step shorter than this share of the arm's size is not seen."""
+"""Least visible step, as a share of the arm's size."""
 
 NO_PATH: dict[str, Any] = {"points": [], "radius": 0.0, "ideal": [], "stopped": None, "waypoints": []}
 """points: the way of the tool; ideal: that of its segments; stopped: where a segment cannot be followed any farther;

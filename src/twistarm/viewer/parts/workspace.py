@@ -22,7 +22,7 @@ POINTS = 20_000
 SEED = 0
 
 BATCH = 1000
-"""Postures between two words of progress: some 30 ms."""
+"""Configurations between two reports of progress: some 30 ms."""
 
 
 class Workspace(Part):
@@ -78,7 +78,7 @@ def sampled(arm: Arm, progress: Progress) -> tuple[Array, Array]:
 
 
 def directions_of(singular_values: Array) -> int:
-    """The number of directions in which the arm moves its tool; below `NO_MOTION` [rad/rad] counts as none."""
+    """The number of directions of the tool's motion. Below `NO_MOTION` [rad/rad] counts as none."""
     return int((singular_values > NO_MOTION).sum(axis=-1).max(initial=0))
 
 

@@ -1,4 +1,4 @@
-"""Publisher of changes: encodes only what has changed; a source that fails leaves the others alone."""
+"""Publisher of changes. It encodes only what has changed, and a failing source leaves the others alone."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class ChangePublisher:
         self._failing: dict[int, str] = {}
 
     def gather(self, sources: Sequence[Source]) -> dict[str, str]:
-        """The texts of what has changed since the last call, by type, and the error of a source that fails now."""
+        """The texts of changes since the last call, by type, and the error of a failing source."""
         changed: dict[str, str] = {}
         for place, source in enumerate(sources):
             self._ask(place, source, changed)

@@ -13,18 +13,18 @@ from ...support.errors import TwistarmError
 Progress = Callable[[float], None]
 
 Deliver = Callable[[Callable[[], None]], None]
-"""Has an action done in the loop."""
+"""Runs an action in the loop."""
 
 Tell = Callable[[str, float | None], None]
-"""Says how far the job of a key is, 0 … 1; None: one that said so has ended."""
+"""Reports the progress of a key's job, 0 … 1. None: that job has ended."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """`work(progress)` runs in the thread of its `key`; `finish(result)` runs in the loop and may change the stage.
+    """`work(progress)` runs in the thread of its `key`. `finish(result)` runs in the loop and may change the stage.
 
     `progress` takes the fraction done. It raises ReplacedError once a later job with the same key waits. Errors of
-    `work` go to the pages after `doing`, the work in words, such as `planning the motion`.
+    `work` go to the pages after `doing`, such as `planning the motion`.
     """
 
     key: str

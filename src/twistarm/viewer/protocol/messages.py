@@ -14,13 +14,13 @@ from ...support.strict_json import Check, counter, decoded, fields, flag, list_o
 from ..page_files import page_text
 
 Message = dict[str, Any]
-"""What the pages are told: its `type`, and the fields of that type in the schema."""
+"""A message to the pages: its `type`, and the fields of that type in the schema."""
 
 LARGEST_VALUE = 1e6
-"""Joint values beyond this [rad, m] come from no page and no arm, and would overflow the drawing."""
+"""Greatest joint values [rad, m]. Larger ones come from no arm and would overflow the drawing."""
 
 LONGEST_NAME = 1000
-"""Characters; a description may hold stranger names, but an error must stay readable."""
+"""Most characters of a name, so that an error stays readable."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ CHECKS: Mapping[str, Check] = {
     "names": list_of(_name),
     "poses": list_of(_pose),
 }
-"""What the words of the schema mean for a request; words with a | between them are a choice."""
+"""Checks of a request by the schema's words. A | separates the words of a choice."""
 
 
 def _check(word: str) -> Check:

@@ -1,4 +1,4 @@
-"""The scene of an arm: first what needs no file, then its meshes one by one."""
+"""The scene of an arm: parts without files first, then its meshes one by one."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from .nodes import link_path
 
 
 class Scene:
-    """Messages that draw the arm once, in order, the node of each link, and what could not be drawn.
+    """An arm's drawing: messages in order, the node of each link, and failures.
 
-    Everything that moves has a node, so a configuration is one matrix per node, {path: (4, 4) by columns}. `draw`
+    Everything that moves has a node. So a configuration is one matrix per node, {path: (4, 4) by columns}. `draw`
     appends to `objects`, from any thread. The first `plain` objects are not meshes, and replaced ones are empty. Meshes
     with more triangles than a screen shows are simplified unless `exact`. `simplified`: whether any was. `reader`: the
     reader of the meshes, which knows their lengths.
     """
 
     def __init__(self, arm: Arm, exact: bool = False, known: Mapping[Source, Drawn] | None = None) -> None:
-        """known: meshes that were drawn before, which are not read again."""
+        """known: drawn meshes, which are not read again."""
         drawing.require_meshcat()
         self._known = dict(known or {})
         self.exact, self.simplified = exact, False
@@ -87,7 +87,7 @@ class Scene:
         self.left -= 1
 
     def close(self) -> None:
-        """Draw no more mesh; the one that is being read is given up. From any thread."""
+        """Stop drawing, and stop reading the current mesh. From any thread."""
         with self._lock:
             readers = {self.reader, self._reading}
         for each in readers:
@@ -109,7 +109,7 @@ class Scene:
         return self
 
     def message(self) -> dict[str, Any]:
-        """Progress of the drawing: objects so far, meshes to read, and whether all triangles are drawn."""
+        """Progress of the drawing: objects so far, meshes left, and whether all triangles are drawn."""
         return {
             "type": "scene",
             "objects": sum(map(bool, self.objects)),
@@ -121,10 +121,10 @@ class Scene:
 
 
 def build_scene(arm: Arm, exact: bool = False) -> Scene:
-    """Draw `arm` with its meshes: a node for each link and screw, and the space and tool frames.
+    """Draw `arm` with its meshes: a node per link and screw, and the space and tool frames.
 
-    An unreadable mesh is reported. A frame and simple shapes replace it: the link's collision shapes, or a capsule from
-    its origin to each joint that it carries. An arm without a description is drawn as rods between points of its axes.
+    An unreadable mesh is reported. A frame and simple shapes replace it: the link's collision shapes, or capsules from
+    its origin to the joints that it carries. An arm without a description is drawn as rods between points of its axes.
     """
     return Scene(arm, exact).whole()
 

@@ -17,25 +17,23 @@ KIND_COLOURS: dict[str, Colour] = {
     "prismatic": (0.05, 0.60, 0.65, 1.0),
     "helical": (0.78, 0.57, 0.06, 1.0),
 }
-"""Of a screw without pitch, of infinite pitch (a slide), and of any other; the page's legend repeats them."""
+"""Colours of screws: without pitch, of infinite pitch (a slide), any other. The page's legend repeats them."""
 
 AXIS_HALF = 0.18
 """Half the arrow along an axis, in sizes of the arm."""
 
 PITCHLESS = 1e-9
-"""A pitch below this share of the arm's size is rounding."""
+"""A pitch below this share of the arm's size counts as 0."""
 
 
 def arm_size(arm: Arm) -> float:
-    """A length [m] that scales axes and frames: the reach, or the tool's distance if nothing turns."""
+    """A length [m] that scales axes and frames: the reach, or the tool's distance without turning joints."""
     far = max(arm.reach, float(np.linalg.norm(arm.home[:3, 3])))
     return far if far > 1e-6 else 1.0
 
 
 def anchors(arm: Arm) -> Array:
-    """A point (m, 3) on each moving joint's axis at theta = 0: the joint's origin, or the point nearest to the last
-    one.
-    """
+    """A point (m, 3) on each moving joint's axis at theta = 0: its origin, else the nearest to the last point."""
     if arm.description is not None:
         poses = arm.poses(np.zeros(arm.n))
         moving = (joint for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving)
@@ -68,7 +66,7 @@ def draw_screws(arm: Arm) -> list[bytes]:
 
 
 def draw_rods(arm: Arm) -> list[bytes]:
-    """Rods between axes at theta = 0, each in the node of its joint, and a rail under each slide."""
+    """Rods between axes at theta = 0, each in its joint's node, and a rail under each slide."""
     size = arm_size(arm)
     points = [np.zeros(3), *anchors(arm), arm.home[:3, 3]]
     paths = ["/arm/rod:base", *(rod_path(i) for i in range(arm.screws.shape[1]))]

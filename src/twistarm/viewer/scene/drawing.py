@@ -19,10 +19,10 @@ BLUE: Colour = (0.16, 0.42, 0.90, 1.0)
 STICK: Colour = (0.45, 0.50, 0.58, 1.0)
 
 GHOST = 0.4
-"""Opacity of an arrow where something stands in front of it."""
+"""Opacity of a hidden arrow."""
 
 Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
-"""Turns three.js's cylinder, which stands along y, into URDF's, which stands along z."""
+"""Turns three.js's cylinder (along y) into URDF's (along z)."""
 
 
 def require_meshcat() -> None:
@@ -34,14 +34,14 @@ def require_meshcat() -> None:
 
 
 def set_object(path: str, geometry: Any, colour: Colour, matrix: Array, **material: Any) -> bytes:
-    """The packed message that draws a Meshcat geometry at `path` with pose `matrix` (4, 4) in its node."""
+    """The packed message for a Meshcat geometry at `path`, with the pose `matrix` (4, 4) in its node."""
     from meshcat.geometry import Mesh, MeshLambertMaterial
 
     lowered = Mesh(geometry, MeshLambertMaterial(color=_rgb(colour), opacity=colour[3], **material)).lower()
     return _packed_object(path, lowered, matrix)
 
 
-def nothing(path: str) -> bytes:
+def removed(path: str) -> bytes:
     """The packed message that takes away what is drawn at `path` and below."""
     return _packed({"type": "delete", "path": path})
 
@@ -111,13 +111,13 @@ def arrow(path: str, start: Array, end: Array, radius: float, colour: Colour) ->
     head = 6.0 * radius
     neck, tip = _along(start, end, 1.0, -head)[:3, 3], _along(start, end, 1.0, -0.5 * head)
     drawn: list[bytes] = []
-    for layer, tint, material in _shining(colour):
+    for layer, tint, material in _visible_through(colour):
         drawn.append(rod(f"{path}/{layer}-shaft", start, neck, radius, tint, **material))
         drawn.append(cylinder(f"{path}/{layer}-head", 2.6 * radius, head, tint, tip, top=0.0, **material))
     return drawn
 
 
-def _shining(colour: Colour) -> list[tuple[str, Colour, dict[str, Any]]]:
+def _visible_through(colour: Colour) -> list[tuple[str, Colour, dict[str, Any]]]:
     """The two layers of an object that is visible through others: name, colour, material."""
     red, green, blue, _ = colour
     glow = {"emissive": _rgb((0.25 * red, 0.25 * green, 0.25 * blue, 1.0))}
@@ -143,7 +143,7 @@ def axes(path: str, length: float) -> list[bytes]:
     return [
         rod(f"{path}/{name}/{layer}", np.zeros(3), end, 0.02 * length, tint, **material)
         for name, end, colour in named
-        for layer, tint, material in _shining(colour)
+        for layer, tint, material in _visible_through(colour)
     ]
 
 

@@ -18,22 +18,22 @@ from .nodes import link_path
 from .shapes import PLAIN, lost_frame, shape, stand_in, stand_in_path
 
 TRIANGLES = 80_000
-"""Of all meshes of an arm together: a screen has some 200,000 pixels for it, and a processor draws these in 0.1 s."""
+"""Triangles of all meshes of an arm. A screen has some 200,000 pixels for it, and a processor draws them in 0.1 s."""
 
 FEWEST = 500
-"""Of one mesh: so that a bolt beside a heavy base is still a bolt."""
+"""Least triangles of a mesh, so that a bolt beside a heavy base keeps its shape."""
 
 MOST_TRIANGLES, MOST_OBJECTS = 5_000_000, 20_000
-"""Of all that is drawn, with all triangles of the files: a browser's memory has an end."""
+"""Most triangles and objects of a drawing with all triangles, within a browser's memory."""
 
 
 Source = tuple[object, ...]
-"""What a drawn mesh hangs on: of equal sources, the messages are equal."""
+"""What determines a drawn mesh. Equal sources give equal messages."""
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """The result for the mesh at `node`: messages that draw it or its replacement, and the reason of a failure.
+    """The result for the mesh at `node`: messages that draw it or its replacement, and a failure's reason.
 
     `drawn`: it could be read. `exact`: it shows all triangles of the file. `source`: its origin.
     """
@@ -47,7 +47,7 @@ class Drawn:
 
 
 def draw_plain(description: Description, size: float) -> list[bytes]:
-    """Draw each link in a separate node without files, with simple shapes in place of its meshes.
+    """Draw each link in a separate node without files, with simple shapes for its meshes.
 
     `size` [m] scales the replacements.
     """
@@ -75,14 +75,13 @@ def draw_meshes(
 
     Meshes in `known`, drawn before from the same source, are not read.
 
-    Unless `exact`, an arm with more than TRIANGLES is simplified to about that many, each file to its share of the
-    bytes.
+    Unless `exact`, an arm of more than TRIANGLES is simplified to about that many. Each file keeps its share by bytes.
     """
     most = {} if exact else _shares(description)
     read: dict[Path, list[Part] | str] = {}
     told, room = {""}, _Room()
     for link in description.links.values():
-        undrawn = _stands_in(link)
+        undrawn = _is_only_meshes(link)
         found = _found(link)
         for k, (node, visual, path) in enumerate(found, 1):
             source = _source(node, visual, path, most.get(path, inf), k == len(found))
@@ -96,8 +95,8 @@ def draw_meshes(
             objects, note = _mesh_or_reason(node, visual, path, parts, room)
             drawn = bool(objects)
             undrawn = undrawn and not drawn
-            if k == len(found) and _stands_in(link):
-                objects += lost_frame(link, size) if undrawn else [drawing.nothing(stand_in_path(link))]
+            if k == len(found) and _is_only_meshes(link):
+                objects += lost_frame(link, size) if undrawn else [drawing.removed(stand_in_path(link))]
             yield Drawn(node, tuple(objects), "" if note in told else note, drawn, _all_exact(parts), source)
             told.add(note)
 
@@ -112,13 +111,13 @@ def _found(link: Link) -> list[tuple[str, Geometry, Path]]:
     return [(f"{path}/visual{i}", visual, visual.mesh) for i, visual in enumerate(link.visuals) if visual.mesh]
 
 
-def _stands_in(link: Link) -> bool:
+def _is_only_meshes(link: Link) -> bool:
     """Whether there is nothing to draw of a link but its meshes."""
     return all(visual.shape == "mesh" for visual in link.visuals)
 
 
 def _shares(description: Description) -> Mapping[Path, int]:
-    """The number of triangles for each file, by its size and the number of its uses."""
+    """Triangles for each file, by its size and number of uses."""
     files = [path for link in description.links.values() for _, _, path in _found(link)]
     sizes = {path: size_of(path) for path in files}
     whole = max(sum(sizes[path] for path in files), 1)
@@ -128,7 +127,7 @@ def _shares(description: Description) -> Mapping[Path, int]:
 def _parts_or_reason(reader: MeshReader, path: Path, most: float) -> list[Part] | str:
     try:
         return reader.parts(path, most)
-    except Exception as error:  # whatever ails one mesh, the others are drawn
+    except Exception as error:  # a fault of one mesh does not stop the others
         return str(error) if isinstance(error, TwistarmError) else _reason(path, error)
 
 
@@ -176,7 +175,7 @@ def _plain(description: Description, link: Link, size: float) -> list[bytes]:
         for i, visual in enumerate(link.visuals)
         for part in shape(f"{path}/visual{i}", visual, visual.colour or PLAIN)
     ]
-    if not _stands_in(link):
+    if not _is_only_meshes(link):
         return drawn
     lost = link.visuals and not _found(link)
     return [*stand_in(description, link, size), *(lost_frame(link, size) if lost else [])]

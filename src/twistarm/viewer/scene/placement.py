@@ -78,7 +78,7 @@ def _moving_links(arm: Arm) -> tuple[list[str], Array]:
 def ghost(solution: IKResult, others: Mapping[str, float]) -> dict[str, list[float]] | None:
     """Where each link would stand without joint limits, {node: matrix by columns}.
 
-    None where the limits are not the reason: a target is met, or out of reach of any configuration.
+    None if limits are not the reason: the target is met, or out of reach of any configuration.
     """
     if solution.unlimited is None:
         return None

@@ -13,10 +13,10 @@ from .nodes import link_path
 PLAIN: Colour = (0.62, 0.66, 0.72, 1.0)
 
 FRAME = 0.08
-"""The axes of a link whose mesh is missing, in sizes of the arm."""
+"""Length of the axes for a link without its mesh, in sizes of the arm."""
 
 THICK, STOUT = 0.025, 0.3
-"""Radius of a capsule that stands in: in sizes of the arm, and at most in lengths of the longest of its link."""
+"""Radius of a replacing capsule: in sizes of the arm, and at most in lengths of the link's longest."""
 
 
 def stand_in_path(link: Link) -> str:

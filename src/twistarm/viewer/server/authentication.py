@@ -19,7 +19,7 @@ WRONG_TOKEN = "wrong token: a view has a new address at each start; open the one
 
 @dataclass(frozen=True)
 class Authentication:
-    """Admits requests with the token and a host of ours, on any port, because ports may be forwarded.
+    """Admits requests with the token and one of our hosts. Any port is right, because ports may be forwarded.
 
     A foreign page may let a name resolve to this machine (DNS rebinding). Its Host and Origin still carry that name,
     so the request is refused.

@@ -1,4 +1,4 @@
-"""Files that a page can download, made in a thread from the view at that moment."""
+"""Files that a page can download, made in a thread from the current view."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from ..stage import Stage
 
 SAMPLE_TIME = 0.01
-"""Between two rows of an export [s]."""
+"""Time between two rows of an export [s]."""
 
 MOST_SAMPLES = 20_000
-"""A longer motion is exported more coarsely: some megabytes for seven joints."""
+"""Most rows of an exported motion: some megabytes for seven joints."""
 
 
 @dataclass(frozen=True)
@@ -77,4 +77,4 @@ DOWNLOADS: Mapping[str, Download] = {
     "motion.yaml": Download("application/yaml", "_motion.yaml", partial(_motion, yaml_text)),
     "motion.h": Download("text/plain; charset=utf-8", "_motion.h", partial(_motion, _header)),
 }
-"""By the name under the token."""
+"""Downloads by their name under the token."""

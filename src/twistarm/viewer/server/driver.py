@@ -18,7 +18,7 @@ from ..parts.limit_checks import require_all_inside
 from ..parts.servo_words import servo_words
 from ..stage import Stage
 
-LONGEST_REST = 3.0
+STOP_TIMEOUT = 3.0
 """Seconds until a drive ends although its joints still move, as with very low accelerations."""
 
 Post = Callable[[str, Callable[[Stage], None]], None]
@@ -26,10 +26,10 @@ Post = Callable[[str, Callable[[Stage], None]], None]
 
 
 class Driver:
-    """Runs at most one drive: the loop of `twistarm.control.stream` in a thread, commanded by the pages.
+    """Runs at most one drive: the loop of `twistarm.control.stream` in a thread, with the pages' commands.
 
-    A drive begins at the configuration on show and leaves the arm where it comes to rest. The program goes first: its
-    servo and `Viewer.show` end the drive.
+    A drive begins at the shown configuration and leaves the arm where it stops. The program goes first: its servo and
+    `Viewer.show` end the drive.
     """
 
     def __init__(self, stage: Stage, commands: PageCommands, post: Post) -> None:
@@ -153,7 +153,7 @@ class Drive:
 
     def _done(self) -> bool:
         since = time.monotonic() - self.asked_at
-        return since >= 0.0 and (since > LONGEST_REST or not self._joints.theta_dot.any())
+        return since >= 0.0 and (since > STOP_TIMEOUT or not self._joints.theta_dot.any())
 
     def _show(self, cycle: Cycle) -> None:
         """Show only changes: an arm at rest sends nothing to the pages."""

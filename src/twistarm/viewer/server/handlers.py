@@ -1,4 +1,4 @@
-"""Handlers of the web server: the page's files, and one socket per page with a bounded outbox."""
+"""Handlers of the web server: the page's files, and a socket per page with a bounded outbox."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .downloads import DOWNLOADS
 if TYPE_CHECKING:
     from .server import Server
 
-ALWAYS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
+HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
 """Headers of every answer, refusals included."""
 
 POLICY = (
@@ -39,13 +39,13 @@ does. Whoever would have hands click on it unseen must have a server here, and k
 """
 
 REPLIES = ("done", "error")
-"""What answers the page itself, whatever arm is on show."""
+"""Requests that answer the page itself, for any arm."""
 
 MOST_FILES = 4
-"""Downloads at a time, made or on their way."""
+"""Most downloads at a time."""
 
 PING_TIME = 20
-"""Seconds between two signs of life that a page is asked for, and until one that gives none is let go."""
+"""Seconds between two pings of a page, and until a silent page is dropped."""
 
 # Tornado logs each malformed request; a program that wants to read that sets up logging.
 logging.getLogger("tornado").addHandler(logging.NullHandler())
@@ -91,7 +91,7 @@ class Guarded(tornado.web.RequestHandler):
 
     def set_default_headers(self) -> None:
         """On every answer, errors included."""
-        for name, value in ALWAYS.items():
+        for name, value in HEADERS.items():
             self.set_header(name, value)
         self.clear_header("Server")
 
@@ -244,7 +244,7 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
                 await self._empty_outbox()
 
     async def _empty_outbox(self) -> None:
-        """Send all waiting messages at once, then wait for the page while the outbox fills again.
+        """Send all waiting messages at once. Then wait for the page while the outbox fills again.
 
         Waiting for each message would delay the next by two turns of the loop.
         """

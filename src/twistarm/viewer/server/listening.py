@@ -20,7 +20,7 @@ IDLE_TIME = 30.0
 """Seconds that a connection may wait for its next request, or take to send it."""
 
 LARGEST_HEAD = 16 * 1024
-"""Bytes of a request's head: the cookies of all that this machine serves may be in it."""
+"""Most bytes of a request's head. It may contain the cookies of all servers on this machine."""
 
 
 class Listener(HTTPServer):

@@ -1,4 +1,4 @@
-"""Memory of a view at a fixed port: recorded poses and theta in a JSON file of the state folder."""
+"""Memory of a view at a fixed port: recorded poses and theta, as JSON in the state folder."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..protocol.messages import CHECKS
 from ..stage import Stage
 
 ENTRIES = {"joints": "names", "poses": "poses", "theta": "numbers"}
-"""Of a file, and what each must be: with the poses a page's Load takes the file too."""
+"""Entries of a file and their types. A page's Load also accepts the file."""
 
 
 class Memory:

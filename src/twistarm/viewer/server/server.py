@@ -1,4 +1,4 @@
-"""The viewer's web server: a thread with an event loop, a secret path, and a socket per page."""
+"""The viewer's web server: a thread with an event loop, a secret path, a socket per page."""
 
 from __future__ import annotations
 
@@ -59,14 +59,14 @@ class Server:
         self._applied = 0.0
         self._pages = 0
         self._jobs: dict[str, float] = {}
-        self._take(stage, scene)
+        self._adopt(stage, scene)
         self.writing, self.files = asyncio.Lock(), 0  # of downloads: one is made at a time, so many are under way
         self._workers = Workers(self._deliver, self._show_job)
         self._player: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name="twistarm viewer", daemon=True)
         self._started = threading.Event()
 
-    def _take(self, stage: Stage, scene: Scene) -> None:
+    def _adopt(self, stage: Stage, scene: Scene) -> None:
         """Make this the arm on show, and make everything that belongs to one arm."""
         self.stage, self.scene = stage, scene
         self.commands.arm = stage.arm
@@ -163,7 +163,7 @@ class Server:
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
         listener = Listener(application(self), pages=self.clients)
         listener.add_sockets(self._sockets)
-        self._consult()
+        self._start_examination()
         self._started.set()
         await self._stop.wait()
         listener.stop()
@@ -173,7 +173,7 @@ class Server:
             client.close(1001, "the viewer was closed")
         await listener.close_all_connections()
 
-    def _consult(self) -> None:
+    def _start_examination(self) -> None:
         self._consultation = self._loop.create_task(self._examine_in_calm())
 
     def _exchange(self, stage: Stage, scene: Scene) -> list[str]:
@@ -185,8 +185,8 @@ class Server:
             words += self.memory.set_aside(old)
         self._consultation.cancel()
         scene.draw_again(self.scene.exact)
-        self._take(stage, scene)
-        self._consult()
+        self._adopt(stage, scene)
+        self._start_examination()
         self._draw_meshes()
         if (job := stage.workspace.switched("workspace", stage)) is not None:
             self._workers.submit(job)
@@ -197,14 +197,14 @@ class Server:
         return words
 
     async def _examine_in_calm(self) -> None:
-        """Examine the arm after CALM_TIME [s] of calm, so page loads and servos are not delayed."""
+        """Examine the arm after CALM_TIME [s] of calm, so as not to delay page loads and servos."""
         before = False
-        while not (before and self._calm()):
-            before = self._calm()
+        while not (before and self._is_calm()):
+            before = self._is_calm()
             await asyncio.sleep(CALM_TIME)
         self.examine()
 
-    def _calm(self) -> bool:
+    def _is_calm(self) -> bool:
         return bool(self.clients) and not self.stage.driven and not self.scene.left
 
     def name_page(self) -> str:
@@ -214,10 +214,10 @@ class Server:
 
     def state(self) -> dict[str, str]:
         """The messages of the whole view, by type. Other pages get the recent changes too."""
-        self._tell_news()
+        self._send_changes()
         return self._news.everything()
 
-    def _tell_news(self) -> None:
+    def _send_changes(self) -> None:
         sources: list[Source] = [self._own_messages, *self.stage.sources()]
         for kind, text in self._news.gather(sources).items():
             self._tell(kind, text)
@@ -227,7 +227,7 @@ class Server:
         return [{"type": "work", "jobs": jobs}, self.scene.message(), self.notice]
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
-        """Do the request of the page `sender`, update every page, and return the replies for the sender alone.
+        """Do the request of the page `sender`, update every page, and return the sender's replies.
 
         A command to the servo changes nothing on show; the resulting motion does.
         """
@@ -285,7 +285,7 @@ class Server:
     def publish(self) -> None:
         """Send the latest changes to every page, and keep a motion going."""
         if self.clients:
-            self._tell_news()
+            self._send_changes()
             if not self.scene.left and (job := self.stage.collisions.due(self.stage)) is not None:
                 self._workers.submit(job)
         self._keep_poses()

@@ -1,4 +1,4 @@
-"""Watching of an arm's files: the view loads and shows the arm again when one of them changes."""
+"""Watching of an arm's files: the view loads the arm again when a file changes."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ PERIOD = 0.25
 """Time between two looks at the files [s]. A look costs a microsecond or two for each file and needs no library. It
 also sees what the system does not notify: files on network shares, in containers, and files that do not exist yet."""
 
-LONGEST_UNREST = 2.0
+CHANGES_TIMEOUT = 2.0
 """Seconds until files that keep changing are loaded anyway."""
 
 Stamps = dict[Path, tuple[int, ...] | None]
 
 
 def loaded(load: Callable[[], Arm]) -> tuple[Arm, set[Path]]:
-    """The arm that `load` returns, and the files that it read or looked for, meshes included."""
+    """The arm that `load` returns, and all files read or looked for, meshes included."""
     with noted_files() as files:
         arm = load()
     return arm, files | meshes_of(arm)
@@ -45,8 +45,8 @@ def meshes_of(arm: Arm) -> set[Path]:
 class Watch(Closeable):
     """Shows the result of `load` on `server` whenever `files` change, until `close`; a context manager.
 
-    The pages show each loading, and the error of one that fails; the last good arm stays on show. Nothing is loaded
-    while a servo drives. `say` gets the same text, from another thread.
+    The pages show each loading and its error. The last good arm stays on show. Nothing is loaded while a servo drives.
+    `say` gets the same text, from another thread.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Watch(Closeable):
 
     def _settled(self) -> Stamps:
         """The stamps once they no longer change: an editor may still be writing."""
-        end = time.monotonic() + LONGEST_UNREST
+        end = time.monotonic() + CHANGES_TIMEOUT
         before, now = None, stamps(self._stamps)
         while before != now and time.monotonic() < end and not self._closed.wait(PERIOD):
             before, now = now, stamps(self._stamps)

@@ -16,17 +16,17 @@ from ....support.checks import Array, require
 from ....support.errors import InputError, closest, listed
 
 BEYOND_LIMIT = 1e-6
-"""Beyond a position limit by less [rad, m] is the rounding of a file."""
+"""Excess over a position limit [rad, m] that is rounding of a file."""
 
 JUMP = 1e-4
-"""A smaller part of the velocity limit is rounding where a velocity should go on, or be 0."""
+"""Jump of a velocity, as a share of its limit, that is rounding."""
 
 
 def motion_of(arm: Arm, trajectory: Trajectory) -> Trajectory:
     """The trajectory with the arm's joints in order.
 
-    Raises InputError if it has other joints, jumps, or does not begin and end at rest. Raises LimitError if it leaves
-    the position limits.
+    Raises InputError for other joints, jumps, or an end that is not at rest. Raises LimitError if it leaves the
+    position limits.
     """
     require(trajectory, Trajectory, "trajectory", "as plan_joint returns")
     motion = _ordered(arm, trajectory)
@@ -46,7 +46,7 @@ def way_there(arm: Arm, theta: Array, motion: Trajectory) -> Trajectory:
 
 
 def why_elsewhere(arm: Arm, theta: Array, start: Array, near: Array) -> str:
-    """The joints farther from the start than `near` (n,), their distances and a remedy; "" for none."""
+    """Joints farther from the start than `near` (n,), their distances and a remedy; "" for none."""
     away = np.abs(theta - start)
     if not (away > near).any():
         return ""

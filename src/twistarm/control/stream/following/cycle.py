@@ -1,4 +1,4 @@
-"""One cycle of a followed motion: compare with the measured arm, advance the clock, send the setpoint."""
+"""One cycle of a followed motion: compare the measured arm, advance the clock, send the setpoint."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from .beginning import motion_of, way_there, why_elsewhere
 from .motion_clock import SLOPE, Leg, MotionClock
 
 TRACKING_TOLERANCE = 0.1
-"""How far a joint may be from where it was commanded to be [rad, m]: nobody steers against it, as with a servo."""
+"""Allowed distance of a joint from the command [rad, m]. Nobody corrects it by hand, unlike with a servo."""
 
 START_TOLERANCE = 0.01
-"""How far from the motion's start a joint may stand [rad, m]: half a degree, or a centimetre."""
+"""Allowed distance of a joint from the motion's start [rad, m]: half a degree or a centimetre."""
 
 PATIENCE = 3.0
-"""Seconds without a joint state, of an arm that has not begun to move or stands, after which the motion is given up."""
+"""Seconds without a joint state after which a motion of a resting arm is given up."""
 
 SETTLING = 1.0
-"""Seconds at the motion's end within which the arm should be measured there."""
+"""Seconds at the motion's end for the measured arm to arrive."""
 
 HALF_WAY = 0.5
-"""A clock that runs at less than this can be slowed down at any moment: at a quarter of the accelerations."""
+"""Rate of the clock below which it can always be slowed: a quarter of the accelerations."""
 
 PAUSED = "paused"
 
@@ -93,10 +93,10 @@ class FollowControl:
 class FollowCycle(Cycle):
     """The events of one cycle of `follow`, and the progress.
 
-    at: the motion's time [s], below 0 on the way to its start; `duration` its length [s]; rate: the speed of its time,
-    0 … 1. error (n,): the distance of each joint from all setpoints within the last `feedback_timeout` [rad, m]. lag
-    (n,): the distance from the present setpoint. Both are None if unknown. labels: the labels passed in this cycle,
-    such as "close gripper".
+    at: the motion's time [s], below 0 on the way to its start. `duration`: its length [s]. rate: the speed of its time,
+    0 … 1. error (n,): each joint's distance from all setpoints of the last `feedback_timeout` [rad, m]. lag (n,): the
+    distance from the present setpoint. Both are None if unknown. labels: the labels passed in this cycle, such as
+    "close gripper".
     """
 
     at: float = 0.0
@@ -154,7 +154,7 @@ class Following(Cycles[FollowCycle]):
     @property
     def at(self) -> float:
         """The motion's time [s], below 0 on the way to its start."""
-        return self._clock.time - (self._leg.motion.duration if self._on_the_way else 0.0)
+        return self._clock.time - (self._leg.motion.duration if self._before_start else 0.0)
 
     @property
     def pace(self) -> float:
@@ -163,39 +163,39 @@ class Following(Cycles[FollowCycle]):
 
     @property
     def longest_braking(self) -> float:
-        """Seconds in which the arm comes to rest along its path, or at once if it has left the path."""
+        """Seconds for the arm to stop along its path, or at once if it has left the path."""
         left = 0.0 if self._astray else (self._leg.motion.duration - self._clock.time) / max(self._clock.rate, HALF_WAY)
         return super().longest_braking + left + 1.0 / SLOPE
 
     @property
-    def _on_the_way(self) -> bool:
+    def _before_start(self) -> bool:
         """Whether it is still to come to where the trajectory begins."""
         return self._leg is not self._main
 
     def _cycle(self, now: float) -> FollowCycle:
-        measured, theta, blind = self._look(now)
+        measured, theta, blind = self._measure(now)
         self._require_patience(blind, now)
         if self.state is None and theta is not None:
             self._begin(theta, now)
-        self._hear(None if blind else measured, now)
+        self._update_filter(None if blind else measured, now)
         if self.state is None:
             self.tally.waited += 1
-            return self._told(now, None, None, blind)
+            return self._reported(now, None, None, blind)
         lag = None if theta is None else frozen(np.abs(theta - self.state.theta))
         strayed = "" if theta is None else self._watch.deviation(theta)
         barrier = self._barrier()
         self._astray = bool(strayed) or self.interlock.word == EMERGENCY_STOP
         paused = self.control.pause_reason or ("stopped" if self.control.stopped else "")
         self.tally.count(blind=blind, barred=barrier, uncommanded="" if barrier else paused)
-        reason = strayed or barrier or blind or self._untimely(now) or paused
+        reason = strayed or barrier or blind or self._time_fault(now) or paused
         setpoint = self._braked(now, reason) if self._astray else self._along(now, reason)
         undelivered = self._send(setpoint)
         ending, why = self._ending(strayed, theta, now)
         reason = why or "; ".join(filter(None, (reason, undelivered)))
-        return self._told(now, theta, setpoint, reason, ending, lag)
+        return self._reported(now, theta, setpoint, reason, ending, lag)
 
     def _failed(self, now: float, reason: str, ending: Ending) -> FollowCycle:
-        return self._told(now, None, None, reason, ending)
+        return self._reported(now, None, None, reason, ending)
 
     def _require_patience(self, blind: str, now: float) -> None:
         """StreamError where an arm that stands has not been seen for too long."""
@@ -221,13 +221,13 @@ class Following(Cycles[FollowCycle]):
         return permission.barrier
 
     def _along(self, now: float, hold: str) -> Setpoint:
-        """A step along the path: toward rest with a reason to `hold`, else toward the requested speed."""
+        """A step along the path: toward rest for a reason to `hold`, else toward the requested speed."""
         assert self.state is not None
-        if self._on_the_way and self._clock.time >= self._leg.motion.duration:
+        if self._before_start and self._clock.time >= self._leg.motion.duration:
             self._leg, self._clock = self._main, MotionClock(0.0, 0.0)
         rate, dt = 0.0 if hold else min(self.speed, self._leg.rate), self._elapsed(now)
         clock = self._clock
-        if self._untimely(now):  # who hears nothing for so long stands by now
+        if self._time_fault(now):  # who hears nothing for so long stands by now
             clock = MotionClock(clock.time, 0.0)
         elif clock.time == 0.0:  # nothing moves there, at whatever rate
             clock = MotionClock(0.0, rate)
@@ -257,13 +257,13 @@ class Following(Cycles[FollowCycle]):
             return None, ""
         if self.control.stopped:
             return Ending.STOPPED, self._where
-        if self._on_the_way or self._clock.time < self.motion.duration:
+        if self._before_start or self._clock.time < self.motion.duration:
             return None, ""
         self._arrived = min(self._arrived, now)
         there = theta is not None and bool((np.abs(theta - self.motion.waypoints[-1]) <= self._near).all())
         return (Ending.ARRIVED, "") if there or now - self._arrived >= SETTLING else (None, "")
 
-    def _passed(self) -> tuple[str, ...]:
+    def _new_labels(self) -> tuple[str, ...]:
         """The labels that the motion has come to since they were last asked for."""
         passed = []
         while self.state is not None and self._labels and self._labels[0][0] <= self.at:
@@ -272,11 +272,11 @@ class Following(Cycles[FollowCycle]):
 
     @property
     def _where(self) -> str:
-        if self._on_the_way:
+        if self._before_start:
             return "on the way to where it begins"
         return f"at {self.at:.2f} s of {self.motion.duration:.2f} s"
 
-    def _told(
+    def _reported(
         self,
         now: float,
         theta: Array | None,
@@ -293,5 +293,5 @@ class Following(Cycles[FollowCycle]):
         return FollowCycle(
             now, None, theta, setpoint, reason, ending, self.tally.delivered, self.interlock.word,
             at=self.at, duration=self.motion.duration, rate=self._clock.rate, error=error, lag=lag,
-            labels=self._passed(),
+            labels=self._new_labels(),
         )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Follow a trajectory on a robot, from the arm's position to the motion's end, and report how it went."""
+"""Follow a trajectory on a robot, from the arm's position to the end, and report it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..report import Ending, StreamReport
 from .cycle import START_TOLERANCE, TRACKING_TOLERANCE, FollowControl, FollowCycle, Following
 
 AS_PLANNED = 0.9995
-"""A share of the trajectory's speed from which on it is all of it."""
+"""Share of the trajectory's speed that counts as full speed."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,9 +30,9 @@ class FollowReport(Brief):
 
     stream: the loop's report, with its ending and reason. at: the reached time of the motion [s], below 0 on the way to
     the start. duration: its length [s]. speed: the share of the planned speed, lower if the arm's limits require it.
-    largest_lag (n,): the largest distance of each joint from the setpoint of the moment [rad, m]; drives lag by their
-    delay times their rate. largest_error (n,): the largest distance from all setpoints within the last
-    `feedback_timeout`. `tolerance` bounds it, and a delay does not count.
+    largest_lag (n,): the largest distance of each joint from the current setpoint [rad, m]. Drives lag by delay times
+    rate. largest_error (n,): the largest distance from all setpoints within the last `feedback_timeout`. `tolerance`
+    bounds it, and a delay does not count.
     """
 
     stream: StreamReport
@@ -51,7 +51,7 @@ class FollowReport(Brief):
 
     @property
     def ok(self) -> bool:
-        """Whether the motion reached its end and the arm rests there, without trouble on the way."""
+        """Whether the motion ended as planned, with the arm at rest and no trouble."""
         return self.completed and self.stream.ok
 
     def explain(self) -> str:
@@ -94,32 +94,32 @@ def follow(
     on_cycle: Callable[[FollowCycle], object] | None = None,
     clock: Clock | None = None,
 ) -> FollowReport:
-    """Follow `trajectory` on a robot: send its positions and rates to `sink` at `rate` [Hz] and watch `feedback`.
+    """Follow `trajectory` on a robot. Positions and rates go to `sink` at `rate` [Hz], and `feedback` is watched.
 
     The motion begins only if each measured joint is within `start_tolerance` of the trajectory's start. A straight
     joint move inside the limits covers the rest. With `approach` this move may begin anywhere; it avoids no obstacles.
 
-    The motion's time s advances at the rate r = ds/dt of `speed`, or less if the trajectory would exceed a
-    velocity or acceleration limit of the arm or its motors. For a pause or stop r goes to 0 and the arm rests on its
-    path; to resume, r rises again. |dr/dt| is at most 4 1/s, and keeps q' dr/dt + q'' r² within the acceleration
-    limits. While a joint brakes at its limit, the motion cannot be slowed further.
+    The motion's time s advances at the rate r = ds/dt of `speed`. It is less if a velocity or acceleration limit of the
+    arm or its motors needs it. For a pause or stop r goes to 0 and the arm rests on its path. To resume, r rises again.
+    |dr/dt| is at most 4 1/s, and keeps q' dr/dt + q'' r² within the acceleration limits. While a joint brakes at its
+    limit, the motion cannot be slowed further.
 
-    A joint farther than `tolerance` from all setpoints within the last `feedback_timeout` ends the motion, as does an
+    A joint farther than `tolerance` from all setpoints of the last `feedback_timeout` ends the motion. So does an
     emergency stop of `interlock`. Each joint then brakes as fast as its limit allows, off the path. Other trouble
     brings the arm to rest along its path. It continues with a fresh joint state. After a stop of the interlock, enable
     it and call `control.resume`. After 3 s at rest without a joint state the motion ends. Ctrl-C, signals and failing
     devices end it as in `run`.
 
     Args:
-        arm: The arm; limits that it does not give are the usual ones, as in `run`.
-        trajectory: The motion, of the arm's joints in any order, without jumps, at rest at both ends.
+        arm: The arm. Usual limits replace missing ones, as in `run`.
+        trajectory: The motion, with the arm's joints in any order, without jumps, at rest at both ends.
         sink: Where setpoints go.
         feedback: Where the joint state comes from.
         rate: Cycles per second [Hz].
         speed: The share of the trajectory's own speed, above 0 and at most 1.
-        approach: Whether to move to the start first, straight in joint space, where the arm is elsewhere.
-        start_tolerance: How far from the start the arm may be without that, one number or (n,) [rad, m].
-        tolerance: Greatest distance of a joint from what was commanded, one number or (n,) [rad, m].
+        approach: Whether to move straight in joint space to the start first, if the arm is elsewhere.
+        start_tolerance: Allowed distance from the start without that, one number or (n,) [rad, m].
+        tolerance: Greatest distance of a joint from the command, one number or (n,) [rad, m].
         feedback_timeout: Greatest age of the joint state [s].
         velocity_mode: Whether the robot takes rates alone, as in `run`.
         control: What pauses, resumes and stops the motion, from any thread, or None.
@@ -132,8 +132,8 @@ def follow(
         The `FollowReport`: how far the motion came, how well the joints followed, how it ended.
 
     Raises:
-        InputError: The trajectory is of other joints, jumps, or does not begin and end at rest; another argument cannot
-            be.
+        InputError: The trajectory has other joints, jumps, or an end that is not at rest. Or another argument is
+            unusable.
         LimitError: The trajectory leaves the arm's position limits.
     """
     require_callback(on_cycle, "on_cycle", "(cycle)")

@@ -14,10 +14,10 @@ from ....planning.within import stretch_needed
 from ....support.checks import Array
 
 SLOPE = 4.0
-"""How much the rate changes within a second at most: from full speed to rest in a quarter of a second or more."""
+"""Greatest change of the rate per second: from full speed to rest in at least a quarter of a second."""
 
 HALVINGS = 20
-"""Of the change of rate that is looked for: it is found to a millionth."""
+"""Bisections for the change of rate: precise to a millionth."""
 
 
 class Leg(NamedTuple):
@@ -54,11 +54,11 @@ class MotionClock(NamedTuple):
     rate: float
 
     def after(self, dt: float, leg: Leg, target: float) -> MotionClock:
-        """The clock `dt` [s] later, with its rate as near to `target` as slope and limits allow.
+        """The clock `dt` [s] later, with a rate as near to `target` as limits allow.
 
         The rate changes linearly over dt. Bounds of q' and q'' over dt keep each joint and motor within its
-        acceleration limit at each moment. No change is always allowed, because the motion keeps its limits at the leg's
-        rate and below. While a joint brakes at its limit, the clock cannot slow down.
+        acceleration limit throughout. No change is always allowed: the motion keeps its limits at the leg's rate and
+        below. While a joint brakes at its limit, the clock cannot slow down.
         """
         change = float(np.clip(target - self.rate, -SLOPE * dt, SLOPE * dt))
         if change:
@@ -120,7 +120,7 @@ def _derivative(series: Array) -> Array:
 
 
 def _enclosed(series: Array, half: Array) -> tuple[Array, Array]:
-    """The least and the greatest value (r,) within `half` (s,) of the series' centres, or beyond them."""
+    """Least and greatest value (r,) within `half` (s,) of the series' centres, or beyond them."""
     powers = np.arange(1.0, len(series))
     spread = (np.abs(series[1:]) * half[:, None] ** powers[:, None, None]).sum(axis=0)
     return (series[0] - spread).min(axis=0), (series[0] + spread).max(axis=0)

@@ -1,4 +1,4 @@
-"""Inboxes, which threads, sockets and pages fill: the latest value of a single sender counts, for a timeout."""
+"""Inboxes filled by threads, sockets and pages: the latest value of one sender, for a timeout."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from ...servo.step import COMMANDS
 from ..protocols import Reading
 
 COMMAND_TIMEOUT = 0.2
-"""Seconds that a command holds: five messages at 25 Hz, which pages and game pads manage."""
+"""Seconds that a command is valid: five messages at 25 Hz, which pages and game pads manage."""
 
 FEEDBACK_TIMEOUT = 0.2
-"""Seconds that a joint state holds: most drives report at 50 Hz or faster."""
+"""Seconds that a joint state is valid. Most drives report at 50 Hz or faster."""
 
 LONGEST_SENDER = 100
-"""Characters of a sender's name in a message."""
+"""Most characters of a sender's name in a message."""
 
 T = TypeVar("T")
 
@@ -54,11 +54,11 @@ class Latest(Generic[T]):
 
     Older ones are dropped, so a flood takes no memory. Thread-safe.
 
-    A value counts for `timeout` [s], as with a dead man's switch, and only if a single sender spoke within that time. A
-    refused message replaces the value, so malformed input stops the arm. A message with a number not above the sender's
-    last one is dropped, until the sender was silent for a timeout.
+    A value counts for `timeout` [s], like a dead man's switch, and only from a single sender. A refused message
+    replaces the value, so malformed input stops the arm. A message is dropped if its number does not exceed the
+    sender's last one. Silence for a timeout resets this.
 
-    Writers and readers may be threads, so a stamp may be before or after the last look. Only the readers' clock must
+    Writers and readers may be threads. So a stamp may be before or after the last look. Only the readers' clock must
     run forward.
     """
 
@@ -74,7 +74,7 @@ class Latest(Generic[T]):
     def put(self, sender: str, value: T, now: float | None = None, number: int | None = None) -> None:
         """Store `value` from `sender` at `now` [s], with the sender's counter if it has one.
 
-        Its age counts from `now` (default: `MonotonicClock`, the loop's), or from the first look if that is earlier.
+        Its age counts from `now` (default: `MonotonicClock`, the loop's), or from an earlier first look.
         """
         if number is not None and not isinstance(number, (int, float)):
             raise InputError(f"number must be a counter, a whole number; got {shown(number)}")
@@ -93,7 +93,7 @@ class Latest(Generic[T]):
     def heard(self, sender: str) -> bool:
         """Whether the last one who said anything, or the one before, is `sender`."""
         with self._lock:
-            return self._last_of(_name(sender)) is not None
+            return self._last_from(_name(sender)) is not None
 
     def look(self, now: float, of: str = "") -> Look[T]:
         """What counts at `now` [s]. of: what the reason adds to the words for what is held here."""
@@ -116,15 +116,15 @@ class Latest(Generic[T]):
 
     def _arrive(self, new: _Arrival[T]) -> None:
         with self._lock:
-            last = self._last_of(new.sender)
-            if last is not None and new.time - last.time <= self.timeout and _outrun(last.number, new.number):
+            last = self._last_from(new.sender)
+            if last is not None and new.time - last.time <= self.timeout and _is_outdated(last.number, new.number):
                 self._ignored = f"; number {new.number} came after {last.number} and was left out"
                 return
             if self._latest is not None and self._latest.sender != new.sender:
                 self._rival = self._latest
             self._latest, self._ignored = new, ""
 
-    def _last_of(self, sender: str) -> _Arrival[T] | None:
+    def _last_from(self, sender: str) -> _Arrival[T] | None:
         return next((each for each in (self._latest, self._rival) if each and each.sender == sender), None)
 
     def _follow(self, now: float) -> None:
@@ -133,7 +133,7 @@ class Latest(Generic[T]):
             self._latest, self._rival = None, None
             self._ignored = f"time went back by {self._clock - now:.3g} s; no {self._what} has arrived since"
         self._clock = now
-        self._latest, self._rival = (each and _seen(each, now) for each in (self._latest, self._rival))
+        self._latest, self._rival = (each and _arrival_time(each, now) for each in (self._latest, self._rival))
 
 
 class Inbox(Latest[AnyCommand]):
@@ -183,7 +183,7 @@ def moment(now: float | None) -> float:
     return now if type(now) is float else as_number(now, "now [s]")
 
 
-def _outrun(last: int | None, new: int | None) -> bool:
+def _is_outdated(last: int | None, new: int | None) -> bool:
     return last is not None and new is not None and new <= last
 
 
@@ -191,6 +191,6 @@ def _name(sender: str) -> str:
     return one_line(require(sender, str, "sender", "the name of who says it"), LONGEST_SENDER)
 
 
-def _seen(arrival: _Arrival[T], now: float) -> _Arrival[T]:
-    """The arrival time, at most `now`; a later one would count for longer than a timeout."""
+def _arrival_time(arrival: _Arrival[T], now: float) -> _Arrival[T]:
+    """The arrival time, at most `now`. A later one would count for longer than a timeout."""
     return arrival if arrival.time <= now else replace(arrival, time=now)

@@ -1,4 +1,4 @@
-"""Lines on which texts arrive, read once a cycle: the last messages of each sender, malformed ones included."""
+"""Lines of arriving texts, read once a cycle: each sender's last messages, malformed ones included."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Link(ABC):
     """A line on which texts arrive for an inbox.
 
     Texts that waited for longer than a timeout are dropped, because their age is unknown. The last `each` texts of at
-    most `senders` senders count, together no longer than one message may be. The rest of a flood is not read. `note`:
+    most `senders` senders count. Together they are no longer than one message. The rest of a flood is not read. `note`:
     what a reason adds where no message counts.
     """
 
@@ -65,7 +65,7 @@ class Link(ABC):
             if texts is not None or len(last) < self.senders:
                 last[sender] = texts or deque(maxlen=self.each)
                 last[sender].append(text)
-                _keep_short(last[sender])
+                _truncate(last[sender])
         for sender, texts in last.items() if not missed else ():
             for text in texts:
                 self._put(self.sender_name(sender), text, now)
@@ -136,8 +136,8 @@ class StateLink(Link):
         return measured if measured.theta is not None else replace(measured, reason=measured.reason + self.note)
 
 
-def _keep_short(texts: deque[bytes]) -> None:
-    """Drop the oldest texts, except the last, until all together are as short as one message may be."""
+def _truncate(texts: deque[bytes]) -> None:
+    """Drop the oldest texts, except the last, until together they are as short as one message."""
     size = sum(map(len, texts))
     while len(texts) > 1 and size > LARGEST_MESSAGE:
         size -= len(texts.popleft())

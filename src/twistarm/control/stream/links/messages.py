@@ -1,4 +1,4 @@
-"""Messages of the loop as JSON: commands and joint states in, setpoints out; see docs/streaming.md."""
+"""Messages of the loop as JSON: commands and joint states in, setpoints out (docs/streaming.md)."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from ..motors import MotorSide
 from ..protocols import Setpoint
 
 QUATERNION_TOL = 1e-3
-"""How far a quaternion's length may be from 1: beyond four printed decimals it is something else."""
+"""Allowed error of a quaternion's length: four printed decimals."""
 
 
 INTERLOCK = b'"interlock"'
-"""What a word to the interlock holds: a look that costs nothing, for every message of a flood."""
+"""Text in every interlock message. The search for it is cheap even in a flood of messages."""
 
 
 class CommandMessage(NamedTuple):
@@ -36,7 +36,7 @@ class CommandMessage(NamedTuple):
 
 
 class StateMessage(NamedTuple):
-    """Measured values by name, of joints [rad, m] or motors, with the sender's counter and the robot's interlock:
+    """Measured values by name, of joints [rad, m] or motors, and the sender's counter. The robot's interlock is
     "enabled", "stopped", "emergency stop" or None.
     """
 
@@ -116,7 +116,7 @@ def heard_word(device: Interlocked, text: bytes, fresh: bool) -> bool:
 
 
 def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) -> StateMessage:
-    """The joint state in {"joint_names": [...], "theta": [...]}, [rad, m], in any order, with an optional "number".
+    """The joint state in {"joint_names": [...], "theta": [...]} [rad, m], in any order. "number" is optional.
 
     It may have some joints only, and joints of others. "interlock" says whether the robot may move. With `motors` it is
     {"motor_names": [...], "motor": [...]} in their units.
@@ -135,9 +135,9 @@ def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) ->
     require_arm(arm)
     names, value = ("joint_names", "theta") if motors is None else ("motor_names", "motor")
     needed = {names: list_of(_text), value: numbers}
-    told = fields(decoded(text), "a joint state", needed, {"number": counter, "interlock": one_of(STATES)})
+    sent = fields(decoded(text), "a joint state", needed, {"number": counter, "interlock": one_of(STATES)})
     known = arm.joint_names if motors is None else motors.names
-    return StateMessage(values_by_name(known, told[names], told[value]), told.get("number"), told.get("interlock"))
+    return StateMessage(values_by_name(known, sent[names], sent[value]), sent.get("number"), sent.get("interlock"))
 
 
 def values_by_name(known: Collection[str], names: Sequence[str], values: Sequence[float]) -> dict[str, float]:
@@ -145,7 +145,7 @@ def values_by_name(known: Collection[str], names: Sequence[str], values: Sequenc
 
     Unknown names are ignored.
 
-    Raises InputError for unequal lengths, and for a known name that is repeated or has a value that is not finite.
+    Raises InputError for unequal lengths, and for a known name that is repeated or not finite.
     """
     ours = [name for name in names if name in known]
     if ours and len(names) != len(values):
@@ -161,7 +161,7 @@ def values_by_name(known: Collection[str], names: Sequence[str], values: Sequenc
 
 
 def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = None) -> dict[str, Any]:
-    """The setpoint as a message: positions, rates and the servo's status, with the motors' if given.
+    """The setpoint as a message: positions, rates, the servo's status, and motors if given.
 
     Args:
         arm: The arm.
@@ -250,4 +250,4 @@ _COMMANDS: Mapping[str, tuple[Mapping[str, Check], Mapping[str, Check], _Build]]
     ),
     "stop": ({"stop": _true}, {}, lambda arm, given: JogCommand(np.zeros(arm.n))),
 }
-"""By kind: the fields that it needs, those that it may have, what it becomes."""
+"""By kind of command: required fields, optional fields, and its constructor."""

@@ -1,9 +1,9 @@
-"""Serial ports: commands as lines of JSON, a robot by compact lines with a checksum; see docs/streaming.md.
+"""Serial ports: commands as JSON lines, a robot by compact lines with a checksum (docs/streaming.md).
 
 setpoint: `number,theta_1,…,theta_n,rate_1,…,rate_n,ES*hh`; joint state: `number,theta_1,…,theta_n*hh`, or with `,E`
 after theta_n. The order is base to tip, in rad, m, rad/s, m/s with six decimals. E is the interlock's or the robot's
 state: E enabled, S stopped, X emergency stop. S is the servo's status, a digit in the order of `ServoStatus`. hh is the
-exclusive or of all bytes before the `*` in two hexadecimal digits (NMEA 0183).
+XOR of all bytes before the `*`, in two hexadecimal digits (NMEA 0183).
 """
 
 from __future__ import annotations
@@ -34,16 +34,17 @@ STATE_OF = {letter: word for word, letter in LETTERS.items()}
 STATUSES = tuple(ServoStatus)
 
 LONGEST_LINE = 4096
-"""Bytes: a joint state of 250 joints is half of it."""
+"""Most bytes of a line: twice a joint state of 250 joints."""
 
 LARGEST_BAUDRATE = 10**9
 
 BAUDRATE = 115_200
-"""The default; 11.5 kB/s: setpoints of six joints at 100 Hz."""
+"""Default baud rate: 11.5 kB/s, enough for setpoints of six joints at 100 Hz."""
 
 LONGEST_WRITE = 0.05
-"""Seconds a write may take: pyserial counts those in which a busy computer let the program wait, too. A link that needs
-longer is too slow for any rate."""
+"""Most seconds of a write. pyserial also counts time in which a busy computer delays the program. A link that needs
+longer is too slow for any rate.
+"""
 
 MOST_PER_CYCLE = 16 * 1024
 """Bytes read in one cycle: ten times what 1 Mbaud brings in 10 ms."""
@@ -86,9 +87,9 @@ class SerialSource(SerialLines, CommandLink):
 
 
 class SerialRobot(SerialLines, StateLink):
-    """A robot at a serial port: a sink of setpoint lines and a feedback of joint state lines.
+    """A robot at a serial port: setpoint lines out, joint state lines in.
 
-    units: "joint", or "motor" or "counts" for a robot that knows only its motors (see `MotorSide`).
+    units: "joint", or "motor" or "counts" for a robot without joint values (see `MotorSide`).
     """
 
     def __init__(
@@ -121,7 +122,7 @@ def _opened(port: str, baudrate: int) -> Any:
 
 
 def setpoint_line(setpoint: Setpoint, motors: MotorSide | None = None) -> bytes:
-    """The setpoint as a line with its end, of `motors` in place of joints if given."""
+    """The setpoint as a line with its end. `motors`, if given, replace the joints."""
     values = np.concatenate(motors.of(setpoint) if motors else (setpoint.theta, setpoint.theta_dot)).tolist()
     state = f"{LETTERS[setpoint.interlock]}{STATUSES.index(setpoint.output.status)}"
     body = ",".join([str(setpoint.number), *(f"{value:.6f}" for value in values), state]).encode()

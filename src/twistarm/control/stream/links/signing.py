@@ -1,4 +1,4 @@
-"""A shared key that signs datagrams, each valid once and for a short time; see docs/streaming.md."""
+"""A shared key that signs datagrams, each valid once and briefly (docs/streaming.md)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ....support.errors import InputError, shown
 from ....support.files import as_path, read_bounded
 
 WINDOW = 2 * 10**9
-"""Nanoseconds that the clocks of two computers may differ, and that a signed datagram may be under way."""
+"""Nanoseconds for the difference of two computers' clocks plus the travel of a datagram."""
 
 
 def read_key(path: str | os.PathLike[str]) -> bytes:

@@ -16,22 +16,22 @@ from ..motors import motor_side
 from ..protocols import Measured
 from .inbox import FEEDBACK_TIMEOUT, Latest, Look, moment
 
-MOST_OTHERS = 20
-"""Names of others that are kept, for words."""
+MAX_OTHER_SENDERS = 20
+"""Most unknown names to keep for messages."""
 
 
 class StateInbox:
     """A feedback that stores joint states from `put(sender, state)`, whole or in parts, from any thread.
 
     A joint's value is valid for `timeout` [s]. theta needs a value for every joint and is as old as the oldest. Each
-    joint follows the rules of `Latest`: one sender, increasing numbers, a reset if time runs backwards. Other names are
-    ignored, and named if theta is unknown. A refused message counts against all joints of its sender, or against every
-    joint if it has none.
+    joint follows the rules of `Latest`: one sender, increasing numbers, a reset by a backward clock. Other names are
+    ignored, and named if theta is unknown. A refused message counts against all joints of its sender, or without one
+    against every joint.
 
-    units: "joint", or "motor" or "counts" for motors (`MotorSide`). They merge before theta is computed, so each motor
-    of a differential may have a separate message.
+    units: "joint", or "motor" or "counts" for motors (`MotorSide`). They merge before theta is computed. So each motor
+    of a differential may have its message.
 
-    Raises InputError for a timeout that is not positive, and for units that the arm lacks.
+    Raises InputError for a timeout that is not positive, and for units unknown to the arm.
     """
 
     def __init__(self, arm: Arm, timeout: float = FEEDBACK_TIMEOUT, *, units: str = "joint") -> None:
@@ -101,7 +101,7 @@ class StateInbox:
         require_mapping(state, "the joint state", "{joint: value}")
         ours = tuple(name for name in self.names if name in state)
         if len(ours) < len(state):
-            self._others = tuple(islice((name for name in state if name not in self._parts), MOST_OTHERS))
+            self._others = tuple(islice((name for name in state if name not in self._parts), MAX_OTHER_SENDERS))
         if not ours:
             self._strangers += 1
             return {}

@@ -1,4 +1,4 @@
-"""UDP: commands and joint states in, setpoints out, one JSON message per datagram; see docs/streaming.md."""
+"""UDP: commands and joint states in, setpoints out, one JSON message per datagram (docs/streaming.md)."""
 
 from __future__ import annotations
 
@@ -21,18 +21,19 @@ from .messages import parse_state, setpoint_message
 from .signing import Signer, Verifier
 
 LOOPBACK = "127.0.0.1"
-"""The default host: only programs on this machine may move the arm."""
+"""Default host. Only programs on this machine may then move the arm."""
 
 BUFFER = 128 * 1024
-"""Bytes that the system keeps for us, twice that by its own count: one message of the largest size, or some 350 small
-ones. A larger buffer would only hand out older messages in a flood."""
+"""Bytes of the system's buffer, which it doubles: one message of the largest size, or some 350 small ones. A larger
+buffer would only deliver older messages in a flood.
+"""
 
 MOST_PER_CYCLE = 512
 """Datagrams read in one cycle, about a millisecond's work: more than the buffer holds."""
 
 
 class Socket(Closeable):
-    """A UDP socket that does not wait, a context manager: it listens on host and port, or sends to them.
+    """A nonblocking UDP socket, a context manager: it listens on host and port, or sends there.
 
     Raises InputError for an unusable host or port.
     """
@@ -64,7 +65,7 @@ class Socket(Closeable):
 
 
 class Receiver(Socket):
-    """A socket that listens on host and port (0: a free one), for datagrams of `senders`, signed by `key` if given.
+    """A socket that listens on host and port (0: a free one) to `senders`, signed by `key` if given.
 
     senders: hosts, empty for all. `note` counts the dropped datagrams and gives the last reason; "" for none. Raises
     InputError for an unusable host or port, and for an invalid key.
@@ -130,7 +131,9 @@ class UdpSource(Receiver, CommandLink):
 
 
 class UdpFeedback(Receiver, StateLink):
-    """Joint states from datagrams to host and port (0: a free one, see `address`); senders and key as in `UdpSource`.
+    """Joint states from datagrams to host and port (0: a free one, see `address`).
+
+    Senders and key are as in `UdpSource`.
 
     units: "joint", or "motor" or "counts" for a robot that reports its motors (see `MotorSide`).
 
@@ -172,8 +175,8 @@ class UdpSink(Socket):
     def write(self, setpoint: Setpoint) -> None:
         """Send the setpoint. Raises `UndeliveredError` without a listener, OSError if it cannot send.
 
-        The system reports a refusal at the next call, in place of its result. So it is read before sending, for a new
-        listener, and after, for an immediate answer.
+        The system reports a refusal at the next call, in place of its result. So it is read before sending (a new
+        listener) and after (an immediate answer).
         """
         text = encode(setpoint_message(self._arm, setpoint, self._motors)).encode()
         refused = self._refused()

@@ -1,6 +1,6 @@
 function g = product_of_exponentials(twists, home, x)
-% The pose of the tool, 4 x 4. The twist [v; w] of a joint, seen from the base in the home posture, stands in each
-% column of twists; home is the tool's pose there; x are the joints' values [rad, m]. Your twist_exp stands beside this file.
+% The pose of the tool, 4 x 4. Each column of twists is the twist [v; w] of a joint, seen from the base in the home
+% configuration. home is the tool's pose there, x are the joint values [rad, m]. Your twist_exp is in this folder.
 % --- yours from here on ---
     g = eye(4);
     for i = 1:numel(x)
