@@ -37,9 +37,9 @@ class Target:
         given = [f"{name.replace('_', '-')}: {each}" for name, each in headers.items()]
         return "\r\n".join([f"{method} {full} HTTP/1.1", f"Host: {host}", *given, "", ""]).encode()
 
-    def upgrade(self) -> socket.socket:
+    def upgrade(self, receive: int = 0) -> socket.socket:
         """A page's socket, its handshake done."""
-        made = self.open()
+        made = self.open(receive=receive)
         made.sendall(self.head("socket", **HANDSHAKE))
         made.recv(1)
         return made
