@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Mapping
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import combinations, pairwise
 from math import isfinite
@@ -40,6 +40,7 @@ from ..support.checks import (
 from ..support.errors import InputError, TwistarmError, listed, unknown_name
 from ..support.files import as_path, writable, write_whole
 from .allowed_pairs import allowed_pairs
+from .answers import Collision, Contact, Distance
 from .near_pairs import NearPairs
 from .scene_file import Entry, SceneFile, read_scene, scene_text
 from .swept import FINE, Sweep, pair_speeds, taylor
@@ -50,57 +51,8 @@ NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh
 """How many numbers the size of an obstacle has."""
 
 
-def in_millimetres(metres: float) -> str:
-    """The size of a distance [m] in mm, short distances to 0.1 mm."""
-    size = 1000.0 * abs(metres)
-    return f"{size:.0f} mm" if size >= 10.0 else f"{size:.1g} mm" if size >= 0.05 else "less than 0.1 mm"
-
-
 LARGEST = 1e4
 """The largest size of an obstacle [m]."""
-
-
-@dataclass(frozen=True)
-class Distance:
-    """The nearest pair of bodies: `metres` apart, negative by the depth of an overlap.
-
-    `links` are the names of the two links or obstacles, `points` (2, 3) their nearest points in the base frame [m].
-    `metres` is inf and `links` empty if the scene has no pair to check.
-    """
-
-    metres: float
-    links: tuple[str, ...]
-    points: Array
-
-    def __str__(self) -> str:
-        if not self.links:
-            return "nothing to collide with"
-        where, apart = f"{self.links[0]} and {self.links[1]}", in_millimetres(self.metres)
-        return f"{where}: {apart} apart" if self.metres >= 0.0 else f"{where} overlap by {apart}"
-
-
-@dataclass(frozen=True)
-class Contact:
-    """A pair nearer than its `margin` [m]. The `distance` [m] is negative by the depth of an overlap."""
-
-    links: tuple[str, str]
-    distance: float
-    margin: float
-
-    def __str__(self) -> str:
-        where = f"{self.links[0]} and {self.links[1]}"
-        if self.distance < 0.0:
-            return f"{where} overlap by {in_millimetres(self.distance)}"
-        return f"{where}: {in_millimetres(self.distance)} apart, {in_millimetres(self.margin)} asked"
-
-
-@dataclass(frozen=True, eq=False)
-class Collision:
-    """The first collision of a motion: its `time` [s], the configuration theta (n,) there, and the contacts."""
-
-    time: float
-    theta: Array
-    contacts: tuple[Contact, ...]
 
 
 class Scene:
