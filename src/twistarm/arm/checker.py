@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,12 @@ class Checker:
         for first, second in self.pairs:
             self._geometry.addCollisionPair(self._pin.CollisionPair(first, second))
         self._local = threading.local()
+
+    def with_margins(self, margins: Sequence[float]) -> Checker:
+        """The same bodies and pairs with other margins [m]."""
+        other = copy(self)
+        other.margins, other._local = tuple(margins), threading.local()
+        return other
 
     def collides(self, q: Array) -> bool:
         """Whether some pair overlaps or comes nearer than its margin at q (nq,)."""
@@ -81,7 +88,7 @@ class Checker:
         if own is None:
             geometry = self._geometry.createData()
             self._ask(geometry)
-            manager = self._pin.BroadPhaseManager_SSaPCollisionManager(self._model.model, self._geometry, geometry)
+            manager = self._pin.BroadPhaseManager_NaiveCollisionManager(self._model.model, self._geometry, geometry)
             own = self._local.own = (self._model.data, geometry, manager)
         return own
 

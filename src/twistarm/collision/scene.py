@@ -479,7 +479,7 @@ class Scene:
         margins = [
             min(margin, near.get(_names(checker, k), np.inf) - 2.0 * FINE) for k, margin in enumerate(checker.margins)
         ]
-        other._made = {"_make_checker": Checker(self._model, checker.bodies, checker.pairs, margins)}
+        other._made = {"_make_checker": checker.with_margins(margins)}
         return other
 
     @property

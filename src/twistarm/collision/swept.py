@@ -16,8 +16,8 @@ from ..support.checks import Array
 FINE = 2.5e-4
 """Half the way [m] between two checks where something is near: nothing thicker than 0.5 mm fits between them."""
 
-LEVELS = tuple(FINE * 4.0**k for k in range(1, 6))
-"""Clearances [m] that are checked: 1, 4, 16, 64 and 256 mm."""
+LEVELS = tuple(FINE * 2.0**k for k in range(2, 9))
+"""Clearances [m] that are checked: 1, 2, 4, … 64 mm."""
 
 FARTHEST = 100.0
 """How far [m] a slide without limits is taken to go."""
@@ -25,7 +25,7 @@ FARTHEST = 100.0
 LEAST_SHARE = 0.02
 """The least share of a clearance that a pair is given."""
 
-Around = Callable[[float, float], tuple[Array, Array]]
+Around = Callable[[float, float], tuple[Array, float]]
 
 
 class Sweep:
@@ -48,16 +48,13 @@ class Sweep:
     def first(self, around: Around, end: float) -> float | None:
         """The first time in [0, end] at which something collides; None if nothing does.
 
-        `around(t, h)` gives theta(t) (n,), and a bound (n,) of how far each joint is from it within [t − h, t + h].
+        `around(t, h)` gives theta(t) (n,), and a bound [m] of how much nearer a pair comes within [t − h, t + h].
         """
-        if not len(self._speeds):
-            return None
         waiting = [(0.0, end)]
         while waiting:
             begin, stop = waiting.pop()
             middle, half = 0.5 * (begin + stop), 0.5 * (stop - begin)
-            theta, bound = around(middle, half)
-            way = float((self._speeds @ bound).max())
+            theta, way = around(middle, half)
             q = self._model.q(theta)
             if way <= FINE:
                 if self.checker(0.0).collides(q):
@@ -73,22 +70,27 @@ class Sweep:
         piece = piece[np.argmax(piece.any(axis=1)) :]  # without leading zeros
         orders = np.arange(len(piece) - 1, 0, -1)
 
-        def around(t: float, half: float) -> tuple[Array, Array]:
+        def around(t: float, half: float) -> tuple[Array, float]:
             about = taylor(piece, t)
-            return about[-1], np.float_power(half, orders) @ np.abs(about[:-1])
+            return about[-1], self._nearer(np.float_power(half, orders) @ np.abs(about[:-1]))
 
         return self.first(around, duration)
 
     def straight(self, one: Array, other: Array) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another is free."""
         way = other - one
-        return self.first(lambda t, half: (one + t * way, half * np.abs(way)), 1.0) is None
+        nearer = self._nearer(np.abs(way))
+        return self.first(lambda t, half: (one + t * way, half * nearer), 1.0) is None
+
+    def _nearer(self, moved: Array) -> float:
+        """How much nearer [m] a pair may come while each joint moves by at most `moved` (n,), by its share."""
+        return float((self._speeds @ moved).max(initial=0.0))
 
     def checker(self, clearance: float) -> Checker:
         """The checker whose margins are larger by `clearance` [m] for the fastest pairs, and less for others."""
         if clearance not in self._checkers:
             margins = np.array(self._base.margins) + clearance * self._shares
-            self._checkers[clearance] = Checker(self._model, self._base.bodies, self._base.pairs, margins.tolist())
+            self._checkers[clearance] = self._base.with_margins(margins.tolist())
         return self._checkers[clearance]
 
 
