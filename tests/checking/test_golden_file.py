@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from baked_arms import sealed
-from twistarm import Arm, compare, freeze, load_arm
+from twistarm import Arm, Scene, compare, freeze, load_arm
 from twistarm.cli.application import run
 from twistarm.support.errors import ComparisonError, DescriptionError, InputError
 from twistarm.testing import assert_arm
@@ -263,3 +264,32 @@ def test_two_designs_side_by_side(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert compare(load_arm(old), old).same
     assert run(["check", str(new), "--against", str(old)]) == 1
     assert "different: joint elbow moved 50 mm along x" in capsys.readouterr().out
+
+
+def with_a_camera(folder: Path, radius: float) -> Arm:
+    """A turret with a tip that circles 0.2 m below the centre of the base's camera, at a radius of 0.5 m."""
+    turn = '<axis xyz="0 0 1"/><limit lower="-3.14159265" upper="3.14159265"/>'
+    parts = [
+        joint("turn", "base_link", "upper", xyz="0 0 0", inside=turn),
+        joint("roll", "upper", "tool0", xyz="0.5 0 0", inside='<axis xyz="1 0 0"/>'),
+    ]
+    text = robot(*parts, links=("base_link", "upper", "tool0"))
+    for link, place, r in (("base_link", "0.5 0 0.2", radius), ("upper", "0 0 -1", 0.01), ("tool0", "0 0 0", 0.05)):
+        ball = f'<collision><origin xyz="{place}"/><geometry><sphere radius="{r}"/></geometry></collision>'
+        text = text.replace(f'<link name="{link}"/>', f'<link name="{link}">{ball}</link>')
+    return load_arm(write(folder, text))
+
+
+def test_a_shape_that_makes_a_pair_collide_is_a_change(tmp_path: Path) -> None:
+    """The tip collides within ±2 asin(√((0.17 + 0.05)² − 0.2²)) of the camera's direction."""
+    arm, path = with_a_camera(tmp_path, 0.1), tmp_path / "g.json"
+    freeze(arm, path, scene=Scene(arm))
+    assert compare(arm, path).same
+    freeze(arm, tmp_path / "without.json")
+    larger = with_a_camera(tmp_path, 0.17)
+    (words,) = compare(larger, path).changes
+    found = re.match(r"base_link and tool0 collide in ([\d.]+) % of random configurations; it was 0 %", words)
+    share = 100 * 2 * np.arcsin(np.sqrt(0.22**2 - 0.2**2)) / np.pi
+    assert found
+    assert float(found[1]) == pytest.approx(share, abs=1.5)
+    assert compare(larger, tmp_path / "without.json").same

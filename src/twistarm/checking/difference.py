@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ..description.inertial import Body
 from ..support.errors import ComparisonError, InputError
 from ..support.files import as_path
 from .changes import SAME_TOL, limit_changes, mass_changes, motor_changes, name_changes
+from .collision_changes import collision_changes
 from .crosscheck import by_exponentials
 from .geometry_changes import geometry_changes
 from .golden_file import GOLDEN, bodies_of, read_bodies
@@ -61,14 +63,15 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
 
     Returns:
         The `Difference`: names, types, limits, motors, axes, tool, and the mass, centre and inertia of each link.
-        Shapes, meshes, named poses and the SRDF are not compared. Differences below 1 µm, 1e-6 rad or 1e-5 of a mass
+        Shapes, meshes, named poses and the SRDF are not compared, but the collisions of links are if the golden file
+        has them. Differences below 1 µm, 1e-6 rad or 1e-5 of a mass
         count as none, because an export rounds that much.
 
     Raises:
         DescriptionError: `against` cannot be read, or is no golden file, no baked arm and no description.
     """
     require_arm(arm)
-    then, masses = _other(against)
+    then, masses, collisions = _other(against)
     changes = [
         f"{role} was {was!r}, is {now!r}"
         for role, was, now in (("base", then.base, arm.base), ("tip", then.tip, arm.tip))
@@ -82,6 +85,8 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
         notes = (NO_MASSES,)
     elif masses is not None and now is not None:
         changes += mass_changes(masses, now)
+    if collisions is not None and now is not None and then.joint_names == arm.joint_names:
+        changes += collision_changes(collisions, then, arm)
     if then.joint_names != arm.joint_names or then.screws.shape != arm.screws.shape:
         return Difference(arm.name, tuple(changes or ["the joints that follow others are different ones"]), notes=notes)
     moved = geometry_changes(arm, then.screws, then.home)
@@ -95,17 +100,19 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
     return Difference(arm.name, (*changes, *moved), g, max(spatial, body), notes)
 
 
-def _other(against: Arm | str | os.PathLike[str]) -> tuple[Arm, Mapping[str, Body] | None]:
-    """The arm to compare with, and the masses of its links if they are known."""
+def _other(
+    against: Arm | str | os.PathLike[str],
+) -> tuple[Arm, Mapping[str, Body] | None, Mapping[str, Any] | None]:
+    """The arm to compare with, and what is known of the masses and the collisions of its links."""
     if not isinstance(against, (Arm, str, os.PathLike)):
         raise InputError(f"against must be an Arm, a file or a name that load_arm takes; got {type(against).__name__}")
     if not isinstance(against, Arm):
         path = as_path(str(os.fspath(against)))
         if path.suffix == SUFFIX:
             content = unsealed(path, GOLDEN, BAKED)
-            return arm_of(content), read_bodies(content)
+            return arm_of(content), read_bodies(content), content.get("collisions")
         against = load_arm(against)
-    return against, bodies_of(against)
+    return against, bodies_of(against), None
 
 
 def _joint_changes(then: Arm, arm: Arm) -> list[str]:

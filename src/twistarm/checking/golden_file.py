@@ -10,8 +10,10 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..arm.baking import Kind, content_of, sealed
+from ..collision import Scene, require_scene
 from ..description.inertial import Body, bodies
 from ..support.files import write_whole
+from .collision_changes import collisions_entry
 
 GOLDEN = Kind("twistarm golden", "golden file", "twistarm freeze ARM -o FILE")
 
@@ -24,25 +26,28 @@ NOT_COVERED = (
 """What is not compared with a golden file."""
 
 
-def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
+def freeze(arm: Arm, path: str | os.PathLike[str], *, scene: Scene | None = None) -> None:
     """Write the arm as numbers (JSON, SI): what `Arm.bake` keeps, and each link's mass, centre and inertia.
 
     `compare` tells what has changed since. Shapes and meshes, named poses, the SRDF, limits of joints beside the chain,
-    damping and friction are not covered, and the file lists them. A digest covers every number, so an edited file is
-    refused. The file is written whole or not at all.
+    damping and friction are not covered, and the file lists them. With a scene the file keeps its allowed pairs, and
+    how often each pair of links collides. A changed shape or mesh that makes a pair collide is then a change. A digest
+    covers every number, so an edited file is refused. The file is written whole or not at all.
 
     Args:
         arm: The arm.
         path: The file to write; an existing golden file is replaced.
+        scene: A `Scene` of this arm, or None. Its obstacles are not kept.
 
     Raises:
-        InputError: The file cannot be written.
+        InputError: The file cannot be written, or the scene is one of another arm.
     """
-    write_whole(path, golden_text(arm))
+    write_whole(path, golden_text(arm, scene))
 
 
-def golden_text(arm: Arm) -> str:
+def golden_text(arm: Arm, scene: Scene | None = None) -> str:
     """What `freeze` writes."""
+    collisions = None if scene is None else collisions_entry(require_scene(scene, arm))
     masses = bodies_of(require_arm(arm))
     entry = (
         None
@@ -52,7 +57,8 @@ def golden_text(arm: Arm) -> str:
             for link, body in masses.items()
         }
     )
-    return sealed(GOLDEN, content_of(arm) | {"bodies": entry, "not_covered": list(NOT_COVERED)})
+    kept = {"bodies": entry, "collisions": collisions, "not_covered": list(NOT_COVERED)}
+    return sealed(GOLDEN, content_of(arm) | kept)
 
 
 def bodies_of(arm: Arm) -> Mapping[str, Body] | None:

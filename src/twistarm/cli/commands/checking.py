@@ -15,6 +15,7 @@ from ...checking.doctor.folder import is_part
 from ...checking.golden_file import NOT_COVERED, golden_text
 from ...support.errors import DescriptionError, InputError
 from ...support.path_redaction import without_places
+from ..avoiding import SELF, avoided
 from ..folders import PART, Line, refused, walk
 from ..options import Json, takes_arm, takes_source
 from ..output import console, note, print_json, progress_bar, say, table
@@ -90,11 +91,17 @@ def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
     return Line("ok" if result.ok else "WRONG", result.ok, arm, f"worst difference {worst:.1e}", {"worst": worst})
 
 
+Collisions = Annotated[
+    bool, typer.Option("--collisions", help="Keep how often each pair of links collides, to notice changed shapes.")
+]
+
+
 @takes_arm
-def freeze(arm: Arm, output: Output = None, force: Force = False) -> None:
-    """Write a golden file: names, screws, home, limits, motors and masses."""
+def freeze(arm: Arm, collisions: Collisions = False, output: Output = None, force: Force = False) -> None:
+    """Write a golden file: names, screws, home, limits, motors and masses; --collisions adds pairs of links."""
+    scene = avoided(arm, SELF) if collisions else None
     outputs = outputs_of(output or f"{Path(arm.name).name}.golden.json", {"json": (".json",)}, force=force)
-    for name in outputs.write({"json": lambda: golden_text(arm)}):
+    for name in outputs.write({"json": lambda: golden_text(arm, scene)}):
         if name != STDOUT:
             later = f"later, with the same ARM and options: twistarm check … --against {name}"
             say(f"{name}: {arm.name} frozen; {later}", file=outputs.words)
