@@ -76,6 +76,13 @@ def test_rounded_and_noisy_waypoints_are_passed_smoothly_within_a_tolerance(kind
         assert plan_joint(ARM, told, kind=kind).duration > 2 * motion.duration  # it was worth it
 
 
+def test_a_path_that_is_smooth_but_for_rounding_stays_near():
+    """Without an end of the search its systems become singular."""
+    t = np.linspace(0.0, 1.0, 300)[:, None]
+    path = t * np.linspace(-0.2, 0.5, JOINTS) + 0.1 * t**2
+    assert np.abs(plan_joint(ARM, np.round(path, 5), smooth=0.1).waypoints - path).max() < 0.1
+
+
 def test_smoothing_keeps_inside_the_limits_of_joints():
     points = recorded(100)
     top = np.round(points, 2).max()

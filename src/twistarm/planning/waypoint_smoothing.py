@@ -21,6 +21,9 @@ SETTLED, GAP = 1e-3, 1e-2
 INSIDE = 0.95
 """Greatest share of the way to the tolerance's edge in one step."""
 
+HEAVIEST = 1e12
+"""Greatest weight of squared third differences, in tolerances. Beyond it the systems are singular to rounding."""
+
 PINNED = 1e12
 """Curvature that holds the first and the last waypoint."""
 
@@ -57,9 +60,9 @@ def _column(y: Array, tolerance: Array) -> Array:
             if -float(slope[1:-1] @ step[1:-1]) < SETTLED:
                 break
         rough = float((np.diff(y + tolerance * u, ORDER) ** 2).sum())
-        if len(y) / weight < GAP * rough or rough == 0.0:
-            break
         weight *= SHARPER
+        if len(y) * SHARPER / weight < GAP * rough or weight * tolerance.max() ** 2 > HEAVIEST:
+            break
     return y + tolerance * u
 
 
