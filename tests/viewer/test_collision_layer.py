@@ -185,6 +185,53 @@ def test_obstacles_are_added_moved_sized_removed_and_saved(tmp_path: Path) -> No
         ask(stage, "remove_obstacle", name="ball")
 
 
+def test_a_motion_of_the_page_is_refused_or_goes_round() -> None:
+    """A post stands between two recorded poses."""
+    pytest.importorskip("ompl")
+    scene = Scene(ARM)
+    stage = ready(scene)
+    poses = np.array([ARM.ready, ARM.ready])
+    poses[:, 0] += [-0.5, 0.5]
+    for theta in np.clip(poses, ARM.limits.lower, ARM.limits.upper):
+        stage.show(theta)
+        ask(stage, "record", name="")
+    between = ARM.fk(0.5 * (stage.poses.poses[0].theta + stage.poses.poses[1].theta))[:3, 3]
+    put(stage, "post", "cylinder", [0.02, 0.2], between)
+    for kind, stop in (("time_optimal", True), ("s_curve", False)):  # a spline, and segments
+        with pytest.raises(InputError, match="on the way to 'pose 2' it collides .* post"):
+            done(ask(stage, "plan", kind=kind, stop=stop, corner=0.02))
+        assert stage.path["stopped"]["words"] == "collides"
+    ask(stage, "move", id=stage.poses.poses[1].id, by="free")
+    done(ask(stage, "plan", kind="s_curve", stop=False, corner=0.02))
+    assert stage.playback is not None
+    motion = stage.playback.trajectory
+    assert not scene.collides(motion(np.linspace(0.0, motion.duration, 500))).any()
+    bare = Stage(ARM)
+    ask(bare, "poses", joints=list(ARM.joint_names), poses=[pose.entry() for pose in stage.poses.poses])
+    with pytest.raises(InputError, match="switch the layer Collision on"):
+        ask(bare, "plan", kind="s_curve", stop=True)
+
+
+def test_changes_of_obstacles_are_undone_and_done_again() -> None:
+    stage = ready(scene_of())
+    put(stage, "ball", "sphere", [0.1])
+    put(stage, "ball", "sphere", [0.1], (1.5, 0.0, 0.0))
+    ask(stage, "remove_obstacle", name="table")
+
+    def standing() -> dict[str, float]:
+        obstacles = said(stage, "obstacles")["obstacles"]
+        return {obstacle["name"]: obstacle["matrix"][12] for obstacle in obstacles}
+
+    assert standing() == {"ball": 1.5}
+    assert said(stage, "history")["undo"] == "remove table"
+    ask(stage, "undo", ease=False)
+    assert standing() == {"table": 0.8, "ball": 1.5}
+    ask(stage, "undo", ease=False)
+    assert standing() == {"table": 0.8}, "a drag is one step with what it begins with"
+    ask(stage, "redo", ease=False)
+    assert standing() == {"table": 0.8, "ball": 1.5}
+
+
 def test_another_arm_keeps_the_obstacles() -> None:
     old = ready(scene_of())
     again = load_arm("rover_arm")

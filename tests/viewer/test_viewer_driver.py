@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from twistarm import Arm, ArmBuilder, load_arm, plan_joint
+from twistarm import Arm, ArmBuilder, Scene, load_arm, plan_joint
 from twistarm.arm.usual_limits import DEFAULTS
 from twistarm.control.servo import ServoOutput, ServoSettings
 from twistarm.control.stream import Cycle, Inbox
@@ -114,6 +114,21 @@ def test_joints_are_jogged_by_their_rates(viewer: Viewer, arm: Arm) -> None:
     assert_allclose(moved[[0, 2, 4, 5]], 0.0, atol=1e-9)
     assert moved[3] < -0.1
     assert moved[3] == pytest.approx(-2.0 * moved[1], rel=0.1)
+
+
+def test_it_stops_before_an_obstacle_and_says_which(arm: Arm) -> None:
+    scene = Scene(arm)
+    scene.add_box("wall", (0.02, 1.0, 1.0), arm.fk(arm.ready)[:3, 3] + [0.15, 0.0, 0.0])
+    before = scene.distance(arm.ready).metres
+    assert before > 0.02
+    with Viewer(arm, open_browser=False, scene=scene) as viewer, driven(viewer) as page:
+        push(
+            page,
+            lambda: "wall" in page.latest["servo"]["reason"] and page.latest["servo"]["status"].startswith("HALTED"),
+            type="jog", twist=[0.1, 0, 0, 0, 0, 0], frame="base",
+        )  # fmt: skip
+        still(page, viewer)
+        assert 0.0 < scene.distance(viewer.theta).metres < 0.5 * before
 
 
 def test_it_stops_at_a_limit_and_says_which(arm: Arm) -> None:

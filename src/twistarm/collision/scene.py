@@ -47,6 +47,9 @@ from .swept import FINE, Sweep, pair_speeds, taylor
 
 T = TypeVar("T")
 
+Placed = tuple[Mapping[str, Body], Mapping[str, frozenset[str]]]
+"""Obstacles by name, and what those that a link holds may touch."""
+
 NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
 """How many numbers the size of an obstacle has."""
 
@@ -340,6 +343,16 @@ class Scene:
         if name in self._touching:
             raise InputError(f"{body.carrier} holds {name!r}: detach it before you move it")
         self._obstacles[name] = replace(body, carrier=self.arm.base, pose=_as_place(pose))
+        self._changed()
+
+    @property
+    def placed(self) -> Placed:
+        """The obstacles as they are now, for `put_back`. Equal as long as none changes."""
+        return dict(self._obstacles), dict(self._touching)
+
+    def put_back(self, placed: Placed) -> None:
+        """Have the obstacles of an earlier `placed` again, and no others."""
+        self._obstacles, self._touching = dict(placed[0]), dict(placed[1])
         self._changed()
 
     def resize(self, name: str, size: Row) -> None:

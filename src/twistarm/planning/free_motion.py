@@ -46,7 +46,7 @@ def planned_in(
             break
     if hit is not None:
         raise PathError(
-            f"{hit}; let it go round with FreeMove, or choose another goal", theta=hit.theta, reason="collision",
+            f"{hit}; let a free move go round, or choose another goal", theta=hit.theta, reason="collision",
             segment=hit.leg, place=place(hit.leg, segments[hit.leg]),
         )  # fmt: skip
     if around is not scene and (contacts := scene.contacts(motion.waypoints[-1])):

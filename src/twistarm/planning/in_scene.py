@@ -40,4 +40,6 @@ def require_free(scene: Scene, arm: Arm, motion: Trajectory) -> None:
     hit = first_collision(require_scene(scene, arm).leaving(motion.waypoints[0]), motion)
     if hit is not None:
         place = f"the way from waypoint {hit.leg} to {hit.leg + 1} (counted from 0)"
-        raise PathError(f"{hit}; add waypoints round it", theta=hit.theta, reason="collision", place=place)
+        raise PathError(
+            f"{hit}; add waypoints round it", theta=hit.theta, reason="collision", segment=hit.leg, place=place
+        )

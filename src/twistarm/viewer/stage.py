@@ -53,6 +53,7 @@ class Stage(Show):
 
     def __init__(self, arm: Arm, theta: ArrayLike | None = None, scene: Scene | None = None) -> None:
         super().__init__(arm, theta)
+        self.scene = scene
         self._placement = Placement(arm)
         self.visible = dict(LAYERS)
         self.findings = loaded(arm)

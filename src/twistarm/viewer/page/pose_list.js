@@ -11,6 +11,7 @@ const MOVES = [
   ["line", "line", "Straight line of the tool, turning evenly"],
   ["screw", "screw", "Screw motion of the tool: a turn about one axis and a slide along it"],
   ["via", "arc", "Circular arc of the tool through this pose to the next"],
+  ["free", "free", "Any way that collides with nothing, round the obstacles of the Scene panel"],
 ];
 
 export class PoseList {

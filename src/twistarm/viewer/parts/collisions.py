@@ -62,7 +62,7 @@ class Collisions(Part):
                 return None
             self._asked = True
             prepare = partial(_prepared, self.scene, self._before, show.arm)
-            return Job("collision", "preparing the collision checks", prepare, self._begin)
+            return Job("collision", "preparing the collision checks", prepare, partial(self._begin, show))
         motion = None if show.playback is None else show.playback.trajectory
         before, self._checked = self._checked, (motion, *self._bodies)
         if _same(before, self._checked):
@@ -115,8 +115,9 @@ class Collisions(Part):
     def _bodies(self) -> tuple[Body, ...]:
         return () if self.scene is None else tuple(self.scene.obstacles.values())
 
-    def _begin(self, result: tuple[Scene, list[dict[str, Any]]]) -> None:
+    def _begin(self, show: Show, result: tuple[Scene, list[dict[str, Any]]]) -> None:
         self.scene, bodies = result
+        show.scene = self.scene
         self._ready, self._shapes = True, {"type": "shapes", "bodies": bodies}
 
     def _put(self, scene: Scene, name: str, kind: str, size: list[float], position: Any, xyzw: Any) -> None:

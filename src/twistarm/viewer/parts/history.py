@@ -1,4 +1,4 @@
-"""Undo and redo for the pages: changes of the pose list and moves of the arm."""
+"""Undo and redo for the pages: changes of the pose list and of obstacles, and moves of the arm."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from time import monotonic
 
 import numpy as np
 
+from ...collision.scene import Placed
 from ...support.checks import Array
 from ...support.errors import InputError
 from ..protocol.jobs import Job
@@ -36,18 +37,21 @@ WORDS = {
     "solution": "go to another configuration",
     "go": "go to a pose",
     "jog": "jog",
+    "obstacle": "change {name}",
+    "remove_obstacle": "remove {name}",
 }
 """Names of the requests that can be undone. Playing a motion is not among them: seek back instead."""
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """The state before a change: the list, theta, or the joints beside the arm. `words` name the change."""
+    """The state before a change: the list, theta, the joints beside the arm, or obstacles. `words` name the change."""
 
     words: str
     poses: tuple[RecordedPose, ...] | None = None
     theta: Array | None = None
     others: Mapping[str, float] | None = None
+    obstacles: Placed | None = None
 
 
 class History:
@@ -88,10 +92,11 @@ class History:
             return
         theta = None if np.array_equal(after.theta, before.theta) else before.theta
         others = None if after.others == before.others else before.others
-        if theta is not None or others is not None:
+        obstacles = None if after.obstacles == before.obstacles else before.obstacles
+        if theta is not None or others is not None or obstacles is not None:
             (last, at), now = self._last, monotonic()
             if last != words or now - at > PAUSE:
-                self._keep(Step(words, theta=theta, others=others))
+                self._keep(Step(words, theta=theta, others=others, obstacles=obstacles))
             self._last = (words, now)
 
     def _keep(self, step: Step) -> None:
@@ -106,6 +111,8 @@ class History:
             show.poses.poses = step.poses
         if step.others is not None:
             show.others = dict(step.others)
+        if step.obstacles is not None and show.scene is not None:
+            show.scene.put_back(step.obstacles)
         if step.theta is not None:
             show.go(step.theta, ease, now)
         changed = {name: value for name, value in there._asdict().items() if getattr(step, name) is not None}

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm, require_arm
+from ...collision import Scene
+from ...collision.scene import Placed
 from ...control.servo.settings import SLIDE
 from ...limits.joint_limits import JointLimits
 from ...planning.trajectory import Trajectory
@@ -32,6 +34,7 @@ class Seen(NamedTuple):
     poses: tuple[RecordedPose, ...]
     theta: Array
     others: Mapping[str, float]
+    obstacles: Placed | None
 
 
 class Show:
@@ -47,6 +50,7 @@ class Show:
         self.tolerances: Mapping[str, Any] = {}
         self.path: Message = {"type": "path", **NO_PATH}
         self.playback: Playback | None = None
+        self.scene: Scene | None = None  # what motions and the servo collide with
         self.driven = False
         self.drive: Message = NO_DRIVE
         self._glide: Glide | None = None
@@ -107,9 +111,9 @@ class Show:
         return self.running or self._glide is not None
 
     def seen(self) -> Seen:
-        """The list of poses, and where the arm stands or is about to."""
+        """The list of poses, where the arm stands or is about to, and the obstacles."""
         theta = self.theta if self._glide is None else self._glide.goal
-        return Seen(self.poses.poses, theta, self.others)
+        return Seen(self.poses.poses, theta, self.others, None if self.scene is None else self.scene.placed)
 
     def draw_path(self, path: Mapping[str, Any]) -> None:
         """Draw this path of the tool: points and radius."""

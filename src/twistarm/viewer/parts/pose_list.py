@@ -23,9 +23,9 @@ LARGEST_LIST = LARGEST_MESSAGE * 7 // 8
 """Bytes of a whole list as a message: some 300 poses of seven joints."""
 
 
-MOVES = ("joint", "line", "screw", "via")
+MOVES = ("joint", "line", "screw", "via", "free")
 """How the arm moves to a pose: every joint straight, the tool on a straight line or a screw motion, or on the arc that
-leads through this pose to the next."""
+leads through this pose to the next, or on any way round obstacles."""
 
 
 @dataclass(frozen=True, eq=False)

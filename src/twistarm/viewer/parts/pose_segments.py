@@ -9,7 +9,7 @@ import numpy as np
 from ...arm.arm import Arm
 from ...ik.targets import Position
 from ...planning.cartesian.curves import Curve, arc, line, screw
-from ...planning.segments import ArcMove, JointMove, LineMove, ScrewMove, Segment
+from ...planning.segments import ArcMove, FreeMove, JointMove, LineMove, ScrewMove, Segment
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...theory import screws
@@ -36,8 +36,8 @@ def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[Seg
         blend = _corner(arm, poses, i, corner)
         if poses[i - 1].by == "via" and i > 1:
             made.append(ArcMove(Position(arm.fk(poses[i - 1].theta)[:3, 3]), pose.theta, blend=blend))
-        elif pose.by == "joint":
-            made.append(JointMove(pose.theta, blend=blend))
+        elif pose.by in ("joint", "free"):
+            made.append((JointMove if pose.by == "joint" else FreeMove)(pose.theta, blend=blend))
         elif pose.by != "via":
             made.append((LineMove if pose.by == "line" else ScrewMove)(pose.theta, blend=blend))
         if pose.by == "via" and (i + 1 == len(poses) or poses[i + 1].by == "via"):
@@ -66,7 +66,7 @@ def ideal_way(arm: Arm, poses: Sequence[RecordedPose]) -> list[list[float]]:
         through = last.by == "via" and i > 1
         if pose.by == "via" and not through:
             continue
-        if pose.by == "joint" and not through:
+        if pose.by in ("joint", "free") and not through:
             g = arm.fk(last.theta + s[:, None] * (pose.theta - last.theta))
         else:
             g = _curve(arm, poses[i - 2 if through else i - 1], last if through else None, pose)(s)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, with_defaults
+from ...collision import Scene
 from ...limits.joint_limits import JointLimits
 from ...planning.cartesian.refusal import PathError
 from ...planning.joint_space import plan_joint
@@ -130,7 +132,10 @@ class Program:
                 f"a {asked.kind} leads through joint moves alone, and knows no limit of the tool's speed: choose "
                 "s-curve, time-optimal or quintic"
             )
-        work = partial(_planned, show.arm, poses, asked, self.limits, dict(show.others), show.tolerances)
+        if show.scene is None and any(pose.by == "free" for pose in poses[1:]):
+            raise InputError("to go round obstacles, switch the layer Collision on first")
+        scene = copy(show.scene)  # obstacles may move meanwhile
+        work = partial(_planned, show.arm, poses, asked, self.limits, dict(show.others), show.tolerances, scene)
         return Job("plan", "planning the motion", work, partial(self._finish, show, poses, asked))
 
     def _finish(
@@ -160,12 +165,13 @@ def _planned(
     limits: JointLimits,
     others: Mapping[str, float],
     met: Mapping[str, Any],
+    scene: Scene | None,
     progress: Progress,
 ) -> tuple[Trajectory | PathError, dict[str, Any]]:
     """In a thread: the motion or why there is none, and the tool's path."""
     beside = {"ideal": ideal_way(arm, poses), "waypoints": _ghosts(arm, poses, others)}
     try:
-        motion = _motion(arm, poses, asked, limits, met, progress)
+        motion = _motion(arm, poses, asked, limits, met, scene, progress)
     except PathError as error:
         return error, {**tool_path(arm, poses[0].theta[None]), **beside, "stopped": _stop(arm, error, others)}
     return motion, {**tool_path(arm, motion), **beside}
@@ -177,7 +183,7 @@ def _stop(arm: Arm, error: PathError, others: Mapping[str, float]) -> dict[str, 
         return None
     position = np.round(arm.fk(error.theta)[:3, 3], 6).tolist()
     why = f"{error.joint} at its limit" if error.joint else WHY.get(error.reason, "")
-    words = f"stops at {100.0 * error.share:.0f} %: {why}"
+    words = "collides" if error.reason == "collision" else f"stops at {100.0 * error.share:.0f} %: {why}"
     return {"position": position, "words": words, "arm": standing_at(Placement(arm), error.theta, others)}
 
 
@@ -187,6 +193,7 @@ def _motion(
     asked: MotionRequest,
     limits: JointLimits,
     met: Mapping[str, Any],
+    scene: Scene | None,
     progress: Progress,
 ) -> Trajectory:
     if asked.through_joints(poses):
@@ -197,6 +204,7 @@ def _motion(
             kind=asked.kind,
             limits=limits,
             stop_at_waypoints=asked.stop,
+            scene=scene,
             progress=progress,
         )
     return plan(
@@ -207,6 +215,7 @@ def _motion(
         kind=asked.kind,
         linear_speed=asked.linear_speed or None,
         **met,
+        scene=scene,
         progress=progress,
     )
 

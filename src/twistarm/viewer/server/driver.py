@@ -116,7 +116,7 @@ class Drive:
         self.dropped = self.taken_over = False
         self.problem = ""
         self._joints = SimulatedJoints(self.arm, np.clip(stage.theta, self.arm.limits.lower, self.arm.limits.upper))
-        self._commands, self._post, self._ended = commands, post, ended
+        self._commands, self._post, self._ended, self._scene = commands, post, ended, stage.scene
         self._showing = threading.Lock()
         self._shown: tuple[bytes, object] = (b"", None)
 
@@ -142,8 +142,9 @@ class Drive:
         try:
             settings = self._commands.servo_settings(ServoSettings())
             report = run(
-                self.arm, self, self._joints, self._joints, settings=settings, until=self._done, on_cycle=self._show
-            )
+                self.arm, self, self._joints, self._joints,
+                settings=settings, scene=self._scene, until=self._done, on_cycle=self._show,
+            )  # fmt: skip
             if report.ending is not Ending.DONE:
                 self.problem = f"the drive has ended: {report.reason}"
         except Exception as error:
