@@ -143,7 +143,8 @@ try:
         twistarm.solve_ik(arm, far, restarts=10**6)
     if sys.argv[1] == "endless":
         twistarm.solve_ik_batch(arm, [far] * 8, restarts=10**6)
-    twistarm.solve_ik_batch(arm, many, threads=2)
+    while True:  # a fast machine may be done with one before the signal comes
+        twistarm.solve_ik_batch(arm, many, threads=2)
 except KeyboardInterrupt:
     print("interrupted", flush=True)
 """
