@@ -1,5 +1,6 @@
 // The stand-alone page: an arm and perhaps a motion, with nobody to ask.
 
+import { hang, made, stand } from "./collision.js";
 import { copyTheta } from "./copying.js";
 import { Cube } from "./cube.js";
 import { $, $$ } from "./element.js";
@@ -43,6 +44,7 @@ const recording = new Recording(data.samples);
 const playback = new Playback(recording.duration, data.player ?? STANDS);
 const state = { frame: null };
 let aside = data.aside && "saved"; // where the arm stands, if not on its motion: as it was saved, or by hand
+let obstacles = [];
 let next; // frame of a running motion
 
 const arm = new LocalArm(data, {
@@ -101,6 +103,7 @@ function show() {
   const frame = arm.frame(aside ? arm.theta : recording.at(playback.time));
   state.frame = { ...frame, time: playback.time, running: playback.running, aside };
   view.place(state.frame.transforms);
+  stand(obstacles, state.frame);
   highlight.follow();
   panel.show(state.frame);
   player.placed(state.frame);
@@ -146,8 +149,11 @@ path.show(data.path);
 for (const [layer, on] of Object.entries(data.visible)) view.setVisible(layer, on);
 show();
 view.fit();
+obstacles = data.obstacles.map((body) => ({ ...body, mesh: made(body, false, view.radius) }));
+hang(view, obstacles, "/obstacles");
+show();
 restore({ view, links, tabs, panel, plots, theory: theory.theory }, JSON.parse($("state").textContent));
 document.body.dataset.drawn = "";
 if (playback.running) tick();
 
-globalThis.twistarm = { presets, cube, sight, links, linkNames, tabs, view, panel, arm, history, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory };
+globalThis.twistarm = { presets, cube, sight, links, linkNames, tabs, view, panel, arm, history, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory, obstacles };
