@@ -242,6 +242,57 @@ allowed_collision_matrix:
   entry_values: [[false, true], [true, false]]
 """
 
+# A tetrahedron (shape_msgs/Mesh), a plane and an attached object; a quaternion that is not set has zeros.
+MESHES_YAML = """
+world:
+  collision_objects:
+    - id: stone
+      header: {frame_id: world}
+      pose: {position: {x: 1, y: 0, z: 0}, orientation: {x: 0, y: 0, z: 0.7071067811865476, w: 0.7071067811865476}}
+      meshes:
+        - vertices: [{x: 0, y: 0, z: 0}, {x: 0.4, y: 0, z: 0}, {x: 0, y: -0.4, z: 0}, {x: 0, y: 0, z: 0.4}]
+          triangles: [{vertex_indices: [0, 1, 2]}, {vertex_indices: [0, 3, 1]}, {vertex_indices: [0, 2, 3]}, [1, 3, 2]]
+      mesh_poses: [{position: {x: 0, y: -0.5, z: 0}, orientation: {x: 0, y: 0, z: 0, w: 0}}]
+      planes: [{coef: [0.0, 2.0, 0.0, 1.0]}]
+      plane_poses: [{position: {x: 0, y: -0.5, z: 0}}]
+    - {id: dust, primitives: [{type: 2, dimensions: [0.1]}], operation: 0}
+robot_state:
+  attached_collision_objects:
+    - link_name: hand
+      touch_links: [base]
+      object: {id: tool, header: {frame_id: hand}, primitives: [{type: 1, dimensions: [0.02, 0.02, 0.02]}]}
+allowed_collision_matrix:
+  entry_names: [hand, dust, tool, stone]
+  entry_values: [{enabled: [0, 1, 0, 0]}, {enabled: [1, 0, 1, 0]}, {enabled: [0, 1, 0, 1]}, {enabled: [0, 0, 1, 0]}]
+"""
+
+MESHES_TEXT = """(noname)+
+* stone
+1 0 0
+0 0 0.7071067811865476 0.7071067811865476
+2
+mesh
+4 4
+0 0 0
+0.4 0 0
+0 -0.4 0
+0 0 0.4
+0 1 2
+0 3 1
+0 2 3
+1 3 2
+0 -0.5 0
+0 0 0 1
+0 0 0 0
+plane
+0 2 0 1
+0 -0.5 0
+0 0 0 1
+0 0 0 0
+0
+.
+"""
+
 TEXT = """(noname)+
 * Can
 1 0 0
@@ -284,6 +335,21 @@ def test_moveit_scenes_are_read(tmp_path: Path, name: str, text: str) -> None:
     assert scene.distance([1.9, 0.0]).metres == pytest.approx(0.2, abs=1e-6)  # from behind to the shelf
 
 
+@pytest.mark.parametrize(("name", "text"), [("scene.yaml", MESHES_YAML), ("a.scene", MESHES_TEXT)])
+@pytest.mark.parametrize("exact", [False, True])
+def test_meshes_and_planes_of_moveit_scenes_are_read_and_saved(
+    tmp_path: Path, name: str, text: str, exact: bool
+) -> None:
+    arm = slider(tmp_path, SHAPES["sphere"])
+    (tmp_path / name).write_text(text)
+    scene = Scene.load(arm, tmp_path / name, exact=exact)
+    again = Scene.load(arm, scene.save(tmp_path / "again.toml"), exact=exact)
+    for one in (scene, again):  # the tetrahedron's corner is at x = 1.5, and x ≥ 2 is solid
+        near, above = one.distance([1.0, 0.0]), one.distance([1.0, 1.5])
+        assert (near.links, above.links) == (("hand", "stone 1"), ("hand", "stone 2"))
+        assert (near.metres, above.metres) == (pytest.approx(0.4, abs=1e-6), pytest.approx(0.9, abs=1e-6))
+
+
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
@@ -298,7 +364,12 @@ def test_moveit_scenes_are_read(tmp_path: Path, name: str, text: str) -> None:
         ("scene.toml", 'arm = "another"\n', "is for the arm 'another'"),
         ("scene.toml", 'allow = ["hand"]\n', "allow"),
         ("scene.toml", "box = 3\n", "box"),
-        ("scene.yaml", "world: {collision_objects: [{id: a, meshes: [1]}]}", "has meshes"),
+        ("scene.yaml", "world: {collision_objects: [{id: a, meshes: [1]}]}", "collision object 1"),
+        ("scene.yaml", "world: {collision_objects: [{id: a, planes: [{coef: [0, 0, 0, 1]}]}]}", "needs a normal"),
+        ("scene.yaml", MESHES_YAML.replace("[1, 3, 2]", "[1, 3, 4]"), "from 0 to 3"),
+        ("scene.yaml", MESHES_YAML.replace("frame_id: hand", "frame_id: base"), "the frame of its link 'hand'"),
+        ("scene.yaml", "world: {octomap: {octomap: {data: [1]}}}", "octomap"),
+        ("a.scene", MESHES_TEXT.replace("4 4", "4 7"), ".scene"),
         ("scene.yaml", "world: {collision_objects: [{id: a, primitives: [{type: cone, dimensions: [1]}]}]}", "cone"),
         ("scene.yaml", "world: {collision_objects: [3]}", "collision object 1"),
         ("scene.yaml", "[1, 2]", "at the top"),

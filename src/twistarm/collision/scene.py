@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..arm.bodies import Body, Pair, Shapes, in_words, sorted_pair
+from ..arm.bodies import Body, Pair, Shapes, Triangles, in_words, sorted_pair
 from ..arm.checker import Checker
 from ..arm.pinocchio_model import import_pinocchio
 from ..description.findings import Finding, finding
@@ -543,7 +543,13 @@ class Scene:
         return link
 
     def _add(
-        self, name: str, kind: str, size: Row, pose: Given | None, mesh: Path | None = None, frame: str = ""
+        self,
+        name: str,
+        kind: str,
+        size: Row,
+        pose: Given | None,
+        mesh: Path | Triangles | None = None,
+        frame: str = "",
     ) -> None:
         if not isinstance(name, str) or not name:
             raise InputError(f"name must be a text that is not empty; got {name!r}")
@@ -555,7 +561,7 @@ class Scene:
         self._known_obstacles.add(name)
         self._changed()
 
-    def _shaped(self, kind: str, size: Row, mesh: Path | None) -> tuple[Any, tuple[float, ...]]:
+    def _shaped(self, kind: str, size: Row, mesh: Path | Triangles | None) -> tuple[Any, tuple[float, ...]]:
         """The shape of an obstacle, and the numbers of its size."""
         what = "scale" if kind == "mesh" else "size"
         sizes = tuple(as_positive(float(number), what) for number in as_vector(size, what, NUMBERS[kind]))
@@ -564,6 +570,8 @@ class Scene:
         with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
             if kind == "plane":
                 return shapes.half_space(), sizes
+            if isinstance(mesh, Triangles):
+                return shapes.solid(mesh, sizes), sizes
             return (shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)), sizes
 
     def _hold(self, name: str, carrier: str, pose: Array, touching: Iterable[str]) -> None:
