@@ -60,7 +60,7 @@ def test_the_distance_to_a_box_is_that_of_a_calculation_by_hand(tmp_path: Path, 
     assert found.metres == pytest.approx(gap, abs=1e-6)
     assert set(found.links) == {"hand", "wall"}
     assert sorted(found.points[:, 0]) == pytest.approx([0.6, 1.0], abs=1e-4)
-    assert str(found) == "hand and wall: 400 mm apart"
+    assert str(found) == "hand and wall, 400 mm apart"
     assert not scene.collides([0.5, 0.0])
     assert scene.collides([0.95, 0.0])
     (contact,) = scene.contacts([0.95, 0.0])
@@ -103,7 +103,7 @@ def test_margins_are_kept_alone_in_batches_and_on_threads(tmp_path: Path) -> Non
         assert (scene.collides(x) == expected).all()
         assert (scene.collides(x.reshape(1, 97, 2), threads=2) == expected).all()
     contact = scene.contacts([0.88, 0.0])[0]
-    assert str(contact) == "hand and wall: 20 mm apart, 30 mm asked"
+    assert str(contact) == "hand and wall, 20 mm apart, 30 mm asked"
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101"])
@@ -157,8 +157,11 @@ def test_allowed_pairs_and_their_reasons_are_those_of_the_setup_assistant(tmp_pa
         ("inside", "near"): "Never",
     }
     file = tmp_path / "written.srdf"
+    known = frozenset(scene.allowed)
+    scene.add_sphere("stone", 0.1)
+    scene.allow("stone", "base", "File")  # no link of the robot
     file.write_text(srdf_text(scene))
-    assert read_srdf(file).disabled == frozenset(scene.allowed)
+    assert read_srdf(file).disabled == known
 
 
 def test_an_srdf_beside_the_description_is_taken_as_it_is(tmp_path: Path) -> None:
@@ -501,6 +504,19 @@ def test_the_fingers_may_touch_what_the_hand_holds() -> None:
 def test_a_motion_that_is_none_is_refused(tmp_path: Path, breakpoints: list[float], coefficients: np.ndarray) -> None:
     with pytest.raises(InputError):
         Scene(slider(tmp_path, SHAPES["sphere"])).first_collision(breakpoints, coefficients)
+
+
+def test_the_clearance_of_a_motion_is_that_of_a_calculation_by_hand(tmp_path: Path) -> None:
+    """A hand of radius 0.1 rests far away, passes a ball in x, and turns back."""
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    scene.add_sphere("ball", 0.1, (0.2, 0.0, 0.25))
+    pieces = np.zeros((2, 3, 2))
+    pieces[0, :, 0], pieces[1, :, 0] = [0.0, 20.0, -0.5], [-1.0, -1.0, 1.0]  # past the ball within 2 ms
+    found = scene.clearance([0.0, 3.0, 3.1, 4.0], pieces)
+    assert (found.links, found.time) == (("hand", "ball"), pytest.approx(3.06, abs=2e-3))
+    assert 0.05 - 1e-6 <= found.metres <= 0.05 + 0.05 * 0.05
+    pieces[1, :, 1] = 1.8
+    assert scene.clearance([0.0, 3.0, 3.1, 4.0], pieces).metres == pytest.approx(np.hypot(0, 1.55) - 0.2, rel=0.05)
 
 
 def test_bad_obstacles_and_arms_are_refused(tmp_path: Path) -> None:
