@@ -60,7 +60,7 @@ def test_the_distance_to_a_box_is_that_of_a_calculation_by_hand(tmp_path: Path, 
     assert found.metres == pytest.approx(gap, abs=1e-6)
     assert set(found.links) == {"hand", "wall"}
     assert sorted(found.points[:, 0]) == pytest.approx([0.6, 1.0], abs=1e-4)
-    assert str(found) == "hand and wall: 400 mm apart"
+    assert str(found) == "hand and wall, 400 mm apart"
     assert not scene.collides([0.5, 0.0])
     assert scene.collides([0.95, 0.0])
     (contact,) = scene.contacts([0.95, 0.0])
@@ -103,7 +103,7 @@ def test_margins_are_kept_alone_in_batches_and_on_threads(tmp_path: Path) -> Non
         assert (scene.collides(x) == expected).all()
         assert (scene.collides(x.reshape(1, 97, 2), threads=2) == expected).all()
     contact = scene.contacts([0.88, 0.0])[0]
-    assert str(contact) == "hand and wall: 20 mm apart, 30 mm asked"
+    assert str(contact) == "hand and wall, 20 mm apart, 30 mm asked"
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101"])
@@ -157,8 +157,11 @@ def test_allowed_pairs_and_their_reasons_are_those_of_the_setup_assistant(tmp_pa
         ("inside", "near"): "Never",
     }
     file = tmp_path / "written.srdf"
+    known = frozenset(scene.allowed)
+    scene.add_sphere("stone", 0.1)
+    scene.allow("stone", "base", "File")  # no link of the robot
     file.write_text(srdf_text(scene))
-    assert read_srdf(file).disabled == frozenset(scene.allowed)
+    assert read_srdf(file).disabled == known
 
 
 def test_an_srdf_beside_the_description_is_taken_as_it_is(tmp_path: Path) -> None:
@@ -242,6 +245,57 @@ allowed_collision_matrix:
   entry_values: [[false, true], [true, false]]
 """
 
+# A tetrahedron (shape_msgs/Mesh), a plane and an attached object; a quaternion that is not set has zeros.
+MESHES_YAML = """
+world:
+  collision_objects:
+    - id: stone
+      header: {frame_id: world}
+      pose: {position: {x: 1, y: 0, z: 0}, orientation: {x: 0, y: 0, z: 0.7071067811865476, w: 0.7071067811865476}}
+      meshes:
+        - vertices: [{x: 0, y: 0, z: 0}, {x: 0.4, y: 0, z: 0}, {x: 0, y: -0.4, z: 0}, {x: 0, y: 0, z: 0.4}]
+          triangles: [{vertex_indices: [0, 1, 2]}, {vertex_indices: [0, 3, 1]}, {vertex_indices: [0, 2, 3]}, [1, 3, 2]]
+      mesh_poses: [{position: {x: 0, y: -0.5, z: 0}, orientation: {x: 0, y: 0, z: 0, w: 0}}]
+      planes: [{coef: [0.0, 2.0, 0.0, 1.0]}]
+      plane_poses: [{position: {x: 0, y: -0.5, z: 0}}]
+    - {id: dust, primitives: [{type: 2, dimensions: [0.1]}], operation: 0}
+robot_state:
+  attached_collision_objects:
+    - link_name: hand
+      touch_links: [base]
+      object: {id: tool, header: {frame_id: hand}, primitives: [{type: 1, dimensions: [0.02, 0.02, 0.02]}]}
+allowed_collision_matrix:
+  entry_names: [hand, dust, tool, stone]
+  entry_values: [{enabled: [0, 1, 0, 0]}, {enabled: [1, 0, 1, 0]}, {enabled: [0, 1, 0, 1]}, {enabled: [0, 0, 1, 0]}]
+"""
+
+MESHES_TEXT = """(noname)+
+* stone
+1 0 0
+0 0 0.7071067811865476 0.7071067811865476
+2
+mesh
+4 4
+0 0 0
+0.4 0 0
+0 -0.4 0
+0 0 0.4
+0 1 2
+0 3 1
+0 2 3
+1 3 2
+0 -0.5 0
+0 0 0 1
+0 0 0 0
+plane
+0 2 0 1
+0 -0.5 0
+0 0 0 1
+0 0 0 0
+0
+.
+"""
+
 TEXT = """(noname)+
 * Can
 1 0 0
@@ -284,6 +338,21 @@ def test_moveit_scenes_are_read(tmp_path: Path, name: str, text: str) -> None:
     assert scene.distance([1.9, 0.0]).metres == pytest.approx(0.2, abs=1e-6)  # from behind to the shelf
 
 
+@pytest.mark.parametrize(("name", "text"), [("scene.yaml", MESHES_YAML), ("a.scene", MESHES_TEXT)])
+@pytest.mark.parametrize("exact", [False, True])
+def test_meshes_and_planes_of_moveit_scenes_are_read_and_saved(
+    tmp_path: Path, name: str, text: str, exact: bool
+) -> None:
+    arm = slider(tmp_path, SHAPES["sphere"])
+    (tmp_path / name).write_text(text)
+    scene = Scene.load(arm, tmp_path / name, exact=exact)
+    again = Scene.load(arm, scene.save(tmp_path / "again.toml"), exact=exact)
+    for one in (scene, again):  # the tetrahedron's corner is at x = 1.5, and x ≥ 2 is solid
+        near, above = one.distance([1.0, 0.0]), one.distance([1.0, 1.5])
+        assert (near.links, above.links) == (("hand", "stone 1"), ("hand", "stone 2"))
+        assert (near.metres, above.metres) == (pytest.approx(0.4, abs=1e-6), pytest.approx(0.9, abs=1e-6))
+
+
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
@@ -298,7 +367,12 @@ def test_moveit_scenes_are_read(tmp_path: Path, name: str, text: str) -> None:
         ("scene.toml", 'arm = "another"\n', "is for the arm 'another'"),
         ("scene.toml", 'allow = ["hand"]\n', "allow"),
         ("scene.toml", "box = 3\n", "box"),
-        ("scene.yaml", "world: {collision_objects: [{id: a, meshes: [1]}]}", "has meshes"),
+        ("scene.yaml", "world: {collision_objects: [{id: a, meshes: [1]}]}", "collision object 1"),
+        ("scene.yaml", "world: {collision_objects: [{id: a, planes: [{coef: [0, 0, 0, 1]}]}]}", "needs a normal"),
+        ("scene.yaml", MESHES_YAML.replace("[1, 3, 2]", "[1, 3, 4]"), "from 0 to 3"),
+        ("scene.yaml", MESHES_YAML.replace("frame_id: hand", "frame_id: base"), "the frame of its link 'hand'"),
+        ("scene.yaml", "world: {octomap: {octomap: {data: [1]}}}", "octomap"),
+        ("a.scene", MESHES_TEXT.replace("4 4", "4 7"), ".scene"),
         ("scene.yaml", "world: {collision_objects: [{id: a, primitives: [{type: cone, dimensions: [1]}]}]}", "cone"),
         ("scene.yaml", "world: {collision_objects: [3]}", "collision object 1"),
         ("scene.yaml", "[1, 2]", "at the top"),
@@ -430,6 +504,19 @@ def test_the_fingers_may_touch_what_the_hand_holds() -> None:
 def test_a_motion_that_is_none_is_refused(tmp_path: Path, breakpoints: list[float], coefficients: np.ndarray) -> None:
     with pytest.raises(InputError):
         Scene(slider(tmp_path, SHAPES["sphere"])).first_collision(breakpoints, coefficients)
+
+
+def test_the_clearance_of_a_motion_is_that_of_a_calculation_by_hand(tmp_path: Path) -> None:
+    """A hand of radius 0.1 rests far away, passes a ball in x, and turns back."""
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    scene.add_sphere("ball", 0.1, (0.2, 0.0, 0.25))
+    pieces = np.zeros((2, 3, 2))
+    pieces[0, :, 0], pieces[1, :, 0] = [0.0, 20.0, -0.5], [-1.0, -1.0, 1.0]  # past the ball within 2 ms
+    found = scene.clearance([0.0, 3.0, 3.1, 4.0], pieces)
+    assert (found.links, found.time) == (("hand", "ball"), pytest.approx(3.06, abs=2e-3))
+    assert 0.05 - 1e-6 <= found.metres <= 0.05 + 0.05 * 0.05
+    pieces[1, :, 1] = 1.8
+    assert scene.clearance([0.0, 3.0, 3.1, 4.0], pieces).metres == pytest.approx(np.hypot(0, 1.55) - 0.2, rel=0.05)
 
 
 def test_bad_obstacles_and_arms_are_refused(tmp_path: Path) -> None:

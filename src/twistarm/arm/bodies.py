@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..description.meshes import MeshReader
 from ..description.tree import Description, Geometry, Link
@@ -28,12 +29,19 @@ Pair = tuple[str, str]
 """Two names of bodies in alphabetical order."""
 
 
+class Triangles(NamedTuple):
+    """A mesh by its numbers: points (N, 3) [m], and the three points of each of its faces (F, 3)."""
+
+    points: Array
+    faces: NDArray[np.int64]
+
+
 @dataclass(frozen=True, eq=False)
 class Body:
     """A shape of the collision library, with its pose (4, 4) in the frame of the link `carrier`.
 
     `name` is the link's or the obstacle's. `kind` tells how the shape was made. An obstacle has the numbers of its size
-    [m], and a mesh its file.
+    [m], and a mesh its file or triangles.
     """
 
     name: str
@@ -43,7 +51,7 @@ class Body:
     kind: str
     obstacle: bool = False
     size: tuple[float, ...] = ()
-    mesh: Path | None = None
+    mesh: Path | Triangles | None = None
 
 
 class Shapes:
@@ -84,11 +92,16 @@ class Shapes:
         """
         if (path, scale) not in self._read:
             parts = self._reader.parts(path, MOST_TRIANGLES if self._exact else np.inf)
-            points = np.concatenate([part.vertices for part in parts]) * scale
             firsts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
             faces = np.concatenate([part.faces + first for part, first in zip(parts, firsts, strict=True)])
-            self._read[path, scale] = self._triangles(points, faces) if self._exact else self._hull(points)
+            points = np.concatenate([part.vertices for part in parts])
+            self._read[path, scale] = self.solid(Triangles(points, faces), scale)
         return self._read[path, scale]
+
+    def solid(self, mesh: Triangles, scale: tuple[float, ...]) -> Any:
+        """The convex hull of triangles, or these themselves if shapes are exact."""
+        points = mesh.points * scale
+        return self._triangles(points, mesh.faces) if self._exact else self._hull(points)
 
     def _of(self, link: Link, shapes: tuple[Geometry, ...], kind: str) -> Iterator[Body]:
         for geometry in shapes:
@@ -114,7 +127,7 @@ class Shapes:
             if length > 1e-3 * reach:
                 radius = min(THICK * reach, STOUT * length)
                 shape = self.primitive("capsule", (radius, max(length - 2.0 * radius, 1e-3 * length)))
-                yield Body(link.name, link.name, shape, _along(end), "capsule")
+                yield Body(link.name, link.name, shape, along(end), "capsule")
 
     def _hull(self, points: Array) -> Any:
         corners = self._coal.StdVec_Vec3s()
@@ -122,12 +135,12 @@ class Shapes:
             corners.append(point)
         return self._coal.Convex.convexHull(corners, True, "Qt")
 
-    def _triangles(self, points: Array, faces: Array) -> Any:
+    def _triangles(self, points: Array, faces: NDArray[np.int64]) -> Any:
         coal = self._coal
         model = coal.BVHModelOBBRSS()
         model.beginModel(len(faces), len(points))
         model.addVertices(points)
-        model.addTriangles(np.asarray(faces, dtype=np.int64))
+        model.addTriangles(faces)
         model.endModel()
         return model
 
@@ -145,7 +158,7 @@ def _with_volume(points: Array) -> Array:
     return points
 
 
-def _along(end: Array) -> Array:
+def along(end: Array) -> Array:
     """The pose (4, 4) halfway to `end` (3,) with its z axis along it."""
     g, z = np.eye(4), end / np.linalg.norm(end)
     x = np.cross(np.eye(3)[np.abs(z).argmin()], z)

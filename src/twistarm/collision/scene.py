@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import replace
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..arm.bodies import Body, Pair, Shapes, in_words, sorted_pair
+from ..arm.bodies import Body, Pair, Shapes, Triangles, in_words, sorted_pair
 from ..arm.checker import Checker
 from ..arm.pinocchio_model import import_pinocchio
 from ..description.findings import Finding, finding
@@ -56,6 +57,9 @@ NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh
 
 LARGEST = 1e4
 """The largest size of an obstacle [m]."""
+
+NEARLY = 1e-3, 0.05
+"""How much less than the clearance found a motion may have: so much [m], or this part of it."""
 
 
 class Scene:
@@ -458,18 +462,48 @@ class Scene:
             breakpoints: (s + 1,) [s].
             coefficients: (degree + 1, s, n), highest power first.
         """
+        for begin, length, piece in self._pieces(breakpoints, coefficients):
+            found = self._sweep.along(piece, length)
+            if found is not None:
+                theta = taylor(piece, found)[-1]
+                return Collision(begin + found, theta, self.contacts(theta))
+        return None
+
+    def clearance(self, breakpoints: Given, coefficients: Given) -> Distance:
+        """The nearest pair of bodies along a motion, with its `time` [s]; margins are not counted.
+
+        The distance is measured there. No pair comes nearer anywhere, between samples either, than that less 1 mm or
+        5 % of it, the larger. An interval is left when no pair can lose enough of its distance within it; else it is
+        halved, for the pairs that can. The bounds are those of `first_collision`.
+
+        Args:
+            breakpoints: (s + 1,) [s].
+            coefficients: (degree + 1, s, n), highest power first.
+        """
+        near, best, time, theta = self.near_pairs, np.inf, 0.0, self.arm.ready
+        pieces, every = self._pieces(breakpoints, coefficients), np.arange(len(near.pairs))
+        waiting = deque((begin, piece, 0.5 * length, 0.5 * length, every) for begin, length, piece in pieces)
+        while waiting:
+            begin, piece, middle, half, pairs = waiting.popleft()
+            about = taylor(piece, middle)
+            metres = np.array(near.distances_of(about[-1], pairs))
+            if metres.min(initial=np.inf) < best:
+                best, time, theta = metres.min(), begin + middle, about[-1]
+            moved = np.float_power(half, np.arange(len(piece) - 1, 0, -1)) @ np.abs(about[:-1])
+            pairs = pairs[metres - near.speeds[pairs] @ moved < best - max(NEARLY[0], NEARLY[1] * best)]
+            if len(pairs):
+                waiting += [(begin, piece, middle + side, 0.5 * half, pairs) for side in (-0.5 * half, 0.5 * half)]
+        return replace(self.distance(theta), time=time)
+
+    def _pieces(self, breakpoints: Given, coefficients: Given) -> list[tuple[float, float, Array]]:
+        """When each piece of a motion begins, how long it takes, and its polynomial (degree + 1, n)."""
         times, pieces = as_floats(breakpoints, "breakpoints"), as_floats(coefficients, "coefficients")
         if times.ndim != 1 or pieces.shape[1:] != (len(times) - 1, self.arm.n) or (np.diff(times) < 0.0).any():
             raise InputError(
                 f"breakpoints must be (s + 1,) that increase, coefficients (degree + 1, s, {self.arm.n}); "
                 f"got {times.shape} and {pieces.shape}"
             )
-        for k, (begin, end) in enumerate(pairwise(times)):
-            found = self._sweep.along(pieces[:, k], end - begin)
-            if found is not None:
-                theta = taylor(pieces[:, k], found)[-1]
-                return Collision(float(begin + found), theta, self.contacts(theta))
-        return None
+        return [(float(begin), float(end - begin), pieces[:, k]) for k, (begin, end) in enumerate(pairwise(times))]
 
     def is_free(self, one: ArrayLike, other: ArrayLike) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another collides with nothing.
@@ -543,7 +577,13 @@ class Scene:
         return link
 
     def _add(
-        self, name: str, kind: str, size: Row, pose: Given | None, mesh: Path | None = None, frame: str = ""
+        self,
+        name: str,
+        kind: str,
+        size: Row,
+        pose: Given | None,
+        mesh: Path | Triangles | None = None,
+        frame: str = "",
     ) -> None:
         if not isinstance(name, str) or not name:
             raise InputError(f"name must be a text that is not empty; got {name!r}")
@@ -555,7 +595,7 @@ class Scene:
         self._known_obstacles.add(name)
         self._changed()
 
-    def _shaped(self, kind: str, size: Row, mesh: Path | None) -> tuple[Any, tuple[float, ...]]:
+    def _shaped(self, kind: str, size: Row, mesh: Path | Triangles | None) -> tuple[Any, tuple[float, ...]]:
         """The shape of an obstacle, and the numbers of its size."""
         what = "scale" if kind == "mesh" else "size"
         sizes = tuple(as_positive(float(number), what) for number in as_vector(size, what, NUMBERS[kind]))
@@ -564,6 +604,8 @@ class Scene:
         with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
             if kind == "plane":
                 return shapes.half_space(), sizes
+            if isinstance(mesh, Triangles):
+                return shapes.solid(mesh, sizes), sizes
             return (shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)), sizes
 
     def _hold(self, name: str, carrier: str, pose: Array, touching: Iterable[str]) -> None:
