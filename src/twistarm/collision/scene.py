@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from itertools import combinations, pairwise
+from itertools import combinations
 from math import isfinite
 from pathlib import Path
 from typing import Any, TypeVar
@@ -43,7 +43,7 @@ from .allowed_pairs import allowed_pairs
 from .answers import Collision, Contact, Distance
 from .near_pairs import NearPairs
 from .scene_file import Entry, SceneFile, read_scene, scene_text
-from .swept import FINE, Sweep, pair_speeds, taylor
+from .swept import FINE, Sweep, pair_speeds
 
 T = TypeVar("T")
 
@@ -438,9 +438,9 @@ class Scene:
     def contacts(self, theta: ArrayLike) -> tuple[Contact, ...]:
         """The pairs that collide at theta (n,), the deepest first."""
         q, checker = self._model.q(self._one(theta)), self._checker
-        hit = checker.overlapping(q)
-        if not hit:
+        if not checker.collides(q):
             return ()
+        hit = checker.overlapping(q)
         metres = checker.distances(q)
         worst: dict[tuple[str, str], Contact] = {}
         for k in sorted(hit, key=lambda k: metres[k]):
@@ -464,12 +464,8 @@ class Scene:
                 f"breakpoints must be (s + 1,) that increase, coefficients (degree + 1, s, {self.arm.n}); "
                 f"got {times.shape} and {pieces.shape}"
             )
-        for k, (begin, end) in enumerate(pairwise(times)):
-            found = self._sweep.along(pieces[:, k], end - begin)
-            if found is not None:
-                theta = taylor(pieces[:, k], found)[-1]
-                return Collision(float(begin + found), theta, self.contacts(theta))
-        return None
+        found = self._sweep.first(times, pieces)
+        return None if found is None else Collision(*found, self.contacts(found[1]))
 
     def is_free(self, one: ArrayLike, other: ArrayLike) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another collides with nothing.
