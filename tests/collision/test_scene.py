@@ -103,7 +103,7 @@ def test_margins_are_kept_alone_in_batches_and_on_threads(tmp_path: Path) -> Non
         assert (scene.collides(x) == expected).all()
         assert (scene.collides(x.reshape(1, 97, 2), threads=2) == expected).all()
     contact = scene.contacts([0.88, 0.0])[0]
-    assert str(contact) == "hand and wall, 20 mm apart, 30 mm asked"
+    assert str(contact) == "hand and wall: 20 mm apart, 30 mm asked"
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101"])

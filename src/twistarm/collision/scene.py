@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from itertools import combinations, pairwise
+from itertools import combinations
 from math import isfinite
 from pathlib import Path
 from typing import Any, TypeVar
@@ -44,7 +44,7 @@ from .allowed_pairs import allowed_pairs
 from .answers import Collision, Contact, Distance
 from .near_pairs import NearPairs
 from .scene_file import Entry, SceneFile, read_scene, scene_text
-from .swept import FINE, Sweep, pair_speeds, taylor
+from .swept import FINE, Sweep, pair_speeds, shifted
 
 T = TypeVar("T")
 
@@ -442,9 +442,9 @@ class Scene:
     def contacts(self, theta: ArrayLike) -> tuple[Contact, ...]:
         """The pairs that collide at theta (n,), the deepest first."""
         q, checker = self._model.q(self._one(theta)), self._checker
-        hit = checker.overlapping(q)
-        if not hit:
+        if not checker.collides(q):
             return ()
+        hit = checker.overlapping(q)
         metres = checker.distances(q)
         worst: dict[tuple[str, str], Contact] = {}
         for k in sorted(hit, key=lambda k: metres[k]):
@@ -462,12 +462,8 @@ class Scene:
             breakpoints: (s + 1,) [s].
             coefficients: (degree + 1, s, n), highest power first.
         """
-        for begin, length, piece in self._pieces(breakpoints, coefficients):
-            found = self._sweep.along(piece, length)
-            if found is not None:
-                theta = taylor(piece, found)[-1]
-                return Collision(begin + found, theta, self.contacts(theta))
-        return None
+        found = self._sweep.first(*self._pieces(breakpoints, coefficients))
+        return None if found is None else Collision(*found, self.contacts(found[1]))
 
     def clearance(self, breakpoints: Given, coefficients: Given) -> Distance:
         """The nearest pair of bodies along a motion, with its `time` [s]; margins are not counted.
@@ -481,11 +477,12 @@ class Scene:
             coefficients: (degree + 1, s, n), highest power first.
         """
         near, best, time, theta = self.near_pairs, np.inf, 0.0, self.arm.ready
-        pieces, every = self._pieces(breakpoints, coefficients), np.arange(len(near.pairs))
-        waiting = deque((begin, piece, 0.5 * length, 0.5 * length, every) for begin, length, piece in pieces)
+        times, pieces = self._pieces(breakpoints, coefficients)
+        every, halves = np.arange(len(near.pairs)), (0.5 * np.diff(times)).tolist()
+        waiting = deque((times[k], pieces[:, k], half, half, every) for k, half in enumerate(halves))
         while waiting:
             begin, piece, middle, half, pairs = waiting.popleft()
-            about = taylor(piece, middle)
+            about = shifted(piece[:, None], np.array([middle]))[:, 0]
             metres = np.array(near.distances_of(about[-1], pairs))
             if metres.min(initial=np.inf) < best:
                 best, time, theta = metres.min(), begin + middle, about[-1]
@@ -495,15 +492,15 @@ class Scene:
                 waiting += [(begin, piece, middle + side, 0.5 * half, pairs) for side in (-0.5 * half, 0.5 * half)]
         return replace(self.distance(theta), time=time)
 
-    def _pieces(self, breakpoints: Given, coefficients: Given) -> list[tuple[float, float, Array]]:
-        """When each piece of a motion begins, how long it takes, and its polynomial (degree + 1, n)."""
+    def _pieces(self, breakpoints: Given, coefficients: Given) -> tuple[Array, Array]:
+        """The breakpoints (s + 1,) and coefficients (degree + 1, s, n) of a motion, checked."""
         times, pieces = as_floats(breakpoints, "breakpoints"), as_floats(coefficients, "coefficients")
         if times.ndim != 1 or pieces.shape[1:] != (len(times) - 1, self.arm.n) or (np.diff(times) < 0.0).any():
             raise InputError(
                 f"breakpoints must be (s + 1,) that increase, coefficients (degree + 1, s, {self.arm.n}); "
                 f"got {times.shape} and {pieces.shape}"
             )
-        return [(float(begin), float(end - begin), pieces[:, k]) for k, (begin, end) in enumerate(pairwise(times))]
+        return times, pieces
 
     def is_free(self, one: ArrayLike, other: ArrayLike) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another collides with nothing.

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
-from math import comb
+from bisect import bisect_right
 
 import numpy as np
 
@@ -16,8 +14,17 @@ from ..support.checks import Array
 FINE = 2.5e-4
 """Half the way [m] between two checks where something is near: nothing thicker than 0.5 mm fits between them."""
 
-LEVELS = tuple(FINE * 2.0**k for k in range(2, 9))
-"""Clearances [m] that are checked: 1, 2, 4, … 64 mm."""
+LEVELS = (0.0, *(FINE * 2.0**k for k in range(2, 9)))
+"""Clearances [m] that are checked: 0, 1, 2, 4, … 64 mm."""
+
+FIRST = 3
+"""The level that is checked first."""
+
+COARSE = (0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875)
+"""Where a straight way is checked before it is proven."""
+
+PARTS = 256
+"""How many parts a motion has at least, each with its own bound of the speeds."""
 
 FARTHEST = 100.0
 """How far [m] a slide without limits is taken to go."""
@@ -25,15 +32,13 @@ FARTHEST = 100.0
 LEAST_SHARE = 0.02
 """The least share of a clearance that a pair is given."""
 
-Around = Callable[[float, float], tuple[Array, float]]
-
 
 class Sweep:
     """Finds the first collision of a motion theta(t).
 
     An interval about its middle t is free if at theta(t) every pair has the clearance that its bodies can lose within
-    the interval. Otherwise the interval is halved (conservative advancement by bisection; Schwarzer, Saha & Latombe,
-    Adaptive Dynamic Collision Checking, IEEE T-RO 21(3), 2005).
+    the interval. The next interval is as long as a level of clearance allows. It is shorter where a check fails, and
+    longer after two that pass (Schwarzer, Saha & Latombe, Adaptive Dynamic Collision Checking, IEEE T-RO 21(3), 2005).
     """
 
     def __init__(self, checker: Checker, model: PinocchioModel) -> None:
@@ -45,46 +50,47 @@ class Sweep:
         self._shares = np.maximum(total / max(total.max(initial=0.0), 1e-12), LEAST_SHARE)
         self._speeds = np.unique(np.round(speeds / self._shares[:, None], 9), axis=0)
 
-    def first(self, around: Around, end: float) -> float | None:
-        """The first time in [0, end] at which something collides; None if nothing does.
+    def first(self, times: Array, pieces: Array) -> tuple[float, Array] | None:
+        """The first time at which something collides, and theta (n,) there; None if nothing does.
 
-        `around(t, h)` gives theta(t) (n,), and a bound [m] of how much nearer a pair comes within [t − h, t + h].
+        `times` are breakpoints (s + 1,), `pieces` coefficients (degree + 1, s, n), highest power first.
         """
-        waiting = [(0.0, end)]
-        while waiting:
-            begin, stop = waiting.pop()
-            middle, half = 0.5 * (begin + stop), 0.5 * (stop - begin)
-            theta, way = around(middle, half)
-            q = self._model.q(theta)
-            if way <= FINE:
-                if self.checker(0.0).collides(q):
-                    return middle
+        if len(times) < 2:
+            return None
+        parts = max(1, PARTS // pieces.shape[1]) if len(pieces) > 2 else 1
+        width = np.repeat(np.diff(times) / parts, parts)
+        begin = np.tile(np.arange(parts), len(times) - 1) * width
+        about = shifted(np.repeat(pieces, parts, axis=1), begin + 0.5 * width)
+        powers = np.arange(len(pieces) - 1, -1, -1)
+        rates = 2.0 * powers[:, None] * (0.5 * width) ** powers[:, None]
+        moved = np.einsum("ks,ksn->sn", rates, np.abs(about))
+        # How much nearer [m] a pair may come, by its share, up to the end of each part.
+        ends = np.concatenate([[0.0], np.cumsum((self._speeds @ moved.T).max(axis=0, initial=0.0))])
+        known, values = ends.tolist(), about.transpose(1, 0, 2).copy()
+        s, level, passed = 0.0, FIRST, False
+        while True:
+            half = LEVELS[level] or FINE
+            middle = min(s + half, known[-1])
+            k = min(bisect_right(known, middle), len(width)) - 1
+            tau = ((middle - known[k]) / (known[k + 1] - known[k] or 1.0) - 0.5) * width[k]
+            theta = tau**powers @ values[k]
+            if self.checker(LEVELS[level]).collides(self._model.q(theta)):
+                if not level:
+                    return float(times[k // parts] + begin[k] + 0.5 * width[k] + tau), theta
+                level, passed = level - 1, False
                 continue
-            clearance = next((level for level in LEVELS if level >= way), None)
-            if clearance is None or self.checker(clearance).collides(q):
-                waiting += [(middle, stop), (begin, middle)]
-        return None
-
-    def along(self, piece: Array, duration: float) -> float | None:
-        """`first` of a polynomial (degree + 1, n), highest power first."""
-        piece = piece[np.argmax(piece.any(axis=1)) :]  # without leading zeros
-        orders = np.arange(len(piece) - 1, 0, -1)
-
-        def around(t: float, half: float) -> tuple[Array, float]:
-            about = taylor(piece, t)
-            return about[-1], self._nearer(np.float_power(half, orders) @ np.abs(about[:-1]))
-
-        return self.first(around, duration)
+            s = middle + half
+            if s >= known[-1]:
+                return None
+            level, passed = min(level + passed, len(LEVELS) - 1), True
 
     def straight(self, one: Array, other: Array) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another is free."""
         way = other - one
-        nearer = self._nearer(np.abs(way))
-        return self.first(lambda t, half: (one + t * way, half * nearer), 1.0) is None
-
-    def _nearer(self, moved: Array) -> float:
-        """How much nearer [m] a pair may come while each joint moves by at most `moved` (n,), by its share."""
-        return float((self._speeds @ moved).max(initial=0.0))
+        # Most ways that are not free are found so, without a clearance.
+        if any(self.checker(0.0).collides(self._model.q(one + t * way)) for t in COARSE):
+            return False
+        return self.first(np.array([0.0, 1.0]), np.array([[way], [one]])) is None
 
     def checker(self, clearance: float) -> Checker:
         """The checker whose margins are larger by `clearance` [m] for the fastest pairs, and less for others."""
@@ -94,19 +100,13 @@ class Sweep:
         return self._checkers[clearance]
 
 
-def taylor(piece: Array, at: float) -> Array:
-    """The coefficients (degree + 1, n) of a polynomial about `at`, highest power first: the last row is its value."""
-    binomials, powers = _shifts(len(piece))
-    shifted: Array = (binomials * at**powers) @ piece
-    return shifted
-
-
-@cache
-def _shifts(count: int) -> tuple[Array, Array]:
-    """Binomial coefficients (count, count) and powers of `at` that shift a polynomial of `count` coefficients."""
-    order = np.arange(count - 1, -1, -1)
-    binomials = np.array([[float(comb(j, i)) for j in order] for i in order])
-    return binomials, np.maximum(order[None] - order[:, None], 0)
+def shifted(pieces: Array, at: Array) -> Array:
+    """The coefficients (degree + 1, s, n) of polynomials about `at` (s,), highest power first."""
+    about = pieces.copy()
+    for last in range(len(about), 1, -1):
+        for row in range(1, last):
+            about[row] += about[row - 1] * at[:, None]
+    return about
 
 
 def pair_speeds(model: PinocchioModel, checker: Checker) -> Array:
