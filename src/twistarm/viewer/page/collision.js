@@ -118,13 +118,12 @@ export class Collision {
 
 // A body as it is drawn: a shape that is checked, faintly, or an obstacle. `radius` is the arm's.
 export function made(body, faint, radius) {
-  const material = new THREE.MeshLambertMaterial({ transparent: true, opacity: faint ? SHAPE : OBSTACLE, side: THREE.DoubleSide, depthWrite: !faint });
+  const material = new THREE.MeshLambertMaterial({ color: faint ? SHADE : WOOD, transparent: true, opacity: faint ? SHAPE : OBSTACLE, side: THREE.DoubleSide, depthWrite: !faint });
   Object.assign(material, { polygonOffset: faint, polygonOffsetFactor: -1, polygonOffsetUnits: -1 });
   if (body.kind === "plane") material.opacity = 0.6 * SHAPE;
-  material.userData.plain = new THREE.Color(faint ? SHADE : WOOD);
   const mesh = new THREE.Mesh(geometryOf(body, PLANE * (radius ?? 1)), material);
   const edges = new THREE.EdgesGeometry(mesh.geometry, 25);
-  const color = material.userData.plain.clone().multiplyScalar(0.6);
+  const color = material.color.clone().multiplyScalar(0.6);
   if (edges.attributes.position.count > 0) mesh.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({ color, transparent: true, opacity: 0.5 })));
   return Object.assign(mesh, { matrixAutoUpdate: false });
 }

@@ -142,6 +142,12 @@ class Collisions(Part):
         held = set() if self.scene is None else {entry.name for entry in self.scene.content().entries if entry.on}
         return [{"name": body.name, "held": body.name in held, **drawing(body)} for body in self._bodies]
 
+    @property
+    def shapes(self) -> list[Message]:
+        """The shapes that are checked as pages draw them; none before the checks are ready."""
+        bodies: list[Message] = self._shapes["bodies"]
+        return bodies
+
     def _obstacles(self) -> Message:
         saved = _same(self._saved, self._bodies)
         return {"type": "obstacles", "obstacles": self.drawn, "file": self.file, "saved": saved}
