@@ -20,8 +20,8 @@ THICK, STOUT = 0.025, 0.3
 FLAT = 1e-6
 """A mesh that is flatter than this part of its length gets this thickness, because a hull needs a volume."""
 
-MOST_TRIANGLES = 200_000
-"""The most triangles of one exact mesh."""
+MOST_TRIANGLES, MOST_OF_A_HULL = 200_000, 50_000
+"""The most triangles of one exact mesh, and of one whose hull is made. A finer mesh is simplified."""
 
 
 Pair = tuple[str, str]
@@ -53,7 +53,7 @@ class Shapes:
         self._coal, self._exact = coal, exact
         self._reader = MeshReader()
         self._read: dict[tuple[Path, tuple[float, ...]], Any] = {}
-        self.unreadable: dict[str, str] = {}
+        self.unreadable: dict[str, list[str]] = {}  # why a mesh is left out, and of which links
 
     def __enter__(self) -> Shapes:
         return self
@@ -83,11 +83,14 @@ class Shapes:
         Raises TwistarmError (UnreadableMeshError, MissingExtraError) if it cannot be read.
         """
         if (path, scale) not in self._read:
-            parts = self._reader.parts(path, MOST_TRIANGLES if self._exact else np.inf)
+            parts = self._reader.parts(path, MOST_TRIANGLES if self._exact else MOST_OF_A_HULL)
             points = np.concatenate([part.vertices for part in parts]) * scale
             firsts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
             faces = np.concatenate([part.faces + first for part, first in zip(parts, firsts, strict=True)])
-            self._read[path, scale] = self._triangles(points, faces) if self._exact else self._hull(points)
+            try:
+                self._read[path, scale] = self._triangles(points, faces) if self._exact else self._hull(points)
+            except RuntimeError:  # a corner of the hull has more than 255 neighbours, as the tip of a fine cone
+                self._read[path, scale] = self._triangles(points, faces)
         return self._read[path, scale]
 
     def _of(self, link: Link, shapes: tuple[Geometry, ...], kind: str) -> Iterator[Body]:
@@ -96,16 +99,17 @@ class Shapes:
                 if min(geometry.size) > 0.0:
                     shape = self.primitive(geometry.shape, geometry.size)
                     yield Body(link.name, link.name, shape, geometry.origin, kind)
-            elif geometry.mesh is not None:
-                try:
-                    shape = self.mesh(geometry.mesh, geometry.size)
-                except TwistarmError as error:
-                    self.unreadable[link.name] = str(error)
-                    continue
-                how = f"{kind}'s mesh" if self._exact else f"hull of a {kind}'s mesh"
-                yield Body(link.name, link.name, shape, geometry.origin, how)
-            else:
-                self.unreadable[link.name] = "its mesh file was not found"
+                continue
+            try:
+                if geometry.mesh is None:
+                    raise InputError("a mesh file was not found")
+                shape = self.mesh(geometry.mesh, geometry.size)
+            except TwistarmError as error:
+                names = self.unreadable.setdefault(str(error), [])
+                names += [link.name] * (link.name not in names)
+                continue
+            how = f"hull of a {kind}'s mesh" if isinstance(shape, self._coal.Convex) else f"{kind}'s mesh"
+            yield Body(link.name, link.name, shape, geometry.origin, how)
 
     def _capsules(self, description: Description, link: Link, reach: float) -> Iterator[Body]:
         carried = [joint.origin[:3, 3] for joint in description.joints.values() if joint.parent == link.name]
@@ -133,14 +137,14 @@ class Shapes:
 
 
 def _with_volume(points: Array) -> Array:
-    """The distinct points; a flat mesh is given a thickness."""
+    """The distinct points; a flat mesh, or a line, is given a thickness."""
     points = np.unique(points, axis=0)
     centre = points.mean(axis=0)
     _, spread, axes = np.linalg.svd(points - centre, full_matrices=False)
     if len(points) < 3 or not spread[0] > 0.0:
-        raise InputError("the mesh is a point or a line: it has no faces")
-    if spread[2] <= FLAT * spread[0]:
-        normal = axes[2] * FLAT * np.abs(points - centre).max()
+        raise InputError("a mesh is a point, or a line of two points: it has no faces")
+    for axis in axes[spread <= FLAT * spread[0]]:
+        normal = axis * FLAT * np.abs(points - centre).max()
         points = np.concatenate([points - normal, points + normal])
     return points
 

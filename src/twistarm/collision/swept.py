@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from math import comb
 
@@ -12,6 +12,7 @@ from ..arm.bodies import Body
 from ..arm.checker import Checker
 from ..arm.pinocchio_model import PinocchioModel
 from ..support.checks import Array
+from ..support.errors import InputError
 
 FINE = 2.5e-4
 """Half the way [m] between two checks where something is near: nothing thicker than 0.5 mm fits between them."""
@@ -19,8 +20,8 @@ FINE = 2.5e-4
 LEVELS = tuple(FINE * 2.0**k for k in range(2, 9))
 """Clearances [m] that are checked: 1, 2, 4, … 64 mm."""
 
-FARTHEST = 100.0
-"""How far [m] a slide without limits is taken to go."""
+LONGEST = 1e4
+"""The longest way [m] of a point in one segment: 1 s of checks in free space."""
 
 LEAST_SHARE = 0.02
 """The least share of a clearance that a pair is given."""
@@ -36,10 +37,11 @@ class Sweep:
     Adaptive Dynamic Collision Checking, IEEE T-RO 21(3), 2005).
     """
 
-    def __init__(self, checker: Checker, model: PinocchioModel) -> None:
-        self._model, self._base = model, checker
+    def __init__(self, checker: Checker, model: PinocchioModel, most: Array) -> None:
+        self._model, self._base, self._most = model, checker, most
+        self._wider: Sweep | None = None
         self._checkers = {0.0: checker}
-        speeds = pair_speeds(model, checker)
+        speeds = pair_speeds(model, checker.bodies, checker.pairs, most)
         total = speeds.sum(axis=1)
         # A pair that hardly moves needs little clearance: each gets its share.
         self._shares = np.maximum(total / max(total.max(initial=0.0), 1e-12), LEAST_SHARE)
@@ -55,6 +57,8 @@ class Sweep:
             begin, stop = waiting.pop()
             middle, half = 0.5 * (begin + stop), 0.5 * (stop - begin)
             theta, way = around(middle, half)
+            if not way <= LONGEST:
+                raise InputError(f"a point may move {way:.3g} m in one segment; at most {LONGEST:g} m are checked")
             q = self._model.q(theta)
             if way <= FINE:
                 if self.checker(0.0).collides(q):
@@ -70,17 +74,32 @@ class Sweep:
         piece = piece[np.argmax(piece.any(axis=1)) :]  # without leading zeros
         orders = np.arange(len(piece) - 1, 0, -1)
 
+        def moved(about: Array, half: float) -> Array:
+            most: Array = np.float_power(half, orders) @ np.abs(about[:-1])
+            return most
+
         def around(t: float, half: float) -> tuple[Array, float]:
             about = taylor(piece, t)
-            return about[-1], self._nearer(np.float_power(half, orders) @ np.abs(about[:-1]))
+            return about[-1], sweep._nearer(moved(about, half))
 
-        return self.first(around, duration)
+        about = taylor(piece, 0.5 * duration)
+        sweep = self._reaching(np.abs(about[-1]) + moved(about, 0.5 * duration))
+        return sweep.first(around, duration)
 
     def straight(self, one: Array, other: Array) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another is free."""
-        way = other - one
-        nearer = self._nearer(np.abs(way))
-        return self.first(lambda t, half: (one + t * way, half * nearer), 1.0) is None
+        way, sweep = other - one, self._reaching(np.maximum(np.abs(one), np.abs(other)))
+        nearer = sweep._nearer(np.abs(way))
+        return sweep.first(lambda t, half: (one + t * way, half * nearer), 1.0) is None
+
+    def _reaching(self, most: Array) -> Sweep:
+        """A sweep whose bounds hold while |theta| is at most `most` (n,): this one, or a wider one."""
+        if (most <= self._most).all():
+            return self
+        wider = self._wider
+        if wider is None:
+            wider = self._wider = Sweep(self._base, self._model, np.maximum(2.0 * most, self._most))
+        return wider._reaching(most)
 
     def _nearer(self, moved: Array) -> float:
         """How much nearer [m] a pair may come while each joint moves by at most `moved` (n,), by its share."""
@@ -109,12 +128,15 @@ def _shifts(count: int) -> tuple[Array, Array]:
     return binomials, np.maximum(order[None] - order[:, None], 0)
 
 
-def pair_speeds(model: PinocchioModel, checker: Checker) -> Array:
-    """Bounds (pairs, n) of how fast any two points of a pair approach, by each coordinate alone at rate 1."""
-    count = model.model.njoints
-    speeds = np.array([_speeds(model, body) for body in checker.bodies]).reshape(-1, count)
-    carried = np.array([[j in ancestors(model, body) for j in range(count)] for body in checker.bodies])
-    first, second = np.array(checker.pairs, dtype=int).reshape(-1, 2).T
+def pair_speeds(model: PinocchioModel, bodies: Sequence[Body], pairs: Sequence[tuple[int, int]], most: Array) -> Array:
+    """Bounds (pairs, n) of how fast any two points of a pair approach, by each coordinate alone at rate 1.
+
+    They hold while |theta| is at most `most` (n,), which counts for slides only.
+    """
+    count, far = model.model.njoints, _farthest(model, most)
+    speeds = np.array([_speeds(model, body, far) for body in bodies]).reshape(-1, count)
+    carried = np.array([[j in ancestors(model, body) for j in range(count)] for body in bodies])
+    first, second = np.array(pairs, dtype=int).reshape(-1, 2).T
     # A joint that carries both moves neither against the other.
     by_joint = np.where(carried[second], 0.0, speeds[first]) + np.where(carried[first], 0.0, speeds[second])
     by_q = np.zeros((len(by_joint), model.model.nq))
@@ -134,10 +156,21 @@ def ancestors(model: PinocchioModel, body: Body) -> set[int]:
     return carrying
 
 
-def _speeds(model: PinocchioModel, body: Body) -> Array:
+def _farthest(model: PinocchioModel, most: Array) -> Array:
+    """How far each joint (njoints,) that slides may be from 0 [m] while |theta| is at most `most` (n,); else 0."""
+    far = np.abs(model.dq_dtheta) @ most + np.abs(model.q(np.zeros(len(most))))
+    joints = range(1, model.model.njoints)
+    return np.array([0.0, *(far[model.model.idx_qs[j]] if _slides(model, j) else 0.0 for j in joints)])
+
+
+def _slides(model: PinocchioModel, joint: int) -> bool:
+    return "P" in model.model.joints[joint].shortname().removeprefix("JointModel")[:1]
+
+
+def _speeds(model: PinocchioModel, body: Body, far: Array) -> Array:
     """Bounds (njoints,) of the speed of any point of a body by each joint alone at rate 1.
 
-    A joint turns a point on a radius of at most the lengths between them. A slide between adds its farthest position.
+    A joint turns a point on a radius of at most the lengths between them. A slide between adds how far it may go.
     """
     frame = model.model.frames[model.frame_id(body.carrier)]
     if not frame.parentJoint:
@@ -148,12 +181,7 @@ def _speeds(model: PinocchioModel, body: Body) -> Array:
     speeds = np.zeros(model.model.njoints)
     joint = int(frame.parentJoint)
     while joint > 0:
-        slides = "P" in model.model.joints[joint].shortname().removeprefix("JointModel")[:1]
-        speeds[joint] = 1.0 if slides else radius
-        if slides:
-            k = model.model.idx_qs[joint]
-            lower, upper = model.model.lowerPositionLimit[k], model.model.upperPositionLimit[k]
-            radius += float(min(max(abs(lower), abs(upper)), FARTHEST)) if lower < upper else FARTHEST
-        radius += float(np.linalg.norm(model.model.jointPlacements[joint].translation))
+        speeds[joint] = 1.0 if _slides(model, joint) else radius
+        radius += float(far[joint]) + float(np.linalg.norm(model.model.jointPlacements[joint].translation))
         joint = int(model.model.parents[joint])
     return speeds
