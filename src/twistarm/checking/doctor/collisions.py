@@ -15,10 +15,15 @@ from .wording import place_of
 SAMPLES, OFTEN = 100, 0.8
 """Random configurations, and the share of them in which a pair collides by its drawing and not by the motion."""
 
+MOST_BODIES = 100
+"""The most bodies to check: their pairs take 1 s. A robot with more is left out."""
+
 
 def check_collisions(arm: Arm) -> Iterator[Finding]:
     """Pairs of links by the shapes of a `Scene`. Pairs that always collide are exempt without an SRDF."""
     scene, exempt = Scene(arm), arm.disabled_collisions
+    if len(scene.links) > MOST_BODIES:
+        return
     shares = collision_shares(scene, arm.random_theta(0, SAMPLES))
     often = {pair for pair, share in shares.items() if share >= OFTEN and (exempt or share < ALWAYS)} - exempt
     at_ready = {pair for pair in collision_shares(scene, [arm.ready]) if shares.get(pair, 0.0) < OFTEN} - exempt
