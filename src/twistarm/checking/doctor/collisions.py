@@ -21,6 +21,8 @@ MOST_BODIES = 100
 
 def check_collisions(arm: Arm) -> Iterator[Finding]:
     """Pairs of links by the shapes of a `Scene`. Pairs that always collide are exempt without an SRDF."""
+    if arm.description is None or len(arm.description.links) > MOST_BODIES:
+        return
     scene, exempt = Scene(arm), arm.disabled_collisions
     if len(scene.links) > MOST_BODIES:
         return
