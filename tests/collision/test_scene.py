@@ -208,8 +208,25 @@ def test_links_without_shapes_get_capsules_and_meshes_their_hulls(tmp_path: Path
         hit = [contact.links for contact in scene.contacts([0.0, 0.0])]
         assert (("tip", "pin") in hit) is not exact
     (tmp_path / "ring.stl").write_bytes(b"solid nothing")
-    warned = [finding for finding in Scene(load_arm(bare, tip="tip")).findings if finding.severity == "warning"]
-    assert [finding.code for finding in warned] == ["collision-mesh-unreadable"]
+    twice = bare.read_text().replace(link("arm"), link("arm", '<mesh filename="ring.stl"/>'))
+    bare.write_text(twice.replace(link("base"), link("base", '<mesh filename="none.stl"/>')))
+    scene = Scene(load_arm(bare, tip="tip"))
+    warned = [finding.what for finding in scene.findings if finding.code == "collision-mesh-unreadable"]
+    assert [("'base'" in what, "'arm', 'tip'" in what) for what in warned] == [(True, False), (False, True)]
+    assert {body.name: body.kind for body in scene.links} == {"base": "capsule", "arm": "capsule"}
+
+
+def test_meshes_whose_hull_is_hard_to_compute(tmp_path: Path) -> None:
+    """Triangles on a line along x, and a cone of radius 1 m with 400 edges at its tip, which is at z = 1 m."""
+    trimesh = pytest.importorskip("trimesh")
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], process=False).export(tmp_path / "line.stl")
+    scene.add_mesh("line", tmp_path / "line.stl", (0.5, 0.0, 0.0))
+    assert scene.distance([0.0, 0.0]).metres == pytest.approx(0.4, abs=1e-4)
+    scene.remove("line")
+    trimesh.creation.cone(1.0, 1.0, sections=400).export(tmp_path / "cone.stl")
+    scene.add_mesh("cone", tmp_path / "cone.stl", (0.0, 0.0, 0.5))
+    assert scene.distance([0.0, 1.8]).metres == pytest.approx(0.2, abs=1e-6)
 
 
 TOML = """
@@ -374,10 +391,20 @@ def test_meshes_and_planes_of_moveit_scenes_are_read_and_saved(
         ("scene.yaml", "world: {octomap: {octomap: {data: [1]}}}", "octomap"),
         ("a.scene", MESHES_TEXT.replace("4 4", "4 7"), ".scene"),
         ("scene.yaml", "world: {collision_objects: [{id: a, primitives: [{type: cone, dimensions: [1]}]}]}", "cone"),
+        ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 1, 1]\nrpy = [0, 0, 90]\n', "degrees = true"),
+        ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 1, 1]\non = ["hand"]\n', "no link"),
+        ("scene.yaml", "world: {collision_objects: [{id: a}]}", "no primitives"),
+        ("scene.yaml", "world: {collision_objects: 3}", "at the top"),
+        (
+            "scene.yaml",
+            "allowed_collision_matrix: {entry_names: [base, hand], entry_values: [[false, true]]}",
+            "matrix",
+        ),
         ("scene.yaml", "world: {collision_objects: [3]}", "collision object 1"),
         ("scene.yaml", "[1, 2]", "at the top"),
         ("a.scene", "(noname)+\n* a\n1\n", ".scene"),
         ("a.scene", "(noname)+\nnonsense\n", "expected '* name'"),
+        ("a.scene", TEXT[:-2], "cut short"),
         ("scene.txt", "", "is no scene file"),
     ],
 )
@@ -499,11 +526,19 @@ def test_the_fingers_may_touch_what_the_hand_holds() -> None:
 
 @pytest.mark.parametrize(
     ("breakpoints", "coefficients"),
-    [([0.0, 1.0], np.full((2, 1, 2), np.nan)), ([0.0, 1.0], np.zeros((2, 3, 2))), ([1.0, 0.0], np.zeros((2, 1, 2)))],
+    [
+        ([0.0, 1.0], np.full((2, 1, 2), np.nan)),
+        ([0.0, 1.0], np.zeros((2, 3, 2))),
+        ([1.0, 0.0], np.zeros((2, 1, 2))),
+        ([0.0, 1.0], np.zeros((0, 1, 2))),
+        ([0.0, 1.0], np.full((2, 1, 2), 1e9)),
+    ],
 )
 def test_a_motion_that_is_none_is_refused(tmp_path: Path, breakpoints: list[float], coefficients: np.ndarray) -> None:
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    scene.add_sphere("ball", 0.1, (5.0, 0.0, 0.0))
     with pytest.raises(InputError):
-        Scene(slider(tmp_path, SHAPES["sphere"])).first_collision(breakpoints, coefficients)
+        scene.first_collision(breakpoints, coefficients)
 
 
 def test_the_clearance_of_a_motion_is_that_of_a_calculation_by_hand(tmp_path: Path) -> None:
@@ -526,7 +561,10 @@ def test_bad_obstacles_and_arms_are_refused(tmp_path: Path) -> None:
         lambda: scene.add_sphere("ball", 0.1),
         lambda: scene.add_sphere("hand", 0.1),
         lambda: scene.add_sphere("", 0.1),
+        lambda: scene.add_sphere("a\nb", 0.1),
         lambda: scene.add_sphere("a", -0.1),
+        lambda: scene.add_sphere("a", [0.1]),  # type: ignore[arg-type]
+        lambda: scene.allow(["hand"], "ball"),  # type: ignore[arg-type]
         lambda: scene.add_box("a", (1.0, 0.0, 1.0)),
         lambda: scene.add_box("a", (1.0, np.nan, 1.0)),
         lambda: scene.add_box("a", (1.0, 1.0, 1.0), np.zeros((4, 4))),
@@ -559,3 +597,43 @@ def test_a_survey_says_how_often_each_pair_collides(tmp_path: Path) -> None:
     assert pair.links == ("hand", "wall")
     assert pair.share == found.share
     assert scene.collides(pair.theta)
+
+
+def test_a_slide_beyond_the_limits_of_the_file_has_its_whole_radius(tmp_path: Path) -> None:
+    """A turn of 2 rad with the hand 30 m out, where the description ends at 2 m. A stone is on the circle."""
+    file = tmp_path / "crane.urdf"
+    parts = [link("base"), link("turret"), link("hand", '<sphere radius="0.05"/>')]
+    parts += [
+        joint("turn", "revolute", "base", "turret", "0 0 1"),
+        joint("out", "prismatic", "turret", "hand", "1 0 0"),
+    ]
+    file.write_text(f'<robot name="crane">{"".join(parts)}</robot>')
+    scene = Scene(load_arm(file, tip="hand"))
+    scene.add_sphere("stone", 0.05)
+    for angle in (0.4, 1.0, 1.7):
+        scene.move("stone", (30.0 * np.cos(angle), 30.0 * np.sin(angle), 0.0))
+        found = scene.first_collision([0.0, 2.0], [[[1.0, 0.0]], [[0.0, 30.0]]])
+        assert found is not None
+        assert found.time == pytest.approx(angle - 2.0 * np.arcsin(0.05 / 30.0), abs=1e-4)
+        assert not scene.is_free([0.0, 30.0], [2.0, 30.0])
+
+
+def test_many_obstacles_are_checked_as_few_are(tmp_path: Path) -> None:
+    """A sphere of radius 0.1 among 400 small ones; by hand: nearer than 0.1 to the nearest centre, but 1 mm."""
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]), margin=0.01)
+    centres = np.random.default_rng(0).uniform([-2, -0.3, -2], [2, 0.3, 2], (400, 3))
+    for i, centre in enumerate(centres):
+        scene.add_sphere(f"{i}", 0.001, centre)
+    thetas = scene.arm.random_theta(1, 200)
+    at = np.column_stack([thetas[:, 0], np.zeros(200), thetas[:, 1]])
+    nearest = np.linalg.norm(at[:, None] - centres, axis=2).min(axis=1)
+    assert [scene.collides(theta) for theta in thetas] == (nearest < 0.111).tolist()
+
+
+def test_obstacles_are_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("twistarm.collision.scene.MOST_OBSTACLES", 2)
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    scene.add_sphere("a", 0.1)
+    scene.add_sphere("b", 0.1)
+    with pytest.raises(InputError, match="add_mesh"):
+        scene.add_sphere("c", 0.1)

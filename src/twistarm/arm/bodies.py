@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,8 +22,8 @@ THICK, STOUT = 0.025, 0.3
 FLAT = 1e-6
 """A mesh that is flatter than this part of its length gets this thickness, because a hull needs a volume."""
 
-MOST_TRIANGLES = 200_000
-"""The most triangles of one exact mesh."""
+MOST_TRIANGLES, MOST_OF_A_HULL = 200_000, 50_000
+"""The most triangles of one exact mesh, and of one whose hull is made. A finer mesh is simplified."""
 
 
 Pair = tuple[str, str]
@@ -61,7 +62,7 @@ class Shapes:
         self._coal, self._exact = coal, exact
         self._reader = MeshReader()
         self._read: dict[tuple[Path, tuple[float, ...]], Any] = {}
-        self.unreadable: dict[str, str] = {}
+        self.unreadable: dict[str, list[str]] = {}  # why a mesh is left out, and of which links
 
     def __enter__(self) -> Shapes:
         return self
@@ -91,7 +92,7 @@ class Shapes:
         Raises TwistarmError (UnreadableMeshError, MissingExtraError) if it cannot be read.
         """
         if (path, scale) not in self._read:
-            parts = self._reader.parts(path, MOST_TRIANGLES if self._exact else np.inf)
+            parts = self._reader.parts(path, MOST_TRIANGLES if self._exact else MOST_OF_A_HULL)
             firsts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
             faces = np.concatenate([part.faces + first for part, first in zip(parts, firsts, strict=True)])
             points = np.concatenate([part.vertices for part in parts])
@@ -101,7 +102,10 @@ class Shapes:
     def solid(self, mesh: Triangles, scale: tuple[float, ...]) -> Any:
         """The convex hull of triangles, or these themselves if shapes are exact."""
         points = mesh.points * scale
-        return self._triangles(points, mesh.faces) if self._exact else self._hull(points)
+        if not self._exact:
+            with suppress(RuntimeError):  # a corner of the hull has over 255 neighbours, as the tip of a fine cone
+                return self._hull(points)
+        return self._triangles(points, mesh.faces)
 
     def _of(self, link: Link, shapes: tuple[Geometry, ...], kind: str) -> Iterator[Body]:
         for geometry in shapes:
@@ -109,16 +113,17 @@ class Shapes:
                 if min(geometry.size) > 0.0:
                     shape = self.primitive(geometry.shape, geometry.size)
                     yield Body(link.name, link.name, shape, geometry.origin, kind)
-            elif geometry.mesh is not None:
-                try:
-                    shape = self.mesh(geometry.mesh, geometry.size)
-                except TwistarmError as error:
-                    self.unreadable[link.name] = str(error)
-                    continue
-                how = f"{kind}'s mesh" if self._exact else f"hull of a {kind}'s mesh"
-                yield Body(link.name, link.name, shape, geometry.origin, how)
-            else:
-                self.unreadable[link.name] = "its mesh file was not found"
+                continue
+            try:
+                if geometry.mesh is None:
+                    raise InputError("a mesh file was not found")
+                shape = self.mesh(geometry.mesh, geometry.size)
+            except TwistarmError as error:
+                names = self.unreadable.setdefault(str(error), [])
+                names += [link.name] * (link.name not in names)
+                continue
+            how = f"hull of a {kind}'s mesh" if isinstance(shape, self._coal.Convex) else f"{kind}'s mesh"
+            yield Body(link.name, link.name, shape, geometry.origin, how)
 
     def _capsules(self, description: Description, link: Link, reach: float) -> Iterator[Body]:
         carried = [joint.origin[:3, 3] for joint in description.joints.values() if joint.parent == link.name]
@@ -146,14 +151,14 @@ class Shapes:
 
 
 def _with_volume(points: Array) -> Array:
-    """The distinct points; a flat mesh is given a thickness."""
+    """The distinct points; a flat mesh, or a line, is given a thickness."""
     points = np.unique(points, axis=0)
     centre = points.mean(axis=0)
     _, spread, axes = np.linalg.svd(points - centre, full_matrices=False)
     if len(points) < 3 or not spread[0] > 0.0:
-        raise InputError("the mesh is a point or a line: it has no faces")
-    if spread[2] <= FLAT * spread[0]:
-        normal = axes[2] * FLAT * np.abs(points - centre).max()
+        raise InputError("a mesh is a point, or a line of two points: it has no faces")
+    for axis in axes[spread <= FLAT * spread[0]]:
+        normal = axis * FLAT * np.abs(points - centre).max()
         points = np.concatenate([points - normal, points + normal])
     return points
 

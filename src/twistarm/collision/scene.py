@@ -38,7 +38,7 @@ from ..support.checks import (
     require_mapping,
     require_names,
 )
-from ..support.errors import InputError, TwistarmError, listed, unknown_name
+from ..support.errors import InputError, TwistarmError, listed, shown, unknown_name
 from ..support.files import as_path, writable, write_whole
 from .allowed_pairs import allowed_pairs
 from .answers import Collision, Contact, Distance
@@ -60,6 +60,9 @@ LARGEST = 1e4
 
 NEARLY = 1e-3, 0.05
 """How much less than the clearance found a motion may have: so much [m], or this part of it."""
+
+MOST_OBSTACLES = 2000
+"""The most obstacles. The time to make a checker grows with the cube of their number: 2,000 take 1 s."""
 
 
 class Scene:
@@ -104,7 +107,7 @@ class Scene:
         self._progress = require_callback(progress, "progress", "(fraction)")
         with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
             self._links = tuple(shapes.of_links(description, arm.reach))
-            self._unreadable = shapes.unreadable
+            self._unreadable: Mapping[str, list[str]] = shapes.unreadable
         self._obstacles: dict[str, Body] = {}
         self._touching: dict[str, frozenset[str]] = {}
         self._allowed_too: dict[Pair, str] = {}
@@ -226,9 +229,9 @@ class Scene:
         if bare:
             what = f"no shape, so never in collision: {listed(bare)}"
             found.append(finding("collision-shapes", place, what, "write collision shapes into the description"))
-        for link, why in self._unreadable.items():
+        for why, names in self._unreadable.items():
             remedy = "mend the file, or give the link a box or cylinder as collision shape"
-            found.append(finding("collision-mesh-unreadable", place, f"a mesh of {link} is left out: {why}", remedy))
+            found.append(finding("collision-mesh-unreadable", place, f"{why}; left out of {listed(names)}", remedy))
         return tuple(found)
 
     @property
@@ -330,7 +333,7 @@ class Scene:
             second: Another one.
             reason: What `allowed` and files tell of it.
         """
-        for name in (first, second):
+        for name in require_names((first, second, reason), "first, second and reason")[:2]:
             if name not in self._obstacles:
                 self._description.require_link(name, "link or obstacle")
         self._allowed_too[sorted_pair(first, second)] = reason
@@ -495,7 +498,8 @@ class Scene:
     def _pieces(self, breakpoints: Given, coefficients: Given) -> tuple[Array, Array]:
         """The breakpoints (s + 1,) and coefficients (degree + 1, s, n) of a motion, checked."""
         times, pieces = as_floats(breakpoints, "breakpoints"), as_floats(coefficients, "coefficients")
-        if times.ndim != 1 or pieces.shape[1:] != (len(times) - 1, self.arm.n) or (np.diff(times) < 0.0).any():
+        wrong = times.ndim != 1 or pieces.shape[1:] != (len(times) - 1, self.arm.n) or not pieces.shape[0]
+        if wrong or (np.diff(times) < 0.0).any():
             raise InputError(
                 f"breakpoints must be (s + 1,) that increase, coefficients (degree + 1, s, {self.arm.n}); "
                 f"got {times.shape} and {pieces.shape}"
@@ -538,7 +542,7 @@ class Scene:
 
     def _make_near_pairs(self) -> NearPairs:
         checker = self._checker
-        return NearPairs(self._model, checker.bodies, checker.pairs, checker.margins)
+        return NearPairs(self._model, checker.bodies, checker.pairs, checker.margins, self._most)
 
     def checks(self, clearance: float) -> Callable[[Array], bool]:
         """A quick check of one configuration (n,): whether every pair keeps its margin and this clearance [m]."""
@@ -582,8 +586,12 @@ class Scene:
         mesh: Path | Triangles | None = None,
         frame: str = "",
     ) -> None:
-        if not isinstance(name, str) or not name:
-            raise InputError(f"name must be a text that is not empty; got {name!r}")
+        if not isinstance(name, str) or not name or not name.isprintable():
+            raise InputError(f"name must be a text on one line that is not empty; got {shown(name)}")
+        if len(self._obstacles) >= MOST_OBSTACLES:
+            raise InputError(
+                f"the scene has {MOST_OBSTACLES} obstacles, the most that it takes; join some in one mesh for add_mesh"
+            )
         if name in self._obstacles or name in self._description.links:
             what = "an obstacle" if name in self._obstacles else "a link"
             raise InputError(f"name: {what} is already called {name!r}; choose another name, or remove it first")
@@ -595,7 +603,10 @@ class Scene:
     def _shaped(self, kind: str, size: Row, mesh: Path | Triangles | None) -> tuple[Any, tuple[float, ...]]:
         """The shape of an obstacle, and the numbers of its size."""
         what = "scale" if kind == "mesh" else "size"
-        sizes = tuple(as_positive(float(number), what) for number in as_vector(size, what, NUMBERS[kind]))
+        numbers = as_vector(size, what, NUMBERS[kind])
+        if numbers.ndim != 1:
+            raise InputError(f"{what} must be {NUMBERS[kind]} numbers in a row; got shape {numbers.shape}")
+        sizes = tuple(as_positive(number, what) for number in numbers.tolist())
         if max(sizes, default=0.0) > LARGEST:
             raise InputError(f"{what} must be at most {LARGEST:g} m; got {max(sizes):g}")
         with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
@@ -674,7 +685,7 @@ class Scene:
             if joints[i] != joints[j] and not self._exempt(bodies[i], bodies[j])
         ]
         # theta moves neither body of some pairs against the other, such as a passive wheel and the ground.
-        speeds = pair_speeds(self._model, Checker(self._model, bodies, pairs, [0.0] * len(pairs)))
+        speeds = pair_speeds(self._model, bodies, pairs, self._most)
         pairs = [pair for pair, row in zip(pairs, speeds, strict=True) if row.any()]
         return Checker(self._model, bodies, pairs, [self._margin_of(bodies[i], bodies[j]) for i, j in pairs])
 
@@ -687,7 +698,13 @@ class Scene:
         return self._kept(self._make_sweep)
 
     def _make_sweep(self) -> Sweep:
-        return Sweep(self._checker, self._model)
+        return Sweep(self._checker, self._model, self._most)
+
+    @property
+    def _most(self) -> Array:
+        """The greatest |theta| (n,) inside the arm's limits, and a little more, as bounds of motions are not tight."""
+        most: Array = 1.1 * np.abs(self.arm.sampling_bounds).max(axis=0)
+        return most
 
     def _exempt(self, one: Body, other: Body) -> bool:
         pair = sorted_pair(one.name, other.name)

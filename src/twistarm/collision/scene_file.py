@@ -129,7 +129,10 @@ def _pose(table: Mapping[str, Any], angle: float) -> Array:
     if "rpy" in table and "quaternion_wxyz" in table:
         raise InputError("give rpy or quaternion_wxyz, not both")
     if "rpy" in table:
-        g[:3, :3] = from_rpy(angle * as_vector(table["rpy"], "rpy"))
+        rpy = angle * as_vector(table["rpy"], "rpy")
+        if np.abs(rpy).max() > 2.0 * np.pi:
+            raise InputError(f"rpy must be within a turn; got {table['rpy']!r}; for degrees set degrees = true")
+        g[:3, :3] = from_rpy(rpy)
     elif "quaternion_wxyz" in table:
         g[:3, :3] = from_quaternion_wxyz(as_vector(table["quaternion_wxyz"], "quaternion_wxyz", 4))
     return g
@@ -189,7 +192,8 @@ def _planning_scene(path: Path) -> SceneFile:
     content = parse_yaml(read_text(path, MOST_BYTES), path, MOST_NODES)
     with _at(path, "at the top"):
         scene = content.get("planning_scene", content)
-        free, state = (scene.get("world") or {}).get("collision_objects") or (), scene.get("robot_state") or {}
+        free = list((scene.get("world") or {}).get("collision_objects") or ())
+        held = list((scene.get("robot_state") or {}).get("attached_collision_objects") or ())
         if not {"world", "robot_state", "allowed_collision_matrix"} & set(scene):
             raise InputError("it has no world, robot_state or allowed_collision_matrix: is it a planning scene?")
         matrix = scene.get("allowed_collision_matrix") or {}
@@ -203,7 +207,7 @@ def _planning_scene(path: Path) -> SceneFile:
             found = list(_objects(item))
             parts[str(item["id"])] = [entry.name for entry in found]
             entries += found
-    for i, item in enumerate(state.get("attached_collision_objects") or ()):
+    for i, item in enumerate(held):
         with _at(path, f"attached object {i + 1}"):
             link, touching = item["link_name"], tuple(item.get("touch_links") or ())
             found = list(_objects(item["object"]))
@@ -231,6 +235,8 @@ def _objects(item: Mapping[str, Any]) -> Iterator[Entry]:
             raise InputError(f"it has {len(poses)} {one}_poses for {len(given)} {many}")
         for k, value in enumerate(given):
             shapes.append((read(value), whole @ _message_pose(poses[k] if k < len(poses) else {})))
+    if not shapes:
+        raise InputError(f"{item['id']!r} has no primitives, meshes or planes")
     for k, ((kind, size, mesh, at), pose) in enumerate(shapes):
         yield Entry(_numbered(str(item["id"]), k, len(shapes)), kind, size, pose @ at, mesh, frame=frame)
 
@@ -295,6 +301,8 @@ def _matrix_pairs(matrix: Mapping[str, Any], parts: Mapping[str, list[str]]) -> 
     """The pairs that an allowed collision matrix exempts, objects by their parts."""
     names = [parts.get(name, [name]) for name in matrix.get("entry_names") or ()]
     rows = [row["enabled"] if isinstance(row, dict) else row for row in matrix.get("entry_values") or ()]
+    if {len(rows), *map(len, rows)} - {len(names)}:
+        raise InputError(f"allowed_collision_matrix has {len(names)} names, but not as many rows and columns")
     for i, row in enumerate(rows):
         for j in range(i):
             if row[j] and ["<octomap>"] not in (names[i], names[j]):
@@ -308,11 +316,11 @@ def _scene_text(path: Path) -> SceneFile:
         entries: list[Entry] = []
         for line in lines:
             if line.strip() == ".":
-                break
+                return SceneFile("", tuple(entries))
             if not line.startswith("*"):
                 raise InputError(f"expected '* name' of an object; got {line!r}")
             entries += _text_object(line[1:].strip(), lines)
-    return SceneFile("", tuple(entries))
+        raise InputError("it does not end with a line '.': is it cut short?")
 
 
 def _text_object(name: str, lines: Iterator[str]) -> list[Entry]:
