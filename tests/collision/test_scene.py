@@ -103,7 +103,7 @@ def test_margins_are_kept_alone_in_batches_and_on_threads(tmp_path: Path) -> Non
         assert (scene.collides(x) == expected).all()
         assert (scene.collides(x.reshape(1, 97, 2), threads=2) == expected).all()
     contact = scene.contacts([0.88, 0.0])[0]
-    assert str(contact) == "hand and wall, 20 mm apart, 30 mm asked"
+    assert str(contact) == "hand and wall: 20 mm apart, 30 mm asked"
 
 
 @pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "so101"])
@@ -364,6 +364,8 @@ def test_meshes_and_planes_of_moveit_scenes_are_read_and_saved(
         ("scene.toml", '[[sphere]]\nname = "hand"\nradius = 1\n', "already called 'hand'"),
         ("scene.toml", '[[sphere]]\nname = "t"\nradius = 1\non = "hnd"\n', "hnd"),
         ("scene.toml", '[[mesh]]\nname = "t"\nfile = "none.stl"\n', "none.stl"),
+        ("scene.toml", '[[sphere]]\nname = "t"\nradius = 1\nrpy = [0, 0, 90]\n', "degrees = true"),
+        ("scene.toml", '[[sphere]]\nname = "t"\nradius = 101\n', "at most 100 m"),
         ("scene.toml", 'arm = "another"\n', "is for the arm 'another'"),
         ("scene.toml", 'allow = ["hand"]\n', "allow"),
         ("scene.toml", "box = 3\n", "box"),
