@@ -381,6 +381,8 @@ def test_meshes_and_planes_of_moveit_scenes_are_read_and_saved(
         ("scene.toml", '[[sphere]]\nname = "hand"\nradius = 1\n', "already called 'hand'"),
         ("scene.toml", '[[sphere]]\nname = "t"\nradius = 1\non = "hnd"\n', "hnd"),
         ("scene.toml", '[[mesh]]\nname = "t"\nfile = "none.stl"\n', "none.stl"),
+        ("scene.toml", '[[sphere]]\nname = "t"\nradius = 1\nrpy = [0, 0, 90]\n', "degrees = true"),
+        ("scene.toml", '[[sphere]]\nname = "t"\nradius = 101\n', "at most 100 m"),
         ("scene.toml", 'arm = "another"\n', "is for the arm 'another'"),
         ("scene.toml", 'allow = ["hand"]\n', "allow"),
         ("scene.toml", "box = 3\n", "box"),

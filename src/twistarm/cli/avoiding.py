@@ -18,6 +18,7 @@ Avoid = Annotated[
     str | None,
     typer.Option(
         "--avoid",
+        "--scene",
         metavar="SCENE",
         help=f"Collide with nothing: a scene.toml or MoveIt's scene, or {SELF} for the robot alone.",
     ),

@@ -85,7 +85,7 @@ CONFIGURATION = typer.Option(
 )
 Theta = Annotated[str, CONFIGURATION]
 SceneFile = Annotated[
-    Path | None, typer.Option("--scene", metavar="FILE", help="Obstacles: a scene.toml, or MoveIt's scene.")
+    Path | None, typer.Option("--scene", "--avoid", metavar="FILE", help="Obstacles: a scene.toml, or MoveIt's scene.")
 ]
 
 

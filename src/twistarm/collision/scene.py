@@ -55,8 +55,8 @@ NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh
 """How many numbers the size of an obstacle has."""
 
 
-LARGEST = 1e4
-"""The largest size of an obstacle [m]."""
+LARGEST = 100.0
+"""The largest size of an obstacle [m]; a larger one is in millimetres, or a plane."""
 
 NEARLY = 1e-3, 0.05
 """How much less than the clearance found a motion may have: so much [m], or this part of it."""
@@ -608,7 +608,7 @@ class Scene:
             raise InputError(f"{what} must be {NUMBERS[kind]} numbers in a row; got shape {numbers.shape}")
         sizes = tuple(as_positive(number, what) for number in numbers.tolist())
         if max(sizes, default=0.0) > LARGEST:
-            raise InputError(f"{what} must be at most {LARGEST:g} m; got {max(sizes):g}")
+            raise InputError(f"{what} must be at most {LARGEST:g} m; got {max(sizes):g}: lengths are in metres")
         with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
             if kind == "plane":
                 return shapes.half_space(), sizes

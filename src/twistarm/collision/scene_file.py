@@ -129,10 +129,10 @@ def _pose(table: Mapping[str, Any], angle: float) -> Array:
     if "rpy" in table and "quaternion_wxyz" in table:
         raise InputError("give rpy or quaternion_wxyz, not both")
     if "rpy" in table:
-        rpy = angle * as_vector(table["rpy"], "rpy")
-        if np.abs(rpy).max() > 2.0 * np.pi:
-            raise InputError(f"rpy must be within a turn; got {table['rpy']!r}; for degrees set degrees = true")
-        g[:3, :3] = from_rpy(rpy)
+        turn = angle * as_vector(table["rpy"], "rpy")
+        if np.abs(turn).max() > 2.0 * np.pi:
+            raise InputError(f"rpy turns by {np.abs(turn).max():g} rad; for degrees write degrees = true at the top")
+        g[:3, :3] = from_rpy(turn)
     elif "quaternion_wxyz" in table:
         g[:3, :3] = from_quaternion_wxyz(as_vector(table["quaternion_wxyz"], "quaternion_wxyz", 4))
     return g

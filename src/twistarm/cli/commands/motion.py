@@ -174,12 +174,13 @@ def plan(
     if smooth is not None and (line or not to or avoid):
         raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
     met = typed_tolerances(position_tol, orientation_tol, rad)
-    file = None if motion is None else load_motion(motion, arm)
-    named = None if file is None or file.scene is None else str(file.scene)
-    scene, law = avoided(arm, avoid or named), None if kind is None else kind.value
-    asked = Typed(arm, start, rad, line, stop, blend, linear_speed, law, met, unwrap, scene, max_time)
-    asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line or scene), goals=len(to or xyz or ()))
+    law = None if kind is None else kind.value
+    asked = Typed(arm, start, rad, line, stop, blend, linear_speed, law, met, unwrap, None, max_time)
+    asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line or avoid), goals=len(to or xyz or ()))
     targets = typed_targets(xyz or (), rpy or (), direction or (), axis, rad)
+    file = None if motion is None else load_motion(motion, arm)
+    scene = avoided(arm, avoid or (None if file is None or file.scene is None else str(file.scene)))
+    asked = replace(asked, scene=scene)
     given = capped(arm, {"velocity": velocity, "acceleration": acceleration}, {} if file is None else file.limits)
     limits = with_defaults(arm, given)
     outputs = outputs_of(
