@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
-from twistarm import Arm, LineMove, Trajectory, Viewer, load_arm, plan, save_png
+from twistarm import Approach, Arm, FreeMove, LineMove, Scene, Trajectory, Viewer, load_arm, plan, save_png
 from twistarm.viewer.files.browsers import find_browser
 
 DOCS = Path(__file__).parent
@@ -106,6 +106,30 @@ def live_page(arm: Arm, motion: Trajectory, browser: Any) -> None:
         page.close()
 
 
+def collisions(arm: Arm, browser: Any) -> None:
+    """A free move round a table with the layer Collision, and the hand in the table."""
+    scene = Scene(arm)
+    scene.add_box("table", (0.4, 1.0, 0.04), (0.8, 0.0, 0.35))
+    below = FreeMove(Approach([0.75, 0.2, 0.2], [1.0, 0.0, 0.0]))
+    motion = plan(arm, below, scene=scene)
+    with Viewer(arm, scene=scene, open_browser=False) as viewer:
+        page = browser.new_page(viewport={"width": 1000, "height": 560}, color_scheme="light")
+        page.goto(viewer.url)
+        page.wait_for_timeout(5000)
+        page.click("#tab-scene")
+        page.get_by_label("Collision", exact=True).check()
+        for layer in ("Screws", "Frames"):
+            page.get_by_label(layer, exact=True).uncheck()
+        viewer.show_path(motion)
+        nearest = scene.clearance(motion.breakpoints, motion.coefficients)
+        hit = plan(arm, LineMove.by([0.0, 0.0, -0.27], frame="base"))
+        for name, theta in (("free_move", motion(nearest.time)), ("in_the_table", hit(hit.duration))):
+            viewer.show(theta)
+            page.wait_for_timeout(6000)
+            screenshot(page, PICTURES / f"{name}.png")
+        page.close()
+
+
 def main() -> None:
     """Draw all pictures."""
     PICTURES.mkdir(exist_ok=True)
@@ -117,6 +141,7 @@ def main() -> None:
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_browser(), args=list(FLAGS))
         live_page(arm, motion, browser)
+        collisions(arm, browser)
         browser.close()
 
 

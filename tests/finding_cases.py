@@ -50,6 +50,15 @@ def with_body(mass: str = "1", ixx: str = "0.01", com: str = "0 0 0") -> Case:
     return urdf(two_joints().replace('<link name="upper"/>', f'<link name="upper">{body}</link>'))
 
 
+def with_balls(*centres: str) -> str:
+    """A two-joint arm that bends about y, with a ball of radius 0.05 m on each link."""
+    text = two_joints(inside='<axis xyz="0 1 0"/>')
+    for link, xyz in zip(("base_link", "upper", "tool0"), centres, strict=True):
+        shape = f'<collision><origin xyz="{xyz}"/><geometry><sphere radius="0.05"/></geometry></collision>'
+        text = text.replace(f'<link name="{link}"/>', f'<link name="{link}">{shape}</link>')
+    return text
+
+
 def with_mesh(content: str | None, scale: str = "1 1 1", size: int | None = None) -> Case:
     """A mesh on the link `upper`; `size`: that many bytes of nothing instead."""
     shape = f'<visual><geometry><mesh filename="part.stl" scale="{scale}"/></geometry></visual>'
@@ -245,6 +254,7 @@ CASES: dict[str, Case] = {
     # postures
     "zero-outside-limits": limited("0.5", "1"),
     "home-singular": urdf(chain("0 1 0", "0 1 0", "0 1 0")),
+    "links-collide": toml("[poses.ready]\na = 0\nb = 0\n", arm=with_balls("0 0 1", "0 0 0", "0 0 0")),
     "ready-singular": Case(
         {
             "arm.toml": 'source = "arm.urdf"\n[poses.ready]\nj0 = 0.0\nj1 = 0.001\nj2 = 0.0\n',

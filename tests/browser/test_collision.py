@@ -10,6 +10,10 @@ import pytest
 
 from twistarm import Scene, load_arm, plan_joint
 from twistarm.viewer import Viewer
+from twistarm.viewer.files.page_export import stand_alone
+from twistarm.viewer.files.scene_snapshot import on_show
+from twistarm.viewer.scene.arm_scene import build_scene
+from twistarm.viewer.stage import Stage
 from waiting import settled, until
 
 pytestmark = [pytest.mark.browser, pytest.mark.smoke]
@@ -62,3 +66,34 @@ def test_collisions_are_shown_and_obstacles_changed_and_saved(page: Any, tmp_pat
         assert set(Scene.load(arm, file).obstacles) == {"stone"}
         page.get_by_role("button", name="Remove stone").click()
         until(page, "twistarm.collision.obstacles.length === 0")
+
+
+def test_a_saved_page_shows_obstacles_and_what_the_arm_holds(page: Any, tmp_path: Path) -> None:
+    arm = load_arm("rover_arm")
+    scene = Scene(arm)
+    scene.add_box("table", (0.4, 1.0, 0.04), [0.8, 0.0, 0.3])
+    scene.add_sphere("stone", 0.03, arm.fk(arm.ready)[:3, 3])
+    scene.attach("stone", theta=arm.ready, touching=["left_finger", "right_finger"])
+    stage = Stage(arm, None, scene)
+    job = stage.collisions.due(stage)
+    assert job is not None
+    job.finish(job.work(lambda share: None))
+    (tmp_path / "page.html").write_text(stand_alone(on_show(stage, build_scene(arm))), encoding="utf-8")
+    page.goto((tmp_path / "page.html").as_uri())
+    until(page, "'drawn' in document.body.dataset")
+    standing = "twistarm.obstacles.map(({ name, mesh }) => [name, ...mesh.matrix.elements.slice(12, 15)])"
+    before = {name: np.array(at) for name, *at in page.evaluate(standing)}
+    assert np.abs(before["table"] - [0.8, 0.0, 0.3]).max() < 1e-6
+    assert np.abs(before["stone"] - arm.fk(arm.ready)[:3, 3]).max() < 1e-5
+    theta = arm.ready + [0.1, 0.2, 0.0, 0.0, 0.0]
+    for name, value in zip(arm.joint_names, theta.tolist(), strict=True):
+        page.evaluate("([name, value]) => twistarm.arm.joint(name, value)", [name, value])
+    after = {name: np.array(at) for name, *at in page.evaluate(standing)}
+    assert np.abs(after["stone"] - arm.fk(theta)[:3, 3]).max() < 1e-5
+    colours = page.evaluate("twistarm.obstacles.map(({ mesh }) => mesh.material.color.getHexString())")
+    assert "ffffff" not in colours
+    shown = "twistarm.view.node('/collision').visible"
+    assert not page.evaluate(shown)
+    page.get_by_label("Collision", exact=True).check()
+    assert page.evaluate(shown)
+    assert page.evaluate("twistarm.view.node('/collision').children.length") == len(scene.links)

@@ -23,7 +23,7 @@ TOOL = np.array([[1, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, 0.4], [0, 0, 0, 1.0]])
 
 LOADED = """() => {
   const { view, highlight, parts } = twistarm;
-  const nothing = { points: [], ideal: [], radius: 0.01, waypoints: [], stopped: null };
+  const nothing = { points: [], ideal: [], radius: 0.01, waypoints: [], ids: [], stopped: null };
   const stopped = { position: [0, 0, 0.2], words: "here", arm: {} };
   const counts = [];
   for (let k = 0; k < 10; k += 1) {

@@ -239,8 +239,14 @@ def test_unwrap_chooses_the_goal_of_a_free_move_by_whole_turns() -> None:
     arm = load_arm("ur5")
     goal = np.array([-3.0, -1.5, 0.5, -1.5, 0.5, 0.0])
     start = goal + [6.0, 0, 0, 0, 0, 0]
-    motion = plan(arm, FreeMove(goal), start=start, scene=Scene(arm), unwrap=True)
+    scene = Scene(arm)
+    motion = plan(arm, FreeMove(goal), start=start, scene=scene, unwrap=True)
     assert motion.waypoints[-1, 0] == pytest.approx(-3.0 + 2.0 * np.pi)
+    pytest.importorskip("ompl")
+    middle = arm.fk(goal * [0, 1, 1, 1, 1, 1])[:3, 3]
+    scene.add_box("post", (0.1, 0.1, 0.1), middle)
+    with pytest.raises(PathError, match="unwrap=True"):
+        plan(arm, FreeMove(goal), start=start, scene=scene, max_time=1e-6)
 
 
 def test_a_free_move_without_a_way_ends_in_time(tmp_path: Path) -> None:

@@ -60,7 +60,7 @@ def test_the_distance_to_a_box_is_that_of_a_calculation_by_hand(tmp_path: Path, 
     assert found.metres == pytest.approx(gap, abs=1e-6)
     assert set(found.links) == {"hand", "wall"}
     assert sorted(found.points[:, 0]) == pytest.approx([0.6, 1.0], abs=1e-4)
-    assert str(found) == "hand and wall: 400 mm apart"
+    assert str(found) == "hand and wall, 400 mm apart"
     assert not scene.collides([0.5, 0.0])
     assert scene.collides([0.95, 0.0])
     (contact,) = scene.contacts([0.95, 0.0])
@@ -161,8 +161,11 @@ def test_allowed_pairs_and_their_reasons_are_those_of_the_setup_assistant(tmp_pa
         ("inside", "near"): "Never",
     }
     file = tmp_path / "written.srdf"
+    known = frozenset(scene.allowed)
+    scene.add_sphere("stone", 0.1)
+    scene.allow("stone", "base", "File")  # no link of the robot
     file.write_text(srdf_text(scene))
-    assert read_srdf(file).disabled == frozenset(scene.allowed)
+    assert read_srdf(file).disabled == known
 
 
 def test_an_srdf_beside_the_description_is_taken_as_it_is(tmp_path: Path) -> None:
@@ -209,8 +212,25 @@ def test_links_without_shapes_get_capsules_and_meshes_their_hulls(tmp_path: Path
         hit = [contact.links for contact in scene.contacts([0.0, 0.0])]
         assert (("tip", "pin") in hit) is not exact
     (tmp_path / "ring.stl").write_bytes(b"solid nothing")
-    warned = [finding for finding in Scene(load_arm(bare, tip="tip")).findings if finding.severity == "warning"]
-    assert [finding.code for finding in warned] == ["collision-mesh-unreadable"]
+    twice = bare.read_text().replace(link("arm"), link("arm", '<mesh filename="ring.stl"/>'))
+    bare.write_text(twice.replace(link("base"), link("base", '<mesh filename="none.stl"/>')))
+    scene = Scene(load_arm(bare, tip="tip"))
+    warned = [finding.what for finding in scene.findings if finding.code == "collision-mesh-unreadable"]
+    assert [("'base'" in what, "'arm', 'tip'" in what) for what in warned] == [(True, False), (False, True)]
+    assert {body.name: body.kind for body in scene.links} == {"base": "capsule", "arm": "capsule"}
+
+
+def test_meshes_whose_hull_is_hard_to_compute(tmp_path: Path) -> None:
+    """Triangles on a line along x, and a cone of radius 1 m with 400 edges at its tip, which is at z = 1 m."""
+    trimesh = pytest.importorskip("trimesh")
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 1, 2]], process=False).export(tmp_path / "line.stl")
+    scene.add_mesh("line", tmp_path / "line.stl", (0.5, 0.0, 0.0))
+    assert scene.distance([0.0, 0.0]).metres == pytest.approx(0.4, abs=1e-4)
+    scene.remove("line")
+    trimesh.creation.cone(1.0, 1.0, sections=400).export(tmp_path / "cone.stl")
+    scene.add_mesh("cone", tmp_path / "cone.stl", (0.0, 0.0, 0.5))
+    assert scene.distance([0.0, 1.8]).metres == pytest.approx(0.2, abs=1e-6)
 
 
 TOML = """
@@ -244,6 +264,57 @@ world:
 allowed_collision_matrix:
   entry_names: [base, hand]
   entry_values: [[false, true], [true, false]]
+"""
+
+# A tetrahedron (shape_msgs/Mesh), a plane and an attached object; a quaternion that is not set has zeros.
+MESHES_YAML = """
+world:
+  collision_objects:
+    - id: stone
+      header: {frame_id: world}
+      pose: {position: {x: 1, y: 0, z: 0}, orientation: {x: 0, y: 0, z: 0.7071067811865476, w: 0.7071067811865476}}
+      meshes:
+        - vertices: [{x: 0, y: 0, z: 0}, {x: 0.4, y: 0, z: 0}, {x: 0, y: -0.4, z: 0}, {x: 0, y: 0, z: 0.4}]
+          triangles: [{vertex_indices: [0, 1, 2]}, {vertex_indices: [0, 3, 1]}, {vertex_indices: [0, 2, 3]}, [1, 3, 2]]
+      mesh_poses: [{position: {x: 0, y: -0.5, z: 0}, orientation: {x: 0, y: 0, z: 0, w: 0}}]
+      planes: [{coef: [0.0, 2.0, 0.0, 1.0]}]
+      plane_poses: [{position: {x: 0, y: -0.5, z: 0}}]
+    - {id: dust, primitives: [{type: 2, dimensions: [0.1]}], operation: 0}
+robot_state:
+  attached_collision_objects:
+    - link_name: hand
+      touch_links: [base]
+      object: {id: tool, header: {frame_id: hand}, primitives: [{type: 1, dimensions: [0.02, 0.02, 0.02]}]}
+allowed_collision_matrix:
+  entry_names: [hand, dust, tool, stone]
+  entry_values: [{enabled: [0, 1, 0, 0]}, {enabled: [1, 0, 1, 0]}, {enabled: [0, 1, 0, 1]}, {enabled: [0, 0, 1, 0]}]
+"""
+
+MESHES_TEXT = """(noname)+
+* stone
+1 0 0
+0 0 0.7071067811865476 0.7071067811865476
+2
+mesh
+4 4
+0 0 0
+0.4 0 0
+0 -0.4 0
+0 0 0.4
+0 1 2
+0 3 1
+0 2 3
+1 3 2
+0 -0.5 0
+0 0 0 1
+0 0 0 0
+plane
+0 2 0 1
+0 -0.5 0
+0 0 0 1
+0 0 0 0
+0
+.
 """
 
 TEXT = """(noname)+
@@ -288,6 +359,21 @@ def test_moveit_scenes_are_read(tmp_path: Path, name: str, text: str) -> None:
     assert scene.distance([1.9, 0.0]).metres == pytest.approx(0.2, abs=1e-6)  # from behind to the shelf
 
 
+@pytest.mark.parametrize(("name", "text"), [("scene.yaml", MESHES_YAML), ("a.scene", MESHES_TEXT)])
+@pytest.mark.parametrize("exact", [False, True])
+def test_meshes_and_planes_of_moveit_scenes_are_read_and_saved(
+    tmp_path: Path, name: str, text: str, exact: bool
+) -> None:
+    arm = slider(tmp_path, SHAPES["sphere"])
+    (tmp_path / name).write_text(text)
+    scene = Scene.load(arm, tmp_path / name, exact=exact)
+    again = Scene.load(arm, scene.save(tmp_path / "again.toml"), exact=exact)
+    for one in (scene, again):  # the tetrahedron's corner is at x = 1.5, and x ≥ 2 is solid
+        near, above = one.distance([1.0, 0.0]), one.distance([1.0, 1.5])
+        assert (near.links, above.links) == (("hand", "stone 1"), ("hand", "stone 2"))
+        assert (near.metres, above.metres) == (pytest.approx(0.4, abs=1e-6), pytest.approx(0.9, abs=1e-6))
+
+
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
@@ -302,12 +388,27 @@ def test_moveit_scenes_are_read(tmp_path: Path, name: str, text: str) -> None:
         ("scene.toml", 'arm = "another"\n', "is for the arm 'another'"),
         ("scene.toml", 'allow = ["hand"]\n', "allow"),
         ("scene.toml", "box = 3\n", "box"),
-        ("scene.yaml", "world: {collision_objects: [{id: a, meshes: [1]}]}", "has meshes"),
+        ("scene.yaml", "world: {collision_objects: [{id: a, meshes: [1]}]}", "collision object 1"),
+        ("scene.yaml", "world: {collision_objects: [{id: a, planes: [{coef: [0, 0, 0, 1]}]}]}", "needs a normal"),
+        ("scene.yaml", MESHES_YAML.replace("[1, 3, 2]", "[1, 3, 4]"), "from 0 to 3"),
+        ("scene.yaml", MESHES_YAML.replace("frame_id: hand", "frame_id: base"), "the frame of its link 'hand'"),
+        ("scene.yaml", "world: {octomap: {octomap: {data: [1]}}}", "octomap"),
+        ("a.scene", MESHES_TEXT.replace("4 4", "4 7"), ".scene"),
         ("scene.yaml", "world: {collision_objects: [{id: a, primitives: [{type: cone, dimensions: [1]}]}]}", "cone"),
+        ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 1, 1]\nrpy = [0, 0, 90]\n', "degrees = true"),
+        ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 1, 1]\non = ["hand"]\n', "no link"),
+        ("scene.yaml", "world: {collision_objects: [{id: a}]}", "no primitives"),
+        ("scene.yaml", "world: {collision_objects: 3}", "at the top"),
+        (
+            "scene.yaml",
+            "allowed_collision_matrix: {entry_names: [base, hand], entry_values: [[false, true]]}",
+            "matrix",
+        ),
         ("scene.yaml", "world: {collision_objects: [3]}", "collision object 1"),
         ("scene.yaml", "[1, 2]", "at the top"),
         ("a.scene", "(noname)+\n* a\n1\n", ".scene"),
         ("a.scene", "(noname)+\nnonsense\n", "expected '* name'"),
+        ("a.scene", TEXT[:-2], "cut short"),
         ("scene.txt", "", "is no scene file"),
     ],
 )
@@ -429,11 +530,32 @@ def test_the_fingers_may_touch_what_the_hand_holds() -> None:
 
 @pytest.mark.parametrize(
     ("breakpoints", "coefficients"),
-    [([0.0, 1.0], np.full((2, 1, 2), np.nan)), ([0.0, 1.0], np.zeros((2, 3, 2))), ([1.0, 0.0], np.zeros((2, 1, 2)))],
+    [
+        ([0.0, 1.0], np.full((2, 1, 2), np.nan)),
+        ([0.0, 1.0], np.zeros((2, 3, 2))),
+        ([1.0, 0.0], np.zeros((2, 1, 2))),
+        ([0.0, 1.0], np.zeros((0, 1, 2))),
+        ([0.0, 1.0], np.full((2, 1, 2), 1e9)),
+    ],
 )
 def test_a_motion_that_is_none_is_refused(tmp_path: Path, breakpoints: list[float], coefficients: np.ndarray) -> None:
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    scene.add_sphere("ball", 0.1, (5.0, 0.0, 0.0))
     with pytest.raises(InputError):
-        Scene(slider(tmp_path, SHAPES["sphere"])).first_collision(breakpoints, coefficients)
+        scene.first_collision(breakpoints, coefficients)
+
+
+def test_the_clearance_of_a_motion_is_that_of_a_calculation_by_hand(tmp_path: Path) -> None:
+    """A hand of radius 0.1 rests far away, passes a ball in x, and turns back."""
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    scene.add_sphere("ball", 0.1, (0.2, 0.0, 0.25))
+    pieces = np.zeros((2, 3, 2))
+    pieces[0, :, 0], pieces[1, :, 0] = [0.0, 20.0, -0.5], [-1.0, -1.0, 1.0]  # past the ball within 2 ms
+    found = scene.clearance([0.0, 3.0, 3.1, 4.0], pieces)
+    assert (found.links, found.time) == (("hand", "ball"), pytest.approx(3.06, abs=2e-3))
+    assert 0.05 - 1e-6 <= found.metres <= 0.05 + 0.05 * 0.05
+    pieces[1, :, 1] = 1.8
+    assert scene.clearance([0.0, 3.0, 3.1, 4.0], pieces).metres == pytest.approx(np.hypot(0, 1.55) - 0.2, rel=0.05)
 
 
 def test_bad_obstacles_and_arms_are_refused(tmp_path: Path) -> None:
@@ -443,7 +565,10 @@ def test_bad_obstacles_and_arms_are_refused(tmp_path: Path) -> None:
         lambda: scene.add_sphere("ball", 0.1),
         lambda: scene.add_sphere("hand", 0.1),
         lambda: scene.add_sphere("", 0.1),
+        lambda: scene.add_sphere("a\nb", 0.1),
         lambda: scene.add_sphere("a", -0.1),
+        lambda: scene.add_sphere("a", [0.1]),  # type: ignore[arg-type]
+        lambda: scene.allow(["hand"], "ball"),  # type: ignore[arg-type]
         lambda: scene.add_box("a", (1.0, 0.0, 1.0)),
         lambda: scene.add_box("a", (1.0, np.nan, 1.0)),
         lambda: scene.add_box("a", (1.0, 1.0, 1.0), np.zeros((4, 4))),
@@ -476,3 +601,43 @@ def test_a_survey_says_how_often_each_pair_collides(tmp_path: Path) -> None:
     assert pair.links == ("hand", "wall")
     assert pair.share == found.share
     assert scene.collides(pair.theta)
+
+
+def test_a_slide_beyond_the_limits_of_the_file_has_its_whole_radius(tmp_path: Path) -> None:
+    """A turn of 2 rad with the hand 30 m out, where the description ends at 2 m. A stone is on the circle."""
+    file = tmp_path / "crane.urdf"
+    parts = [link("base"), link("turret"), link("hand", '<sphere radius="0.05"/>')]
+    parts += [
+        joint("turn", "revolute", "base", "turret", "0 0 1"),
+        joint("out", "prismatic", "turret", "hand", "1 0 0"),
+    ]
+    file.write_text(f'<robot name="crane">{"".join(parts)}</robot>')
+    scene = Scene(load_arm(file, tip="hand"))
+    scene.add_sphere("stone", 0.05)
+    for angle in (0.4, 1.0, 1.7):
+        scene.move("stone", (30.0 * np.cos(angle), 30.0 * np.sin(angle), 0.0))
+        found = scene.first_collision([0.0, 2.0], [[[1.0, 0.0]], [[0.0, 30.0]]])
+        assert found is not None
+        assert found.time == pytest.approx(angle - 2.0 * np.arcsin(0.05 / 30.0), abs=1e-4)
+        assert not scene.is_free([0.0, 30.0], [2.0, 30.0])
+
+
+def test_many_obstacles_are_checked_as_few_are(tmp_path: Path) -> None:
+    """A sphere of radius 0.1 among 400 small ones; by hand: nearer than 0.1 to the nearest centre, but 1 mm."""
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]), margin=0.01)
+    centres = np.random.default_rng(0).uniform([-2, -0.3, -2], [2, 0.3, 2], (400, 3))
+    for i, centre in enumerate(centres):
+        scene.add_sphere(f"{i}", 0.001, centre)
+    thetas = scene.arm.random_theta(1, 200)
+    at = np.column_stack([thetas[:, 0], np.zeros(200), thetas[:, 1]])
+    nearest = np.linalg.norm(at[:, None] - centres, axis=2).min(axis=1)
+    assert [scene.collides(theta) for theta in thetas] == (nearest < 0.111).tolist()
+
+
+def test_obstacles_are_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("twistarm.collision.scene.MOST_OBSTACLES", 2)
+    scene = Scene(slider(tmp_path, SHAPES["sphere"]))
+    scene.add_sphere("a", 0.1)
+    scene.add_sphere("b", 0.1)
+    with pytest.raises(InputError, match="add_mesh"):
+        scene.add_sphere("c", 0.1)

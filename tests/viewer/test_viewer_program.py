@@ -292,6 +292,7 @@ def test_lines_are_straight_and_corners_round_within_their_radius() -> None:
         assert away[free].max() <= WAY
     path = said(stage, "path")
     assert len(path["waypoints"]) == 3
+    assert path["ids"] == [pose.id for pose in stage.poses.poses]
     ideal = np.array(path["ideal"])
     assert np.minimum(off_line(ideal, a, b), off_line(ideal, b, c)).max() < 1e-6
     assert np.linalg.norm(ideal - b, axis=1).min() < 1e-6

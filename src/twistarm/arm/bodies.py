@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..description.meshes import MeshReader
 from ..description.tree import Description, Geometry, Link
@@ -20,12 +22,19 @@ THICK, STOUT = 0.025, 0.3
 FLAT = 1e-6
 """A mesh that is flatter than this part of its length gets this thickness, because a hull needs a volume."""
 
-MOST_TRIANGLES = 200_000
-"""The most triangles of one exact mesh."""
+MOST_TRIANGLES, MOST_OF_A_HULL = 200_000, 50_000
+"""The most triangles of one exact mesh, and of one whose hull is made. A finer mesh is simplified."""
 
 
 Pair = tuple[str, str]
 """Two names of bodies in alphabetical order."""
+
+
+class Triangles(NamedTuple):
+    """A mesh by its numbers: points (N, 3) [m], and the three points of each of its faces (F, 3)."""
+
+    points: Array
+    faces: NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +42,7 @@ class Body:
     """A shape of the collision library, with its pose (4, 4) in the frame of the link `carrier`.
 
     `name` is the link's or the obstacle's. `kind` tells how the shape was made. An obstacle has the numbers of its size
-    [m], and a mesh its file.
+    [m], and a mesh its file or triangles.
     """
 
     name: str
@@ -43,7 +52,7 @@ class Body:
     kind: str
     obstacle: bool = False
     size: tuple[float, ...] = ()
-    mesh: Path | None = None
+    mesh: Path | Triangles | None = None
 
 
 class Shapes:
@@ -53,7 +62,7 @@ class Shapes:
         self._coal, self._exact = coal, exact
         self._reader = MeshReader()
         self._read: dict[tuple[Path, tuple[float, ...]], Any] = {}
-        self.unreadable: dict[str, str] = {}
+        self.unreadable: dict[str, list[str]] = {}  # why a mesh is left out, and of which links
 
     def __enter__(self) -> Shapes:
         return self
@@ -83,12 +92,20 @@ class Shapes:
         Raises TwistarmError (UnreadableMeshError, MissingExtraError) if it cannot be read.
         """
         if (path, scale) not in self._read:
-            parts = self._reader.parts(path, MOST_TRIANGLES if self._exact else np.inf)
-            points = np.concatenate([part.vertices for part in parts]) * scale
+            parts = self._reader.parts(path, MOST_TRIANGLES if self._exact else MOST_OF_A_HULL)
             firsts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
             faces = np.concatenate([part.faces + first for part, first in zip(parts, firsts, strict=True)])
-            self._read[path, scale] = self._triangles(points, faces) if self._exact else self._hull(points)
+            points = np.concatenate([part.vertices for part in parts])
+            self._read[path, scale] = self.solid(Triangles(points, faces), scale)
         return self._read[path, scale]
+
+    def solid(self, mesh: Triangles, scale: tuple[float, ...]) -> Any:
+        """The convex hull of triangles, or these themselves if shapes are exact."""
+        points = mesh.points * scale
+        if not self._exact:
+            with suppress(RuntimeError):  # a corner of the hull has over 255 neighbours, as the tip of a fine cone
+                return self._hull(points)
+        return self._triangles(points, mesh.faces)
 
     def _of(self, link: Link, shapes: tuple[Geometry, ...], kind: str) -> Iterator[Body]:
         for geometry in shapes:
@@ -96,16 +113,17 @@ class Shapes:
                 if min(geometry.size) > 0.0:
                     shape = self.primitive(geometry.shape, geometry.size)
                     yield Body(link.name, link.name, shape, geometry.origin, kind)
-            elif geometry.mesh is not None:
-                try:
-                    shape = self.mesh(geometry.mesh, geometry.size)
-                except TwistarmError as error:
-                    self.unreadable[link.name] = str(error)
-                    continue
-                how = f"{kind}'s mesh" if self._exact else f"hull of a {kind}'s mesh"
-                yield Body(link.name, link.name, shape, geometry.origin, how)
-            else:
-                self.unreadable[link.name] = "its mesh file was not found"
+                continue
+            try:
+                if geometry.mesh is None:
+                    raise InputError("a mesh file was not found")
+                shape = self.mesh(geometry.mesh, geometry.size)
+            except TwistarmError as error:
+                names = self.unreadable.setdefault(str(error), [])
+                names += [link.name] * (link.name not in names)
+                continue
+            how = f"hull of a {kind}'s mesh" if isinstance(shape, self._coal.Convex) else f"{kind}'s mesh"
+            yield Body(link.name, link.name, shape, geometry.origin, how)
 
     def _capsules(self, description: Description, link: Link, reach: float) -> Iterator[Body]:
         carried = [joint.origin[:3, 3] for joint in description.joints.values() if joint.parent == link.name]
@@ -114,7 +132,7 @@ class Shapes:
             if length > 1e-3 * reach:
                 radius = min(THICK * reach, STOUT * length)
                 shape = self.primitive("capsule", (radius, max(length - 2.0 * radius, 1e-3 * length)))
-                yield Body(link.name, link.name, shape, _along(end), "capsule")
+                yield Body(link.name, link.name, shape, along(end), "capsule")
 
     def _hull(self, points: Array) -> Any:
         corners = self._coal.StdVec_Vec3s()
@@ -122,30 +140,30 @@ class Shapes:
             corners.append(point)
         return self._coal.Convex.convexHull(corners, True, "Qt")
 
-    def _triangles(self, points: Array, faces: Array) -> Any:
+    def _triangles(self, points: Array, faces: NDArray[np.int64]) -> Any:
         coal = self._coal
         model = coal.BVHModelOBBRSS()
         model.beginModel(len(faces), len(points))
         model.addVertices(points)
-        model.addTriangles(np.asarray(faces, dtype=np.int64))
+        model.addTriangles(faces)
         model.endModel()
         return model
 
 
 def _with_volume(points: Array) -> Array:
-    """The distinct points; a flat mesh is given a thickness."""
+    """The distinct points; a flat mesh, or a line, is given a thickness."""
     points = np.unique(points, axis=0)
     centre = points.mean(axis=0)
     _, spread, axes = np.linalg.svd(points - centre, full_matrices=False)
     if len(points) < 3 or not spread[0] > 0.0:
-        raise InputError("the mesh is a point or a line: it has no faces")
-    if spread[2] <= FLAT * spread[0]:
-        normal = axes[2] * FLAT * np.abs(points - centre).max()
+        raise InputError("a mesh is a point, or a line of two points: it has no faces")
+    for axis in axes[spread <= FLAT * spread[0]]:
+        normal = axis * FLAT * np.abs(points - centre).max()
         points = np.concatenate([points - normal, points + normal])
     return points
 
 
-def _along(end: Array) -> Array:
+def along(end: Array) -> Array:
     """The pose (4, 4) halfway to `end` (3,) with its z axis along it."""
     g, z = np.eye(4), end / np.linalg.norm(end)
     x = np.cross(np.eye(3)[np.abs(z).argmin()], z)

@@ -13,6 +13,9 @@ from ..support.checks import Array
 from .bodies import Body
 from .pinocchio_model import PinocchioModel, import_pinocchio
 
+MANY = 150
+"""Bodies from which sorting them along the axes is quicker than all pairs of their boxes."""
+
 TOLERANCE = 1e-9
 """Of the distance between convex shapes [m]."""
 
@@ -87,7 +90,10 @@ class Checker:
         if own is None:
             geometry = self._geometry.createData()
             self._ask(geometry)
-            manager = self._pin.BroadPhaseManager_NaiveCollisionManager(self._model.model, self._geometry, geometry)
+            kind = "Naive" if len(self.bodies) < MANY else "SSaP"
+            manager = getattr(self._pin, f"BroadPhaseManager_{kind}CollisionManager")(
+                self._model.model, self._geometry, geometry
+            )
             own = self._local.own = (self._model.data, geometry, manager)
         return own
 

@@ -18,18 +18,20 @@ class Distance:
     """The nearest pair of bodies: `metres` apart, negative by the depth of an overlap.
 
     `links` are the names of the two links or obstacles, `points` (2, 3) their nearest points in the base frame [m].
-    `metres` is inf and `links` empty if the scene has no pair to check.
+    `metres` is inf and `links` empty if the scene has no pair to check. `time` [s] is that on a motion, else None.
     """
 
     metres: float
     links: tuple[str, ...]
     points: Array
+    time: float | None = None
 
     def __str__(self) -> str:
         if not self.links:
             return "nothing to collide with"
         where, apart = f"{self.links[0]} and {self.links[1]}", in_millimetres(self.metres)
-        return f"{where}: {apart} apart" if self.metres >= 0.0 else f"{where} overlap by {apart}"
+        when = "" if self.time is None else f", at {self.time:.2f} s"
+        return (f"{where}, {apart} apart" if self.metres >= 0.0 else f"{where} overlap by {apart}") + when
 
 
 @dataclass(frozen=True)

@@ -41,12 +41,16 @@ class NearPairs(Checker):
     """Finds the near pairs of a scene. `speeds` (pairs, n) bounds how fast each coordinate brings a pair closer."""
 
     def __init__(
-        self, model: PinocchioModel, bodies: Sequence[Body], pairs: Sequence[tuple[int, int]], margins: Sequence[float]
+        self,
+        model: PinocchioModel,
+        bodies: Sequence[Body],
+        pairs: Sequence[tuple[int, int]],
+        margins: Sequence[float],
+        most: Array,
     ) -> None:
         super().__init__(model, bodies, pairs, margins)
         self.least = np.array(self.margins)
-        self.speeds = pair_speeds(model, self)
-        self._fastest = self.speeds.max(axis=0, initial=0.0)
+        self._cover(most)
         count = model.model.njoints
         carried = np.array([[j in ancestors(model, body) for j in range(count)] for body in self.bodies], dtype=float)
         first, second = np.array(self.pairs, dtype=int).reshape(-1, 2).T
@@ -69,11 +73,20 @@ class NearPairs(Checker):
         self._ball, self._box = np.where(swapped, second, first), np.where(swapped, first, second)
         self._half, self._radius = half[self._box], radius[self._ball]
 
+    def _cover(self, most: Array) -> None:
+        """Take speeds that hold while |theta| is at most `most` (n,)."""
+        self._most = most
+        self.speeds = pair_speeds(self._model, self.bodies, self.pairs, most)
+        self._fastest = self.speeds.max(axis=0, initial=0.0)
+
     def near(self, theta: Array, reach: Array) -> Near:
         """The pairs at theta (n,) that are nearer than margin and LOOK, and what they may lose over `reach` (n,).
 
         Lower bounds from a configuration nearby, kept for each thread, leave far pairs out.
         """
+        far = np.abs(theta) + reach
+        if (far > self._most).any():
+            self._cover(np.maximum(2.0 * far, self._most))
         seen = getattr(self._local, "seen", None)
         if seen is None or self._fastest @ np.abs(theta - seen[0]) > LOOK:
             seen = self._local.seen = (theta, self._gaps(theta) - self.least - LOOK)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from itertools import combinations, pairwise
+from itertools import combinations
 from math import isfinite
 from pathlib import Path
 from typing import Any, TypeVar
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..arm.bodies import Body, Pair, Shapes, in_words, sorted_pair
+from ..arm.bodies import Body, Pair, Shapes, Triangles, in_words, sorted_pair
 from ..arm.checker import Checker
 from ..arm.pinocchio_model import import_pinocchio
 from ..description.findings import Finding, finding
@@ -37,13 +38,13 @@ from ..support.checks import (
     require_mapping,
     require_names,
 )
-from ..support.errors import InputError, TwistarmError, listed, unknown_name
+from ..support.errors import InputError, TwistarmError, listed, shown, unknown_name
 from ..support.files import as_path, writable, write_whole
 from .allowed_pairs import allowed_pairs
 from .answers import Collision, Contact, Distance
 from .near_pairs import NearPairs
 from .scene_file import Entry, SceneFile, read_scene, scene_text
-from .swept import FINE, Sweep, pair_speeds, taylor
+from .swept import FINE, Sweep, pair_speeds, shifted
 
 T = TypeVar("T")
 
@@ -56,6 +57,12 @@ NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh
 
 LARGEST = 1e4
 """The largest size of an obstacle [m]."""
+
+NEARLY = 1e-3, 0.05
+"""How much less than the clearance found a motion may have: so much [m], or this part of it."""
+
+MOST_OBSTACLES = 2000
+"""The most obstacles. The time to make a checker grows with the cube of their number: 2,000 take 1 s."""
 
 
 class Scene:
@@ -100,7 +107,7 @@ class Scene:
         self._progress = require_callback(progress, "progress", "(fraction)")
         with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
             self._links = tuple(shapes.of_links(description, arm.reach))
-            self._unreadable = shapes.unreadable
+            self._unreadable: Mapping[str, list[str]] = shapes.unreadable
         self._obstacles: dict[str, Body] = {}
         self._touching: dict[str, frozenset[str]] = {}
         self._allowed_too: dict[Pair, str] = {}
@@ -222,9 +229,9 @@ class Scene:
         if bare:
             what = f"no shape, so never in collision: {listed(bare)}"
             found.append(finding("collision-shapes", place, what, "write collision shapes into the description"))
-        for link, why in self._unreadable.items():
+        for why, names in self._unreadable.items():
             remedy = "mend the file, or give the link a box or cylinder as collision shape"
-            found.append(finding("collision-mesh-unreadable", place, f"a mesh of {link} is left out: {why}", remedy))
+            found.append(finding("collision-mesh-unreadable", place, f"{why}; left out of {listed(names)}", remedy))
         return tuple(found)
 
     @property
@@ -326,7 +333,7 @@ class Scene:
             second: Another one.
             reason: What `allowed` and files tell of it.
         """
-        for name in (first, second):
+        for name in require_names((first, second, reason), "first, second and reason")[:2]:
             if name not in self._obstacles:
                 self._description.require_link(name, "link or obstacle")
         self._allowed_too[sorted_pair(first, second)] = reason
@@ -438,9 +445,9 @@ class Scene:
     def contacts(self, theta: ArrayLike) -> tuple[Contact, ...]:
         """The pairs that collide at theta (n,), the deepest first."""
         q, checker = self._model.q(self._one(theta)), self._checker
-        hit = checker.overlapping(q)
-        if not hit:
+        if not checker.collides(q):
             return ()
+        hit = checker.overlapping(q)
         metres = checker.distances(q)
         worst: dict[tuple[str, str], Contact] = {}
         for k in sorted(hit, key=lambda k: metres[k]):
@@ -458,18 +465,46 @@ class Scene:
             breakpoints: (s + 1,) [s].
             coefficients: (degree + 1, s, n), highest power first.
         """
+        found = self._sweep.first(*self._pieces(breakpoints, coefficients))
+        return None if found is None else Collision(*found, self.contacts(found[1]))
+
+    def clearance(self, breakpoints: Given, coefficients: Given) -> Distance:
+        """The nearest pair of bodies along a motion, with its `time` [s]; margins are not counted.
+
+        The distance is measured there. No pair comes nearer anywhere, between samples either, than that less 1 mm or
+        5 % of it, the larger. An interval is left when no pair can lose enough of its distance within it; else it is
+        halved, for the pairs that can. The bounds are those of `first_collision`.
+
+        Args:
+            breakpoints: (s + 1,) [s].
+            coefficients: (degree + 1, s, n), highest power first.
+        """
+        near, best, time, theta = self.near_pairs, np.inf, 0.0, self.arm.ready
+        times, pieces = self._pieces(breakpoints, coefficients)
+        every, halves = np.arange(len(near.pairs)), (0.5 * np.diff(times)).tolist()
+        waiting = deque((times[k], pieces[:, k], half, half, every) for k, half in enumerate(halves))
+        while waiting:
+            begin, piece, middle, half, pairs = waiting.popleft()
+            about = shifted(piece[:, None], np.array([middle]))[:, 0]
+            metres = np.array(near.distances_of(about[-1], pairs))
+            if metres.min(initial=np.inf) < best:
+                best, time, theta = metres.min(), begin + middle, about[-1]
+            moved = np.float_power(half, np.arange(len(piece) - 1, 0, -1)) @ np.abs(about[:-1])
+            pairs = pairs[metres - near.speeds[pairs] @ moved < best - max(NEARLY[0], NEARLY[1] * best)]
+            if len(pairs):
+                waiting += [(begin, piece, middle + side, 0.5 * half, pairs) for side in (-0.5 * half, 0.5 * half)]
+        return replace(self.distance(theta), time=time)
+
+    def _pieces(self, breakpoints: Given, coefficients: Given) -> tuple[Array, Array]:
+        """The breakpoints (s + 1,) and coefficients (degree + 1, s, n) of a motion, checked."""
         times, pieces = as_floats(breakpoints, "breakpoints"), as_floats(coefficients, "coefficients")
-        if times.ndim != 1 or pieces.shape[1:] != (len(times) - 1, self.arm.n) or (np.diff(times) < 0.0).any():
+        wrong = times.ndim != 1 or pieces.shape[1:] != (len(times) - 1, self.arm.n) or not pieces.shape[0]
+        if wrong or (np.diff(times) < 0.0).any():
             raise InputError(
                 f"breakpoints must be (s + 1,) that increase, coefficients (degree + 1, s, {self.arm.n}); "
                 f"got {times.shape} and {pieces.shape}"
             )
-        for k, (begin, end) in enumerate(pairwise(times)):
-            found = self._sweep.along(pieces[:, k], end - begin)
-            if found is not None:
-                theta = taylor(pieces[:, k], found)[-1]
-                return Collision(float(begin + found), theta, self.contacts(theta))
-        return None
+        return times, pieces
 
     def is_free(self, one: ArrayLike, other: ArrayLike) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another collides with nothing.
@@ -508,7 +543,7 @@ class Scene:
 
     def _make_near_pairs(self) -> NearPairs:
         checker = self._checker
-        return NearPairs(self._model, checker.bodies, checker.pairs, checker.margins)
+        return NearPairs(self._model, checker.bodies, checker.pairs, checker.margins, self._most)
 
     def checks(self, clearance: float) -> Callable[[Array], bool]:
         """A quick check of one configuration (n,): whether every pair keeps its margin and this clearance [m]."""
@@ -544,10 +579,20 @@ class Scene:
         return link
 
     def _add(
-        self, name: str, kind: str, size: Row, pose: Given | None, mesh: Path | None = None, frame: str = ""
+        self,
+        name: str,
+        kind: str,
+        size: Row,
+        pose: Given | None,
+        mesh: Path | Triangles | None = None,
+        frame: str = "",
     ) -> None:
-        if not isinstance(name, str) or not name:
-            raise InputError(f"name must be a text that is not empty; got {name!r}")
+        if not isinstance(name, str) or not name or not name.isprintable():
+            raise InputError(f"name must be a text on one line that is not empty; got {shown(name)}")
+        if len(self._obstacles) >= MOST_OBSTACLES:
+            raise InputError(
+                f"the scene has {MOST_OBSTACLES} obstacles, the most that it takes; join some in one mesh for add_mesh"
+            )
         if name in self._obstacles or name in self._description.links:
             what = "an obstacle" if name in self._obstacles else "a link"
             raise InputError(f"name: {what} is already called {name!r}; choose another name, or remove it first")
@@ -556,15 +601,20 @@ class Scene:
         self._known_obstacles.add(name)
         self._changed()
 
-    def _shaped(self, kind: str, size: Row, mesh: Path | None) -> tuple[Any, tuple[float, ...]]:
+    def _shaped(self, kind: str, size: Row, mesh: Path | Triangles | None) -> tuple[Any, tuple[float, ...]]:
         """The shape of an obstacle, and the numbers of its size."""
         what = "scale" if kind == "mesh" else "size"
-        sizes = tuple(as_positive(float(number), what) for number in as_vector(size, what, NUMBERS[kind]))
+        numbers = as_vector(size, what, NUMBERS[kind])
+        if numbers.ndim != 1:
+            raise InputError(f"{what} must be {NUMBERS[kind]} numbers in a row; got shape {numbers.shape}")
+        sizes = tuple(as_positive(number, what) for number in numbers.tolist())
         if max(sizes, default=0.0) > LARGEST:
             raise InputError(f"{what} must be at most {LARGEST:g} m; got {max(sizes):g}")
         with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
             if kind == "plane":
                 return shapes.half_space(), sizes
+            if isinstance(mesh, Triangles):
+                return shapes.solid(mesh, sizes), sizes
             return (shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)), sizes
 
     def _hold(self, name: str, carrier: str, pose: Array, touching: Iterable[str]) -> None:
@@ -636,7 +686,7 @@ class Scene:
             if joints[i] != joints[j] and not self._exempt(bodies[i], bodies[j])
         ]
         # theta moves neither body of some pairs against the other, such as a passive wheel and the ground.
-        speeds = pair_speeds(self._model, Checker(self._model, bodies, pairs, [0.0] * len(pairs)))
+        speeds = pair_speeds(self._model, bodies, pairs, self._most)
         pairs = [pair for pair, row in zip(pairs, speeds, strict=True) if row.any()]
         return Checker(self._model, bodies, pairs, [self._margin_of(bodies[i], bodies[j]) for i, j in pairs])
 
@@ -649,7 +699,13 @@ class Scene:
         return self._kept(self._make_sweep)
 
     def _make_sweep(self) -> Sweep:
-        return Sweep(self._checker, self._model)
+        return Sweep(self._checker, self._model, self._most)
+
+    @property
+    def _most(self) -> Array:
+        """The greatest |theta| (n,) inside the arm's limits, and a little more, as bounds of motions are not tight."""
+        most: Array = 1.1 * np.abs(self.arm.sampling_bounds).max(axis=0)
+        return most
 
     def _exempt(self, one: Body, other: Body) -> bool:
         pair = sorted_pair(one.name, other.name)

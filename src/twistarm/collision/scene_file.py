@@ -6,15 +6,17 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..arm.bodies import Triangles, along
 from ..description.companions.toml_entries import parse_toml, toml_key, toml_text
 from ..description.document import read_text
 from ..description.yaml_reading import parse_yaml
-from ..support.checks import Array, as_flag, as_number, as_vector, require_mapping, require_names
+from ..support.checks import Array, Given, as_flag, as_floats, as_number, as_vector, require_mapping, require_names
 from ..support.errors import InputError, TwistarmError, closest, listed
 from ..support.files import read_bounded
 from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw, to_rpy
@@ -26,13 +28,14 @@ MOST_NODES = 200_000
 """The most values in one."""
 
 SIZES = {"box": ("size",), "sphere": ("radius",), "cylinder": ("radius", "length"), "capsule": ("radius", "length")}
+MESHES = (("file",), ("vertices", "triangles"))
 PLACE = ("name", "xyz", "rpy", "quaternion_wxyz", "on", "touching")
 TOP = ("arm", "degrees", "ground", "margin", "allow", "allow_only", *SIZES, "plane", "mesh")
 
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """An obstacle of a file: its kind, its size [m] or mesh file with scale, its pose (4, 4) on the link `on`.
+    """An obstacle of a file: its kind, its size [m] or mesh with scale, its pose (4, 4) on the link `on`.
 
     Otherwise the pose is in `frame`: None for the base, "" for the root.
     """
@@ -41,7 +44,7 @@ class Entry:
     kind: str
     size: tuple[float, ...]
     pose: Array
-    mesh: Path | None = None
+    mesh: Path | Triangles | None = None
     on: str = ""
     frame: str | None = None
     touching: tuple[str, ...] = ()
@@ -99,14 +102,15 @@ def _toml(path: Path) -> SceneFile:
 
 
 def _entry(kind: str, value: Any, angle: float, folder: Path) -> Entry:
-    own = SIZES.get(kind, ("file", "scale") if kind == "mesh" else ())
     table = require_mapping(value, kind, '{ name = "table" }')
-    _only(table, (*PLACE, *own))
-    missing = [name for name in ("name", *own) if name not in table and name != "scale"]
+    own = MESHES["vertices" in table] if kind == "mesh" else SIZES.get(kind, ())
+    _only(table, (*PLACE, *own, *(["scale"] if kind == "mesh" else [])))
+    missing = [name for name in ("name", *own) if name not in table]
     if missing:
         raise InputError(f"it needs {listed(missing)}")
-    mesh = folder / table["file"] if kind == "mesh" else None
+    mesh: Path | Triangles | None = None
     if kind == "mesh":
+        mesh = folder / table["file"] if "file" in table else _triangles(table["vertices"], table["triangles"])
         scale = table.get("scale", 1.0)
         size = tuple(as_vector(scale, "scale") if isinstance(scale, list) else [as_number(scale, "scale")] * 3)
     elif kind == "box":
@@ -125,7 +129,10 @@ def _pose(table: Mapping[str, Any], angle: float) -> Array:
     if "rpy" in table and "quaternion_wxyz" in table:
         raise InputError("give rpy or quaternion_wxyz, not both")
     if "rpy" in table:
-        g[:3, :3] = from_rpy(angle * as_vector(table["rpy"], "rpy"))
+        rpy = angle * as_vector(table["rpy"], "rpy")
+        if np.abs(rpy).max() > 2.0 * np.pi:
+            raise InputError(f"rpy must be within a turn; got {table['rpy']!r}; for degrees set degrees = true")
+        g[:3, :3] = from_rpy(rpy)
     elif "quaternion_wxyz" in table:
         g[:3, :3] = from_quaternion_wxyz(as_vector(table["quaternion_wxyz"], "quaternion_wxyz", 4))
     return g
@@ -153,8 +160,12 @@ def scene_text(content: SceneFile, folder: Path) -> str:
     for entry in content.entries:
         lines += ["", f"[[{entry.kind}]]", f"name = {toml_text(entry.name)}"]
         if entry.mesh is not None:
-            lines += [f"file = {toml_text(Path(os.path.relpath(entry.mesh, folder)).as_posix())}"]
-            lines += [f"scale = {_rounded(entry.size)}"]
+            if isinstance(entry.mesh, Triangles):
+                lines.append(f"vertices = [{', '.join(map(_rounded, entry.mesh.points))}]")
+                lines.append(f"triangles = {entry.mesh.faces.tolist()}")
+            else:
+                lines.append(f"file = {toml_text(Path(os.path.relpath(entry.mesh, folder)).as_posix())}")
+            lines.append(f"scale = {_rounded(entry.size)}")
         elif entry.kind == "box":
             lines.append(f"size = {_rounded(entry.size)}")
         else:
@@ -181,62 +192,121 @@ def _planning_scene(path: Path) -> SceneFile:
     content = parse_yaml(read_text(path, MOST_BYTES), path, MOST_NODES)
     with _at(path, "at the top"):
         scene = content.get("planning_scene", content)
-        free, state = (scene.get("world") or {}).get("collision_objects") or (), scene.get("robot_state") or {}
+        free = list((scene.get("world") or {}).get("collision_objects") or ())
+        held = list((scene.get("robot_state") or {}).get("attached_collision_objects") or ())
         if not {"world", "robot_state", "allowed_collision_matrix"} & set(scene):
             raise InputError("it has no world, robot_state or allowed_collision_matrix: is it a planning scene?")
         matrix = scene.get("allowed_collision_matrix") or {}
-        pairs = _matrix_pairs(matrix)
+        octomap = (scene.get("world") or {}).get("octomap") or {}
+        if (octomap.get("octomap") or octomap).get("data"):
+            raise InputError("it has an octomap, which is not read: write its occupied parts as boxes")
     entries: list[Entry] = []
+    parts: dict[str, list[str]] = {}
     for i, item in enumerate(free):
         with _at(path, f"collision object {i + 1}"):
-            entries += _objects(item)
-    for i, item in enumerate(state.get("attached_collision_objects") or ()):
+            found = list(_objects(item))
+            parts[str(item["id"])] = [entry.name for entry in found]
+            entries += found
+    for i, item in enumerate(held):
         with _at(path, f"attached object {i + 1}"):
             link, touching = item["link_name"], tuple(item.get("touch_links") or ())
-            entries += [replace(entry, on=link, frame=None, touching=touching) for entry in _objects(item["object"])]
+            found = list(_objects(item["object"]))
+            if any(entry.frame not in ("", link) for entry in found):
+                raise InputError(f"its frame_id is {found[0].frame!r}: give its pose in the frame of its link {link!r}")
+            parts[str(item["object"]["id"])] = [entry.name for entry in found]
+            entries += [replace(entry, on=link, frame=None, touching=touching) for entry in found]
+    with _at(path, "allowed_collision_matrix"):
+        pairs = tuple(_matrix_pairs(matrix, parts))
     return SceneFile("", tuple(entries), pairs, matrix=bool(matrix))
 
 
 def _objects(item: Mapping[str, Any]) -> Iterator[Entry]:
-    """The primitives of a moveit_msgs/CollisionObject."""
-    for other in ("meshes", "planes"):
-        if item.get(other):
-            raise InputError(f"{item.get('id')!r} has {other}: write them into a scene.toml, a mesh as its file")
-    whole = _message_pose(item["pose"]) if item.get("pose") else np.eye(4)
-    frame = str((item.get("header") or {}).get("frame_id", ""))
-    shapes, poses = item.get("primitives") or (), item.get("primitive_poses") or ()
-    for k, shape in enumerate(shapes):
-        kind, size = _solid(shape["type"], [float(x) for x in shape["dimensions"]])
-        pose = whole @ _message_pose(poses[k]) if k < len(poses) else whole
-        yield Entry(_numbered(str(item["id"]), k, len(shapes)), kind, size, pose, frame=frame)
+    """The shapes of a moveit_msgs/CollisionObject, their poses in that of the object."""
+    whole = _message_pose(item.get("pose") or {})
+    frame = str((item.get("header") or {}).get("frame_id", "")).removeprefix("/")
+    shapes: list[tuple[Shape, Array]] = []
+    for one, many, read in (
+        ("primitive", "primitives", _solid),
+        ("mesh", "meshes", _mesh),
+        ("plane", "planes", _plane),
+    ):
+        given, poses = item.get(many) or (), item.get(f"{one}_poses") or ()
+        if len(poses) > len(given):
+            raise InputError(f"it has {len(poses)} {one}_poses for {len(given)} {many}")
+        for k, value in enumerate(given):
+            shapes.append((read(value), whole @ _message_pose(poses[k] if k < len(poses) else {})))
+    if not shapes:
+        raise InputError(f"{item['id']!r} has no primitives, meshes or planes")
+    for k, ((kind, size, mesh, at), pose) in enumerate(shapes):
+        yield Entry(_numbered(str(item["id"]), k, len(shapes)), kind, size, pose @ at, mesh, frame=frame)
 
+
+Shape = tuple[str, tuple[float, ...], Triangles | None, Array]
+"""Kind, size, triangles and the pose (4, 4) in the shape's own frame."""
 
 SOLIDS = {1: "box", 2: "sphere", 3: "cylinder"}
 """shape_msgs/SolidPrimitive."""
 
 
-def _solid(kind: Any, numbers: list[float]) -> tuple[str, tuple[float, ...]]:
-    """Kind and size of a primitive as MoveIt has it: the height of a cylinder comes first."""
+def _solid(value: Mapping[str, Any]) -> Shape:
+    """A shape_msgs/SolidPrimitive: the height of a cylinder comes first."""
+    kind, numbers = value["type"], tuple(float(x) for x in value["dimensions"])
     name = SOLIDS.get(kind, kind)
     if name not in SOLIDS.values():
         raise InputError(f"a primitive of type {kind!r}; known are {listed(SOLIDS.values())}")
-    return name, tuple(reversed(numbers)) if name == "cylinder" else tuple(numbers)
+    return name, numbers[::-1] if name == "cylinder" else numbers, None, np.eye(4)
+
+
+def _mesh(value: Mapping[str, Any]) -> Shape:
+    """A shape_msgs/Mesh, its points and triangles as lists or with their names."""
+    faces = [face["vertex_indices"] if isinstance(face, dict) else face for face in value["triangles"]]
+    points = [_named(point, "xyz") for point in value["vertices"]]
+    return "mesh", (1.0, 1.0, 1.0), _triangles(points, faces), np.eye(4)
+
+
+def _plane(value: Any) -> Shape:
+    """A shape_msgs/Plane (a, b, c, d): the half-space ax + by + cz + d ≤ 0."""
+    *normal, d = as_vector(value["coef"] if isinstance(value, dict) else value, "coef", 4)
+    n = np.array(normal)
+    if not n.any():
+        raise InputError("a plane needs a normal: the first three numbers of coef are zero")
+    g = along(n)
+    g[:3, 3] = -d * n / (n @ n)
+    return "plane", (), None, g
+
+
+def _triangles(vertices: Given, faces: Given) -> Triangles:
+    points, indices = as_floats(vertices, "vertices"), as_floats(faces, "triangles")
+    if points.ndim != 2 or points.shape[1] != 3 or indices.ndim != 2 or indices.shape[1] != 3:
+        raise InputError(f"vertices must be (N, 3) and triangles (F, 3); got {points.shape} and {indices.shape}")
+    if not np.isin(indices, np.arange(len(points))).all():
+        raise InputError(f"triangles must count vertices from 0 to {len(points) - 1}")
+    return Triangles(points, indices.astype(np.int64))
+
+
+def _named(value: Any, names: str) -> Any:
+    return [value[name] for name in names] if isinstance(value, dict) else value
 
 
 def _message_pose(pose: Mapping[str, Any]) -> Array:
     """geometry_msgs/Pose, its parts as lists or as x, y, z, w."""
     g = np.eye(4)
-    position, turn = pose.get("position", [0.0, 0.0, 0.0]), pose.get("orientation", [0.0, 0.0, 0.0, 1.0])
-    g[:3, 3] = as_vector([position[axis] for axis in "xyz"] if isinstance(position, dict) else position, "position")
-    g[:3, :3] = from_xyzw(as_vector([turn[a] for a in "xyzw"] if isinstance(turn, dict) else turn, "orientation", 4))
+    g[:3, 3] = as_vector(_named(pose.get("position", [0.0, 0.0, 0.0]), "xyz"), "position")
+    turn = as_vector(_named(pose.get("orientation", [0.0, 0.0, 0.0, 1.0]), "xyzw"), "orientation", 4)
+    g[:3, :3] = from_xyzw(turn) if turn.any() else np.eye(3)  # an empty message has zeros
     return g
 
 
-def _matrix_pairs(matrix: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
-    """The pairs that an allowed collision matrix exempts."""
-    names = matrix.get("entry_names") or ()
+def _matrix_pairs(matrix: Mapping[str, Any], parts: Mapping[str, list[str]]) -> Iterator[tuple[str, str]]:
+    """The pairs that an allowed collision matrix exempts, objects by their parts."""
+    names = [parts.get(name, [name]) for name in matrix.get("entry_names") or ()]
     rows = [row["enabled"] if isinstance(row, dict) else row for row in matrix.get("entry_values") or ()]
-    return tuple((names[i], names[j]) for i, row in enumerate(rows) for j in range(i) if row[j])
+    if {len(rows), *map(len, rows)} - {len(names)}:
+        raise InputError(f"allowed_collision_matrix has {len(names)} names, but not as many rows and columns")
+    for i, row in enumerate(rows):
+        for j in range(i):
+            if row[j] and ["<octomap>"] not in (names[i], names[j]):
+                yield from product(names[i], names[j])
 
 
 def _scene_text(path: Path) -> SceneFile:
@@ -246,11 +316,11 @@ def _scene_text(path: Path) -> SceneFile:
         entries: list[Entry] = []
         for line in lines:
             if line.strip() == ".":
-                break
+                return SceneFile("", tuple(entries))
             if not line.startswith("*"):
                 raise InputError(f"expected '* name' of an object; got {line!r}")
             entries += _text_object(line[1:].strip(), lines)
-    return SceneFile("", tuple(entries))
+        raise InputError("it does not end with a line '.': is it cut short?")
 
 
 def _text_object(name: str, lines: Iterator[str]) -> list[Entry]:
@@ -261,17 +331,27 @@ def _text_object(name: str, lines: Iterator[str]) -> list[Entry]:
         first = _numbers(lines)
     entries, count = [], int(first[0])
     for k in range(count):
-        kind, size = next(lines).strip(), _numbers(lines)
-        if kind not in ("box", "sphere", "cylinder"):
-            raise InputError(f"{name!r} has a {kind}: write it to a file and name it in a scene.toml")
+        kind, size, mesh, at = _text_shape(next(lines).strip(), lines)
         g = np.eye(4)
         g[:3, 3], g[:3, :3] = _numbers(lines), from_xyzw(_numbers(lines))
         next(lines)  # the colour
-        entries.append(Entry(_numbered(name, k, count), kind, tuple(size), whole @ g, frame=""))
+        entries.append(Entry(_numbered(name, k, count), kind, size, whole @ g @ at, mesh, frame=""))
     if posed:  # subframes: a name, a position and a rotation each
         for _ in range(3 * int(_numbers(lines)[0])):
             next(lines)
     return entries
+
+
+def _text_shape(kind: str, lines: Iterator[str]) -> Shape:
+    size = _numbers(lines)
+    if kind == "plane":
+        return _plane(size)
+    if kind == "mesh":  # how many points and triangles it has, then these
+        points, faces = ([_numbers(lines) for _ in range(int(count))] for count in size)
+        return kind, (1.0, 1.0, 1.0), _triangles(points, faces), np.eye(4)
+    if kind not in SOLIDS.values():
+        raise InputError(f"a {kind!r}; known are {listed((*SOLIDS.values(), 'mesh', 'plane'))}")
+    return kind, tuple(size), None, np.eye(4)
 
 
 def _numbers(lines: Iterator[str]) -> list[float]:

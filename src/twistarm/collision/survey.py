@@ -9,6 +9,9 @@ from xml.sax.saxutils import quoteattr
 from ..support.checks import Array, as_whole
 from .scene import Scene
 
+REASONS = ("Never", "Default", "Adjacent", "Always", "User")
+"""The reasons that MoveIt's setup assistant knows."""
+
 Progress = Callable[[float], object]
 
 
@@ -47,11 +50,16 @@ def survey(scene: Scene, samples: int = 2000, rng: int = 0, progress: Progress |
 
 
 def srdf_text(scene: Scene) -> str:
-    """An SRDF with the allowed pairs of the scene's robot, as MoveIt's setup assistant writes them."""
+    """An SRDF with the allowed pairs of the scene's robot, as MoveIt's setup assistant writes them.
+
+    Other reasons than its own are "User", as it reads them. Pairs with an obstacle are left out.
+    """
     assert scene.arm.description is not None
     rows = [
-        f"    <disable_collisions link1={quoteattr(a)} link2={quoteattr(b)} reason={quoteattr(reason)}/>"
+        f"    <disable_collisions link1={quoteattr(a)} link2={quoteattr(b)} "
+        f"reason={quoteattr(reason if reason in REASONS else 'User')}/>"
         for (a, b), reason in sorted(scene.allowed.items())
+        if not {a, b} & scene.obstacles.keys()
     ]
     name = quoteattr(scene.arm.description.name)
     return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', f"<robot name={name}>", *rows, "</robot>", ""])

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
-from math import comb
+from bisect import bisect_right
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,79 +11,101 @@ from ..arm.bodies import Body
 from ..arm.checker import Checker
 from ..arm.pinocchio_model import PinocchioModel
 from ..support.checks import Array
+from ..support.errors import InputError
 
 FINE = 2.5e-4
 """Half the way [m] between two checks where something is near: nothing thicker than 0.5 mm fits between them."""
 
-LEVELS = tuple(FINE * 2.0**k for k in range(2, 9))
-"""Clearances [m] that are checked: 1, 2, 4, … 64 mm."""
+LEVELS = (0.0, *(FINE * 2.0**k for k in range(2, 9)))
+"""Clearances [m] that are checked: 0, 1, 2, 4, … 64 mm."""
 
-FARTHEST = 100.0
-"""How far [m] a slide without limits is taken to go."""
+FIRST = 3
+"""The level that is checked first."""
+
+COARSE = (0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875)
+"""Where a straight way is checked before it is proven."""
+
+PARTS = 256
+"""How many parts a motion has at least, each with its own bound of the speeds."""
+
+LONGEST = 1e4
+"""The longest way [m] of a point in a motion: some 3 s of checks in free space."""
 
 LEAST_SHARE = 0.02
 """The least share of a clearance that a pair is given."""
-
-Around = Callable[[float, float], tuple[Array, float]]
 
 
 class Sweep:
     """Finds the first collision of a motion theta(t).
 
     An interval about its middle t is free if at theta(t) every pair has the clearance that its bodies can lose within
-    the interval. Otherwise the interval is halved (conservative advancement by bisection; Schwarzer, Saha & Latombe,
-    Adaptive Dynamic Collision Checking, IEEE T-RO 21(3), 2005).
+    the interval. The next interval is as long as a level of clearance allows. It is shorter where a check fails, and
+    longer after two that pass (Schwarzer, Saha & Latombe, Adaptive Dynamic Collision Checking, IEEE T-RO 21(3), 2005).
     """
 
-    def __init__(self, checker: Checker, model: PinocchioModel) -> None:
-        self._model, self._base = model, checker
+    def __init__(self, checker: Checker, model: PinocchioModel, most: Array) -> None:
+        self._model, self._base, self._most = model, checker, most
+        self._wider: Sweep | None = None
         self._checkers = {0.0: checker}
-        speeds = pair_speeds(model, checker)
+        speeds = pair_speeds(model, checker.bodies, checker.pairs, most)
         total = speeds.sum(axis=1)
         # A pair that hardly moves needs little clearance: each gets its share.
         self._shares = np.maximum(total / max(total.max(initial=0.0), 1e-12), LEAST_SHARE)
         self._speeds = np.unique(np.round(speeds / self._shares[:, None], 9), axis=0)
 
-    def first(self, around: Around, end: float) -> float | None:
-        """The first time in [0, end] at which something collides; None if nothing does.
+    def first(self, times: Array, pieces: Array) -> tuple[float, Array] | None:
+        """The first time at which something collides, and theta (n,) there; None if nothing does.
 
-        `around(t, h)` gives theta(t) (n,), and a bound [m] of how much nearer a pair comes within [t − h, t + h].
+        `times` are breakpoints (s + 1,), `pieces` coefficients (degree + 1, s, n), highest power first.
         """
-        waiting = [(0.0, end)]
-        while waiting:
-            begin, stop = waiting.pop()
-            middle, half = 0.5 * (begin + stop), 0.5 * (stop - begin)
-            theta, way = around(middle, half)
-            q = self._model.q(theta)
-            if way <= FINE:
-                if self.checker(0.0).collides(q):
-                    return middle
+        if len(times) < 2:
+            return None
+        parts = max(1, PARTS // pieces.shape[1]) if len(pieces) > 2 else 1
+        width = np.repeat(np.diff(times) / parts, parts)
+        begin = np.tile(np.arange(parts), len(times) - 1) * width
+        about = shifted(np.repeat(pieces, parts, axis=1), begin + 0.5 * width)
+        powers = np.arange(len(pieces) - 1, -1, -1)
+        terms = np.abs(about) * ((0.5 * width) ** powers[:, None])[:, :, None]
+        bounded = self._reaching(terms.sum(axis=0).max(axis=0))
+        moved = 2.0 * np.einsum("k,ksn->sn", powers, terms)
+        # How much nearer [m] a pair may come, by its share, up to the end of each part.
+        ends = np.concatenate([[0.0], np.cumsum((bounded._speeds @ moved.T).max(axis=0, initial=0.0))])
+        if not ends[-1] <= LONGEST:
+            raise InputError(f"a point may move {ends[-1]:.3g} m in this motion; at most {LONGEST:g} m are checked")
+        known, values = ends.tolist(), about.transpose(1, 0, 2).copy()
+        s, level, passed = 0.0, FIRST, False
+        while True:
+            half = LEVELS[level] or FINE
+            middle = min(s + half, known[-1])
+            k = min(bisect_right(known, middle), len(width)) - 1
+            tau = ((middle - known[k]) / (known[k + 1] - known[k] or 1.0) - 0.5) * width[k]
+            theta = tau**powers @ values[k]
+            if bounded.checker(LEVELS[level]).collides(self._model.q(theta)):
+                if not level:
+                    return float(times[k // parts] + begin[k] + 0.5 * width[k] + tau), theta
+                level, passed = level - 1, False
                 continue
-            clearance = next((level for level in LEVELS if level >= way), None)
-            if clearance is None or self.checker(clearance).collides(q):
-                waiting += [(middle, stop), (begin, middle)]
-        return None
-
-    def along(self, piece: Array, duration: float) -> float | None:
-        """`first` of a polynomial (degree + 1, n), highest power first."""
-        piece = piece[np.argmax(piece.any(axis=1)) :]  # without leading zeros
-        orders = np.arange(len(piece) - 1, 0, -1)
-
-        def around(t: float, half: float) -> tuple[Array, float]:
-            about = taylor(piece, t)
-            return about[-1], self._nearer(np.float_power(half, orders) @ np.abs(about[:-1]))
-
-        return self.first(around, duration)
+            s = middle + half
+            if s >= known[-1]:
+                return None
+            level, passed = min(level + passed, len(LEVELS) - 1), True
 
     def straight(self, one: Array, other: Array) -> bool:
         """Whether the straight way in joint space from one configuration (n,) to another is free."""
         way = other - one
-        nearer = self._nearer(np.abs(way))
-        return self.first(lambda t, half: (one + t * way, half * nearer), 1.0) is None
+        # Most ways that are not free are found so, without a clearance.
+        if any(self.checker(0.0).collides(self._model.q(one + t * way)) for t in COARSE):
+            return False
+        return self.first(np.array([0.0, 1.0]), np.array([[way], [one]])) is None
 
-    def _nearer(self, moved: Array) -> float:
-        """How much nearer [m] a pair may come while each joint moves by at most `moved` (n,), by its share."""
-        return float((self._speeds @ moved).max(initial=0.0))
+    def _reaching(self, most: Array) -> Sweep:
+        """A sweep whose bounds hold while |theta| is at most `most` (n,): this one, or a wider one."""
+        if (most <= self._most).all():
+            return self
+        wider = self._wider
+        if wider is None:
+            wider = self._wider = Sweep(self._base, self._model, np.maximum(2.0 * most, self._most))
+        return wider._reaching(most)
 
     def checker(self, clearance: float) -> Checker:
         """The checker whose margins are larger by `clearance` [m] for the fastest pairs, and less for others."""
@@ -94,27 +115,24 @@ class Sweep:
         return self._checkers[clearance]
 
 
-def taylor(piece: Array, at: float) -> Array:
-    """The coefficients (degree + 1, n) of a polynomial about `at`, highest power first: the last row is its value."""
-    binomials, powers = _shifts(len(piece))
-    shifted: Array = (binomials * at**powers) @ piece
-    return shifted
+def shifted(pieces: Array, at: Array) -> Array:
+    """The coefficients (degree + 1, s, n) of polynomials about `at` (s,), highest power first."""
+    about = pieces.copy()
+    for last in range(len(about), 1, -1):
+        for row in range(1, last):
+            about[row] += about[row - 1] * at[:, None]
+    return about
 
 
-@cache
-def _shifts(count: int) -> tuple[Array, Array]:
-    """Binomial coefficients (count, count) and powers of `at` that shift a polynomial of `count` coefficients."""
-    order = np.arange(count - 1, -1, -1)
-    binomials = np.array([[float(comb(j, i)) for j in order] for i in order])
-    return binomials, np.maximum(order[None] - order[:, None], 0)
+def pair_speeds(model: PinocchioModel, bodies: Sequence[Body], pairs: Sequence[tuple[int, int]], most: Array) -> Array:
+    """Bounds (pairs, n) of how fast any two points of a pair approach, by each coordinate alone at rate 1.
 
-
-def pair_speeds(model: PinocchioModel, checker: Checker) -> Array:
-    """Bounds (pairs, n) of how fast any two points of a pair approach, by each coordinate alone at rate 1."""
-    count = model.model.njoints
-    speeds = np.array([_speeds(model, body) for body in checker.bodies]).reshape(-1, count)
-    carried = np.array([[j in ancestors(model, body) for j in range(count)] for body in checker.bodies])
-    first, second = np.array(checker.pairs, dtype=int).reshape(-1, 2).T
+    They hold while |theta| is at most `most` (n,), which counts for slides only.
+    """
+    count, far = model.model.njoints, _farthest(model, most)
+    speeds = np.array([_speeds(model, body, far) for body in bodies]).reshape(-1, count)
+    carried = np.array([[j in ancestors(model, body) for j in range(count)] for body in bodies])
+    first, second = np.array(pairs, dtype=int).reshape(-1, 2).T
     # A joint that carries both moves neither against the other.
     by_joint = np.where(carried[second], 0.0, speeds[first]) + np.where(carried[first], 0.0, speeds[second])
     by_q = np.zeros((len(by_joint), model.model.nq))
@@ -134,10 +152,21 @@ def ancestors(model: PinocchioModel, body: Body) -> set[int]:
     return carrying
 
 
-def _speeds(model: PinocchioModel, body: Body) -> Array:
+def _farthest(model: PinocchioModel, most: Array) -> Array:
+    """How far each joint (njoints,) that slides may be from 0 [m] while |theta| is at most `most` (n,); else 0."""
+    far = np.abs(model.dq_dtheta) @ most + np.abs(model.q(np.zeros(len(most))))
+    joints = range(1, model.model.njoints)
+    return np.array([0.0, *(far[model.model.idx_qs[j]] if _slides(model, j) else 0.0 for j in joints)])
+
+
+def _slides(model: PinocchioModel, joint: int) -> bool:
+    return "P" in model.model.joints[joint].shortname().removeprefix("JointModel")[:1]
+
+
+def _speeds(model: PinocchioModel, body: Body, far: Array) -> Array:
     """Bounds (njoints,) of the speed of any point of a body by each joint alone at rate 1.
 
-    A joint turns a point on a radius of at most the lengths between them. A slide between adds its farthest position.
+    A joint turns a point on a radius of at most the lengths between them. A slide between adds how far it may go.
     """
     frame = model.model.frames[model.frame_id(body.carrier)]
     if not frame.parentJoint:
@@ -147,12 +176,7 @@ def _speeds(model: PinocchioModel, body: Body) -> Array:
     speeds = np.zeros(model.model.njoints)
     joint = int(frame.parentJoint)
     while joint > 0:
-        slides = "P" in model.model.joints[joint].shortname().removeprefix("JointModel")[:1]
-        speeds[joint] = 1.0 if slides else radius
-        if slides:
-            k = model.model.idx_qs[joint]
-            lower, upper = model.model.lowerPositionLimit[k], model.model.upperPositionLimit[k]
-            radius += float(min(max(abs(lower), abs(upper)), FARTHEST)) if lower < upper else FARTHEST
-        radius += float(np.linalg.norm(model.model.jointPlacements[joint].translation))
+        speeds[joint] = 1.0 if _slides(model, joint) else radius
+        radius += float(far[joint]) + float(np.linalg.norm(model.model.jointPlacements[joint].translation))
         joint = int(model.model.parents[joint])
     return speeds

@@ -97,6 +97,7 @@ CODES: dict[str, Code] = {
     "collision-mesh-unreadable": Code(
         "warning", "a mesh cannot be read; collision checks use the other shapes of its link"
     ),
+    "links-collide": Code("warning", "links collide at the ready pose or nearly always; no SRDF exempts them"),
     "mesh-missing": Code("warning", "mesh files were not found; simple shapes are drawn instead"),
     "bad-geometry": Code("warning", "a shape has no usable size or place; it is not drawn"),
     "material-twice": Code("warning", "a material's name has several colours; the first counts, as in urdfdom"),

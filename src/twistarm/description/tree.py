@@ -133,7 +133,7 @@ class Description:
 
     def require_link(self, link: str, role: str) -> str:
         """`link` itself, or an UnknownNameError with the closest names."""
-        if link not in self.links:
+        if not isinstance(link, str) or link not in self.links:
             listing = f"{len(self.links)} links: {listed(self.links)}"
             what = "link" if role == "link" else f"link for {role}="
             raise unknown_name(what, link, self.links, within=self.name, listing=listing)

@@ -12,6 +12,7 @@ from ..collision import Scene
 from ..ik import solve_ik
 from ..ik.explain import in_one_line
 from ..ik.targets import KINDS
+from ..support.caller_words import argument
 from ..support.checks import Array
 from ..support.errors import NotConvergedError
 from .cartesian.refusal import PathError
@@ -83,7 +84,11 @@ def _ways(
         try:
             way = free_path(scene, at, goal, goals.limits, max_time)
         except PathError as error:
-            raise PathError(str(error), theta=at, reason="collision", segment=i, place=place(i, segment)) from error
+            nearer = unwrapped(goals.arm, goal, at, "", asked=True)[0]
+            hint = "" if (nearer == goal).all() else f"; {argument('unwrap', True)} takes a nearer turn of the goal"
+            raise PathError(
+                f"{error}{hint}", theta=at, reason="collision", segment=i, place=place(i, segment)
+            ) from error
         ways.append(way)
         at, known = way[-1], i + 1
     return ways

@@ -24,7 +24,7 @@ STEPS = (0.1, 0.05, 0.02, 0.01, 0.005)
 UNLIMITED = 2.0 * np.pi
 """How far joints without limits may go beyond start and goal."""
 
-REACH = 1.0
+REACH = 0.5
 """The longest way [rad, m] that a tree grows at once."""
 
 SHORTCUTS = 50

@@ -17,6 +17,7 @@ from ...support.errors import ComparisonError, DescriptionError, InputError, Unk
 from ...support.files import as_path
 from .abilities import Abilities, abilities_of
 from .axes import check_axes, check_closed_form
+from .collisions import check_collisions
 from .idle import check_off_the_chain, check_without_effect
 from .inertia import check_inertias
 from .limits import check_limits, check_mimics, check_reach, check_zero
@@ -127,6 +128,7 @@ def examine_arm(arm: Arm, reader: MeshReader | None = None) -> Diagnosis:
     if arm.description is not None:
         found += _of_description(arm.description, arm, reader)
         found += [*check_tool(arm, arm.description), *check_off_the_chain(arm, arm.description)]
+        found += check_collisions(arm)
     return Diagnosis(_in_order(found), arm.description, arm, able)
 
 

@@ -10,7 +10,7 @@ from ...arm.arm import Arm
 from ...collision import Scene
 from ...collision.survey import Survey, srdf_text, survey
 from ..options import Json, Radians, SceneFile, takes_arm
-from ..output import console, finding_json, literal, print_json, progress_bar, say, table, theta_values
+from ..output import console, finding_json, literal, print_json, progress_bar, say, table, theta_values, units
 from ..outputs import Force, Output, outputs_of
 from ..wording import in_options
 
@@ -74,8 +74,10 @@ def _print(scene: Scene, found: Survey, radians: bool) -> None:
         for pair in found.pairs
     ]
     if rows:
-        console().print(
-            table("pairs that collide", ["pair", "share", "for example at"], rows, text=["pair", "for example at"])
+        named = (
+            f"{name} [{unit}]" for name, unit in zip(scene.arm.joint_names, units(scene.arm, radians), strict=True)
         )
+        columns, order = ["pair", "share", "for example at"], f"examples as in --theta: {', '.join(named)}"
+        console().print(table("pairs that collide", columns, rows, text=columns[::2], caption=order))
     for found_one in scene.findings:
         console().print(literal(in_options(str(found_one))))

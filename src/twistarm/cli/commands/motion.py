@@ -174,11 +174,12 @@ def plan(
     if smooth is not None and (line or not to or avoid):
         raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
     met = typed_tolerances(position_tol, orientation_tol, rad)
-    scene, law = avoided(arm, avoid), None if kind is None else kind.value
+    file = None if motion is None else load_motion(motion, arm)
+    named = None if file is None or file.scene is None else str(file.scene)
+    scene, law = avoided(arm, avoid or named), None if kind is None else kind.value
     asked = Typed(arm, start, rad, line, stop, blend, linear_speed, law, met, unwrap, scene, max_time)
     asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line or scene), goals=len(to or xyz or ()))
     targets = typed_targets(xyz or (), rpy or (), direction or (), axis, rad)
-    file = None if motion is None else load_motion(motion, arm)
     given = capped(arm, {"velocity": velocity, "acceleration": acceleration}, {} if file is None else file.limits)
     limits = with_defaults(arm, given)
     outputs = outputs_of(
@@ -218,8 +219,10 @@ def plan(
         }
     )
     active = active_limits(arm, planned, limits=limits, segments=segments)
+    nearest = None if scene is None else scene.clearance(planned.breakpoints, planned.coefficients)
     if json:
         said = {"start": "ready" if origin is None else origin, "assumed": defaults_line(arm, given) or None}
+        said["nearest"] = nearest and vars(nearest)
         print_json({**_as_json(arm, planned, written), **said, "active_limits": [asdict(each) for each in active]})
         return
     if assumed := defaults_line(arm, given):
@@ -227,6 +230,8 @@ def plan(
     console(outputs.words).print(plan_table(arm, planned, rad, limits))
     if active:
         console(outputs.words).print(active_limits_table(active))
+    if nearest is not None:
+        say(f"nearest: {nearest}", file=outputs.words)
     outputs.say(written)
 
 

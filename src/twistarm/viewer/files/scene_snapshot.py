@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -37,7 +37,7 @@ class SceneSnapshot:
     """`arm` at theta (n,) [rad, m] with its other joints, drawn as `scene`, and the visible layers.
 
     `playback` is the motion that the page plays and its start time, or None. `findings` is their message, or None
-    before the doctor has run. `recorded` holds poses by name.
+    before the doctor has run. `recorded` holds poses by name, and `obstacles` and `shapes` what is drawn of a scene.
     """
 
     arm: Arm
@@ -49,6 +49,8 @@ class SceneSnapshot:
     playback: Playback | None
     findings: Message | None
     recorded: Mapping[str, Array] = field(default_factory=dict)
+    obstacles: Sequence[Mapping[str, Any]] = ()
+    shapes: Sequence[Mapping[str, Any]] = ()
 
     def playing(self, trajectory: Trajectory) -> SceneSnapshot:
         """A copy with `trajectory` and its path, playing from the start.
@@ -82,6 +84,8 @@ class SceneSnapshot:
             "plots": plots(self.arm, at),
             "player": None if at is None else {name: getattr(at, name) for name in PLAYED},
             "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects if part],
+            "obstacles": self.obstacles,
+            "shapes": self.shapes,
             "notes": scene.notes,
             "theory": recorded(self.arm, self.theta, None if at is None else at.trajectory),
             "findings": examined(self.arm, scene.reader) if self.findings is None else self.findings,
@@ -126,4 +130,6 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
         None if playback is None else replace(playback),
         None if unexamined else stage.findings,
         stage.poses.named(),
+        stage.collisions.drawn,
+        stage.collisions.shapes,
     )

@@ -55,28 +55,16 @@ export class Collision {
     const before = this[kind];
     this[kind] = bodies.map((body) => {
       const old = before.find(({ name, key }) => kind === "obstacles" && name === body.name && key === keyOf(body));
-      return { ...body, key: keyOf(body), mesh: old?.mesh ?? this.made(body, kind === "shapes") };
+      return { ...body, key: keyOf(body), mesh: old?.mesh ?? made(body, kind === "shapes", this.view.radius) };
     });
     for (const { mesh } of before) {
       if (this[kind].some((kept) => kept.mesh === mesh)) continue;
       mesh.removeFromParent();
       dispose(mesh);
     }
-    for (const { mesh, kind: shape } of this[kind]) this.view.node(shape === "plane" ? "/planes" : layer).add(mesh);
+    hang(this.view, this[kind], layer);
     this.place();
     this.paint();
-  }
-
-  made(body, faint) {
-    const material = new THREE.MeshLambertMaterial({ transparent: true, opacity: faint ? SHAPE : OBSTACLE, side: THREE.DoubleSide, depthWrite: !faint });
-    Object.assign(material, { polygonOffset: faint, polygonOffsetFactor: -1, polygonOffsetUnits: -1 });
-    if (body.kind === "plane") material.opacity = 0.6 * SHAPE;
-    material.userData.plain = new THREE.Color(faint ? SHADE : WOOD);
-    const mesh = new THREE.Mesh(geometryOf(body, PLANE * (this.view.radius ?? 1)), material);
-    const edges = new THREE.EdgesGeometry(mesh.geometry, 25);
-    const color = material.userData.plain.clone().multiplyScalar(0.6);
-    if (edges.attributes.position.count > 0) mesh.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({ color, transparent: true, opacity: 0.5 })));
-    return Object.assign(mesh, { matrixAutoUpdate: false });
   }
 
   placed() {
@@ -84,15 +72,8 @@ export class Collision {
   }
 
   place() {
-    for (const body of [...this.shapes, ...this.obstacles]) body.mesh.matrix.copy(this.standing(body));
+    stand([...this.shapes, ...this.obstacles], this.page.state.frame);
     this.view.viewer.set_dirty();
-  }
-
-  // The matrix of a body in the arm's base frame.
-  standing({ node, matrix }) {
-    const carrier = this.page.state.frame?.transforms[node];
-    const own = new THREE.Matrix4().fromArray(matrix);
-    return carrier ? own.premultiply(new THREE.Matrix4().fromArray(carrier)) : own;
   }
 
   tell({ links, words, nearest }) {
@@ -133,6 +114,33 @@ export class Collision {
     }
     this.view.viewer.set_dirty();
   }
+}
+
+// A body as it is drawn: a shape that is checked, faintly, or an obstacle. `radius` is the arm's.
+export function made(body, faint, radius) {
+  const material = new THREE.MeshLambertMaterial({ color: faint ? SHADE : WOOD, transparent: true, opacity: faint ? SHAPE : OBSTACLE, side: THREE.DoubleSide, depthWrite: !faint });
+  Object.assign(material, { polygonOffset: faint, polygonOffsetFactor: -1, polygonOffsetUnits: -1 });
+  if (body.kind === "plane") material.opacity = 0.6 * SHAPE;
+  const mesh = new THREE.Mesh(geometryOf(body, PLANE * (radius ?? 1)), material);
+  const edges = new THREE.EdgesGeometry(mesh.geometry, 25);
+  const color = material.color.clone().multiplyScalar(0.6);
+  if (edges.attributes.position.count > 0) mesh.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({ color, transparent: true, opacity: 0.5 })));
+  return Object.assign(mesh, { matrixAutoUpdate: false });
+}
+
+export function hang(view, bodies, layer) {
+  for (const { mesh, kind } of bodies) view.node(kind === "plane" ? "/planes" : layer).add(mesh);
+}
+
+export function stand(bodies, frame) {
+  for (const body of bodies) body.mesh.matrix.copy(standing(body, frame));
+}
+
+// The matrix of a body in the arm's base frame.
+export function standing({ node, matrix }, frame) {
+  const carrier = frame?.transforms[node];
+  const own = new THREE.Matrix4().fromArray(matrix);
+  return carrier ? own.premultiply(new THREE.Matrix4().fromArray(carrier)) : own;
 }
 
 // What must be drawn anew if it changes.

@@ -13,7 +13,7 @@ const THIN = 0.55; // the ideal, beside what is followed: within it, seen where 
 const BALL = 3.2; // the end, beside the line's radius
 const POSE = 0.13; // opacities
 const STOPPED = 0.3;
-const NOTHING = { points: [], ideal: [], radius: 0, waypoints: [], stopped: null };
+const NOTHING = { points: [], ideal: [], radius: 0, waypoints: [], ids: [], stopped: null };
 
 export class Path {
   constructor(view) {
@@ -21,8 +21,9 @@ export class Path {
     this.data = NOTHING;
     this.lines = new THREE.Group();
     this.arms = [];
+    this.hit = []; // numbers of the poses in collision
     this.pins = new Pins(view, "stops");
-    this.messages = { path: (message) => this.show(message) };
+    this.messages = { path: (message) => this.show(message), colliding: ({ poses }) => this.collide(poses) };
     view.onDrawn.push(() => this.drawArms()); // what they are copies of has changed
   }
 
@@ -57,10 +58,18 @@ export class Path {
   }
 
   drawArms() {
-    const { waypoints, stopped } = this.data;
+    const { waypoints, ids, stopped } = this.data;
     for (const arm of this.arms) arm.remove();
-    this.arms = waypoints.map((transforms) => this.stood(transforms, IDEAL, POSE));
+    this.arms = waypoints.map((transforms, i) => (this.hit.includes(ids[i]) ? this.stood(transforms, STOP, STOPPED) : this.stood(transforms, IDEAL, POSE)));
     if (stopped !== null) this.arms.push(this.stood(stopped.arm, STOP, STOPPED));
+  }
+
+  // Which of the poses collide.
+  collide(poses) {
+    if (poses.join() === this.hit.join()) return;
+    this.hit = poses;
+    this.drawArms();
+    this.view.viewer.set_dirty();
   }
 
   stood(transforms, colour, opacity) {

@@ -1,5 +1,6 @@
 // The panel of the scene: what collides, and the obstacles to add, drag, size, remove and save.
 
+import { standing } from "./collision.js";
 import { $, button, element } from "./element.js";
 import { Gizmo } from "./gizmo.js";
 import { NumberBox } from "./number_box.js";
@@ -122,7 +123,7 @@ export class ScenePanel {
 
   // In the arm's base frame.
   pose() {
-    return poseOf(this.collision.standing(this.find()).toArray());
+    return poseOf(standing(this.find(), this.page.state.frame).toArray());
   }
 
   numbers() {

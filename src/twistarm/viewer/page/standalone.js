@@ -1,5 +1,6 @@
 // The stand-alone page: an arm and perhaps a motion, with nobody to ask.
 
+import { hang, made, stand } from "./collision.js";
 import { copyTheta } from "./copying.js";
 import { Cube } from "./cube.js";
 import { $, $$ } from "./element.js";
@@ -43,6 +44,7 @@ const recording = new Recording(data.samples);
 const playback = new Playback(recording.duration, data.player ?? STANDS);
 const state = { frame: null };
 let aside = data.aside && "saved"; // where the arm stands, if not on its motion: as it was saved, or by hand
+let bodies = []; // obstacles, and the shapes that are checked
 let next; // frame of a running motion
 
 const arm = new LocalArm(data, {
@@ -101,6 +103,7 @@ function show() {
   const frame = arm.frame(aside ? arm.theta : recording.at(playback.time));
   state.frame = { ...frame, time: playback.time, running: playback.running, aside };
   view.place(state.frame.transforms);
+  stand(bodies, state.frame);
   highlight.follow();
   panel.show(state.frame);
   player.placed(state.frame);
@@ -146,8 +149,18 @@ path.show(data.path);
 for (const [layer, on] of Object.entries(data.visible)) view.setVisible(layer, on);
 show();
 view.fit();
+const [obstacles, shapes] = [data.obstacles, data.shapes].map((list, faint) => list.map((body) => ({ ...body, mesh: made(body, faint === 1, view.radius) })));
+hang(view, obstacles, "/obstacles");
+hang(view, shapes, "/collision");
+bodies = [...obstacles, ...shapes];
+const collision = $("show-collision");
+collision.parentElement.hidden = shapes.length === 0;
+collision.parentElement.title = "The shapes that are checked";
+collision.checked = data.visible.collision;
+collision.addEventListener("change", () => panel.act.visible("collision", collision.checked));
+show();
 restore({ view, links, tabs, panel, plots, theory: theory.theory }, JSON.parse($("state").textContent));
 document.body.dataset.drawn = "";
 if (playback.running) tick();
 
-globalThis.twistarm = { presets, cube, sight, links, linkNames, tabs, view, panel, arm, history, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory };
+globalThis.twistarm = { presets, cube, sight, links, linkNames, tabs, view, panel, arm, history, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory, obstacles, shapes };

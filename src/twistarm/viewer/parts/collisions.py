@@ -136,11 +136,21 @@ class Collisions(Part):
         if tuple(size) != body.size:
             scene.resize(name, size)
 
+    @property
+    def drawn(self) -> list[Message]:
+        """The obstacles as pages draw them."""
+        held = set() if self.scene is None else {entry.name for entry in self.scene.content().entries if entry.on}
+        return [{"name": body.name, "held": body.name in held, **drawing(body)} for body in self._bodies]
+
+    @property
+    def shapes(self) -> list[Message]:
+        """The shapes that are checked as pages draw them; none before the checks are ready."""
+        bodies: list[Message] = self._shapes["bodies"]
+        return bodies
+
     def _obstacles(self) -> Message:
-        scene = self.scene
-        held = set() if scene is None else {entry.name for entry in scene.content().entries if entry.on}
-        drawn = [{"name": body.name, "held": body.name in held, **drawing(body)} for body in self._bodies]
-        return {"type": "obstacles", "obstacles": drawn, "file": self.file, "saved": _same(self._saved, self._bodies)}
+        saved = _same(self._saved, self._bodies)
+        return {"type": "obstacles", "obstacles": self.drawn, "file": self.file, "saved": saved}
 
     def _now(self, show: Show) -> Message:
         scene = self.scene

@@ -169,7 +169,7 @@ def _planned(
     progress: Progress,
 ) -> tuple[Trajectory | PathError, dict[str, Any]]:
     """In a thread: the motion or why there is none, and the tool's path."""
-    beside = {"ideal": ideal_way(arm, poses), "waypoints": _ghosts(arm, poses, others)}
+    beside = {"ideal": ideal_way(arm, poses), **_ghosts(arm, poses, others)}
     try:
         motion = _motion(arm, poses, asked, limits, met, scene, progress)
     except PathError as error:
@@ -220,11 +220,12 @@ def _motion(
     )
 
 
-def _ghosts(arm: Arm, poses: Sequence[RecordedPose], others: Mapping[str, float]) -> list[dict[str, list[float]]]:
-    """Link poses at the recorded poses, or at those that differ visibly."""
+def _ghosts(arm: Arm, poses: Sequence[RecordedPose], others: Mapping[str, float]) -> dict[str, Any]:
+    """Link poses at MOST_GHOSTS of the recorded poses or fewer, and the numbers of these poses."""
     chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MOST_GHOSTS)).round().astype(int))
     placement = Placement(arm)
-    return [standing_at(placement, poses[i].theta, others) for i in chosen]
+    standing = [standing_at(placement, poses[i].theta, others) for i in chosen]
+    return {"waypoints": standing, "ids": [poses[i].id for i in chosen]}
 
 
 def _listed(poses: Sequence[RecordedPose]) -> tuple[tuple[int, str], ...]:

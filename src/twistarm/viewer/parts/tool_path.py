@@ -20,9 +20,9 @@ MOST_POINTS = 400
 STILL = 1e-4
 """Least visible step, as a share of the arm's size."""
 
-NO_PATH: dict[str, Any] = {"points": [], "radius": 0.0, "ideal": [], "stopped": None, "waypoints": []}
+NO_PATH: dict[str, Any] = {"points": [], "radius": 0.0, "ideal": [], "stopped": None, "waypoints": [], "ids": []}
 """points: the way of the tool; ideal: that of its segments; stopped: where a segment cannot be followed any farther;
-waypoints: where everything stands at the poses, {node: matrix} each."""
+waypoints: where everything stands at the poses, {node: matrix} each; ids: the numbers of these poses."""
 
 
 def tool_path(arm: Arm, motion: Trajectory | ArrayLike) -> dict[str, Any]:
