@@ -197,6 +197,17 @@ def test_a_start_in_collision_may_be_left_but_not_deeper(tmp_path: Path) -> None
         plan(arm, JointMove([0.16, 0.0]), start=[0.15, 0.0], scene=scene)
 
 
+def test_a_link_that_leaves_may_not_bring_in_another_of_its_bodies(tmp_path: Path) -> None:
+    """The hand's lower sphere leaves the face of the wall by 0.07 while the upper one sinks 0.01 into its edge."""
+    sphere = SHAPES["sphere"]
+    two = f'{sphere}</geometry></collision><collision><origin xyz="0 0 0.5"/><geometry>{sphere}'
+    arm = slider(tmp_path, two)
+    scene = Scene(arm)
+    scene.add_box("wall", (0.2, 2.0, 4.0), (0.0, 0.0, -1.0))
+    with pytest.raises(PathError, match="it collides"):
+        plan(arm, JointMove([0.22, 0.2]), start=[0.15, 0.7], scene=scene)
+
+
 def test_a_motion_through_waypoints_is_proven(tmp_path: Path) -> None:
     """The spline through x = 1, 0, −1 at z = 1.5, 1.6, 1.5 passes over the wall, whose top is at z = 1; at 0.9 not."""
     arm = slider(tmp_path, SHAPES["sphere"])

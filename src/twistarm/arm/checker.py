@@ -33,6 +33,7 @@ class Checker:
         self._model, self.bodies, self.pairs, self.margins = model, tuple(bodies), tuple(pairs), tuple(margins)
         self._geometry = self._pin.GeometryModel()
         for i, body in enumerate(self.bodies):
+            body.shape.computeLocalAABB()
             frame = model.frame_id(body.carrier)
             at = model.model.frames[frame]
             placement = at.placement * self._pin.SE3(body.pose)
@@ -75,8 +76,6 @@ class Checker:
     def distances(self, q: Array) -> Array:
         """The distance [m] of each pair at q (nq,), negative by the depth of an overlap."""
         data, geometry, _ = self._own()
-        for request in geometry.distanceRequests:
-            request.gjk_tolerance, request.enable_contact = TOLERANCE, True
         self._pin.computeDistances(self._model.model, data, self._geometry, geometry, q)
         return np.array([result.min_distance for result in geometry.distanceResults])
 
@@ -109,11 +108,16 @@ class Checker:
         return self._local.pool
 
     def _ask(self, geometry: Any) -> None:
-        """Set margins and accuracy.
+        """Set margins and accuracy, by new requests: GJK starts from the centres of the shapes.
 
-        With the usual tolerance, or without contacts, GJK misses about one collision of hulls or cylinders in 10,000.
+        Pinocchio's requests start it from the pair's previous direction. It then misses one deep overlap of cylinders
+        in 10,000, and the answer depends on the questions before. The usual tolerance reports gaps of 1e-7 m.
         """
-        for margin, request in zip(self.margins, geometry.collisionRequests, strict=True):
-            request.gjk_tolerance = TOLERANCE
-            if margin:
-                request.security_margin = margin
+        coal = self._pin.coal
+        for k, margin in enumerate(self.margins):
+            collision, distance = coal.CollisionRequest(), coal.DistanceRequest()
+            for request in (collision, distance):
+                request.gjk_tolerance, request.gjk_initial_guess = TOLERANCE, coal.GJKInitialGuess.BoundingVolumeGuess
+            collision.security_margin, collision.distance_upper_bound = margin, 0.0
+            distance.enable_contact = True
+            geometry.collisionRequests[k], geometry.distanceRequests[k] = collision, distance

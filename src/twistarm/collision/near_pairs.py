@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.bodies import Body
-from ..arm.checker import TOLERANCE, Checker
+from ..arm.checker import Checker
 from ..arm.pinocchio_model import PinocchioModel
 from ..support.checks import Array
 from .swept import ancestors, pair_speeds
@@ -143,8 +143,3 @@ class NearPairs(Checker):
             wrenches.append(wrench if isfinite(sum(wrench)) else (0.0,) * 6)
         approach = (np.array(wrenches).reshape(-1, 6) @ data.J * self._between[pairs]) @ self._model.dq_dtheta
         return Near(pairs, np.array(distances), approach)
-
-    def _ask(self, geometry: Any) -> None:
-        super()._ask(geometry)
-        for request in geometry.distanceRequests:
-            request.gjk_tolerance, request.enable_contact = TOLERANCE, True

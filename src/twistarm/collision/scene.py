@@ -516,17 +516,18 @@ class Scene:
         return self._sweep.straight(self._one(one), self._one(other))
 
     def leaving(self, theta: Array) -> Scene:
-        """The scene for a motion from theta (n,): pairs that collide there count only if they come 0.5 mm nearer.
+        """The scene for a motion from theta (n,): bodies that collide there count only if they come 0.5 mm nearer.
 
         It is the same scene if nothing collides there.
         """
-        near = {contact.links: contact.distance for contact in self.contacts(theta)}
-        if not near:
+        q, checker = self._model.q(theta), self._checker
+        hit = checker.overlapping(q)
+        if not hit:
             return self
-        other, checker = copy(self), self._checker
-        margins = [
-            min(margin, near.get(_names(checker, k), np.inf) - 2.0 * FINE) for k, margin in enumerate(checker.margins)
-        ]
+        # By bodies: a link of several may not bring in another one.
+        other, margins, metres = copy(self), list(checker.margins), checker.distances(q)
+        for k in hit:
+            margins[k] = min(margins[k], metres[k] - 2.0 * FINE)
         other._made = {"_make_checker": checker.with_margins(margins)}
         return other
 

@@ -171,7 +171,6 @@ def _speeds(model: PinocchioModel, body: Body, far: Array) -> Array:
     frame = model.model.frames[model.frame_id(body.carrier)]
     if not frame.parentJoint:
         return np.zeros(model.model.njoints)
-    body.shape.computeLocalAABB()
     centre = frame.placement.act(body.pose[:3, :3] @ body.shape.aabb_center + body.pose[:3, 3])
     radius = float(np.linalg.norm(centre)) + float(body.shape.aabb_radius)
     speeds = np.zeros(model.model.njoints)
