@@ -54,6 +54,9 @@ class Body:
     size: tuple[float, ...] = ()
     mesh: Path | Triangles | None = None
 
+    def __post_init__(self) -> None:
+        self.shape.computeLocalAABB()  # GJK starts from its centre, and its radius bounds the speeds
+
 
 class Shapes:
     """Makes shapes of the collision library, and reads each mesh file once. A context manager."""

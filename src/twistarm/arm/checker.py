@@ -33,7 +33,6 @@ class Checker:
         self._model, self.bodies, self.pairs, self.margins = model, tuple(bodies), tuple(pairs), tuple(margins)
         self._geometry = self._pin.GeometryModel()
         for i, body in enumerate(self.bodies):
-            body.shape.computeLocalAABB()
             frame = model.frame_id(body.carrier)
             at = model.model.frames[frame]
             placement = at.placement * self._pin.SE3(body.pose)

@@ -61,7 +61,6 @@ class NearPairs(Checker):
         self._joints = np.array([each.parentJoint for each in objects], dtype=int)
         low, high, at = (np.empty((len(objects), size)) for size in (3, 3, 16))
         for body, each, l, h, g in zip(self.bodies, objects, low, high, at, strict=True):  # noqa: E741
-            body.shape.computeLocalAABB()
             box = body.shape.aabb_local
             l[:], h[:], g[:] = box.min_, box.max_, each.placement.homogeneous.ravel()
         low, high, self._at = low.clip(-ENDLESS, ENDLESS), high.clip(-ENDLESS, ENDLESS), at.reshape(-1, 4, 4)
