@@ -81,7 +81,7 @@ int main() {
     int met = 0;
     for (int trial = 0; trial < 120; ++trial) {
         problem one = made(random, 1 + trial % N, trial % 9, trial % 4 == 0);
-        least_within(one.H, one.r, one.lower, one.upper, one.n, one.rows, one.at, one.x);
+        least_within(one.H, one.r, one.lower, one.upper, one.n, one.at, one.x, one.rows.count > 0 ? &one.rows : nullptr);
         double wanted[N], missed = 0;
         by_multipliers(one, wanted);
         for (int a = 0; a < one.n; ++a) missed = std::fmax(missed, std::fabs(one.x[a] - wanted[a]));

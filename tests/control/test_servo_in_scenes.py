@@ -133,6 +133,17 @@ def test_held_twists_toward_obstacles_stay_apart_and_do_not_shake(name):
     assert held
 
 
+def test_flat_bodies_that_meet_at_two_corners_do_not_shake():
+    arm = load_arm("stanford", limits={"velocity": 1.5, "acceleration": 3.0})
+    scene, place = Scene(arm, margin=MARGIN), np.eye(4)
+    place[:3, :3], place[:3, 3] = Rotation.from_rotvec([0.474, -1.639, -1.933]).as_matrix(), (0.198, -0.212, 1.287)
+    scene.add_box("box", (0.3, 0.2, 0.2), place)
+    start = ServoState.at(arm, [-1.863, -1.493, 0.288, -1.38, -0.093, 3.021])
+    states, _ = driven(arm, start, TwistCommand([0.11, -0.177, -0.028, 0, 0, 0], "base"), 1200, scene)
+    assert scene.distance(states[-1].theta).metres == pytest.approx(MARGIN, abs=SHORT)
+    assert turns(np.array([state.theta_dot for state in states]))[0] < REVERSALS
+
+
 def test_bodies_that_are_far_change_nothing(slides):
     arm, scene = slides
     start, way = ServoState.at(arm, [0.0, 0.0]), twist(-0.1, 0.05)

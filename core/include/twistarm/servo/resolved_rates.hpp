@@ -490,8 +490,7 @@ template <class T, int N, int M> struct rate_solver {
             T H[most][most], r[most], before[most], change = T(0), size = T(0);
             weigh(asked, x, tip, H, r);
             for (int k = 0; k < n(); ++k) before[k] = x[k];
-            if (near == nullptr) least_in_box(H, r, lower, upper, n(), at, x);
-            else least_within(H, r, lower, upper, n(), *near, at, x);
+            least_within(H, r, lower, upper, n(), at, x, near);
             for (int k = 0; k < n(); ++k) {
                 change = greatest(change, absolute(x[k] - before[k]));
                 size = greatest(size, absolute(x[k]));

@@ -322,7 +322,7 @@ template <class T, int N, int M> struct servo {
             x[a] = T(0);
             at[a] = 0;
         }
-        least_within(H, wanted, lower, upper, n(), rows, at, x);
+        least_within(H, wanted, lower, upper, n(), at, x, &rows);
         for (int k = 0; k < n(); ++k) rates[k] = x[k] * bounds.unit[k];
     }
 

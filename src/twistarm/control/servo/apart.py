@@ -24,8 +24,8 @@ ROUNDED = 1e-6
 SEEN = 5e-5
 """Pairs that come nearer than their aim by more [m] were not seen by the rows before."""
 
-MOST, ROUNDS = 8, 4
-"""The rows of near pairs at the start, and how often others are added."""
+MOST, ROUNDS, TOGETHER = 8, 4, 0.1
+"""The first rows, how often others are added, and the share of the push of the first that others take."""
 
 
 def apart(
@@ -46,21 +46,22 @@ def apart(
     if not len(near.pairs):
         return answer, None
     margins, speeds = pairs.least[near.pairs], pairs.speeds[near.pairs]
-    room = near.distances - margins - SPARE
-    floor = np.minimum(near.distances, margins) - ROUNDED
-    aim = floor + np.minimum(np.maximum(near.distances - margins, 0.0), SPARE - SEEN)
+    room, floor = near.distances - margins - SPARE, np.minimum(near.distances, margins) - ROUNDED
+    # No pair is pushed where the rounds below leave it, and another corner of flat bodies leaves with the first.
+    room = np.maximum(room, np.clip(room + SEEN, -SPARE, 0.0))
+    aim = np.minimum(near.distances - TOGETHER * dt / time * np.minimum(room, 0.0), margins + SPARE - SEEN)
     owner = room.argsort()[:MOST]
     rows = _rows(near.approach[owner], room[owner], 0.0)
     for rounds in range(ROUNDS + 1):
         answer = ask(rows)
         time = dt + 0.5 * bounds.stopping_time(answer.theta_dot)
-        risky = np.flatnonzero(near.distances - speeds @ np.abs(time * answer.theta_dot) < aim)
+        risky = np.flatnonzero(near.distances - speeds @ np.abs(time * answer.theta_dot) < aim - ROUNDED)
         if not len(risky):
             break
         # Where it is after the step, on its way to a stop and after it.
         times = dt, 0.5 * (dt + time), time
         there = np.array([pairs.distances_of(theta + at * answer.theta_dot, near.pairs[risky]) for at in times])
-        unseen = there < aim[risky]
+        unseen = there < aim[risky] - ROUNDED
         if not unseen.any():
             break
         if rounds == ROUNDS:
@@ -75,6 +76,8 @@ def apart(
             seen = pairs.measured(theta + at * answer.theta_dot, near.pairs[new])
             left = seen.distances - aim[new] + at * seen.approach @ answer.theta_dot
             rows, owner = np.concatenate([_rows(seen.approach, left, at), rows]), np.concatenate([new, owner])
+        if rounds:  # what pushes against each other is no longer pushed
+            rows[:, -2], aim = np.maximum(rows[:, -2], 0.0), np.minimum(aim, near.distances)
     if answer.cause is not Cause.NEAR:
         return answer, None
     k = owner[answer.row]

@@ -40,7 +40,7 @@ class Bounds:
 
     def stopping_time(self, theta_dot: Array) -> float:
         """How long a straight stop from these rates (n,) takes [s]."""
-        return float(np.abs(self._slowness @ theta_dot).max())
+        return float(max(map(abs, (self._slowness @ theta_dot).tolist())))
 
     @cached_property
     def _slowness(self) -> Array:

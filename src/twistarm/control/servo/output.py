@@ -214,7 +214,7 @@ class ServoOutput(Brief):
         joint = names[row] if row >= 0 and cause is not Cause.NEAR else None
         lost, remaining = (answer.lost, answer.lost_share), answer.remaining
         output = cls(answer.theta_dot, status, answer.scale, *lost, joint, remaining, cause, asked)
-        if joint is not None or answer.lost_share <= ALL or output._missing_share <= ALL or cause is Cause.NEAR:
+        if joint is not None or cause is Cause.NEAR or answer.lost_share <= ALL or output._missing_share <= ALL:
             return output
         nowhere, why = _missing(asked, answer.lost, joint, 0.0)
         status = ServoStatus.IMPOSSIBLE_DIRECTION if nowhere else ServoStatus.SLOWED_SINGULARITY

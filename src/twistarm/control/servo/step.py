@@ -68,7 +68,9 @@ def servo_step(
     require(state, ServoState, "state", "as ServoState.at(arm, theta) makes it")
     bounds = bounds_of(require_arm(arm), require(settings, ServoSettings, "settings", "as ServoSettings() is"))
     if scene is not None:
-        _require_scene(scene, arm)
+        from ...collision import require_scene  # late, because it imports much
+
+        require_scene(scene, arm)
     step = _seconds(dt)
     if not 0.0 < step <= settings.max_dt:
         return _refused(arm, state, f"dt must be more than 0 and at most {settings.max_dt:g} s; got {shown(dt)}")
@@ -85,12 +87,6 @@ def servo_step(
     if checked is None:
         return after, ServoOutput.stale(after.theta_dot, reason)
     return after, ServoOutput.of(answer, bounds, Request(arm, state.theta, checked, bounds.stops, contact))
-
-
-def _require_scene(scene: Scene, arm: Arm) -> None:
-    from ...collision import require_scene  # late, because it imports much
-
-    require_scene(scene, arm)
 
 
 def _apart(
