@@ -24,7 +24,10 @@ from .suspicions import refuse_unusable, suspicions
 Frame = Literal["fit", "held"]
 
 FOLDS = 5
-ROUNDS = 3
+ROUNDS = 6
+FIRST, BEFORE_AXES = 30.0, 3.0
+"""How much rather the log is explained by base, tool and places, and by zeros, than by moved axes."""
+
 SURE = 0.95
 """The share of the error of base and tool alone that the corrected arm must stay below, on rows not fitted."""
 
@@ -217,13 +220,14 @@ def _fitted(problem: Problem, base: bool, tool: bool) -> Bools:
 def solve(problem: Problem, fitted: Bools, robust: bool) -> tuple[Array, Bools, Array, Array]:
     """The unknowns (Q,), which of them the log shows, the rows' weights, and the unknowns with base and tool alone."""
     P, Q = len(problem.geometry.parameters), len(fitted)
-    order = np.concatenate([np.arange(P, Q), np.arange(P)])
-    order = order[fitted[order]]
+    order = np.full(Q, FIRST) * fitted
+    order[12:P] /= FIRST
+    order[12 : 12 + problem.geometry.arm.n] *= BEFORE_AXES
     ones = np.ones(len(problem.log.theta))
     q = problem.first
     frames = fitted.copy()
     frames[12:P] = False
-    frames &= shown(problem.system(q, ones)[1], order[frames[order]], most=1.0)
+    frames &= shown(problem.system(q, ones)[1], order * frames, most=1.0)
     q = first = descend(problem, q, frames, robust=robust)[0]
     seen, weights = frames, ones
     for _ in range(ROUNDS):

@@ -20,6 +20,9 @@ LEAST_GAIN = 1e-7
 MOST_STD = 0.005
 """Standard deviation [m, rad, 1] beyond which the log does not show a parameter: more than arms are out."""
 
+DEPENDENT = 1e-9
+"""The share of a column's square across the others below which it is rounding."""
+
 LOUD = 5.0
 """Standard deviations from which a row is an outlier: of 10,000 rows with normal noise it is none."""
 
@@ -165,33 +168,23 @@ def _place(kind: str, p: Array, length: Array) -> Array:
     return centre
 
 
-def shown(A: Array, order: Rows, most: float = MOST_STD) -> Bools:
-    """The unknowns (Q,) that a slope A (N, Q) shows, taken in this order: each beside those before it.
+def shown(A: Array, weights: Array, most: float = MOST_STD) -> Bools:
+    """The unknowns (Q,) that a slope A (N, Q) shows beside each other.
 
-    The part of a column across the kept ones has the length 1/σ. Gram–Schmidt, each column projected twice.
+    Cholesky's factors of AᵀA with pivots: the next unknown is the one whose column has the longest part across those
+    chosen, times its weight (Q,). That part has the length 1/σ. Weight 0: never chosen.
     """
-    basis = np.zeros((len(A), 0))
-    seen = np.zeros(A.shape[1], dtype=bool)
-    for j in order:
-        column = A[:, j] - basis @ (basis.T @ A[:, j])
-        column -= basis @ (basis.T @ column)
-        size = float(np.linalg.norm(column))
-        if size * most > 1.0 and size > 1e-7 * float(np.linalg.norm(A[:, j])):
-            seen[j] = True
-            basis = np.column_stack([basis, column / size])
-    return _sure(A, seen, most)
-
-
-def _sure(A: Array, seen: Bools, most: float) -> Bools:
-    """`seen` without the least certain unknowns, one by one, until none has a deviation above `most`."""
-    seen = seen.copy()
-    while seen.any():
-        kept = np.flatnonzero(seen)
-        size = np.linalg.norm(A[:, kept], axis=0)
-        std = np.sqrt(np.maximum(np.diag(np.linalg.pinv((A[:, kept] / size).T @ (A[:, kept] / size))), 0)) / size
-        if std.max() <= most:
+    G = A.T @ A
+    size = np.diag(G).copy()
+    seen = np.zeros(len(G), dtype=bool)
+    for _ in range(len(G)):
+        left = np.where(seen, 0.0, np.diag(G)) * weights**2
+        left[np.diag(G) <= np.maximum(DEPENDENT * size, 1.0 / most**2)] = 0.0
+        j = int(left.argmax())
+        if not left[j] > 0.0:
             break
-        seen[kept[std.argmax()]] = False
+        seen[j] = True
+        G = G - np.outer(G[j], G[j]) / G[j, j]
     return seen
 
 
@@ -243,7 +236,7 @@ def started(problem: Problem, base: bool, tool: Bools) -> Problem:
         if not free.any():
             break
         _, A = problem.system(problem.first, np.ones(len(located)))
-        free &= shown(A, np.flatnonzero(free), most=1.0)
+        free &= shown(A, free.astype(float), most=1.0)
         q, _ = descend(problem, problem.first, free)
         geometry = replace(geometry, base=geometry.base @ exp(q[:6]), tool=geometry.tool @ exp(q[6:12]))
         if np.abs(q[:12]).max() < 1e-7:

@@ -26,7 +26,7 @@ from ...description.tree import Description, Joint
 from ...description.urdf import build_description
 from ...support.errors import InputError
 from ...support.files import is_file, writable
-from .source_text import SourceText
+from ...description.source_text import SourceText
 
 UNIT = 1e-9
 """An axis whose length is off by more is written anew."""
