@@ -163,9 +163,8 @@ def _place(kind: str, p: Array, length: Array) -> Array:
         return np.array([0.0, 0.0, n @ centre])
     if kind == "wire":  # |p|² − l² = 2 p·c − |c|², linear in c and |c|²
         rows = np.column_stack([2 * p, -np.ones(len(p))])
-        solved: Array = np.linalg.lstsq(rows, (p * p).sum(axis=1) - length**2, rcond=None)[0][:3]
-        return solved
-    return centre
+        return np.asarray(np.linalg.lstsq(rows, (p * p).sum(axis=1) - length**2, rcond=None)[0][:3])
+    return np.asarray(centre)
 
 
 def shown(A: Array, weights: Array, most: float = MOST_STD) -> Bools:

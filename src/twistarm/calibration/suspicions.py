@@ -108,6 +108,8 @@ def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
     if len(at) < 4 * LEAST_PART:
         return ()
     r = problem.misses(q)[0][at, :3]
+    size = np.linalg.norm(r, axis=1)
+    r = r * np.minimum(1.0, np.quantile(size, 0.75) / np.maximum(size, 1e-12))[:, None]  # an outlier counts as others
     p = problem.log.positions[at] - problem.log.positions[at].mean(axis=0)
     A = np.concatenate([np.broadcast_to(np.eye(3), (len(at), 3, 3)), -skew(p)], axis=2)
     H, b = np.cumsum(np.einsum("kij,kil->kjl", A, A), axis=0), np.cumsum(np.einsum("kij,ki->kj", A, r), axis=0)
