@@ -6,6 +6,7 @@ from .arm.from_screws import arm_from_screws as arm_from_screws
 from .arm.loading.arm_builder import ArmBuilder as ArmBuilder
 from .arm.loading.load import available_arms as available_arms
 from .arm.loading.load import load_arm as load_arm
+from .calibration import calibrate as calibrate
 from .calibration import check_wiring as check_wiring
 from .checking.crosscheck import CrossCheck as CrossCheck
 from .checking.crosscheck import EngineComparison as EngineComparison

@@ -9,7 +9,7 @@ import pytest
 
 from twistarm import InputError
 from twistarm.checking.doctor.repair import Repair, difference, repair
-from twistarm.checking.doctor.source_text import SourceText
+from twistarm.description.source_text import SourceText
 from twistarm.description.urdf import read_description
 from urdf_text import joint, robot, two_joints, write
 

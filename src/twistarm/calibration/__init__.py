@@ -1,8 +1,27 @@
-"""The wiring check: do signs, ratios and zeros of the motors fit the measured tool?"""
+"""What a log tells of an arm: the wiring of its motors, and its geometry."""
 
+from .calibrate import Calibration, Estimate, calibrate
 from .check import check_wiring
+from .corrected import corrected_urdf
+from .geometry import Parameter
 from .log import WiringLog, read_log
+from .measurements import Measurements, read_measurements
 from .model import BaseOffset
 from .report import MotorVerdict, Residual, WiringReport
 
-__all__ = ["BaseOffset", "MotorVerdict", "Residual", "WiringLog", "WiringReport", "check_wiring", "read_log"]
+__all__ = [
+    "BaseOffset",
+    "Calibration",
+    "Estimate",
+    "Measurements",
+    "MotorVerdict",
+    "Parameter",
+    "Residual",
+    "WiringLog",
+    "WiringReport",
+    "calibrate",
+    "check_wiring",
+    "corrected_urdf",
+    "read_log",
+    "read_measurements",
+]

@@ -16,6 +16,7 @@ from ..support.errors import NotConvergedError, TwistarmError
 from ..support.interrupts import end_by, ended_like_ctrl_c
 from .commands import (
     baking,
+    calibrating,
     checking,
     collisions,
     demonstration,
@@ -56,6 +57,7 @@ for command in (
     baking.bake,
     collisions.collisions,
     wiring.wiring,
+    calibrating.calibrate,
     kinematics.fk,
     kinematics.jacobian,
     inverse.ik,

@@ -16,8 +16,8 @@ from ...arm.almost_exact import (
 )
 from ...arm.arm import Arm
 from ...description.findings import Finding, finding
+from ...description.source_text import SourceText
 from ...ik import closed_form_of
-from .source_text import SourceText
 from .wording import place_of
 
 SHOWN = 4

@@ -22,11 +22,11 @@ from ...description.inertial import inertial_problem
 from ...description.mesh_paths import plain
 from ...description.numerals import floats
 from ...description.packages import package_index, package_name
+from ...description.source_text import SourceText
 from ...description.tree import Description, Joint
 from ...description.urdf import build_description
 from ...support.errors import InputError
 from ...support.files import is_file, writable
-from .source_text import SourceText
 
 UNIT = 1e-9
 """An axis whose length is off by more is written anew."""

@@ -37,6 +37,11 @@ class SourceText:
             tag = _with_attribute(tag, name, value)
         self._edits[span.start, span.opened] = tag.encode("utf-8")
 
+    def insert(self, element: ET.Element, text: str) -> None:
+        """Put a text behind the start tag of an element that has an end tag."""
+        opened = self._spans[element].opened
+        self._edits[opened, opened] = text.encode("utf-8")
+
     def remove(self, element: ET.Element) -> None:
         """Take the element out, with the line it stands on alone."""
         start, _, end = self._spans[element]

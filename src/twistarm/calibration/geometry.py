@@ -1,0 +1,163 @@
+"""The local product of exponentials of an arm whose joints stand a little elsewhere, with its derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arm.arm import Arm
+from ..support.checks import Array
+from ..theory.joints import plane_axes
+from ..theory.rotations import skew
+from ..theory.screws import adjoint_of, exp, inverse_of, to_screw
+
+AXES = ("x", "y", "z")
+
+
+class Parameter(NamedTuple):
+    """One number of the model: its owner (a joint, "base" or "tool"), what it changes, and its unit."""
+
+    owner: str
+    what: str
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.owner} {self.what}"
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """g(θ) = B e^b (Π F_i e^{d_i} e^{t_i x_i} F_i⁻¹) M T e^a, with x = A (θ + s θ + z + e_s sin θ + e_c cos θ).
+
+    F_i (m, 4, 4) stands on the axis of joint i with z along it. d_i moves and tilts the axis across itself: 4 numbers
+    of a turning joint, 2 tilts of a slide. Chen, Yang & Tan 2001; Okamura & Park 1996. `base` B and `tool` T are
+    starting values. `parameters` are b, a, z, d, s, e in this order.
+    """
+
+    arm: Arm
+    base: Array
+    tool: Array
+    scales: bool = False
+    eccentric: bool = False
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All parameters of the model, also those that no log can show together."""
+        frames = [
+            Parameter(owner, f"{what} {axis}", unit)
+            for owner in ("base", "tool")
+            for what, unit in (("shift", "m"), ("turn", "rad"))
+            for axis in AXES
+        ]
+        units = dict(zip(self.arm.joint_names, self.arm.units, strict=True))
+        zeros = [Parameter(name, "zero", unit) for name, unit in units.items()]
+        axes = [
+            Parameter(name, what, "m" if what.startswith("shift") else "rad")
+            for i, name in enumerate(self._owners)
+            for what in ("shift x", "shift y", "tilt x", "tilt y")[2 * bool(self._sliding[i]) :]
+        ]
+        scales = [Parameter(name, "scale", "1") for name in units] if self.scales else []
+        waves = [Parameter(n, f"eccentricity {f}", u) for f in ("sin", "cos") for n, u in units.items()]
+        return tuple(frames + zeros + axes + scales + (waves if self.eccentric else []))
+
+    @property
+    def _owners(self) -> tuple[str, ...]:
+        """A name for each moving joint; those of a joint with many columns are numbered."""
+        names, m = self.arm.moving_names, self.arm.screws.shape[1]
+        return names if len(names) == m else tuple(f"screw {i + 1}" for i in range(m))
+
+    @property
+    def _sliding(self) -> NDArray[np.bool_]:
+        v, w = np.linalg.norm(self.arm.screws.reshape(2, 3, -1), axis=1)
+        return np.asarray(w < 1e-12 * v)
+
+    @property
+    def places(self) -> Array:
+        """F_i (m, 4, 4): on each axis at the point nearest to the place before; x as `plane_axes` chooses it."""
+        places, point = np.tile(np.eye(4), (self.arm.screws.shape[1], 1, 1)), np.zeros(3)
+        for i, xi in enumerate(self.arm.screws.T):
+            screw = to_screw(xi)
+            if not self._sliding[i]:
+                point = screw.point + screw.axis * (screw.axis @ (point - screw.point))
+            places[i, :3, :3], places[i, :3, 3] = plane_axes(screw.axis), point
+        return places
+
+    def split(self, p: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
+        """b (6,), a (6,), z (n,), d (m, 6), s (n,), e (2, n) of parameters (P,)."""
+        n, across = self.arm.n, self._across
+        b, a, z, axes, s, e = np.split(p, np.cumsum([6, 6, n, across.sum(), n * self.scales]))
+        d = np.zeros(across.shape)
+        d[across] = axes
+        return b, a, z, d, s if self.scales else np.zeros(n), e.reshape(2, n) if self.eccentric else np.zeros((2, n))
+
+    @property
+    def _across(self) -> NDArray[np.bool_]:
+        """The components (m, 6) of d that move the axis across itself."""
+        across = np.zeros((len(self._sliding), 6), dtype=bool)
+        across[:, :2], across[:, 3:5] = ~self._sliding[:, None], True
+        return across
+
+    def joints(self, p: Array, theta: Array) -> Array:
+        """The joints' values (K, n) for commanded theta (K, n)."""
+        _, _, z, _, s, e = self.split(p)
+        moved: Array = theta * (1.0 + s) + z + e[0] * np.sin(theta) + e[1] * np.cos(theta)
+        return moved
+
+    def poses(self, p: Array, theta: Array) -> Array:
+        """The tool (K, 4, 4) seen from the frame of the measurements."""
+        return self.poses_and_twists(p, theta)[0]
+
+    def poses_and_twists(self, p: Array, theta: Array) -> tuple[Array, Array]:
+        """`poses`, and the spatial twists (K, 6, P) of their derivatives: Ad of each factor's pose."""
+        b, a, _, d, _, _ = self.split(p)
+        places, A, K = self.places, self.arm.coupling.A, len(theta)
+        x = self.joints(p, theta) @ A.T
+        g = np.broadcast_to(self.base @ exp(b), (K, 4, 4))
+        moved, turned = [adjoint_of(g) @ _right_jacobian(b)], []
+        axes = []
+        for i, (F, xi) in enumerate(zip(places, self.arm.screws.T, strict=True)):
+            t = adjoint_of(inverse_of(F)) @ xi
+            g = g @ F @ exp(d[i])
+            carried = adjoint_of(g)
+            axes.append((carried @ _right_jacobian(d[i]))[:, :, self._across[i]])
+            turned.append(carried @ t)
+            g = g @ exp(t, x[:, i]) @ inverse_of(F)
+        g = g @ self.arm.home @ self.tool @ exp(a)
+        moved.append(adjoint_of(g) @ _right_jacobian(a))
+        J = np.stack(turned, axis=-1) @ A
+        parts = [*moved, J, *axes]
+        if self.scales:
+            parts.append(J * theta[:, None])
+        if self.eccentric:
+            parts += [J * np.sin(theta)[:, None], J * np.cos(theta)[:, None]]
+        return g, np.concatenate(parts, axis=-1)
+
+    def corrected(self, p: Array) -> tuple[Array, Array]:
+        """Space screws (6, m) and home (4, 4) of the arm with moved axes and zeros, without base and tool."""
+        _, _, z, d, _, _ = self.split(p)
+        screws, g, shift = np.empty_like(self.arm.screws), np.eye(4), self.arm.coupling.A @ z
+        for i, (F, xi) in enumerate(zip(self.places, self.arm.screws.T, strict=True)):
+            g = g @ F @ exp(d[i])
+            t = adjoint_of(inverse_of(F)) @ xi
+            screws[:, i] = adjoint_of(g) @ t
+            g = g @ exp(t, shift[i]) @ inverse_of(F)
+        return screws, g @ self.arm.home
+
+    def displacements(self, p: Array) -> Array:
+        """What multiplies each joint's frame at rest from the left, (m, 4, 4): the axis moved, then the zero."""
+        _, _, z, d, _, _ = self.split(p)
+        zeros = exp(self.arm.screws.T, self.arm.coupling.A @ z)
+        F = self.places
+        return F @ exp(d) @ inverse_of(F) @ zeros
+
+
+def _right_jacobian(xi: Array) -> Array:
+    """J (6, 6) with e^{ξ + δ} = e^ξ e^{J δ}: I − ad/2 + ad²/6, for small ξ. Chirikjian 2011, §10.7."""
+    ad = np.zeros((6, 6))
+    ad[:3, :3] = ad[3:, 3:] = skew(xi[3:])
+    ad[:3, 3:] = skew(xi[:3])
+    series: Array = np.eye(6) - ad / 2 + ad @ ad / 6
+    return series

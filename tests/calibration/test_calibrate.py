@@ -1,0 +1,149 @@
+"""Calibration by simulated truth: what was put into an arm is found in its log."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from family_arms import family_arm
+from twistarm import InputError, load_arm
+from twistarm.calibration import Measurements, calibrate, corrected_urdf, read_measurements
+from twistarm.calibration.geometry import Geometry
+from twistarm.theory import poe
+from twistarm.theory.screws import adjoint, exp
+
+NOISE = 5e-5
+
+
+def moved(arm, rng, size=1.0):
+    """The arm with every screw carried along by a small motion of its own (Okamura & Park), and a moved home."""
+    d = rng.normal(scale=[5e-4] * 3 + [2e-3] * 3, size=(arm.screws.shape[1] + 1, 6)) * size
+    screws = np.stack([adjoint(exp(each)) @ xi for each, xi in zip(d, arm.screws.T, strict=False)], axis=1)
+    return screws, exp(d[-1]) @ arm.home
+
+
+def away(rng):
+    """The base in the frame of a tracker."""
+    return exp(np.r_[rng.normal(size=3), rng.normal(size=3)])
+
+
+@pytest.fixture(scope="module", params=["rover_arm", "family"])
+def log(request):
+    rng = np.random.default_rng(3)
+    arm = load_arm("rover_arm") if request.param == "rover_arm" else family_arm("parallel 2-3-4")
+    screws, home = moved(arm, rng)
+    base, theta = away(rng), arm.random_theta(rng, 150)
+    true = lambda x: base @ poe.fk(screws, home, x @ arm.coupling.A.T)  # noqa: E731
+    positions = true(theta)[:, :3, 3] + rng.normal(scale=NOISE, size=(150, 3))
+    return arm, theta, positions, true
+
+
+def test_the_corrected_arm_predicts_what_was_not_measured(log):
+    arm, theta, positions, true = log
+    r = calibrate(arm, Measurements(theta, positions), position_noise=NOISE)
+    fresh = arm.random_theta(99, 300)
+    error = np.linalg.norm(r.predict(fresh) - true(fresh)[:, :3, 3], axis=1)
+    assert error.max() < 5 * NOISE
+    assert r.confirmed
+    assert r.held_out < 2.5 * NOISE < r.held_out_before / 4
+    assert not r.outliers
+    assert not r.warnings
+    assert np.allclose((r.base @ r.arm.fk(fresh) @ r.tool)[:, :3, 3], r.predict(fresh), atol=1e-12)
+
+
+def test_parameters_come_back_within_their_deviations(log):
+    arm, theta, positions, _ = log
+    first = calibrate(arm, Measurements(theta, positions), position_noise=NOISE)
+    geometry, rng = first.problem.geometry, np.random.default_rng(8)
+    size = np.array([5e-4 if e.parameter.unit == "m" else 2e-3 for e in first.estimates])
+    truth = np.where([e.seen for e in first.estimates], rng.normal(scale=size), 0.0)
+    truth[:12] = 0.0
+    positions = geometry.poses(truth, theta)[:, :3, 3] + rng.normal(scale=NOISE, size=theta[:, :3].shape)
+    r = calibrate(arm, Measurements(theta, positions), position_noise=NOISE)
+    seen = [(e.value - t) / e.std for e, t in list(zip(r.estimates, truth, strict=True))[12:] if e.seen]
+    assert np.abs(seen).max() < 3.5
+    assert np.sqrt(np.mean(np.square(seen))) < 1.4
+    assert all(e.value == 0.0 for e in r.estimates if not e.seen)
+
+
+def test_derivatives_are_those_of_finite_differences():
+    arm, rng = family_arm("SCARA, slide last"), np.random.default_rng(0)
+    geometry = Geometry(arm, away(rng), np.eye(4), scales=True, eccentric=True)
+    p = rng.normal(scale=1e-2, size=len(geometry.parameters))
+    theta, h = arm.random_theta(1, 3), 1e-6
+    g, V = geometry.poses_and_twists(p, theta)
+    for j, step in enumerate(h * np.eye(len(p))):
+        slope = (geometry.poses(p + step, theta) - geometry.poses(p - step, theta)) / (2 * h)
+        twist = slope @ np.linalg.inv(g)
+        found = np.stack(
+            [*np.moveaxis(twist[:, :3, 3], -1, 0), twist[:, 2, 1], twist[:, 0, 2], twist[:, 1, 0]], axis=-1
+        )
+        assert np.allclose(found, V[:, :, j], atol=1e-6), geometry.parameters[j]
+
+
+def test_mixed_measurements_rest_touch_and_reach(log):
+    arm, theta, positions, true = log
+    if arm.description is None:
+        pytest.skip("one arm is enough")
+    anchor, K = np.array([0.1, 0.2, 0.3]), 40
+    far = arm.random_theta(50, K)
+    length = np.linalg.norm(true(far)[:, :3, 3] - anchor, axis=1)
+    both = Measurements(
+        np.vstack([theta, far]),
+        np.vstack([positions, np.full((K, 3), np.nan)]),
+        wire=("",) * len(theta) + ("nail",) * K,
+        length=np.r_[np.full(len(theta), np.nan), length],
+    )
+    r = calibrate(arm, both, position_noise=NOISE)
+    assert np.allclose(r.places["nail"], anchor, atol=5e-4)
+
+
+def test_an_outlier_and_a_base_that_moved_are_named(log):
+    arm, theta, positions, _ = log
+    spoilt = positions.copy()
+    spoilt[7] += 0.02
+    assert calibrate(arm, Measurements(theta, spoilt), position_noise=NOISE).outliers == (8,)
+    spoilt[80:] += [0.003, 0.0, 0.001]
+    (said,) = calibrate(arm, Measurements(theta, spoilt), position_noise=NOISE).warnings
+    assert "moved near row" in said
+    assert abs(int(said.split("near row ")[1].split(":")[0]) - 81) < 12
+
+
+def test_bad_logs_are_refused_or_named(tmp_path):
+    arm = load_arm("rover_arm")
+    theta = arm.random_theta(0, 40)
+    p = arm.fk(theta)[:, :3, 3]
+    with pytest.raises(InputError, match="millimetres"):
+        calibrate(arm, Measurements(theta, 1000 * p))
+    with pytest.raises(InputError, match="degrees"):
+        calibrate(arm, Measurements(np.degrees(theta), p))
+    with pytest.raises(InputError, match="more rows"):
+        calibrate(arm, Measurements(theta[:3], p[:3]))
+    still = theta.copy()
+    still[:, 2] = 0.3
+    locked = calibrate(arm, Measurements(still, arm.fk(still)[:, :3, 3]))
+    assert arm.joint_names[2] in locked.warnings[0]
+    assert not locked.confirmed
+    units = {"rad": "deg", "m": "mm"}
+    joints = [f"{name} [{units[unit]}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)]
+    header = ",".join([*joints, "x [mm]", "y [mm]", "z [mm]"])
+    scale = np.where(np.array(arm.units) == "rad", 180 / np.pi, 1000.0)
+    np.savetxt(tmp_path / "log.csv", np.hstack([theta * scale, 1000 * p]), delimiter=",", header=header, comments="")
+    read = read_measurements(tmp_path / "log.csv", arm)
+    assert np.allclose(read.theta, theta)
+    assert np.allclose(read.positions, p)
+
+
+def test_the_corrected_urdf_is_the_corrected_arm(log, tmp_path):
+    arm, theta, positions, _ = log
+    r = calibrate(arm, Measurements(theta, positions), position_noise=NOISE)
+    if arm.description is None:
+        with pytest.raises(InputError, match="description"):
+            corrected_urdf(r)
+        return
+    (tmp_path / "corrected.urdf").write_text(corrected_urdf(r), encoding="utf-8")
+    again = load_arm(tmp_path / "corrected.urdf", base=arm.base, tip=arm.tip_link)
+    fresh = arm.random_theta(4, 50)
+    assert np.allclose(again.fk(fresh) @ arm.tool, r.arm.fk(fresh), atol=1e-9)
+    with pytest.raises(InputError, match="do not confirm"):
+        corrected_urdf(replace(r, held_out=1.0))
