@@ -105,7 +105,11 @@ GOOD: dict[str, Any] = {
 }  # fmt: skip
 """An example of each argument, by its name."""
 
+MEASURED = calibration.Measurements(ARM.random_theta(0, 40), ARM.fk(ARM.random_theta(0, 40))[:, :3, 3])
+
 BY_CALL: dict[str, dict[str, Any]] = {
+    "calibrate": {"measurements": MEASURED},
+    "corrected_urdf": {"calibration": calibration.calibrate(ARM, MEASURED)},
     "Arm.theta_from": {"values": ARM.joint_names, "numbers": [0.0] * N, "name": "theta"},
     "Arm.pose": {"frame": "tool0"},
     "Arm.random_theta": {"size": None},

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, as_flag, as_positive, as_theta, require_choice
+from ..support.checks import Array, as_flag, as_positive, as_theta, require, require_choice
 from ..support.display import told
 from ..support.errors import InputError
 from ..theory.screws import exp
@@ -151,7 +150,7 @@ def calibrate(
     tool: Frame = "fit",
     position_noise: float = 1e-4,
     orientation_noise: float = 1e-3,
-    distances: Mapping[tuple[str, str], float] | None = None,
+    distances: dict[tuple[str, str], float] | None = None,
     scales: bool = False,
     eccentricity: bool = False,
     robust: bool = True,
@@ -199,9 +198,10 @@ def calibrate(
     return _result(problem, q, seen, weights, first, held, said)
 
 
-def _distances(distances: Mapping[tuple[str, str], float] | None, log: Measurements) -> dict[tuple[str, str], float]:
+def _distances(distances: dict[tuple[str, str], float] | None, log: Measurements) -> dict[tuple[str, str], float]:
     known = {}
-    for pair, length in (distances or {}).items():
+    given = {} if distances is None else require(distances, dict, "distances", '{("left", "right"): 0.05}')
+    for pair, length in given.items():
         if not isinstance(pair, tuple) or len(pair) != 2 or not set(pair) <= set(log.point) or pair[0] == pair[1]:
             raise InputError(f"distances must be {{(point, point): metres}} of the log's points; got {pair!r}")
         known[pair] = as_positive(length, f"distance of {pair}")

@@ -11,7 +11,7 @@ from ..description.document import Reading
 from ..description.packages import package_index
 from ..description.source_text import SourceText
 from ..description.urdf import build_description
-from ..support.checks import Array
+from ..support.checks import Array, require
 from ..support.errors import InputError
 from ..theory.rotations import to_rpy
 from ..theory.screws import exp, inverse_of
@@ -31,7 +31,7 @@ def corrected_urdf(calibration: Calibration) -> str:
         InputError: Left-out rows do not confirm the correction, the arm has no description, or joints moved that have
             no origin of their own.
     """
-    arm = calibration.problem.geometry.arm
+    arm = require(calibration, Calibration, "calibration", "as calibrate makes it").problem.geometry.arm
     if not calibration.confirmed:
         raise InputError(
             f"rows left out of the fit do not confirm the correction ({1000 * calibration.held_out:.3g} mm, and "
