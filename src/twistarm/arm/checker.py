@@ -113,10 +113,11 @@ class Checker:
         in 10,000, and the answer depends on the questions before. The usual tolerance reports gaps of 1e-7 m.
         """
         coal = self._pin.coal
+        collision, distance = coal.CollisionRequest(), coal.DistanceRequest()
+        for request in (collision, distance):
+            request.gjk_tolerance, request.gjk_initial_guess = TOLERANCE, coal.GJKInitialGuess.BoundingVolumeGuess
+        collision.distance_upper_bound = 0.0
+        collisions, distances = geometry.collisionRequests, geometry.distanceRequests
         for k, margin in enumerate(self.margins):
-            collision, distance = coal.CollisionRequest(), coal.DistanceRequest()
-            for request in (collision, distance):
-                request.gjk_tolerance, request.gjk_initial_guess = TOLERANCE, coal.GJKInitialGuess.BoundingVolumeGuess
-            collision.security_margin, collision.distance_upper_bound = margin, 0.0
-            distance.enable_contact = True
-            geometry.collisionRequests[k], geometry.distanceRequests[k] = collision, distance
+            collision.security_margin = margin
+            collisions[k], distances[k] = collision, distance  # copies
