@@ -109,6 +109,26 @@ def test_an_outlier_and_a_base_that_moved_are_named(log):
     assert abs(int(said.split("near row ")[1].split(":")[0]) - 81) < 12
 
 
+@pytest.mark.parametrize("name", ["rover_arm", "ur5"])
+def test_swapped_columns_and_a_base_that_moved_far_are_faults_and_nothing_is_written(name):
+    """The rover's mirror image is an arm of its own, so its fit is perfect."""
+    arm = load_arm(name)
+    theta = arm.random_theta(0, 80)
+    p = arm.fk(theta)[:, :3, 3] + np.random.default_rng(1).normal(scale=1e-4, size=(80, 3))
+    pushed = p + np.where(np.arange(80) < 40, 0.0, 0.02)[:, None]
+    first, second = arm.joint_names[:2]
+    for log, words in (
+        (Measurements(theta, p[:, [1, 0, 2]]), "two of x, y, z look swapped"),
+        (Measurements(theta[:, [1, 0, *range(2, arm.n)]], p), f"the columns {first} and {second} look swapped"),
+        (Measurements(theta, pushed), "moved near row 41"),
+    ):
+        r = calibrate(arm, log)
+        assert words in r.faults[0]
+        assert not r.confirmed
+        with pytest.raises(InputError, match="does not give a correction"):
+            corrected_urdf(r)
+
+
 def test_bad_logs_are_refused_or_named(tmp_path):
     arm = load_arm("rover_arm")
     theta = arm.random_theta(0, 40)

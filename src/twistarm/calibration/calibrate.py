@@ -48,7 +48,7 @@ class Calibration:
     in the frame of the measurements, and the measured point beyond the tip. `estimates` are all parameters. `before`,
     `after` and `held_out` are mean errors [m]: with base and tool fitted alone, with all, and on rows that were left
     out of the fit; `held_out_before` is that with base and tool alone. `outliers` are rows, from 1. `errors` (K,) [m]
-    are those of the rows. `warnings` say what is wrong with the log.
+    are those of the rows. `warnings` say what is odd about the log. `faults` are those that spoil the correction.
     """
 
     arm: Arm
@@ -62,6 +62,7 @@ class Calibration:
     outliers: tuple[int, ...]
     errors: Array
     warnings: tuple[str, ...]
+    faults: tuple[str, ...]
     covariance: Array = field(repr=False)
     problem: Problem = field(repr=False)
     unknowns: Array = field(repr=False)
@@ -72,8 +73,8 @@ class Calibration:
 
     @property
     def confirmed(self) -> bool:
-        """Rows that were not fitted confirm the correction."""
-        return self.held_out < SURE * self.held_out_before
+        """Rows that were not fitted confirm the correction, and the log has no faults."""
+        return not self.faults and self.held_out < SURE * self.held_out_before
 
     @property
     def unseen(self) -> tuple[Parameter, ...]:
@@ -295,7 +296,7 @@ def _result(
     corrected = replace(
         geometry.arm, screws=screws, home=home, description=None, moving_names=geometry.arm.moving_names
     )
-    errors = _errors(problem, q)
+    errors, faults = _errors(problem, q), suspicions(problem, q, first)
     return Calibration(
         arm=corrected,
         base=geometry.base @ exp(q[:6]),
@@ -307,7 +308,8 @@ def _result(
         held_out_before=held[1],
         outliers=tuple((outliers + 1).tolist()),
         errors=errors,
-        warnings=(*said, *suspicions(problem, q)),
+        warnings=(*said, *faults),
+        faults=faults,
         covariance=covariance,
         problem=problem,
         unknowns=q,

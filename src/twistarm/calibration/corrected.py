@@ -28,10 +28,12 @@ def corrected_urdf(calibration: Calibration) -> str:
     The copy is read again, and its screws and home must be those of `calibration.arm`.
 
     Raises:
-        InputError: Left-out rows do not confirm the correction, the arm has no description, or joints moved that have
-            no origin of their own.
+        InputError: The log has faults, left-out rows do not confirm the correction, the arm has no description, or
+            joints moved that have no origin of their own.
     """
     arm = require(calibration, Calibration, "calibration", "as calibrate makes it").problem.geometry.arm
+    if calibration.faults:
+        raise InputError(f"the log does not give a correction: {calibration.faults[0]}")
     if not calibration.confirmed:
         raise InputError(
             f"rows left out of the fit do not confirm the correction ({1000 * calibration.held_out:.3g} mm, and "

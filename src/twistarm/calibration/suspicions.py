@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 
 from ..support.checks import Array
@@ -12,6 +14,9 @@ from .problem import Problem, kabsch
 
 MOVED = 6.0
 """A base that moved lowers the squares by more than so many times what six more parameters do by chance."""
+
+FAR_TILT, FAR_SHIFT = 0.2, 0.1
+"""An axis that would tilt by more [rad], or move by more reaches, is no matter of tolerances."""
 
 LEAST_PART = 6
 """Rows on each side of the moment when a base moved."""
@@ -70,36 +75,45 @@ def _collapsing(problem: Problem) -> tuple[str, ...]:
     return ("points at rest do not show the arm's size: give the distance of two of them",)
 
 
-def suspicions(problem: Problem, q: Array) -> tuple[str, ...]:
-    """What the fit shows to be wrong: residuals that no arm has, and a base that moved."""
+def suspicions(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
+    """What the fit q (Q,) shows to be wrong: residuals or corrections that no arm has, and a base that moved.
+
+    `first` (Q,) are the unknowns with base and tool fitted alone.
+    """
     rms = float(np.linalg.norm(problem.misses(q)[0][:, :3], axis=1).mean())
-    reach = problem.geometry.arm.reach
+    reach, odd = problem.geometry.arm.reach, ""
+    axes = np.abs(problem.geometry.split(q[: len(problem.geometry.parameters)])[3])
+    tilt, shift = float(axes[:, 3:].max()), float(axes[:, :3].max())
     if rms > 0.03 * reach:
-        return (f"nothing fits: {1000 * rms:.0f} mm are left in the mean; {_swapped(problem)}",)
-    return _moved_base(problem, q)
+        odd = f"nothing fits: {1000 * rms:.0f} mm are left in the mean"
+    elif tilt > FAR_TILT or shift > FAR_SHIFT * reach:
+        odd = f"axes would move by up to {np.degrees(tilt):.0f}° and {1000 * shift:.0f} mm, more than an arm is out"
+    swapped = _swapped(problem) if odd else ""
+    if swapped:
+        return (f"{odd}; {swapped}",)
+    moved = _moved_base(problem, q) or _moved_base(problem, first)
+    return moved or ((f"{odd}; are columns swapped, signs reversed, or units mixed?",) if odd else ())
 
 
 def _swapped(problem: Problem) -> str:
-    """The exchange of two columns that explains the log, if one does."""
+    """The exchange of two columns that halves what a base alone leaves; else an empty text."""
     log, arm = problem.log, problem.geometry.arm
-    located, best, said = log.located, np.inf, "are columns swapped, signs reversed, or units mixed?"
-    if located.sum() < 4:
-        return said
-    for i in range(arm.n):
-        for j in range(i + 1, arm.n):
-            theta = log.theta.copy()
-            theta[:, [i, j]] = theta[:, [j, i]]
-            p, m = arm.fk(theta)[located, :3, 3], log.positions[located]
-            g = kabsch(p, m)
-            left = float(np.linalg.norm(p @ g[:3, :3].T + g[:3, 3] - m, axis=1).mean())
-            if left < best:
-                best, names = left, (arm.joint_names[i], arm.joint_names[j])
-    p = arm.fk(log.theta)[located, :3, 3]
-    mirrored = m * [-1.0, 1.0, 1.0]
-    g = kabsch(p, mirrored)
-    if float(np.linalg.norm(p @ g[:3, :3].T + g[:3, 3] - mirrored, axis=1).mean()) < best:
-        return "two of x, y, z look swapped, or one has the wrong sign"
-    return f"the columns {names[0]} and {names[1]} look swapped" if best < 0.1 * arm.reach else said
+    if log.located.sum() < 4:
+        return ""
+    m = log.positions[log.located]
+
+    def left(theta: Array, m: Array) -> float:
+        p = arm.fk(theta)[log.located, :3, 3]
+        g = kabsch(p, m)
+        return float(np.linalg.norm(p @ g[:3, :3].T + g[:3, 3] - m, axis=1).mean())
+
+    found = {"two of x, y, z look swapped, or one has the wrong sign": left(log.theta, m * [-1.0, 1.0, 1.0])}
+    for i, j in combinations(range(arm.n), 2):
+        theta = log.theta.copy()
+        theta[:, [i, j]] = theta[:, [j, i]]
+        found[f"the columns {arm.joint_names[i]} and {arm.joint_names[j]} look swapped"] = left(theta, m)
+    words = min(found, key=lambda each: found[each])
+    return words if found[words] < 0.5 * left(log.theta, m) else ""
 
 
 def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
@@ -120,7 +134,8 @@ def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
         for c in cuts
     ]
     best = int(np.argmax(gains))
-    left = max(float((r * r).sum()) - float(gains[best]), 1e-30) / (3 * len(at))
+    # What is left is at least the noise: less than that shows nothing.
+    left = max((float((r * r).sum()) - float(gains[best])) / (3 * len(at)), float(np.median(problem.sigma)) ** 2)
     if gains[best] / 12 < MOVED * left or gains[best] < 0.3 * (r * r).sum():
         return ()
     return (f"the base or the tracker seems to have moved near row {int(at[cuts[best]]) + 1}: fit the parts alone",)

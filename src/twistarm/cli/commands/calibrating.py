@@ -99,7 +99,7 @@ def _print(found: Calibration, words: Any) -> None:
         say(f"rows that do not fit: {', '.join(map(str, found.outliers))}", file=words)
     for warning in found.warnings:
         say(f"warning: {warning}", file=words)
-    say("confirmed" if found.confirmed else "not confirmed by rows left out", file=words)
+    say("confirmed" if found.confirmed else "not confirmed", file=words)
 
 
 def _amounts(estimate: Estimate) -> tuple[str, str, str]:
