@@ -25,6 +25,7 @@ def collisions_entry(scene: Scene) -> dict[str, Any]:
     """What a golden file keeps: the allowed pairs with their reasons, and the share in which each pair collides."""
     shares = collision_shares(scene, scene.arm.random_theta(0, SAMPLES))
     return {
+        "exact": scene.exact,
         "allowed": [[*pair, reason] for pair, reason in sorted(scene.allowed.items())],
         "shares": [[*pair, share] for pair, share in sorted(shares.items())],
     }
@@ -34,7 +35,7 @@ def collision_changes(entry: Mapping[str, Any], then: Arm, arm: Arm) -> Iterator
     """The pairs of links that collide more or less often than at the time of `entry`, at the same configurations."""
     reasons = {(a, b): reason for a, b, reason in entry["allowed"]}
     before = {(a, b): share for a, b, share in entry["shares"]}
-    now = collision_shares(Scene(arm), then.random_theta(0, SAMPLES))
+    now = collision_shares(Scene(arm, exact=entry["exact"]), then.random_theta(0, SAMPLES))
     for pair in sorted({*before, *now}):
         was, share = before.get(pair, 0.0), now.get(pair, 0.0)
         if abs(share - was) > SAME_SHARE:

@@ -74,7 +74,7 @@ class Scene:
     `allowed` are the pairs of links that are not checked, with their reasons: the SRDF's, or those of
     `collision.allowed_pairs`. Obstacles are checked against every link that can move relative to them.
 
-    `file` is the file that the scene was loaded from or saved to, or None.
+    `file` is the file that the scene was loaded from or saved to, or None. `exact` tells whether meshes are kept.
     """
 
     def __init__(
@@ -103,9 +103,9 @@ class Scene:
         self.arm = arm
         self._description, self._model, self._shape = description, arm.pinocchio, (arm.n,)
         self._margin = _margins(margin)
-        self._exact = as_flag(exact, "exact")
+        self.exact = as_flag(exact, "exact")
         self._progress = require_callback(progress, "progress", "(fraction)")
-        with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
+        with Shapes(import_pinocchio().coal, exact=self.exact) as shapes:
             self._links = tuple(shapes.of_links(description, arm.reach))
             self._unreadable: Mapping[str, list[str]] = shapes.unreadable
         self._obstacles: dict[str, Body] = {}
@@ -205,7 +205,7 @@ class Scene:
         Raises:
             InputError: The arm lacks a link that the scene names.
         """
-        scene = Scene(arm, margin=self._margin, exact=self._exact, progress=progress)
+        scene = Scene(arm, margin=self._margin, exact=self.exact, progress=progress)
         scene._fill(self.content())
         scene.file = self.file
         return scene
@@ -610,7 +610,7 @@ class Scene:
         sizes = tuple(as_positive(number, what) for number in numbers.tolist())
         if max(sizes, default=0.0) > LARGEST:
             raise InputError(f"{what} must be at most {LARGEST:g} m; got {max(sizes):g}: lengths are in metres")
-        with Shapes(import_pinocchio().coal, exact=self._exact) as shapes:
+        with Shapes(import_pinocchio().coal, exact=self.exact) as shapes:
             if kind == "plane":
                 return shapes.half_space(), sizes
             if isinstance(mesh, Triangles):
