@@ -71,7 +71,7 @@ def test_derivatives_are_those_of_finite_differences():
     geometry = Geometry(arm, away(rng), np.eye(4), scales=True, eccentric=True)
     p = rng.normal(scale=1e-2, size=len(geometry.parameters))
     theta, h = arm.random_theta(1, 3), 1e-6
-    g, V = geometry.poses_and_twists(p, theta)
+    g, V = geometry.poses(p, theta), geometry.twists(p, theta)
     for j, step in enumerate(h * np.eye(len(p))):
         slope = (geometry.poses(p + step, theta) - geometry.poses(p - step, theta)) / (2 * h)
         twist = slope @ np.linalg.inv(g)
@@ -151,7 +151,7 @@ def test_bad_logs_are_refused_or_named(tmp_path):
     np.savetxt(tmp_path / "log.csv", np.hstack([theta * scale, 1000 * p]), delimiter=",", header=header, comments="")
     read = read_measurements(tmp_path / "log.csv", arm)
     assert np.allclose(read.theta, theta)
-    assert np.allclose(read.positions, p)
+    assert np.allclose(read.position, p)
 
 
 def test_the_corrected_urdf_is_the_corrected_arm(log, tmp_path):
@@ -165,5 +165,5 @@ def test_the_corrected_urdf_is_the_corrected_arm(log, tmp_path):
     again = load_arm(tmp_path / "corrected.urdf", base=arm.base, tip=arm.tip_link)
     fresh = arm.random_theta(4, 50)
     assert np.allclose(again.fk(fresh) @ arm.tool, r.arm.fk(fresh), atol=1e-9)
-    with pytest.raises(InputError, match="do not confirm"):
+    with pytest.raises(InputError, match="measure more, or better"):
         corrected_urdf(replace(r, held_out=1.0))

@@ -33,8 +33,7 @@ def refuse_unusable(problem: Problem, unknowns: int) -> tuple[str, ...]:
     locked = [name for name, moved in zip(arm.joint_names, np.ptp(log.theta, axis=0), strict=True) if moved < 1e-6]
     if locked:
         said.append(f"{listed(locked)} never moves: its zero and axis cannot be told from the others")
-    _, J = problem.residual(problem.first)
-    scalars = int((J != 0).any(axis=-1).sum()) + len(problem.distances)
+    scalars = int(problem.measured.sum()) + len(problem.distances)
     places = 3 * len(problem.places)
     if scalars < places + 12:
         raise InputError(
@@ -49,7 +48,7 @@ def refuse_unusable(problem: Problem, unknowns: int) -> tuple[str, ...]:
 
 def _require_metres(problem: Problem) -> None:
     log, reach = problem.log, problem.geometry.arm.reach
-    spread = float(np.ptp(log.positions[log.located], axis=0).max()) if log.located.any() else 0.0
+    spread = float(np.ptp(log.position[log.located], axis=0).max()) if log.located.any() else 0.0
     if spread > 20.0 * reach:
         raise InputError(
             f"the positions lie {spread:.4g} m apart, and the arm reaches {reach:.3g} m: they look like millimetres; "
@@ -59,11 +58,11 @@ def _require_metres(problem: Problem) -> None:
 
 def _twice(problem: Problem) -> tuple[str, ...]:
     log = problem.log
-    rows = np.column_stack([log.theta, np.nan_to_num(log.positions), np.nan_to_num(log.lengths)])
+    rows = np.column_stack([log.theta, np.nan_to_num(log.position), np.nan_to_num(log.length)])
     names = [hash((a, b, c)) % 2**31 for a, b, c in zip(log.point, log.plane, log.wire, strict=True)]
     _, first, count = np.unique(np.column_stack([rows, names]), axis=0, return_index=True, return_counts=True)
-    again = np.sort(first[count > 1]) + 1
-    return (f"rows stand there twice, the first of them row {again[0]}: they count twice",) if again.size else ()
+    again = np.sort(first[count > 1])
+    return (f"rows stand there twice, the first of them {log.label[again[0]]}: they count twice",) if again.size else ()
 
 
 def _collapsing(problem: Problem) -> tuple[str, ...]:
@@ -80,7 +79,7 @@ def suspicions(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
 
     `first` (Q,) are the unknowns with base and tool fitted alone.
     """
-    rms = float(np.linalg.norm(problem.misses(q)[0][:, :3], axis=1).mean())
+    rms = float(np.linalg.norm(problem.misses(q)[:, :3], axis=1).mean())
     reach, odd = problem.geometry.arm.reach, ""
     axes = np.abs(problem.geometry.split(q[: len(problem.geometry.parameters)])[3])
     tilt, shift = float(axes[:, 3:].max()), float(axes[:, :3].max())
@@ -100,7 +99,7 @@ def _swapped(problem: Problem) -> str:
     log, arm = problem.log, problem.geometry.arm
     if log.located.sum() < 4:
         return ""
-    m = log.positions[log.located]
+    m = log.position[log.located]
 
     def left(theta: Array, m: Array) -> float:
         p = arm.fk(theta)[log.located, :3, 3]
@@ -121,10 +120,10 @@ def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
     at = np.flatnonzero(problem.log.located)
     if len(at) < 4 * LEAST_PART:
         return ()
-    r = problem.misses(q)[0][at, :3]
+    r = problem.misses(q)[at, :3]
     size = np.linalg.norm(r, axis=1)
     r = r * np.minimum(1.0, np.quantile(size, 0.75) / np.maximum(size, 1e-12))[:, None]  # an outlier counts as others
-    p = problem.log.positions[at] - problem.log.positions[at].mean(axis=0)
+    p = problem.log.position[at] - problem.log.position[at].mean(axis=0)
     A = np.concatenate([np.broadcast_to(np.eye(3), (len(at), 3, 3)), -skew(p)], axis=2)
     H, b = np.cumsum(np.einsum("kij,kil->kjl", A, A), axis=0), np.cumsum(np.einsum("kij,ki->kj", A, r), axis=0)
     cuts = np.unique(np.linspace(LEAST_PART, len(at) - LEAST_PART, 60).astype(int))
@@ -138,4 +137,5 @@ def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
     left = max((float((r * r).sum()) - float(gains[best])) / (3 * len(at)), float(np.median(problem.sigma)) ** 2)
     if gains[best] / 12 < MOVED * left or gains[best] < 0.3 * (r * r).sum():
         return ()
-    return (f"the base or the tracker seems to have moved near row {int(at[cuts[best]]) + 1}: fit the parts alone",)
+    near = problem.log.label[at[cuts[best]]]
+    return (f"the base or the tracker seems to have moved near {near}: fit the parts alone",)
