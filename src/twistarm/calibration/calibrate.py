@@ -17,7 +17,7 @@ from .calibration import Calibration, Estimate
 from .geometry import Geometry
 from .measurements import Bools, Measurements, Rows, joined, read_measurements
 from .problem import LOUD, MOST_STD, Problem, descend, shown, started
-from .suspicions import refuse_unusable, suspicions
+from .suspicions import doubts, refuse_unusable, suspicions
 
 Frame = Literal["fit", "held"]
 Log = Measurements | str | os.PathLike[str]
@@ -36,6 +36,7 @@ def calibrate(
     position_noise: float = 1e-4,
     orientation_noise: float = 1e-3,
     distances: dict[tuple[str, str], float] | None = None,
+    distance_noise: float = 1e-4,
     scales: bool = False,
     eccentricity: bool = False,
     robust: bool = True,
@@ -58,6 +59,7 @@ def calibrate(
         position_noise: Standard deviation of rows without their own [m].
         orientation_noise: Standard deviation of measured orientations [rad].
         distances: Known distances {(point, point): m} between resting points.
+        distance_noise: Standard deviation of each of them [m].
         scales: Fit a scale of each joint's drive too.
         eccentricity: Fit sine and cosine of each joint's angle too, as an eccentric gear gives.
         robust: Weigh outliers down (Cauchy's loss).
@@ -76,9 +78,10 @@ def calibrate(
     log = _read(arm, measurements)
     geometry = Geometry(arm, np.eye(4), np.eye(4), as_flag(scales, "scales"), as_flag(eccentricity, "eccentricity"))
     noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")
-    problem, _ = Problem(geometry, log, noise, _distances(distances, log)).placed()
+    known, apart = _distances(distances, log), as_positive(distance_noise, "distance_noise")
+    problem, _ = Problem(geometry, log, noise, known, apart).placed()
     fitted = _fitted(problem, base == "fit", tool == "fit")
-    said = refuse_unusable(problem, int(fitted.sum()))
+    said = refuse_unusable(problem, fitted)
     problem, q = started(problem, bool(fitted[:6].any()), fitted[6:12])
     weights = np.ones(len(log.theta))
     seen = _shown(problem, q, fitted)
@@ -88,10 +91,10 @@ def calibrate(
     frames[12 : problem.P] = False
     first = descend(problem, q, frames, robust=as_flag(robust, "robust"))[0]
     q, weights = descend(problem, first, seen, robust=robust)
-    faults = suspicions(problem, q, first)
-    held: dict[str, tuple[float, ...]] = {"folds": (np.inf, np.inf), "block": (np.inf, np.inf)}
+    faults, said = suspicions(problem, q, first), (*said, *doubts(problem, q, seen))
+    held = {"folds": (np.inf, np.inf), "block": (np.inf, np.inf)}
     if not faults:
-        held = {part: _held_out(problem, ((q, seen), (first, frames)), left, robust) for part, left in _parts(problem)}
+        held = {part: _held_out(problem, first, seen, left, robust) for part, left in _parts(problem)}
     return _result(problem, q, seen, weights, first, held, said, faults)
 
 
@@ -130,7 +133,7 @@ def _shown(problem: Problem, q: Array, fitted: Bools) -> Bools:
     order[12 : problem.P] /= FIRST
     order[12 : 12 + problem.geometry.arm.n] *= BEFORE_AXES
     most = np.array([MOST_STD[parameter.unit] for parameter in problem.parameters])
-    return shown(problem.slopes(q, np.ones(len(problem.log.theta))), order, most)
+    return shown(problem.slopes(q, np.ones(len(problem.log.theta)))[: -len(q)], order, most)
 
 
 def _errors(problem: Problem, q: Array) -> Array:
@@ -141,38 +144,46 @@ def _errors(problem: Problem, q: Array) -> Array:
 def _parts(problem: Problem) -> tuple[tuple[str, list[Rows]], ...]:
     """The rows that are left out of a fit in turn: folds, and the far end of the workspace, or of the joints.
 
-    Folds are random, or whole places where there are three and no positions.
+    Folds are random. Without positions they are places, those with a known distance together, if there are several.
     """
     K, located = len(problem.log.theta), problem.log.located
     fold = np.random.default_rng(0).permutation(K) % min(FOLDS, K)
-    if not located.any() and len(problem.places) > 2:
-        fold = problem.place % FOLDS
+    group = np.arange(len(problem.places))
+    for a, b in problem.distances:
+        i, j = problem.places.index(("point", a)), problem.places.index(("point", b))
+        group[group == group[j]] = group[i]
+    if not located.any() and len(np.unique(group)) > 1:
+        fold = np.unique(group, return_inverse=True)[1][problem.place] % FOLDS
     where = problem.log.position if located.all() else problem.log.theta
     along = where @ np.linalg.svd(where - where.mean(axis=0), full_matrices=False)[2][0]
     far = np.flatnonzero(along > np.quantile(along, 1.0 - BLOCK))
     return ("folds", [np.flatnonzero(fold == k) for k in np.unique(fold)]), ("block", [far])
 
 
-def _held_out(
-    problem: Problem, fits: tuple[tuple[Array, Bools], ...], parts: list[Rows], robust: bool
-) -> tuple[float, ...]:
-    """The mean error [m] on rows left out, of each fit: its unknowns and the free ones.
+def _held_out(problem: Problem, first: Array, seen: Bools, parts: list[Rows], robust: bool) -> tuple[float, float]:
+    """The mean error [m] on rows left out: with all that their rest shows, and with base and tool alone.
 
-    A place that the rest does not have is fitted to the rows left out. The loudest percent of the rows does not count,
-    because an outlier tells nothing of the arm.
+    Each fit begins at the unknowns with base and tool alone. A place that the rest does not have is fitted to the rows
+    left out. The loudest percent of the rows does not count, because an outlier tells nothing of the arm. Infinity: a
+    rest has no more numbers than unknowns.
     """
-    K, P, place = len(problem.log.theta), problem.P, problem.place
-    errors = np.full((len(fits), K), np.nan)
+    K, P = len(problem.log.theta), problem.P
+    errors = np.full((2, K), np.nan)
     for left in parts:
-        rest = np.setdiff1d(np.arange(K), left)
-        new = np.isin(np.arange(len(problem.places)), place[rest], invert=True)
-        for i, (q, free) in enumerate(fits):
-            own = np.zeros(len(q), dtype=bool)
-            own[P:] = np.repeat(new, 3)
-            fitted = descend(problem.of_rows(rest), q, free & ~own, robust=robust)[0]
+        rest = problem.of_rows(np.setdiff1d(np.arange(K), left))
+        new = np.isin(np.arange(len(problem.places)), rest.place, invert=True)
+        own = np.zeros(len(first), dtype=bool)
+        own[P:] = np.repeat(new, 3)
+        free = _shown(rest, first, seen & ~own)
+        if rest.numbers <= free.sum():
+            return np.inf, np.inf
+        frames = free.copy()
+        frames[12:P] = False
+        q = descend(rest, first, frames, robust=robust)[0]
+        for i, fitted in enumerate((descend(rest, q, free, robust=robust)[0], q)):
             errors[i, left] = _errors(problem, descend(problem.of_rows(left), fitted, own)[0])[left]
-    few = errors[0] <= np.nanquantile(errors[0], 0.99)
-    return tuple(errors[:, few].mean(axis=1).tolist())
+    few = errors[1] <= np.nanquantile(errors[1], 0.99)
+    return float(errors[0, few].mean()), float(errors[1, few].mean())
 
 
 def _covariance(problem: Problem, q: Array, seen: Bools, weights: Array) -> Array:
@@ -191,7 +202,7 @@ def _estimates(problem: Problem, q: Array, seen: Bools, covariance: Array) -> tu
 
 
 def _result(
-    problem: Problem, q: Array, seen: Bools, weights: Array, first: Array, held: dict[str, tuple[float, ...]],
+    problem: Problem, q: Array, seen: Bools, weights: Array, first: Array, held: dict[str, tuple[float, float]],
     said: tuple[str, ...], faults: tuple[str, ...],
 ) -> Calibration:  # fmt: skip
     geometry, loud = problem.geometry, problem.loudness(q)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..support.checks import Array
+from ..support.csv_header import quantity_and_unit
 from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ..support.errors import InputError, closest, listed
 from ..support.files import as_path
@@ -75,17 +76,14 @@ def read_columns(path: str | os.PathLike[str], units: Units, needed: Sequence[st
     header, *rest = rows
     place, at = f"{file}, line {header.line}", dict[str, tuple[int, float]]()
     for i, cell in enumerate(header.cells):
-        name, bracket, unit = (part.strip() for part in cell.partition("["))
-        unit = unit.removesuffix("]")
-        if name not in units:
-            raise InputError(f"{place}: unknown column {name!r}{closest(name, units)}; {wanted}")
+        name, unit = quantity_and_unit(cell.strip(), {name: name for name in units})
+        if name is None:
+            raise InputError(f"{place}: unknown column {cell.strip()!r}{closest(cell.strip(), units)}; {wanted}")
         if name in at:
             raise InputError(f"{place}: column {name!r} stands there twice")
-        if bracket and unit not in units[name]:
-            raise InputError(
-                f"{place}: column {name!r} is in {' or '.join(f'[{u}]' for u in units[name])}; got [{unit}]"
-            )
-        at[name] = i, units[name][unit] if bracket else 1.0
+        if unit and unit not in units[name]:
+            raise InputError(f"{place}: column {name!r} is in [{'], ['.join(units[name])}]; got [{unit}]")
+        at[name] = i, units[name][unit] if unit else 1.0
     missing = [name for name in needed if name not in at]
     if missing:
         raise InputError(f"{place}: no column {listed(missing)}; {wanted}")

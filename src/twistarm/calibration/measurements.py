@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..arm.arm import Arm
 from ..support.checks import Array, as_reals, frozen, require_names
+from ..support.csv_header import FACTORS
 from ..support.display import Brief
 from ..support.errors import InputError
 from ..support.files import as_path
@@ -22,11 +23,6 @@ Rows = NDArray[np.intp]
 
 NUMBERS = {"position": (3,), "rotation": (3, 3), "length": (), "noise": ()}
 NAMES = ("point", "plane", "wire")
-UNITS = {
-    "rad": {"rad": 1.0, "deg": np.pi / 180},
-    "m": {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254},
-    "1": {"1": 1.0},
-}
 
 
 def _none() -> Array:
@@ -117,7 +113,7 @@ def read_measurements(path: str | os.PathLike[str], arm: Arm) -> Measurements:
     """
     lengths = dict.fromkeys((*POSITION, "length", "noise"), "m")
     kinds = dict(zip(arm.joint_names, arm.units, strict=True)) | lengths | dict.fromkeys((*ROTATION, *NAMES), "1")
-    columns = read_columns(path, {name: UNITS[unit] for name, unit in kinds.items()}, arm.joint_names)
+    columns = read_columns(path, {name: FACTORS[unit] for name, unit in kinds.items()}, arm.joint_names)
     if not columns.rows:
         raise InputError(f"{columns.file}: no rows below the names of the columns")
     parts: dict[str, Any] = {name: columns.texts(name) for name in NAMES if name in columns}

@@ -19,14 +19,17 @@ STEPS, HALVINGS = 30, 8
 SETTLED = 1e-4
 """Share of a standard deviation, squared, below which a step ends the descent."""
 
-MOST_STD = {"m": 0.001, "rad": 0.005, "1": 0.01}
-"""Standard deviation by unit beyond which the log does not show a parameter: good arms are out by less."""
+MOST_STD = {"m": 0.003, "rad": 0.01, "1": 0.01}
+"""Standard deviation by unit beyond which the log does not show a parameter: most arms are out by less."""
+
+USUAL = {"shift": 0.002, "tilt": 0.01, "zero": 0.2, "scale": 0.1, "eccentricity": 0.1}
+"""How far joints are out as a rule [m, rad, 1]: what the fit knows before the log."""
 
 DEPENDENT = 1e-6
 """The share of a column's square across the others below which it shows nothing: they are parallel within 0.06°."""
 
-LATER = 0.9
-"""How much less each parameter is preferred than the one before it, so that equals are chosen in their order."""
+ALIKE = 1.25
+"""Columns whose lengths differ by less are as good as each other: the first of them is chosen."""
 
 LOUD = 5.0
 """Standard deviations from which a row is an outlier: of 10,000 rows with normal noise it is none."""
@@ -45,9 +48,9 @@ class Problem:
     log: Measurements
     noise: tuple[float, float]
     distances: Mapping[tuple[str, str], float]
+    distance_noise: float
     places: tuple[tuple[str, str], ...] = ()
     normals: Mapping[str, Array] = field(default_factory=dict)
-    distance_noise: float = 1e-5
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -95,6 +98,11 @@ class Problem:
         turned = np.isfinite(self.log.rotation).all(axis=(1, 2))
         return np.stack([vectors | alone, vectors, vectors, turned, turned, turned], axis=1)
 
+    @property
+    def numbers(self) -> int:
+        """How many numbers were measured."""
+        return int(self.measured.sum()) + len(self.distances)
+
     def misses(self, q: Array) -> Array:
         """Computed minus measured (K, 6) [m, rad], zeros where nothing was measured."""
         return self._misses(q, self.geometry.poses(q[: self.P], self.log.theta))[0]
@@ -129,6 +137,12 @@ class Problem:
     def _scale(self) -> Array:
         return np.repeat(np.stack([1 / self.sigma, np.full(len(self.sigma), 1 / self.noise[1])], axis=1), 3, axis=1)
 
+    @cached_property
+    def _usual(self) -> Array:
+        """1/σ (Q,) of what is known before the log: 0 for base, tool and places."""
+        usual = [1.0 / USUAL[each.what.split()[0]] for each in self.geometry.parameters[12:]]
+        return np.concatenate([np.zeros(12), usual, np.zeros(3 * len(self.places))])
+
     def _known(self, q: Array) -> tuple[Array, Array]:
         """Residuals of the known distances (d,) and (d, Q), in standard deviations."""
         r, J = np.zeros(len(self.distances)), np.zeros((len(self.distances), len(q)))
@@ -144,7 +158,7 @@ class Problem:
     def residual(self, q: Array, weights: Array) -> Array:
         """The stacked residual (N,) in standard deviations, rows weighted by (K,)."""
         r = self.misses(q) * self._scale * np.sqrt(weights)[:, None]
-        return np.concatenate([r[self.measured], self._known(q)[0]])
+        return np.concatenate([r[self.measured], self._known(q)[0], self._usual * q])
 
     def slopes(self, q: Array, weights: Array) -> Array:
         """The derivative (N, Q) of `residual`."""
@@ -152,7 +166,7 @@ class Problem:
         _, slope, own = self._misses(q, g)
         V = np.concatenate([V[:, :3] - skew(g[:, :3, 3]) @ V[:, 3:], V[:, 3:]], axis=1)
         J = np.concatenate([slope @ V, own], axis=-1) * (self._scale * np.sqrt(weights)[:, None])[..., None]
-        return np.concatenate([J[self.measured], self._known(q)[1]])
+        return np.concatenate([J[self.measured], self._known(q)[1], np.diag(self._usual)])
 
     def loudness(self, q: Array) -> Array:
         """The root mean square (K,) of each row's residuals in standard deviations."""
@@ -168,28 +182,29 @@ def shown(A: Array, order: Array, most: Array) -> Bools:
     """The unknowns (Q,) that a slope A (N, Q) shows beside each other, to deviations of `most` (Q,) at least.
 
     Cholesky's factors of AᵀA with pivots: the next unknown is the one whose column has the longest part across those
-    chosen, times its weight in `order` (Q,). That part has the length 1/σ. Weight 0: never chosen. What stands out
-    from those before it and not beside those after it is left out at last, the least in weight first.
+    chosen, times its weight in `order` (Q,), and the first of those nearly as long. That part has the length 1/σ.
+    Weight 0: never chosen. An unknown that shows beside those before it, and not beside all, is left out at last: the
+    one of least weight first, and of those the last.
     """
     whole = G = A.T @ A
-    size, weights = np.diag(G).copy(), order * LATER ** np.arange(len(order))
+    size = np.diag(G).copy()
     seen = np.zeros(len(G), dtype=bool)
     for _ in range(len(G)):
-        left = np.where(seen, 0.0, np.diag(G)) * weights**2
+        left = np.where(seen, 0.0, np.diag(G)) * order**2
         left[np.diag(G) <= np.maximum(DEPENDENT * size, 1.0 / most**2)] = 0.0
-        j = int(left.argmax())
-        if not left[j] > 0.0:
+        if not left.max() > 0.0:
             break
+        j = int((left >= left.max() / ALIKE**2).argmax())
         seen[j] = True
         G = G - np.outer(G[j], G[j]) / G[j, j]
     while seen.any():
         at = np.flatnonzero(seen)
         scale = np.sqrt(size[at])
         variance = np.diag(np.linalg.pinv(whole[np.ix_(at, at)] / np.outer(scale, scale))) / scale**2
-        weak = at[variance > most[at] ** 2]
+        weak = at[variance > most[at] ** 2][::-1]
         if not weak.size:
             break
-        seen[weak[weights[weak].argmin()]] = False
+        seen[weak[order[weak].argmin()]] = False
     return seen
 
 

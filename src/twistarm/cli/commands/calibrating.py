@@ -29,6 +29,7 @@ HeldTool = Annotated[bool, typer.Option("--tool-held", help="The measured point 
 Distance = Annotated[
     list[str] | None, typer.Option(metavar="A=B=METRES", help="A known distance of two points; may be repeated.")
 ]
+DistanceNoise = Annotated[float, typer.Option(help="Standard deviation of the known distances, in metres.")]
 Scales = Annotated[bool, typer.Option("--scales", help="Fit a scale of each joint too.")]
 Eccentricity = Annotated[bool, typer.Option("--eccentricity", help="Fit eccentric gears too.")]
 Next = Annotated[int, typer.Option("--next", metavar="N", help="Name N configurations to measure next.")]
@@ -53,6 +54,7 @@ def calibrate(
     base_held: HeldBase = False,
     tool_held: HeldTool = False,
     distance: Distance = None,
+    distance_noise: DistanceNoise = 1e-4,
     scales: Scales = False,
     eccentricity: Eccentricity = False,
     next_postures: Next = 0,
@@ -73,6 +75,7 @@ def calibrate(
         position_noise=position_noise,
         orientation_noise=float(np.radians(orientation_noise)),
         distances=dict(_distance(said) for said in distance or ()),
+        distance_noise=distance_noise,
         scales=scales,
         eccentricity=eccentricity,
         foreseen=None if json else lambda estimates: _print_unseen(estimates, outputs),
