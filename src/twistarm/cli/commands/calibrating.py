@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,9 +13,11 @@ from ...arm.arm import Arm
 from ...calibration import Calibration, Estimate, corrected_urdf
 from ...calibration import calibrate as fit
 from ...support.errors import InputError
+from ...viewer import Viewer
 from ..options import Json, takes_arm
 from ..output import console, number, print_json, say, table
 from ..outputs import Force, Output, outputs_of
+from .viewing import show_address
 
 Log = Annotated[
     Path,
@@ -29,6 +32,8 @@ Distance = Annotated[
 ]
 Scales = Annotated[bool, typer.Option("--scales", help="Fit a scale of each joint too.")]
 Eccentricity = Annotated[bool, typer.Option("--eccentricity", help="Fit eccentric gears too.")]
+
+View = Annotated[bool, typer.Option("--view", help="Show the residuals in the browser, magnified, until Ctrl-C.")]
 
 
 @takes_arm
@@ -45,6 +50,7 @@ def calibrate(
     output: Output = None,
     force: Force = False,
     json: Json = False,
+    view: View = False,
 ) -> int:
     """Fit the arm's axes and zeros to measured positions of its tool, and write the corrected URDF."""
     outputs = outputs_of(output, {"urdf": (".urdf",)}, force=force, json=json)
@@ -64,6 +70,11 @@ def calibrate(
     else:
         _print(found, outputs.words)
     outputs.say(outputs.write({"urdf": lambda: corrected_urdf(found)}))
+    if view:
+        with Viewer(arm, open_browser=False) as viewer:
+            viewer.show_residuals(found)
+            show_address(viewer, browser=True, out=sys.stderr if json else outputs.words)
+            viewer.wait()
     return 0 if found.confirmed else 1
 
 
