@@ -276,30 +276,18 @@ class Viewer(Closeable):
         self._server.driver.drop(MOVED)
         self._post("show", arm, lambda stage: stage.show_solutions(answer))
 
-    def show_residuals(self, calibration: Calibration, magnification: float | None = None) -> float:
-        """Draw a needle for each row of a calibration, from the predicted to the measured place, much longer.
+    def show_residuals(self, calibration: Calibration) -> None:
+        """Draw a magnified needle for each row of `calibrate`, from the predicted to the measured place.
 
-        The colour goes from blue to red with the size. Rows of planes and wires have no place and no needle. The layer
-        Frames switches them. A note on the page gives the magnification.
-
-        Args:
-            calibration: What `calibrate` found for the arm on show.
-            magnification: How many times as long a needle is; by default large ones have a seventh of the arm's size.
-
-        Returns:
-            The magnification.
-
-        Raises:
-            InputError: The calibration is of another arm, or no row has a position.
+        Blue is none, red is large, and a note on the page tells how many times as long. Rows of planes and wires have
+        no needle. The layer Frames switches them. Raises InputError for another arm's, or if no row has a place.
         """
         self._require_open()
         arm = self.arm
         if require(calibration, Calibration, "calibration", "as calibrate makes it").arm.joint_names != arm.joint_names:
             raise InputError(f"this calibration is of {calibration.arm.name}, and the view shows {arm.name}")
-        times = None if magnification is None else as_positive(magnification, "magnification")
-        drawn, times, words = draw_residuals(calibration, times)
-        self._post("residuals", arm, lambda stage: self._server.scene.overlay(drawn, words))
-        return times
+        drawn = draw_residuals(calibration)
+        self._post("residuals", arm, lambda stage: self._server.scene.overlay(*drawn))
 
     def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
         """Write a saved page of the present state: joints, layers, findings and the loaded trajectory.
