@@ -21,6 +21,7 @@ def test_needles_lead_from_the_predicted_to_the_measured_place(arm: Arm, viewer:
     tracker = np.diag([-1.0, -1.0, 1.0])  # half a turn about z, and a shift along it
     measured = places @ tracker + [0.0, 0.0, 2.0]
     measured[7] += tracker @ off
+    measured += np.random.default_rng(0).normal(scale=1e-5, size=measured.shape)
     found = calibrate(arm, Measurements(theta, measured), tool="held")
     packed, words = draw_residuals(found)
     times = float(words.split()[1])
@@ -28,9 +29,9 @@ def test_needles_lead_from_the_predicted_to_the_measured_place(arm: Arm, viewer:
     corners = np.frombuffer(geometry["position"]["array"].data, "<f4").reshape(60, 4, 3)
     colours = np.frombuffer(geometry["color"]["array"].data, "<f4").reshape(60, 4, 3)
     foot, tip = corners[:, :3].mean(axis=1), corners[:, 3]
-    assert np.allclose(foot, places, atol=1e-5)
-    assert np.allclose(tip[7] - foot[7], times * off, rtol=1e-2)
-    assert np.linalg.norm(np.delete(tip - foot, 7, axis=0), axis=1).max() < 1e-2 * times * 0.005
+    assert np.allclose(foot, places, atol=3e-5)
+    assert np.allclose(tip[7] - foot[7], times * off, atol=2e-2 * times * 0.005)
+    assert np.linalg.norm(np.delete(tip - foot, 7, axis=0), axis=1).max() < 5e-5 * times
     assert np.allclose(colours[7], RED[:3])
 
     viewer.show_residuals(found)
