@@ -34,8 +34,8 @@ def displaced_tool(twists: Array, home: Array, displacements: Array, x: Array) -
 def position_slopes(twists: Array, home: Array, x: Array) -> Array:
     """The derivatives (3, 6m + 6) of the tool's position by the numbers of the displacements δ₁ … δₘ₊₁, at δ = 0.
 
-    Displacement i has the columns 6i … 6i + 5. Its twist, carried by the joints before it, is Ad(exp(ξ̂₁x₁) ⋯
-    exp(ξ̂ᵢ₋₁xᵢ₋₁)) δᵢ = (v, ω). It moves the tool's origin p by v + ω × p.
+    Each displacement has six columns, in the order of the arm. The joints before it carry its twist along: Ad(exp(ξ̂₁x₁)
+    ⋯ exp(ξ̂ᵢ₋₁xᵢ₋₁)) δᵢ = (v, ω). This moves the tool's origin p by v + ω × p.
     """
     from twistarm import poe, screws
 
