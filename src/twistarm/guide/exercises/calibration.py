@@ -69,7 +69,7 @@ def weighted_fit(A: Array, r: Array, sigma: Array) -> tuple[Array, Array]:
     """
     B = A / sigma[:, None]
     q = np.linalg.lstsq(B, r / sigma, rcond=None)[0]
-    return q, np.sqrt(np.diag(np.linalg.inv(B.T @ B)))
+    return q, np.sqrt(np.diag(np.linalg.inv(B.T @ B)))  # type: ignore[return-value]
 
 
 def _displaced(rng: np.random.Generator, arm: Arm) -> Iterator[tuple[Any, ...]]:

@@ -5,8 +5,8 @@
 # centimetre beside its target. A printed bracket has shrunk, a motor horn sits one tooth off, and an axis leans by a third
 # of a degree. No file knows that.
 #
-# This lesson measures it. You write the arm with its small errors, ask what a set of measurements can show, fit what it
-# shows, and test the fit on rows that it has not seen. The command for the whole of it is `twistarm calibrate`.
+# This lesson measures it. You write the arm with its small errors, and ask what a set of measurements can show. Then you
+# fit what it shows, and test the fit on rows that it has not seen. `twistarm calibrate` does the whole of it.
 #
 # ## The arm in the file, and the arm on the table
 #
@@ -214,8 +214,8 @@ guide.predict(
 # $$\min_d \sum_k \left( \frac{A_k d - r_k}{\sigma_k} \right)^2, \qquad B_k = \frac{A_k}{\sigma_k}, \qquad
 # \mathrm{cov}(d) = (B^T B)^{-1}$$
 #
-# The covariance exists only for what the log shows. So leave out the hidden combinations: with the singular values above,
-# combination $j$ has the estimate $u_j^T r / \sigma / s_j$, and the standard deviation $1 / s_j$ in the workshop's units.
+# The covariance exists only for what the log shows. So leave out the hidden combinations. Combination $j$ of the singular
+# values above has the estimate $u_j^T r / \sigma / s_j$. Its standard deviation is $1 / s_j$ in the workshop's units.
 
 # %%
 estimate = (U.T @ r / noise) / s  # of each combination
@@ -326,8 +326,8 @@ guide.predict(
 # - **A tape.** Drive three nails into the table and the wall, far apart. Hook the tape on a nail, and read the distance to
 #   the tool's point: columns `wire` and `length`. Forward kinematics gives the direction $u$ to the nail, and the row is
 #   $u^T A$. The nails' places are unknown, three numbers each.
-# - **A ball in two sockets.** The tool holds a ball, and the ball rests in a printed socket while the arm takes many
-#   configurations: column `point`. The socket's place is unknown. A second socket, at a known distance, gives the arm its
+# - **A ball in two sockets.** The tool holds a ball. It rests in a printed socket while the arm takes many configurations:
+#   column `point`. The socket's place is unknown. A second socket, at a known distance, gives the arm its
 #   scale (Franzese and others, *MUKCa*, 2025). The documentation page *Calibrate the geometry* has the plate to print.
 #
 # What will each of them show? You can tell before you measure. Start from what the workshop promises, a covariance $P$ of
