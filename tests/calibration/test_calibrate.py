@@ -9,6 +9,7 @@ from family_arms import family_arm
 from twistarm import InputError, load_arm
 from twistarm.calibration import Measurements, calibrate, corrected_urdf, read_measurements
 from twistarm.calibration.geometry import Geometry
+from twistarm.limits import Actuators
 from twistarm.theory import poe
 from twistarm.theory.screws import adjoint, exp
 
@@ -71,7 +72,7 @@ def test_derivatives_are_those_of_finite_differences():
     geometry = Geometry(arm, away(rng), np.eye(4), scales=True, eccentric=True)
     p = rng.normal(scale=1e-2, size=len(geometry.parameters))
     theta, h = arm.random_theta(1, 3), 1e-6
-    g, V = geometry.poses_and_twists(p, theta)
+    g, V = geometry.poses(p, theta), geometry.twists(p, theta)
     for j, step in enumerate(h * np.eye(len(p))):
         slope = (geometry.poses(p + step, theta) - geometry.poses(p - step, theta)) / (2 * h)
         twist = slope @ np.linalg.inv(g)
@@ -96,6 +97,37 @@ def test_mixed_measurements_rest_touch_and_reach(log):
     )
     r = calibrate(arm, both, position_noise=NOISE)
     assert np.allclose(r.places["nail"], anchor, atol=5e-4)
+
+
+def test_a_plane_beside_positions_is_found_and_more_logs_are_one(log, tmp_path):
+    arm, theta, positions, true = log
+    n, d = np.array([0.6, 0.0, 0.8]), 0.35
+    table = arm.random_theta(60, 4000)
+    table = table[np.argsort(np.abs(true(table)[:, :3, 3] @ n - d))[:60]]
+    for _ in range(20):  # onto the plane, by Newton's method in the first joint that moves across it
+        p = true(table)[:, :3, 3]
+        slope = np.stack([(true(table + h)[:, :3, 3] - p) @ n for h in 1e-6 * np.eye(arm.n)], axis=1) / 1e-6
+        table = table - slope * ((p @ n - d) / (slope**2).sum(axis=1))[:, None]
+    touched, rest = Measurements(table, plane=("table",) * 60), Measurements(theta[:60], positions[:60])
+    both = calibrate(arm, [rest, touched], position_noise=NOISE)
+    alone = calibrate(arm, rest, position_noise=NOISE)
+    fresh = arm.random_theta(61, 300)
+    left = [np.linalg.norm(r.predict(fresh) - true(fresh)[:, :3, 3], axis=1).mean() for r in (both, alone)]
+    assert left[0] < min(left[1], 2 * NOISE)
+    assert both.problem.log.label[60] == "row 1"
+
+
+def test_motors_take_the_zeros(log):
+    arm, theta, positions, _ = log
+    r = calibrate(arm, Measurements(theta, positions), position_noise=NOISE)
+    with pytest.raises(InputError, match="no actuators"):
+        r.motor_offsets()
+    n = arm.n
+    motors = Actuators(arm.joint_names, arm.joint_names, 2.0 * np.eye(n), np.ones(n), ("rad",) * n, np.full(n, np.nan))
+    driven = calibrate(replace(arm, actuators=motors), Measurements(theta, positions), position_noise=NOISE)
+    corrected = replace(motors, offset=np.array(list(driven.motor_offsets().values())))
+    y = motors.to_motor(theta[:5])
+    assert np.allclose(corrected.to_theta(y), theta[:5] + driven.zeros)
 
 
 def test_an_outlier_and_a_base_that_moved_are_named(log):
@@ -133,17 +165,20 @@ def test_bad_logs_are_refused_or_named(tmp_path):
     arm = load_arm("rover_arm")
     theta = arm.random_theta(0, 40)
     p = arm.fk(theta)[:, :3, 3]
-    with pytest.raises(InputError, match="millimetres"):
+    with pytest.raises(InputError, match="in mm"):
         calibrate(arm, Measurements(theta, 1000 * p))
     with pytest.raises(InputError, match="degrees"):
         calibrate(arm, Measurements(np.degrees(theta), p))
     with pytest.raises(InputError, match="more rows"):
         calibrate(arm, Measurements(theta[:3], p[:3]))
     still = theta.copy()
-    still[:, 2] = 0.3
+    still[:, 2] = 0.3 + 1e-3 * np.sin(np.arange(40))
     locked = calibrate(arm, Measurements(still, arm.fk(still)[:, :3, 3]))
-    assert arm.joint_names[2] in locked.warnings[0]
-    assert not locked.confirmed
+    assert f"{arm.joint_names[2]!r} hardly moves" in locked.faults[0]
+    reversed_ = calibrate(arm, Measurements(theta * [1, 1, -1, 1, 1], p))
+    assert f"the sign of {arm.joint_names[2]} looks reversed" in reversed_.faults[0]
+    shouted = calibrate(arm, Measurements(theta, p + 1e-4 * np.sin(np.arange(120)).reshape(40, 3)), position_noise=0.1)
+    assert "better than the stated noise" in shouted.warnings[0]
     units = {"rad": "deg", "m": "mm"}
     joints = [f"{name} [{units[unit]}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)]
     header = ",".join([*joints, "x [mm]", "y [mm]", "z [mm]"])
@@ -151,7 +186,14 @@ def test_bad_logs_are_refused_or_named(tmp_path):
     np.savetxt(tmp_path / "log.csv", np.hstack([theta * scale, 1000 * p]), delimiter=",", header=header, comments="")
     read = read_measurements(tmp_path / "log.csv", arm)
     assert np.allclose(read.theta, theta)
-    assert np.allclose(read.positions, p)
+    assert np.allclose(read.position, p)
+
+
+def test_rows_that_determine_nothing_confirm_nothing():
+    arm, rng = load_arm("ur5"), np.random.default_rng(0)
+    theta = arm.random_theta(0, 6)
+    p = arm.fk(theta + rng.normal(scale=3e-3, size=6))[:, :3, 3] + rng.normal(scale=1e-3, size=(6, 3))
+    assert not calibrate(arm, Measurements(theta, p)).confirmed
 
 
 def test_the_corrected_urdf_is_the_corrected_arm(log, tmp_path):
@@ -165,5 +207,9 @@ def test_the_corrected_urdf_is_the_corrected_arm(log, tmp_path):
     again = load_arm(tmp_path / "corrected.urdf", base=arm.base, tip=arm.tip_link)
     fresh = arm.random_theta(4, 50)
     assert np.allclose(again.fk(fresh) @ arm.tool, r.arm.fk(fresh), atol=1e-9)
-    with pytest.raises(InputError, match="do not confirm"):
+    (tmp_path / "axes.urdf").write_text(corrected_urdf(r, zeros=False), encoding="utf-8")
+    axes = load_arm(tmp_path / "axes.urdf", base=arm.base, tip=arm.tip_link)
+    assert np.abs(r.zeros).max() > 1e-4
+    assert np.allclose(axes.fk(fresh + r.zeros) @ arm.tool, r.arm.fk(fresh), atol=1e-9)
+    with pytest.raises(InputError, match="measure more, or better"):
         corrected_urdf(replace(r, held_out=1.0))

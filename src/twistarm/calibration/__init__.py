@@ -1,12 +1,14 @@
 """What a log tells of an arm: the wiring of its motors, and its geometry."""
 
-from .calibrate import Calibration, Estimate, calibrate
+from .calibrate import calibrate
+from .calibration import Calibration, Estimate
 from .check import check_wiring
 from .corrected import corrected_urdf
 from .geometry import Parameter
 from .log import WiringLog, read_log
 from .measurements import Measurements, read_measurements
 from .model import BaseOffset
+from .plot import plot_of
 from .report import MotorVerdict, Residual, WiringReport
 
 __all__ = [
@@ -22,6 +24,7 @@ __all__ = [
     "calibrate",
     "check_wiring",
     "corrected_urdf",
+    "plot_of",
     "read_log",
     "read_measurements",
 ]

@@ -15,35 +15,32 @@ from ..support.checks import Array, require
 from ..support.errors import InputError
 from ..theory.rotations import to_rpy
 from ..theory.screws import exp, inverse_of
-from .calibrate import Calibration
+from .calibration import Calibration
 
 SAME = 1e-9
 """[m, rad] that the arm of the copy may differ from the corrected one: 16 digits of angles leave less."""
 
 
-def corrected_urdf(calibration: Calibration) -> str:
+def corrected_urdf(calibration: Calibration, *, zeros: bool = True) -> str:
     """The text of the arm's URDF with corrected joint origins; that of a xacro file is expanded.
 
-    Zeros are in the origins too, so commands stay as they are. Base and tool of the measurement are not part of it.
-    The copy is read again, and its screws and home must be those of `calibration.arm`.
+    With `zeros` the joints' zeros are in the origins too, so commands stay as they are; without, they belong into
+    arm.toml (`Calibration.motor_offsets`). Base and tool of the measurement are not part of it. The copy is read
+    again, and its screws and home must be the corrected ones.
 
     Raises:
-        InputError: The log has faults, left-out rows do not confirm the correction, the arm has no description, or
-            joints moved that have no origin of their own.
+        InputError: The correction is not confirmed, the arm has no description, or joints moved that have no origin
+            of their own.
     """
-    arm = require(calibration, Calibration, "calibration", "as calibrate makes it").problem.geometry.arm
-    if calibration.faults:
-        raise InputError(f"the log does not give a correction: {calibration.faults[0]}")
-    if not calibration.confirmed:
-        raise InputError(
-            f"rows left out of the fit do not confirm the correction ({1000 * calibration.held_out:.3g} mm, and "
-            f"{1000 * calibration.held_out_before:.3g} mm without it): measure more, or better"
-        )
+    arm = require(calibration, Calibration, "calibration", "as calibrate makes it").require().problem.geometry.arm
     if arm.description is None:
         raise InputError(f"{arm.name} has no description: load its URDF, not a baked file or screws")
+    p = calibration.unknowns[: calibration.problem.P].copy()
+    if not zeros:
+        p[12 : 12 + arm.n] = 0.0
     source = SourceText(arm.description.text)
     elements = {joint.get("name"): joint for joint in source.robot.findall("joint")}
-    for name, origin in _origins(calibration).items():
+    for name, origin in _origins(calibration, p).items():
         if arm.description.joints[name].part_of or name not in elements:
             raise InputError(f"joint {name!r} shares its origin with others: correct it by hand")
         xyz, rpy = (" ".join(map(repr, part.tolist())) for part in (origin[:3, 3], to_rpy(origin[:3, :3])))
@@ -53,17 +50,17 @@ def corrected_urdf(calibration: Calibration) -> str:
         else:
             source.set(written, xyz=xyz, rpy=rpy, quat_xyzw=None)
     text = source.edited()
-    _require_same(calibration, text)
+    _require_same(calibration, p, text)
     return text
 
 
-def _origins(calibration: Calibration) -> dict[str, Array]:
+def _origins(calibration: Calibration, p: Array) -> dict[str, Array]:
     """The new origin (4, 4) of each joint that moved: O G⁻¹ D G, where G is its frame at rest and D its motion."""
     arm = calibration.problem.geometry.arm
     assert arm.description is not None
     g, origins = np.eye(4), {}
     values = dict(zip(arm.moving_names, arm.coupling.b, strict=True))
-    moved = dict(zip(arm.moving_names, calibration.displacements, strict=True))
+    moved = dict(zip(arm.moving_names, calibration.problem.geometry.displacements(p), strict=True))
     for joint in arm.description.chain(arm.base, arm.tip_link):
         g = g @ joint.origin
         if joint.moving:
@@ -73,7 +70,7 @@ def _origins(calibration: Calibration) -> dict[str, Array]:
     return origins
 
 
-def _require_same(calibration: Calibration, text: str) -> None:
+def _require_same(calibration: Calibration, p: Array, text: str) -> None:
     arm = calibration.problem.geometry.arm
     assert arm.description is not None
     path = arm.description.path or Path("corrected.urdf")
@@ -81,8 +78,8 @@ def _require_same(calibration: Calibration, text: str) -> None:
     masterless = {name: affine.offset for name, affine in arm.couplings.items() if affine.master is None}
     locked = {name: value for name, value in masterless.items() if copy.joints[name].scalar}
     chain = walk_chain(copy, arm.base, arm.tip_link, arm.tool, locked)
-    theirs = np.hstack([chain.screws.ravel(), chain.home.ravel()])
-    off = float(np.abs(theirs - np.hstack([calibration.arm.screws.ravel(), calibration.arm.home.ravel()])).max())
+    screws, home = calibration.problem.geometry.corrected(p)
+    off = float(max(np.abs(chain.screws - screws).max(), np.abs(chain.home - home).max()))
     if off > SAME:
         raise InputError(
             f"the corrected copy would be another arm, {off:.2g} off; please report it with the description"

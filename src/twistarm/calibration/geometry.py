@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from ..arm.arm import Arm
 from ..support.checks import Array
 from ..theory.joints import plane_axes
+from ..theory.poe import columns, motions
 from ..theory.rotations import skew
 from ..theory.screws import adjoint_of, exp, inverse_of, to_screw
 
@@ -74,7 +76,7 @@ class Geometry:
         v, w = np.linalg.norm(self.arm.screws.reshape(2, 3, -1), axis=1)
         return np.asarray(w < 1e-12 * v)
 
-    @property
+    @cached_property
     def places(self) -> Array:
         """F_i (m, 4, 4): on each axis at the point nearest to the place before; x as `plane_axes` chooses it."""
         places, point = np.tile(np.eye(4), (self.arm.screws.shape[1], 1, 1)), np.zeros(3)
@@ -108,50 +110,54 @@ class Geometry:
 
     def poses(self, p: Array, theta: Array) -> Array:
         """The tool (K, 4, 4) seen from the frame of the measurements."""
-        return self.poses_and_twists(p, theta)[0]
-
-    def poses_and_twists(self, p: Array, theta: Array) -> tuple[Array, Array]:
-        """`poses`, and the spatial twists (K, 6, P) of their derivatives: Ad of each factor's pose."""
         b, a, _, d, _, _ = self.split(p)
-        places, A, K = self.places, self.arm.coupling.A, len(theta)
-        x = self.joints(p, theta) @ A.T
-        g = np.broadcast_to(self.base @ exp(b), (K, 4, 4))
-        moved, turned = [adjoint_of(g) @ _right_jacobian(b)], []
-        axes = []
-        for i, (F, xi) in enumerate(zip(places, self.arm.screws.T, strict=True)):
-            t = adjoint_of(inverse_of(F)) @ xi
-            g = g @ F @ exp(d[i])
-            carried = adjoint_of(g)
-            axes.append((carried @ _right_jacobian(d[i]))[:, :, self._across[i]])
-            turned.append(carried @ t)
-            g = g @ exp(t, x[:, i]) @ inverse_of(F)
-        g = g @ self.arm.home @ self.tool @ exp(a)
-        moved.append(adjoint_of(g) @ _right_jacobian(a))
-        J = np.stack(turned, axis=-1) @ A
-        parts = [*moved, J, *axes]
+        D, S = self._moved(d)
+        products = motions(S, self.joints(p, theta) @ self.arm.coupling.A.T)
+        g: Array = self.base @ exp(b) @ products[:, -1] @ D[-1] @ self.arm.home @ self.tool @ exp(a)
+        return g
+
+    def twists(self, p: Array, theta: Array) -> Array:
+        """The spatial twists (K, 6, P) of the tool by each parameter."""
+        b, a, _, d, _, _ = self.split(p)
+        D, S = self._moved(d)
+        A, F, K = self.arm.coupling.A, self.places, len(theta)
+        products = motions(S, self.joints(p, theta) @ A.T)
+        J = columns(products, S) @ A
+        # d_i moves what follows; the joints before it carry that.
+        across = [adjoint_of(D[i] @ F[i] @ exp(d[i])) @ _right_jacobian(d[i]) for i in range(len(F))]
+        owner, component = np.nonzero(self._across)
+        before = np.concatenate([np.broadcast_to(np.eye(4), (K, 1, 4, 4)), products[:, :-1]], axis=1)
+        parts = [J, columns(before[:, owner], np.array(across)[owner, :, component].T)]
         if self.scales:
             parts.append(J * theta[:, None])
         if self.eccentric:
             parts += [J * np.sin(theta)[:, None], J * np.cos(theta)[:, None]]
-        return g, np.concatenate(parts, axis=-1)
+        base = adjoint_of(self.base @ exp(b))
+        first = np.broadcast_to(base @ _right_jacobian(b), (K, 6, 6))
+        return np.concatenate(
+            [first, adjoint_of(self.poses(p, theta)) @ _right_jacobian(a), base @ np.concatenate(parts, axis=-1)],
+            axis=-1,
+        )
+
+    def _moved(self, d: Array) -> tuple[Array, Array]:
+        """D (m + 1, 4, 4), the displacement of all that follows i axes, and the screws (6, m) moved by them."""
+        each, D = self.places @ exp(d) @ inverse_of(self.places), np.tile(np.eye(4), (len(d) + 1, 1, 1))
+        for i, motion in enumerate(each):
+            D[i + 1] = D[i] @ motion
+        return D, (adjoint_of(D[1:]) @ self.arm.screws.T[..., None])[..., 0].T
 
     def corrected(self, p: Array) -> tuple[Array, Array]:
         """Space screws (6, m) and home (4, 4) of the arm with moved axes and zeros, without base and tool."""
         _, _, z, d, _, _ = self.split(p)
-        screws, g, shift = np.empty_like(self.arm.screws), np.eye(4), self.arm.coupling.A @ z
-        for i, (F, xi) in enumerate(zip(self.places, self.arm.screws.T, strict=True)):
-            g = g @ F @ exp(d[i])
-            t = adjoint_of(inverse_of(F)) @ xi
-            screws[:, i] = adjoint_of(g) @ t
-            g = g @ exp(t, shift[i]) @ inverse_of(F)
-        return screws, g @ self.arm.home
+        D, S = self._moved(d)
+        products = motions(S, self.arm.coupling.A @ z)
+        return columns(products, S), products[-1] @ D[-1] @ self.arm.home
 
     def displacements(self, p: Array) -> Array:
         """What multiplies each joint's frame at rest from the left, (m, 4, 4): the axis moved, then the zero."""
         _, _, z, d, _, _ = self.split(p)
         zeros = exp(self.arm.screws.T, self.arm.coupling.A @ z)
-        F = self.places
-        return F @ exp(d) @ inverse_of(F) @ zeros
+        return self.places @ exp(d) @ inverse_of(self.places) @ zeros
 
 
 def _right_jacobian(xi: Array) -> Array:

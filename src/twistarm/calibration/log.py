@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,19 +10,9 @@ import numpy as np
 
 from ..limits.actuators import Actuators
 from ..support.checks import Array, as_floats, as_pose, frozen, require
-from ..support.csv_lines import Bounds, csv_lines, csv_rows
 from ..support.display import Brief
 from ..support.errors import InputError, closest, listed
-from ..support.files import as_path
-from ..theory.rotations import from_xyzw
-
-BOUNDS = Bounds(bytes=10_000_000, lines=100_000)
-"""A row has some 150 bytes; a camera's half hour at 30 Hz is 8 MB."""
-
-POSITION, ROTATION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
-
-UNIT_LENGTH_TOL = 0.01
-"""A logged quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
+from .columns import POSITION, ROTATION, read_columns
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,54 +64,14 @@ def read_log(path: str | os.PathLike[str], motors: Actuators) -> WiringLog:
     unit that the motor's drive counts in. A line that begins with # is a comment. Raises InputError with the line
     number for an invalid, missing or surplus value.
     """
-    file = as_path(path)
     require(motors, Actuators, "motors", "as arm.actuators is")
-    rows = list(csv_rows(csv_lines(file, BOUNDS), str(file)))
-    if not rows:
-        raise InputError(f"{file}: no line but comments; the first names the columns: {_wanted(motors)}")
-    header, *rest = rows
-    names = _columns([cell.strip() for cell in header.cells], motors, f"{file}, line {header.line}")
-    every = range(len(names))
-    values = np.array([row.numbers(every, len(names), str(file)) for row in rest]).reshape(-1, len(names))
-    column = {name: values[:, i] for i, name in enumerate(names)}
-    counts = np.stack([column[name] for name in motors.names], axis=-1)
-    position = np.stack([column[name] for name in POSITION], axis=-1)
-    if ROTATION[0] not in column:
-        return WiringLog(motors.names, counts, position)
-    quaternions = np.stack([column[name] for name in ROTATION], axis=-1)
-    for row, length in zip(rest, np.linalg.norm(quaternions, axis=-1), strict=True):
-        if abs(length - 1.0) > UNIT_LENGTH_TOL:
-            raise InputError(f"{file}, line {row.line}: qx qy qz qw must be of length 1; got {length:.3g}")
-    return WiringLog(motors.names, counts, _poses(position, quaternions))
-
-
-def _poses(position: Array, quaternions: Array) -> Array:
-    g = np.tile(np.eye(4), (len(position), 1, 1))
-    g[:, :3, :3], g[:, :3, 3] = from_xyzw(quaternions), position
-    return g
-
-
-def _columns(header: Sequence[str], motors: Actuators, place: str) -> tuple[str, ...]:
-    """The column names with checked units: motors, x, y, z, and optionally the whole quaternion."""
-    units = (
-        dict(zip(motors.names, motors.units, strict=True)) | dict.fromkeys(POSITION, "m") | dict.fromkeys(ROTATION, "1")
-    )
-    names = []
-    for cell in header:
-        name, bracket, unit = (part.strip() for part in cell.partition("["))
-        if name not in units:
-            raise InputError(f"{place}: unknown column {name!r}{closest(name, units)}; {_wanted(motors)}")
-        if bracket and unit != f"{units[name]}]":
-            raise InputError(f"{place}: column {name!r} is in [{units[name]}]; got [{unit}")
-        if name in names:
-            raise InputError(f"{place}: column {name!r} stands there twice")
-        names.append(name)
-    turned = [name for name in ROTATION if name in names]
-    missing = [name for name in (*motors.names, *POSITION, *(ROTATION if turned else ())) if name not in names]
-    if missing:
-        raise InputError(f"{place}: no column {listed(missing)}; {_wanted(motors)}")
-    return tuple(names)
-
-
-def _wanted(motors: Actuators) -> str:
-    return f"the columns are {', '.join((*motors.names, *POSITION))}, and qx, qy, qz, qw where they were measured"
+    names = dict(zip(motors.names, motors.units, strict=True)) | dict.fromkeys(POSITION, "m")
+    units = {name: {unit: 1.0} for name, unit in (names | dict.fromkeys(ROTATION, "1")).items()}
+    columns = read_columns(path, units, tuple(names))
+    counts, measured = columns.numbers(motors.names), columns.numbers(POSITION)
+    if any(name in columns for name in ROTATION):
+        columns.numbers(ROTATION)
+        g = np.tile(np.eye(4), (len(measured), 1, 1))
+        g[:, :3, :3], g[:, :3, 3] = columns.rotations(), measured
+        measured = g
+    return WiringLog(motors.names, counts, measured)

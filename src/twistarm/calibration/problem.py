@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,13 +15,21 @@ from ..theory.screws import exp
 from .geometry import Geometry, Parameter
 from .measurements import Bools, Measurements, Rows
 
-STEPS, STARTS = 30, 8
-LEAST_GAIN = 1e-7
-MOST_STD = 0.005
-"""Standard deviation [m, rad, 1] beyond which the log does not show a parameter: more than arms are out."""
+STEPS, HALVINGS = 30, 8
+SETTLED = 1e-4
+"""Share of a standard deviation, squared, below which a step ends the descent."""
 
-DEPENDENT = 1e-9
-"""The share of a column's square across the others below which it is rounding."""
+MOST_STD = {"m": 0.003, "rad": 0.01, "1": 0.01}
+"""Standard deviation by unit beyond which the log does not show a parameter: most arms are out by less."""
+
+USUAL = {"shift": 0.002, "tilt": 0.01, "zero": 0.2, "scale": 0.1, "eccentricity": 0.1}
+"""How far joints are out as a rule [m, rad, 1]: what the fit knows before the log."""
+
+DEPENDENT = 1e-6
+"""The share of a column's square across the others below which it shows nothing: they are parallel within 0.06°."""
+
+ALIKE = 1.25
+"""Columns whose lengths differ by less are as good as each other: the first of them is chosen."""
 
 LOUD = 5.0
 """Standard deviations from which a row is an outlier: of 10,000 rows with normal noise it is none."""
@@ -31,21 +39,18 @@ LOUD = 5.0
 class Problem:
     """Measurements of a geometry, with known distances {(point, point): m} between resting points.
 
-    A vector of unknowns q is the geometry's parameters, then 3 numbers for each unknown place: a point, an anchor, or
-    a plane (two tilts of the normal, and its distance from the origin).
+    A vector of unknowns q is the geometry's parameters, then 3 numbers for each of `places` (kind, name): a point, an
+    anchor, or a plane (two tilts of the normal, and its distance from the origin). The columns of `normals` (3, 3) are
+    the axes of each plane, the last one its first normal.
     """
 
     geometry: Geometry
     log: Measurements
     noise: tuple[float, float]
     distances: Mapping[tuple[str, str], float]
-    distance_noise: float = 1e-5
-
-    @cached_property
-    def places(self) -> tuple[tuple[str, str], ...]:
-        """(kind, name) of every unknown place."""
-        named = [(kind, name) for kind in ("point", "plane", "wire") for name in getattr(self.log, kind) if name]
-        return tuple(dict.fromkeys(named))
+    distance_noise: float
+    places: tuple[tuple[str, str], ...] = ()
+    normals: Mapping[str, Array] = field(default_factory=dict)
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -54,79 +59,95 @@ class Problem:
         return (*self.geometry.parameters, *more)
 
     @cached_property
-    def first(self) -> Array:
-        """The unknowns (Q,) to begin with: places from where the nominal tool was."""
-        P = len(self.geometry.parameters)
-        p = self.geometry.poses(np.zeros(P), self.log.theta)[:, :3, 3]
-        starts = [_place(kind, p[self._rows(kind, name)], self.log.lengths[self._rows(kind, name)])
-                  for kind, name in self.places]  # fmt: skip
-        return np.concatenate([np.zeros(P), *starts])
+    def P(self) -> int:
+        """How many of the unknowns are the geometry's."""
+        return len(self.geometry.parameters)
+
+    def placed(self) -> tuple[Problem, Array]:
+        """The problem with the places that its log names, and the unknowns (Q,) that put them where the tool was."""
+        places = tuple(dict.fromkeys(place for place in self.log.place if place != ("", "")))
+        p = self.geometry.poses(np.zeros(self.P), self.log.theta)[:, :3, 3]
+        normals, starts = {}, [np.zeros(self.P)]
+        for kind, name in places:
+            rows = np.array([place == (kind, name) for place in self.log.place])
+            centre = p[rows].mean(axis=0)
+            if kind == "plane":
+                axes = np.linalg.svd(p[rows] - centre)[2].T
+                normals[name], centre = axes, np.array([0.0, 0.0, axes[:, 2] @ centre])
+            elif kind == "wire":  # |p|² − l² = 2 p·c − |c|², linear in c and |c|²
+                A = np.column_stack([2 * p[rows], -np.ones(rows.sum())])
+                centre = np.linalg.lstsq(A, (p[rows] ** 2).sum(axis=1) - self.log.length[rows] ** 2, rcond=None)[0][:3]
+            starts.append(centre)
+        return replace(self, places=places, normals=normals), np.concatenate(starts)
 
     @cached_property
-    def normals(self) -> dict[str, Array]:
-        """Axes (3, 3) of each touched plane, the last the normal, from where the nominal tool was."""
-        p = self.geometry.poses(np.zeros(len(self.geometry.parameters)), self.log.theta)[:, :3, 3]
-        planes = [name for kind, name in self.places if kind == "plane"]
-        rows = {name: p[self._rows("plane", name)] for name in planes}
-        return {name: np.linalg.svd(at - at.mean(axis=0))[2].T for name, at in rows.items()}
-
-    def _rows(self, kind: str, name: str) -> Rows:
-        return np.flatnonzero(np.array(getattr(self.log, kind)) == name)
+    def place(self) -> Rows:
+        """The place (K,) of each row, as its number in `places`; −1 for a position."""
+        return np.array([self.places.index(each) if any(each) else -1 for each in self.log.place])
 
     @cached_property
     def sigma(self) -> Array:
         """The noise (K,) [m] of each row."""
-        assert self.log.noise is not None
         return np.asarray(np.where(np.isfinite(self.log.noise), self.log.noise, self.noise[0]))
 
-    def misses(self, q: Array) -> tuple[Array, Array]:
-        """Computed minus measured (K, 6) [m, rad], zeros where nothing was measured, and derivatives (K, 6, Q)."""
-        g, V = self.geometry.poses_and_twists(q[: len(self.geometry.parameters)], self.log.theta)
-        p, K, P = g[:, :3, 3], len(g), V.shape[-1]
-        r, J = np.zeros((K, 6)), np.zeros((K, 6, len(q)))
-        dp = V[:, :3] - skew(p) @ V[:, 3:]
-        at = self.log.located
-        r[at, :3], J[at, :3, :P] = (p - self.log.positions)[at], dp[at]
-        turned = np.isfinite(self.log.rotations).all(axis=(1, 2))
+    @cached_property
+    def measured(self) -> Bools:
+        """Which of each row's six numbers were measured (K, 6)."""
+        vectors = self.log.located | np.array(self.log.point, dtype=bool)
+        alone = np.array(self.log.plane, dtype=bool) | np.array(self.log.wire, dtype=bool)
+        turned = np.isfinite(self.log.rotation).all(axis=(1, 2))
+        return np.stack([vectors | alone, vectors, vectors, turned, turned, turned], axis=1)
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers were measured."""
+        return int(self.measured.sum()) + len(self.distances)
+
+    def misses(self, q: Array) -> Array:
+        """Computed minus measured (K, 6) [m, rad], zeros where nothing was measured."""
+        return self._misses(q, self.geometry.poses(q[: self.P], self.log.theta))[0]
+
+    def _misses(self, q: Array, g: Array) -> tuple[Array, Array, Array]:
+        """`misses`, and their slopes (K, 6, 6) by the tool's position and turn, and (K, 6, Q − P) by the places."""
+        log, p, K = self.log, g[:, :3, 3], len(g)
+        r, slope, own = np.zeros((K, 6)), np.zeros((K, 6, 6)), np.zeros((K, 6, len(q) - self.P))
+        at, turned = log.located, self.measured[:, 3]
+        r[at, :3], slope[at, :3, :3] = (p - log.position)[at], np.eye(3)
         # (R_m)ᵀ R: its logarithm in the measured axes.
-        r[turned, 3:] = log_of(np.swapaxes(self.log.rotations[turned], 1, 2) @ g[turned, :3, :3])
-        J[turned, 3:, :P] = np.swapaxes(self.log.rotations[turned], 1, 2) @ V[turned, 3:]
+        back = np.swapaxes(log.rotation[turned], 1, 2)
+        r[turned, 3:], slope[turned, 3:, 3:] = log_of(back @ g[turned, :3, :3]), back
         for k, (kind, name) in enumerate(self.places):
-            rows, own = self._rows(kind, name), slice(P + 3 * k, P + 3 * k + 3)
-            r[rows, :3], slope, J[rows, :3, own] = self._at_place(kind, name, p[rows], q[own], self.log.lengths[rows])
-            J[rows, :3, :P] = slope @ dp[rows]
-        return r, J
+            rows, c = np.flatnonzero(self.place == k), q[self.P + 3 * k : self.P + 3 * k + 3]
+            columns = slice(3 * k, 3 * k + 3)
+            if kind == "point":
+                r[rows, :3], slope[rows, :3, :3], own[rows, :3, columns] = p[rows] - c, np.eye(3), -np.eye(3)
+            elif kind == "plane":
+                axes = self.normals[name]
+                n = axes @ [c[0], c[1], 1.0]
+                size = np.linalg.norm(n)
+                r[rows, 0], slope[rows, 0, :3] = (p[rows] @ n - c[2]) / size, n / size
+                own[rows, 0, columns] = np.column_stack([p[rows] @ axes[:, :2], np.full(len(rows), -1.0)]) / size
+            else:
+                far = np.maximum(np.linalg.norm(p[rows] - c, axis=1), 1e-9)
+                r[rows, 0], slope[rows, 0, :3] = far - log.length[rows], (p[rows] - c) / far[:, None]
+                own[rows, 0, columns] = -slope[rows, 0, :3]
+        return r, slope, own
 
-    def _at_place(self, kind: str, name: str, p: Array, c: Array, length: Array) -> tuple[Array, Array, Array]:
-        """Miss (k, 3), and its slopes (k, 3, 3) by the tool's position and by the place."""
-        if kind == "point":
-            each = np.broadcast_to(np.eye(3), (len(p), 3, 3))
-            return p - c, each, -each
-        r, slope, own = np.zeros((len(p), 3)), np.zeros((len(p), 3, 3)), np.zeros((len(p), 3, 3))
-        if kind == "plane":
-            axes = self.normals[name]
-            n = axes @ [c[0], c[1], 1.0]
-            size = np.linalg.norm(n)
-            r[:, 0], slope[:, 0] = (p @ n - c[2]) / size, n / size
-            own[:, 0, :2], own[:, 0, 2] = p @ axes[:, :2] / size, -1.0 / size
-            return r, slope, own
-        far = np.linalg.norm(p - c, axis=1)
-        slope[:, 0] = (p - c) / np.maximum(far, 1e-9)[:, None]
-        r[:, 0] = far - length
-        return r, slope, -slope
+    @cached_property
+    def _scale(self) -> Array:
+        return np.repeat(np.stack([1 / self.sigma, np.full(len(self.sigma), 1 / self.noise[1])], axis=1), 3, axis=1)
 
-    def residual(self, q: Array) -> tuple[Array, Array]:
-        """`misses` in standard deviations, (K, 6) and (K, 6, Q)."""
-        scale = np.repeat(np.stack([1 / self.sigma, np.full(len(self.sigma), 1 / self.noise[1])], axis=1), 3, axis=1)
-        r, J = self.misses(q)
-        return r * scale, J * scale[..., None]
+    @cached_property
+    def _usual(self) -> Array:
+        """1/σ (Q,) of what is known before the log: 0 for base, tool and places."""
+        usual = [1.0 / USUAL[each.what.split()[0]] for each in self.geometry.parameters[12:]]
+        return np.concatenate([np.zeros(12), usual, np.zeros(3 * len(self.places))])
 
     def _known(self, q: Array) -> tuple[Array, Array]:
-        """Residuals of the known distances (d,) and (d, Q)."""
-        P = len(self.geometry.parameters)
+        """Residuals of the known distances (d,) and (d, Q), in standard deviations."""
         r, J = np.zeros(len(self.distances)), np.zeros((len(self.distances), len(q)))
         for k, (pair, length) in enumerate(self.distances.items()):
-            a, b = (P + 3 * self.places.index(("point", name)) for name in pair)
+            a, b = (self.P + 3 * self.places.index(("point", name)) for name in pair)
             apart = q[a : a + 3] - q[b : b + 3]
             far = float(np.linalg.norm(apart))
             r[k] = (far - length) / self.distance_noise
@@ -134,56 +155,56 @@ class Problem:
             J[k, b : b + 3] = -J[k, a : a + 3]
         return r, J
 
-    def system(self, q: Array, weights: Array) -> tuple[Array, Array]:
-        """The stacked residual (N,) and slope (N, Q), rows weighted by (K,)."""
-        r, J = self.residual(q)
-        w: Array = np.sqrt(weights)[:, None]
-        known, slope = self._known(q)
-        used = (J != 0).any(axis=-1).ravel()
-        return (
-            np.concatenate([(r * w).ravel()[used], known]),
-            np.concatenate([(J * w[..., None]).reshape(-1, len(q))[used], slope]),
-        )
+    def residual(self, q: Array, weights: Array) -> Array:
+        """The stacked residual (N,) in standard deviations, rows weighted by (K,)."""
+        r = self.misses(q) * self._scale * np.sqrt(weights)[:, None]
+        return np.concatenate([r[self.measured], self._known(q)[0], self._usual * q])
+
+    def slopes(self, q: Array, weights: Array) -> Array:
+        """The derivative (N, Q) of `residual`."""
+        g, V = self.geometry.poses(q[: self.P], self.log.theta), self.geometry.twists(q[: self.P], self.log.theta)
+        _, slope, own = self._misses(q, g)
+        V = np.concatenate([V[:, :3] - skew(g[:, :3, 3]) @ V[:, 3:], V[:, 3:]], axis=1)
+        J = np.concatenate([slope @ V, own], axis=-1) * (self._scale * np.sqrt(weights)[:, None])[..., None]
+        return np.concatenate([J[self.measured], self._known(q)[1], np.diag(self._usual)])
 
     def loudness(self, q: Array) -> Array:
         """The root mean square (K,) of each row's residuals in standard deviations."""
-        r, J = self.residual(q)
-        count = (J != 0).any(axis=-1).sum(axis=1)
-        return np.asarray(np.sqrt((r * r).sum(axis=1) / np.maximum(count, 1)))
+        r = self.misses(q) * self._scale
+        return np.asarray(np.sqrt((r * r).sum(axis=1) / np.maximum(self.measured.sum(axis=1), 1)))
 
     def of_rows(self, rows: Rows) -> Problem:
-        """The problem of these rows."""
+        """The problem of these rows, with all places."""
         return replace(self, log=self.log.of_rows(rows))
 
 
-def _place(kind: str, p: Array, length: Array) -> Array:
-    centre = p.mean(axis=0)
-    if kind == "plane":
-        n = np.linalg.svd(p - centre)[2][-1] if len(p) > 2 else np.array([0.0, 0.0, 1.0])
-        return np.array([0.0, 0.0, n @ centre])
-    if kind == "wire":  # |p|² − l² = 2 p·c − |c|², linear in c and |c|²
-        rows = np.column_stack([2 * p, -np.ones(len(p))])
-        return np.asarray(np.linalg.lstsq(rows, (p * p).sum(axis=1) - length**2, rcond=None)[0][:3])
-    return np.asarray(centre)
-
-
-def shown(A: Array, weights: Array, most: float = MOST_STD) -> Bools:
-    """The unknowns (Q,) that a slope A (N, Q) shows beside each other.
+def shown(A: Array, order: Array, most: Array) -> Bools:
+    """The unknowns (Q,) that a slope A (N, Q) shows beside each other, to deviations of `most` (Q,) at least.
 
     Cholesky's factors of AᵀA with pivots: the next unknown is the one whose column has the longest part across those
-    chosen, times its weight (Q,). That part has the length 1/σ. Weight 0: never chosen.
+    chosen, times its weight in `order` (Q,), and the first of those nearly as long. That part has the length 1/σ.
+    Weight 0: never chosen. An unknown that shows beside those before it, and not beside all, is left out at last: the
+    one of least weight first, and of those the last.
     """
-    G = A.T @ A
+    whole = G = A.T @ A
     size = np.diag(G).copy()
     seen = np.zeros(len(G), dtype=bool)
     for _ in range(len(G)):
-        left = np.where(seen, 0.0, np.diag(G)) * weights**2
+        left = np.where(seen, 0.0, np.diag(G)) * order**2
         left[np.diag(G) <= np.maximum(DEPENDENT * size, 1.0 / most**2)] = 0.0
-        j = int(left.argmax())
-        if not left[j] > 0.0:
+        if not left.max() > 0.0:
             break
+        j = int((left >= left.max() / ALIKE**2).argmax())
         seen[j] = True
         G = G - np.outer(G[j], G[j]) / G[j, j]
+    while seen.any():
+        at = np.flatnonzero(seen)
+        scale = np.sqrt(size[at])
+        variance = np.diag(np.linalg.pinv(whole[np.ix_(at, at)] / np.outer(scale, scale))) / scale**2
+        weak = at[variance > most[at] ** 2][::-1]
+        if not weak.size:
+            break
+        seen[weak[order[weak].argmin()]] = False
     return seen
 
 
@@ -194,53 +215,48 @@ def descend(problem: Problem, q: Array, free: Bools, *, robust: bool = True) -> 
     found, at least what was stated.
     """
     weights = np.ones(len(problem.log.theta))
-    for _ in range(STEPS):
+    for _ in range(STEPS if free.any() else 0):
         if robust:
             loud = problem.loudness(q)
             weights = 1.0 / (1.0 + (loud / (3.0 * max(1.0, float(np.median(loud))))) ** 2)
-        r, A = problem.system(q, weights)
-        A = A[:, free]
+        r, A = problem.residual(q, weights), problem.slopes(q, weights)[:, free]
         size = np.linalg.norm(A, axis=0)
         size[size == 0] = np.inf
         A = A / size
-        step = -np.linalg.lstsq(A.T @ A, A.T @ r, rcond=1e-12)[0] / size
-        before, tried = float(r @ r), q
-        for halved in range(STARTS):
+        step = -np.linalg.lstsq(A.T @ A, A.T @ r, rcond=1e-12)[0]
+        before = float(r @ r)
+        if float(np.sum((A @ step) ** 2)) < SETTLED * before / len(r):
+            break
+        for halved in range(HALVINGS):
             tried = q.copy()
-            tried[free] += step / 2**halved
-            after = problem.system(tried, weights)[0]
+            tried[free] += step / size / 2**halved
+            after = problem.residual(tried, weights)
             if float(after @ after) < before:
+                q = tried
                 break
         else:
-            break
-        gained = before - float(after @ after)
-        q = tried
-        if gained < LEAST_GAIN * before:
             break
     return q, weights
 
 
-def started(problem: Problem, base: bool, tool: Bools) -> Problem:
-    """The problem with base and tool fitted alone: the base by Kabsch's method, then both by least squares."""
+def started(problem: Problem, base: bool, tool: Bools) -> tuple[Problem, Array]:
+    """The problem with base and tool fitted alone, and its places: Kabsch's method, then least squares."""
     geometry, located = problem.geometry, problem.log.located
-    P = len(geometry.parameters)
     if base:
-        p = geometry.poses(np.zeros(P), problem.log.theta)[located, :3, 3]
-        geometry = replace(geometry, base=kabsch(p, problem.log.positions[located]) @ geometry.base)
-    for _ in range(STARTS):
-        problem = replace(problem, geometry=geometry)
-        free = np.ones(len(problem.parameters), dtype=bool)
-        free[:P] = False
-        free[:6], free[6:12] = base, tool
+        p = geometry.poses(np.zeros(problem.P), problem.log.theta)[located, :3, 3]
+        geometry = replace(geometry, base=kabsch(p, problem.log.position[located]) @ geometry.base)
+    for _ in range(HALVINGS):
+        problem, first = replace(problem, geometry=geometry).placed()
+        free = np.ones(len(first), dtype=bool)
+        free[:6], free[6:12], free[12 : problem.P] = base, tool, False
         if not free.any():
             break
-        _, A = problem.system(problem.first, np.ones(len(located)))
-        free &= shown(A, free.astype(float), most=1.0)
-        q, _ = descend(problem, problem.first, free)
+        free &= shown(problem.slopes(first, np.ones(len(located))), free.astype(float), np.ones(len(first)))
+        q, _ = descend(problem, first, free)
         geometry = replace(geometry, base=geometry.base @ exp(q[:6]), tool=geometry.tool @ exp(q[6:12]))
         if np.abs(q[:12]).max() < 1e-7:
             break
-    return problem
+    return problem, first
 
 
 def kabsch(a: Array, b: Array) -> Array:

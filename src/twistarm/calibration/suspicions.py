@@ -7,9 +7,12 @@ from itertools import combinations
 import numpy as np
 
 from ..support.checks import Array
+from ..support.csv_header import FACTORS
 from ..support.errors import InputError, listed
 from ..support.unit_hints import theta_hint
 from ..theory.rotations import skew
+from .faults import LITTLE_ANGLE, LITTLE_LENGTH
+from .measurements import Bools
 from .problem import Problem, kabsch
 
 MOVED = 6.0
@@ -18,61 +21,65 @@ MOVED = 6.0
 FAR_TILT, FAR_SHIFT = 0.2, 0.1
 """An axis that would tilt by more [rad], or move by more reaches, is no matter of tolerances."""
 
+MUCH_TILT, MUCH_SHIFT = 0.05, 0.01
+"""More than this [rad, m] is not usual."""
+
+QUIET = 0.2
+"""A median residual of so few stated deviations shows that the noise is smaller than stated."""
+
+TURNED = 0.2
+"""Orientations that are out by more [rad] are written in another way."""
+
 LEAST_PART = 6
 """Rows on each side of the moment when a base moved."""
 
 
-def refuse_unusable(problem: Problem, unknowns: int) -> tuple[str, ...]:
-    """InputError for a log that nothing can be fitted to; what else is odd, in words."""
+def refuse_unusable(problem: Problem, fitted: Bools) -> tuple[str, ...]:
+    """InputError for a log that nothing can be fitted to; what else is odd, in words. `fitted` (Q,) may move."""
     log, arm = problem.log, problem.geometry.arm
     hint = theta_hint(log.theta, arm.units, arm.limits.lower, arm.limits.upper)
     if hint:
         raise InputError(f"{hint}: name the unit in the header, as in {arm.joint_names[0]} [deg]")
     _require_metres(problem)
-    said = []
-    locked = [name for name, moved in zip(arm.joint_names, np.ptp(log.theta, axis=0), strict=True) if moved < 1e-6]
-    if locked:
-        said.append(f"{listed(locked)} never moves: its zero and axis cannot be told from the others")
-    _, J = problem.residual(problem.first)
-    scalars = int((J != 0).any(axis=-1).sum()) + len(problem.distances)
-    places = 3 * len(problem.places)
-    if scalars < places + 12:
+    rows, numbers, least = len(log.theta), problem.numbers, int(fitted[:12].sum()) + 3 * len(problem.places)
+    if numbers <= least:
         raise InputError(
-            f"{len(log.theta)} rows give {scalars} numbers; base, tool and {len(problem.places)} unknown places alone "
-            f"are {places + 12} unknowns: measure more rows"
+            f"{rows} rows give {numbers} numbers; base, tool and {len(problem.places)} unknown places alone have "
+            f"{least} unknowns: measure more rows"
         )
-    if scalars < 2 * unknowns:
-        need = int(np.ceil(2 * unknowns * len(log.theta) / scalars))
-        said.append(f"{len(log.theta)} rows are few for {unknowns} unknowns: measure {need}, twice as many numbers")
-    return (*said, *_twice(problem), *_collapsing(problem))
+    few: tuple[str, ...] = ()
+    if numbers < 2 * fitted.sum():
+        need = int(np.ceil(2 * fitted.sum() * rows / numbers))
+        few = (f"{rows} rows are few for {fitted.sum()} unknowns: measure {need}, twice as many numbers",)
+    return (*few, *_twice(problem), *_sizeless(problem))
 
 
 def _require_metres(problem: Problem) -> None:
     log, reach = problem.log, problem.geometry.arm.reach
-    spread = float(np.ptp(log.positions[log.located], axis=0).max()) if log.located.any() else 0.0
+    spread = float(np.ptp(log.position[log.located], axis=0).max()) if log.located.any() else 0.0
     if spread > 20.0 * reach:
+        unit = min(FACTORS["m"], key=lambda unit: abs(np.log(spread * FACTORS["m"][unit] / reach)))
         raise InputError(
-            f"the positions lie {spread:.4g} m apart, and the arm reaches {reach:.3g} m: they look like millimetres; "
-            "name the unit in the header, as in x [mm]"
+            f"the positions lie {spread:.4g} m apart, and the arm reaches {reach:.3g} m: are they in {unit}? "
+            f"Name the unit in the header, as in x [{unit}]"
         )
 
 
 def _twice(problem: Problem) -> tuple[str, ...]:
     log = problem.log
-    rows = np.column_stack([log.theta, np.nan_to_num(log.positions), np.nan_to_num(log.lengths)])
+    rows = np.column_stack([log.theta, np.nan_to_num(log.position), np.nan_to_num(log.length)])
     names = [hash((a, b, c)) % 2**31 for a, b, c in zip(log.point, log.plane, log.wire, strict=True)]
     _, first, count = np.unique(np.column_stack([rows, names]), axis=0, return_index=True, return_counts=True)
-    again = np.sort(first[count > 1]) + 1
-    return (f"rows stand there twice, the first of them row {again[0]}: they count twice",) if again.size else ()
+    again = np.sort(first[count > 1])
+    return (f"rows stand there twice, the first of them {log.label[again[0]]}: they count twice",) if again.size else ()
 
 
-def _collapsing(problem: Problem) -> tuple[str, ...]:
-    """What resting points without a known length cannot show."""
+def _sizeless(problem: Problem) -> tuple[str, ...]:
+    """Points and planes whose places are unknown look the same to an arm of another scale."""
     log = problem.log
-    resting = not log.located.any() and not any(log.wire) and any(log.point)
-    if not resting or problem.distances:
+    if log.located.any() or any(log.wire) or problem.distances:
         return ()
-    return ("points at rest do not show the arm's size: give the distance of two of them",)
+    return ("points and planes alone do not show the arm's size: give the distance of two points, or some positions",)
 
 
 def suspicions(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
@@ -80,40 +87,83 @@ def suspicions(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
 
     `first` (Q,) are the unknowns with base and tool fitted alone.
     """
-    rms = float(np.linalg.norm(problem.misses(q)[0][:, :3], axis=1).mean())
+    still = _still(problem)
+    if still:
+        return still
+    left, before = (float(np.median(np.linalg.norm(problem.misses(x)[:, :3], axis=1))) for x in (q, first))
     reach, odd = problem.geometry.arm.reach, ""
-    axes = np.abs(problem.geometry.split(q[: len(problem.geometry.parameters)])[3])
-    tilt, shift = float(axes[:, 3:].max()), float(axes[:, :3].max())
-    if rms > 0.03 * reach:
-        odd = f"nothing fits: {1000 * rms:.0f} mm are left in the mean"
+    tilt, shift = _farthest(problem, q)
+    turned = np.linalg.norm(problem.misses(q)[problem.measured[:, 3], 3:], axis=1)
+    if left > 0.03 * reach:
+        odd = f"nothing fits: {1000 * left:.0f} mm are left in the median"
+    elif turned.size and np.median(turned) > TURNED:
+        return (
+            "the orientations do not fit: are they qx, qy, qz, qw in this order, of the tool in the device's frame?",
+        )
     elif tilt > FAR_TILT or shift > FAR_SHIFT * reach:
         odd = f"axes would move by up to {np.degrees(tilt):.0f}° and {1000 * shift:.0f} mm, more than an arm is out"
-    swapped = _swapped(problem) if odd else ""
+    little = left > max(0.5 * before, 5.0 * float(np.median(problem.sigma)))
+    swapped = _swapped(problem) if odd or little else ""
     if swapped:
-        return (f"{odd}; {swapped}",)
+        return (f"{odd or f'{1000 * left:.3g} of {1000 * before:.3g} mm are left'}; {swapped}",)
     moved = _moved_base(problem, q) or _moved_base(problem, first)
     return moved or ((f"{odd}; are columns swapped, signs reversed, or units mixed?",) if odd else ())
 
 
+def doubts(problem: Problem, q: Array, seen: Bools) -> tuple[str, ...]:
+    """What is unusual of the fit q (Q,), though it may be right."""
+    said, (tilt, shift), loud = [], _farthest(problem, q), float(np.median(problem.loudness(q)))
+    if tilt > MUCH_TILT or shift > MUCH_SHIFT:
+        said.append(
+            f"axes move by up to {np.degrees(tilt):.1f}° and {1000 * shift:.0f} mm: is it this arm, in true metres?"
+        )
+    if loud < QUIET and problem.numbers > 2 * seen.sum():
+        said.append(
+            f"the rows fit {1 / max(loud, 1e-9):.2g} times better than the stated noise: state less, to see more"
+        )
+    return tuple(said)
+
+
+def _farthest(problem: Problem, q: Array) -> tuple[float, float]:
+    """The largest tilt [rad] and shift [m] of an axis."""
+    axes = np.abs(problem.geometry.split(q[: problem.P])[3])
+    return float(axes[:, 3:].max()), float(axes[:, :3].max())
+
+
+def _still(problem: Problem) -> tuple[str, ...]:
+    """Joints that hardly move: their corrections would hold near one value only."""
+    arm, travel = problem.geometry.arm, np.ptp(problem.log.theta, axis=0)
+    least = np.where(np.array(arm.units) == "m", LITTLE_LENGTH, LITTLE_ANGLE)
+    still = [name for name, moved, enough in zip(arm.joint_names, travel, least, strict=True) if moved < enough]
+    if not still:
+        return ()
+    said = f"{np.degrees(LITTLE_ANGLE):.0f}° or {1000 * LITTLE_LENGTH:.0f} mm"
+    return (f"{listed(still)} hardly moves: what is found holds near one value only; move it by more than {said}",)
+
+
 def _swapped(problem: Problem) -> str:
-    """The exchange of two columns that halves what a base alone leaves; else an empty text."""
+    """The reversed signs and exchanged columns that halve what a base alone leaves; else an empty text."""
     log, arm = problem.log, problem.geometry.arm
     if log.located.sum() < 4:
         return ""
-    m = log.positions[log.located]
+    m = log.position[log.located]
 
     def left(theta: Array, m: Array) -> float:
         p = arm.fk(theta)[log.located, :3, 3]
         g = kabsch(p, m)
         return float(np.linalg.norm(p @ g[:3, :3].T + g[:3, 3] - m, axis=1).mean())
 
-    found = {"two of x, y, z look swapped, or one has the wrong sign": left(log.theta, m * [-1.0, 1.0, 1.0])}
+    found = {}
+    for i, name in enumerate(arm.joint_names):
+        found[f"the sign of {name} looks reversed"] = left(log.theta * np.where(np.arange(arm.n) == i, -1.0, 1.0), m)
     for i, j in combinations(range(arm.n), 2):
         theta = log.theta.copy()
         theta[:, [i, j]] = theta[:, [j, i]]
         found[f"the columns {arm.joint_names[i]} and {arm.joint_names[j]} look swapped"] = left(theta, m)
-    words = min(found, key=lambda each: found[each])
-    return words if found[words] < 0.5 * left(log.theta, m) else ""
+    found["two of x, y, z look swapped, or one has the wrong sign"] = left(log.theta, m * [-1.0, 1.0, 1.0])
+    least = min(found.values())
+    alike = [words for words, one in found.items() if one < 1.5 * least]
+    return " or ".join(alike) if least < 0.5 * left(log.theta, m) else ""
 
 
 def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
@@ -121,10 +171,10 @@ def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
     at = np.flatnonzero(problem.log.located)
     if len(at) < 4 * LEAST_PART:
         return ()
-    r = problem.misses(q)[0][at, :3]
+    r = problem.misses(q)[at, :3]
     size = np.linalg.norm(r, axis=1)
     r = r * np.minimum(1.0, np.quantile(size, 0.75) / np.maximum(size, 1e-12))[:, None]  # an outlier counts as others
-    p = problem.log.positions[at] - problem.log.positions[at].mean(axis=0)
+    p = problem.log.position[at] - problem.log.position[at].mean(axis=0)
     A = np.concatenate([np.broadcast_to(np.eye(3), (len(at), 3, 3)), -skew(p)], axis=2)
     H, b = np.cumsum(np.einsum("kij,kil->kjl", A, A), axis=0), np.cumsum(np.einsum("kij,ki->kj", A, r), axis=0)
     cuts = np.unique(np.linspace(LEAST_PART, len(at) - LEAST_PART, 60).astype(int))
@@ -138,4 +188,5 @@ def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
     left = max((float((r * r).sum()) - float(gains[best])) / (3 * len(at)), float(np.median(problem.sigma)) ** 2)
     if gains[best] / 12 < MOVED * left or gains[best] < 0.3 * (r * r).sum():
         return ()
-    return (f"the base or the tracker seems to have moved near row {int(at[cuts[best]]) + 1}: fit the parts alone",)
+    near = problem.log.label[at[cuts[best]]]
+    return (f"the base or the tracker seems to have moved near {near}: fit the parts alone",)

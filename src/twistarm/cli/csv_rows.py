@@ -12,6 +12,7 @@ import numpy as np
 import typer
 
 from ..support.checks import Array
+from ..support.csv_header import FACTORS, quantity_and_unit
 from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_comment, is_number, lines_in
 from ..support.errors import InputError, listed, shown
 from .output import note
@@ -28,16 +29,6 @@ STDIN = "-"
 
 ROWS_SHOWN = 20
 """The most rows of answers and line numbers to show."""
-
-FACTORS = {
-    "m": {"m": 1.0, "cm": 0.01, "mm": 0.001},
-    "rad": {"rad": 1.0, "radians": 1.0, "deg": np.pi / 180, "degrees": np.pi / 180, "°": np.pi / 180},
-    "1": {"1": 1.0, "-": 1.0},
-}
-"""The size of a header's unit in the unit of the quantity [m, rad, 1]."""
-
-UNIT = re.compile(r"(.*?)(?:\s*[\[(]\s*([^\])]*?)\s*[\])]|[_ ](m|cm|mm|rad|deg|degrees))?")
-"""A column's name with or without its unit: `x`, `x [mm]`, `roll (deg)`, `elbow_deg`."""
 
 OURS = re.compile(r"(line|answer|position_error|orientation_error|time|.*\.velocity|.*\.acceleration)( \[.*\])?$")
 """Further columns of the files that twistarm writes. It does not read them."""
@@ -70,7 +61,7 @@ class Sheet:
         found: dict[str, Column] = {}
         passed_over: list[str] = []
         for index, cell in enumerate(self.header):
-            name, unit = _quantity_and_unit(cell.strip(), known)
+            name, unit = quantity_and_unit(cell.strip(), known)
             if name is None:
                 passed_over += [] if OURS.match(cell) else [cell.strip()]
                 continue
@@ -157,17 +148,6 @@ def _commented_header(before: Sequence[str], width: int) -> tuple[str, ...] | No
 def _is_number(cell: str) -> bool:
     """Whether a cell is a number, also with a decimal comma, which is refused later."""
     return is_number(cell.replace(",", "."))
-
-
-def _quantity_and_unit(cell: str, known: Mapping[str, str]) -> tuple[str | None, str]:
-    """The quantity that a header's cell names, and its unit."""
-    match = UNIT.fullmatch(cell)
-    name, unit = (match[1], match[2] or match[3] or "") if match else (cell, "")
-    for said, its_unit in ((cell, ""), (name, unit)):
-        found = known.get(said) or known.get(said.casefold())
-        if found is not None:
-            return found, its_unit
-    return None, ""
 
 
 def no_column(sheet: Sheet, wanted: str) -> InputError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,18 +11,19 @@ import numpy as np
 import typer
 
 from ...arm.arm import Arm
-from ...calibration import Calibration, Estimate, corrected_urdf
+from ...calibration import Calibration, Estimate, corrected_urdf, plot_of
 from ...calibration import calibrate as fit
 from ...support.errors import InputError
 from ...viewer import Viewer
+from ..avoiding import Avoid, avoided
 from ..options import Json, takes_arm
-from ..output import console, number, print_json, say, table
-from ..outputs import Force, Output, outputs_of
+from ..output import console, number, print_json, say, shown, table, units
+from ..outputs import Force, Outputs, outputs_of
 from .viewing import show_address
 
-Log = Annotated[
-    Path,
-    typer.Argument(metavar="LOG", help="CSV: a column per joint, then x, y, z, or point, plane, wire and length."),
+Logs = Annotated[
+    list[Path],
+    typer.Argument(metavar="LOG…", help="CSV: a column per joint, then x, y, z, or point, plane, wire and length."),
 ]
 Noise = Annotated[float, typer.Option(help="Standard deviation of the measured positions, in metres.")]
 OrientationNoise = Annotated[float, typer.Option(help="Standard deviation of the measured orientations, in degrees.")]
@@ -30,8 +32,20 @@ HeldTool = Annotated[bool, typer.Option("--tool-held", help="The measured point 
 Distance = Annotated[
     list[str] | None, typer.Option(metavar="A=B=METRES", help="A known distance of two points; may be repeated.")
 ]
+DistanceNoise = Annotated[float, typer.Option(help="Standard deviation of the known distances, in metres.")]
 Scales = Annotated[bool, typer.Option("--scales", help="Fit a scale of each joint too.")]
 Eccentricity = Annotated[bool, typer.Option("--eccentricity", help="Fit eccentric gears too.")]
+Next = Annotated[int, typer.Option("--next", metavar="N", help="Name N configurations to measure next.")]
+Written = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="The corrected description (*.urdf), the motors' offsets for arm.toml (*.toml), or a plot (*.png); "
+        "repeat it. With a toml the zeros are not in the urdf.",
+    ),
+]
 
 View = Annotated[bool, typer.Option("--view", help="Show the residuals in the browser, magnified, until Ctrl-C.")]
 
@@ -39,37 +53,50 @@ View = Annotated[bool, typer.Option("--view", help="Show the residuals in the br
 @takes_arm
 def calibrate(
     arm: Arm,
-    log: Log,
+    logs: Logs,
     position_noise: Noise = 1e-4,
     orientation_noise: OrientationNoise = 0.06,
     base_held: HeldBase = False,
     tool_held: HeldTool = False,
     distance: Distance = None,
+    distance_noise: DistanceNoise = 1e-4,
     scales: Scales = False,
     eccentricity: Eccentricity = False,
-    output: Output = None,
+    next_postures: Next = 0,
+    avoid: Avoid = None,
+    output: Written = None,
     force: Force = False,
     json: Json = False,
     view: View = False,
 ) -> int:
     """Fit the arm's axes and zeros to measured positions of its tool, and write the corrected URDF."""
-    outputs = outputs_of(output, {"urdf": (".urdf",)}, force=force, json=json)
+    kinds = {"urdf": (".urdf",), "toml": (".toml",), "png": (".png",)}
+    outputs = outputs_of(output, kinds, force=force, json=json)
+    apart = any(kind == "toml" for kind, _ in outputs.files)
     found = fit(
         arm,
-        log,
+        logs,
         base="held" if base_held else "fit",
         tool="held" if tool_held else "fit",
         position_noise=position_noise,
         orientation_noise=float(np.radians(orientation_noise)),
         distances=dict(_distance(said) for said in distance or ()),
+        distance_noise=distance_noise,
         scales=scales,
         eccentricity=eccentricity,
+        foreseen=None if json else lambda estimates: _print_unseen(estimates, outputs),
     )
+    more = found.next_postures(next_postures, scene=avoided(arm, avoid)) if next_postures else np.empty((0, arm.n))
     if json:
-        print_json(_as_json(found))
+        print_json(_as_json(found) | {"next": more})
     else:
-        _print(found, outputs.words)
-    outputs.say(outputs.write({"urdf": lambda: corrected_urdf(found)}))
+        _print(found, arm, more, outputs)
+    contents: dict[str, Callable[[], str | bytes]] = {
+        "urdf": lambda: corrected_urdf(found, zeros=not apart),
+        "toml": lambda: _toml(found),
+        "png": lambda: plot_of(found),
+    }
+    outputs.say(outputs.write(contents))
     if view:
         with Viewer(arm, open_browser=False) as viewer:
             viewer.show_residuals(found)
@@ -86,31 +113,45 @@ def _distance(said: str) -> tuple[tuple[str, str], float]:
         raise InputError(f"--distance takes A=B=METRES, as in left=right=0.05; got {said!r}") from None
 
 
-def _joints(found: Calibration) -> list[Estimate]:
-    places = ("base", "tool", "point ", "plane ", "wire ")
-    return [estimate for estimate in found.estimates if not estimate.parameter.owner.startswith(places)]
+def _print_unseen(estimates: tuple[Estimate, ...], outputs: Outputs) -> None:
+    unseen: dict[str, list[str]] = {}
+    for one in estimates:
+        if one.of_joint and not one.seen:
+            unseen.setdefault(one.parameter.owner, []).append(one.parameter.what)
+    said = f"this log shows {sum(one.seen for one in estimates)} of {len(estimates)} parameters"
+    held = "; ".join(f"{owner} {', '.join(what)}" for owner, what in unseen.items())
+    say(f"{said}; held at 0, because others explain them: {held}" if held else said, file=outputs.words)
 
 
-def _print(found: Calibration, words: Any) -> None:
+def _print(found: Calibration, arm: Arm, more: Any, outputs: Outputs) -> None:
+    out = console(outputs.words)
     rows = [
         [estimate.parameter.owner, estimate.parameter.what, *_amounts(estimate)]
-        for estimate in _joints(found)
-        if estimate.seen
+        for estimate in found.estimates
+        if estimate.of_joint and estimate.seen
     ]
-    console(words).print(table(f"{found.arm.name}: its corrections", ["joint", "what", "value", "±", "unit"], rows,
-                               text=["what", "unit"]))  # fmt: skip
-    unseen = [str(one.parameter) for one in _joints(found) if not one.seen]
-    say(
-        f"mean error of base and tool alone: {_mm(found.before)}; corrected: {_mm(found.after)}",
-        f"on rows left out: {_mm(found.held_out_before)} and {_mm(found.held_out)}",
-        f"not shown beside the others, held at 0: {', '.join(unseen) or 'none'}",
-        file=words,
+    title = f"{arm.name}: its corrections"
+    out.print(table(title, ["joint", "what", "value", "±", "unit"], rows, text=["what", "unit"]))
+    thirds = [[name, *(number(1000 * error, 3) for error in errors)] for name, errors in found.by_joint().items()]
+    out.print(table("median error [mm] by thirds of each joint's range", ["joint", "lower", "middle", "upper"], thirds))
+    if len(more):
+        heads = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, units(arm, radians=False), strict=True)]
+        out.print(
+            table("to measure next", ["", *heads], [[k + 1, *shown(arm, x, False, 2)] for k, x in enumerate(more)])
+        )
+    errors = (
+        ("all rows", float(found.before.mean()), float(found.after.mean())),
+        ("rows left out at random", found.held_out_before, found.held_out),
+        ("a fifth left out at one end", found.block_before, found.block),
     )
+    rows = [[name, number(1000 * before, 3), number(1000 * after, 3)] for name, before, after in errors]
+    out.print(table("mean error [mm]", ["", "base and tool alone", "corrected"], rows))
     if found.outliers:
-        say(f"rows that do not fit: {', '.join(map(str, found.outliers))}", file=words)
+        labels = [found.problem.log.label[row - 1] for row in found.outliers]
+        say(f"rows that do not fit: {', '.join(labels)}", file=outputs.words)
     for warning in found.warnings:
-        say(f"warning: {warning}", file=words)
-    say("confirmed" if found.confirmed else "not confirmed", file=words)
+        say(f"warning: {warning}", file=outputs.words)
+    say("confirmed" if found.confirmed else f"not confirmed: {found.why_not}", file=outputs.words)
 
 
 def _amounts(estimate: Estimate) -> tuple[str, str, str]:
@@ -118,15 +159,19 @@ def _amounts(estimate: Estimate) -> tuple[str, str, str]:
     return number(factor * estimate.value), number(factor * estimate.std), unit
 
 
-def _mm(metres: float) -> str:
-    return f"{1000 * metres:.3g} mm"
+def _toml(found: Calibration) -> str:
+    found.require()
+    offsets = found.motor_offsets().items()
+    return "\n".join(f"[actuators.{name}]\noffset = {offset!r}\n" for name, offset in offsets)
 
 
 def _as_json(found: Calibration) -> dict[str, Any]:
-    names = ("base", "tool", "before", "after", "held_out", "held_out_before", "confirmed", "outliers", "warnings")
+    names = ("base", "tool", "held_out", "held_out_before", "block", "block_before", "confirmed", "outliers")
     estimates = [
         {"owner": one.parameter.owner, "what": one.parameter.what, "unit": one.parameter.unit, "value": one.value,
          "std": one.std, "seen": one.seen}
         for one in found.estimates
     ]  # fmt: skip
-    return {"arm": found.arm.name, "estimates": estimates} | {name: getattr(found, name) for name in names}
+    said = {"arm": found.arm.name, "estimates": estimates, "warnings": found.warnings, "by_joint": found.by_joint()}
+    means = {"before": float(found.before.mean()), "after": float(found.after.mean())}
+    return said | means | {name: getattr(found, name) for name in names}

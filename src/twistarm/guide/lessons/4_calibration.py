@@ -294,7 +294,11 @@ after = np.linalg.norm(found.predict(fresh) - real, axis=1)
 guide.table(
     ["", "base and tool alone", "with zeros and axes"],
     [
-        ["rows of the log", f"{1000 * found.before:.2f} mm", f"{1000 * found.after:.2f} mm"],
+        [
+            "rows of the log",
+            f"{1000 * found.before.mean():.2f} mm",
+            f"{1000 * found.after.mean():.2f} mm",
+        ],
         ["rows left out", f"{1000 * found.held_out_before:.2f} mm", f"{1000 * found.held_out:.2f} mm"],
         [
             "the hidden arm, 400 fresh configurations",

@@ -18,7 +18,7 @@ def draw_residuals(found: Calibration) -> tuple[bytes, str]:
 
     log, back, scale = found.problem.log, inverse_of(found.base)[:3], arm_size(found.arm)
     resting = np.array([found.places.get(name, np.full(3, np.nan)) for name in log.point])
-    measured = np.where(log.located[:, None], log.positions, resting)
+    measured = np.where(log.located[:, None], log.position, resting)
     known = np.isfinite(measured).all(axis=1)
     if not known.any():
         raise InputError("no row of this log has a position or rests on a point: there is no residual to draw")

@@ -1,0 +1,189 @@
+"""The result of a calibration: the corrected arm, its parameters, and what was left over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arm.arm import Arm
+from ..collision.scene import Scene, require_scene
+from ..support.checks import Array, as_theta
+from ..support.display import told
+from ..support.errors import InputError
+from ..theory.rotations import skew
+from .geometry import Parameter
+from .problem import Problem
+
+SURE = 0.95
+"""The share of the error of base and tool alone that the corrected arm must stay below, on rows not fitted."""
+
+CANDIDATES = 1000
+UNSEEN = 0.01
+"""How far a parameter may be out [m, rad, 1] that the log does not show."""
+
+
+class Estimate(NamedTuple):
+    """One parameter: its value and standard deviation [m, rad, 1]. `seen`: the log shows it; else it is held at 0."""
+
+    parameter: Parameter
+    value: float
+    std: float
+    seen: bool
+
+    @property
+    def of_joint(self) -> bool:
+        """Whether it is a joint's, not of base, tool or a place."""
+        return not self.parameter.owner.startswith(("base", "tool", "point ", "plane ", "wire "))
+
+    def __str__(self) -> str:
+        """In words, in mm and degrees: "axis 0.81 mm toward its x ± 0.05 mm"."""
+        unit, (kind, _, axis) = self.parameter.unit, self.parameter.what.partition(" ")
+        value, std = _amount(self.value, unit), _amount(self.std, unit)
+        said = {"shift": f"axis {value} toward its {axis}", "tilt": f"axis tilted {value} about its {axis}"}
+        return f"{said.get(kind, f'{self.parameter.what} {value}')} ± {std}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration:
+    """What a log tells of an arm's geometry.
+
+    `arm` is the corrected arm: axes and zeros, without scales and eccentricity. `base` and `tool` (4, 4) are the base
+    in the frame of the measurements, and the measured point beyond the tip. `estimates` are all parameters. `before`
+    and `after` (K,) are the errors of the rows [m]: with base and tool fitted alone, and with all. `held_out` and
+    `held_out_before` are the mean errors [m] on rows left out of the fit at random. `block` and `block_before` are
+    those on the fifth of the rows at one end of the workspace. `outliers` are rows, from 1. `warnings` say what is odd
+    about the log. `faults` are those that spoil the correction.
+    """
+
+    arm: Arm
+    base: Array
+    tool: Array
+    estimates: tuple[Estimate, ...]
+    before: Array
+    after: Array
+    held_out: float
+    held_out_before: float
+    block: float
+    block_before: float
+    outliers: tuple[int, ...]
+    warnings: tuple[str, ...]
+    faults: tuple[str, ...]
+    covariance: Array = field(repr=False)
+    problem: Problem = field(repr=False)
+    unknowns: Array = field(repr=False)
+
+    def __repr__(self) -> str:
+        return told("Calibration", {"arm": self.arm.name, "held_out": self.held_out, "confirmed": self.confirmed})
+
+    @property
+    def confirmed(self) -> bool:
+        """Rows that were not fitted confirm the correction, and the log has no faults."""
+        return not self.faults and self.held_out < SURE * self.held_out_before
+
+    @property
+    def why_not(self) -> str:
+        """Why the correction is not confirmed; empty if it is."""
+        if self.faults:
+            return f"the log does not give a correction: {self.faults[0]}"
+        left, before = 1000 * self.held_out, 1000 * self.held_out_before
+        return (
+            ""
+            if self.confirmed
+            else (
+                f"rows left out of the fit keep {left:.3g} mm, and {before:.3g} mm without it: measure more, or better"
+            )
+        )
+
+    def require(self) -> Calibration:
+        """Itself, or InputError where the correction is not confirmed."""
+        if not self.confirmed:
+            raise InputError(self.why_not)
+        return self
+
+    @property
+    def unseen(self) -> tuple[Parameter, ...]:
+        """The parameters that this log does not show beside the others."""
+        return tuple(estimate.parameter for estimate in self.estimates if not estimate.seen)
+
+    @property
+    def places(self) -> dict[str, Array]:
+        """Where the named points and anchors are (3,) [m]."""
+        found = self.unknowns[self.problem.P :].reshape(-1, 3)
+        return {name: found[k] for k, (kind, name) in enumerate(self.problem.places) if kind != "plane"}
+
+    def predict(self, theta: ArrayLike) -> Array:
+        """The positions (N, 3) [m] that would be measured at commanded theta (N, n) [rad, m]."""
+        x = as_theta(theta, self.arm.n, "theta", self.arm.joint_names)
+        return self.predict_poses(x.reshape(-1, self.arm.n))[:, :3, 3].reshape(*x.shape[:-1], 3)
+
+    def predict_poses(self, theta: ArrayLike) -> Array:
+        """The poses (N, 4, 4) that would be measured at commanded theta (N, n) [rad, m]."""
+        x = as_theta(theta, self.arm.n, "theta", self.arm.joint_names)
+        return self.problem.geometry.poses(self.unknowns[: self.problem.P], x)
+
+    def changes(self) -> tuple[str, ...]:
+        """The corrections of each joint in words, in mm and degrees: "elbow: axis 0.81 mm toward its x ± …"."""
+        said: dict[str, list[str]] = {}
+        for estimate in self.estimates:
+            if estimate.seen and estimate.of_joint:
+                said.setdefault(estimate.parameter.owner, []).append(str(estimate))
+        return tuple(f"{owner}: {', '.join(parts)}" for owner, parts in said.items())
+
+    @property
+    def zeros(self) -> Array:
+        """What is added to each commanded joint (n,) [rad, m]: 0 where the log does not show it."""
+        found = {e.parameter.owner: e.value for e in self.estimates if e.parameter.what == "zero"}
+        return np.array([found[name] for name in self.arm.joint_names])
+
+    def motor_offsets(self) -> Mapping[str, float]:
+        """The `offset` of each motor for arm.toml that corrects the joints' zeros: o − G z [rad, m].
+
+        It takes the place of the zeros in the origins of the corrected description. Raises InputError for an arm
+        without actuators.
+        """
+        motors = self.problem.geometry.arm.actuators
+        if motors is None:
+            raise InputError(f"{self.arm.name} has no actuators: its zeros go into the origins of the description")
+        return dict(zip(motors.names, (motors.offset - motors.G @ self.zeros).tolist(), strict=True))
+
+    def by_joint(self) -> Mapping[str, tuple[float, float, float]]:
+        """The median error [m] of the rows in the lower, middle and upper third of each joint's logged range."""
+        theta, found = self.problem.log.theta, {}
+        for name, x in zip(self.arm.joint_names, theta.T, strict=True):
+            third = np.minimum(3 * (x - x.min()) / max(float(np.ptp(x)), 1e-12), 2).astype(int)
+            medians = [float(np.median(self.after[third == k])) if (third == k).any() else np.nan for k in range(3)]
+            found[name] = (medians[0], medians[1], medians[2])
+        return found
+
+    def next_postures(self, count: int = 10, *, among: ArrayLike | None = None, scene: Scene | None = None) -> Array:
+        """The configurations (count, n) whose positions would show most beside the log: D-optimal, one by one.
+
+        Each next one maximises det(I + σ⁻² J C Jᵀ) for the covariance C so far. Candidates are `among` (N, n), by
+        default 1,000 random configurations, without those that collide in `scene`.
+        """
+        theta = self.arm.random_theta(0, CANDIDATES) if among is None else as_theta(among, self.arm.n, "among")
+        if scene is not None:
+            theta = theta[~require_scene(scene, self.problem.geometry.arm).collides(theta)]
+        geometry, P, chosen = self.problem.geometry, self.problem.P, list[int]()
+        p = geometry.poses(self.unknowns[:P], theta)[:, :3, 3]
+        V = geometry.twists(self.unknowns[:P], theta)
+        J = (V[:, :3] - skew(p) @ V[:, 3:]) / self.problem.noise[0]
+        hidden = [UNSEEN**2 * (each.of_joint and not each.seen) for each in self.estimates[:P]]
+        C = self.covariance[:P, :P] + np.diag(hidden)
+        for _ in range(min(count, len(theta))):
+            gain = np.linalg.slogdet(np.eye(3) + J @ C @ np.swapaxes(J, 1, 2))[1]
+            gain[chosen] = -np.inf
+            chosen.append(int(gain.argmax()))
+            CJ = C @ J[chosen[-1]].T
+            C = C - CJ @ np.linalg.solve(np.eye(3) + J[chosen[-1]] @ CJ, CJ.T)
+        return np.asarray(theta[chosen])
+
+
+def _amount(value: float, unit: str) -> str:
+    if unit == "1":
+        return f"{value:.2g}"
+    return f"{1000 * value:.2f} mm" if unit == "m" else f"{np.degrees(value):.3f}°"
