@@ -35,7 +35,7 @@ def test_the_files_to_fill_in_are_written_and_never_overwritten(written: Path, c
     assert run(["guide", "exercises", "-o", str(written)]) == 0
     assert mine.read_text() == RIGHT
     assert (written / f"{LESSONS[1]}.py").is_file()
-    assert "1 files written, 33 that were there left as they are" in capsys.readouterr().out
+    assert "1 files written, 34 that were there left as they are" in capsys.readouterr().out
 
 
 def test_check_keeps_the_progress(tmp_path: Path, capsys: Capture) -> None:

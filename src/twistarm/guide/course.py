@@ -25,7 +25,7 @@ PARTS = (
     Part("3.1 Forward kinematics", ("3_1_forward_kinematics", "3_1_workspace")),
     Part("3.2 Inverse kinematics", ("3_2_two_link_arm", "3_2_all_solutions", "3_2_numeric_solvers")),
     Part("3.3 Motion", ("3_3_1_trajectories", "3_3_2_jacobian", "3_3_2_singularities")),
-    Part("4 Your arm", ("4_capstone",)),
+    Part("4 Your arm", ("4_capstone", "4_calibration")),
 )
 
 LESSONS = tuple(name for part in PARTS for name in part.lessons)
@@ -50,6 +50,7 @@ SECTIONS = (
     ("3.3.2", "The manipulator Jacobian, statics", "3_3_2_jacobian"),
     ("3.3.2", "Singularities, manipulability", "3_3_2_singularities"),
     ("4", "Building a manipulator", "4_capstone"),
+    ("4", "What is true of your arm", "4_calibration"),
 )
 """The guide's sections, what is in each, and the lesson that teaches it."""
 

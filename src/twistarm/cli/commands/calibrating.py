@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,10 +14,12 @@ from ...arm.arm import Arm
 from ...calibration import Calibration, Estimate, corrected_urdf, plot_of
 from ...calibration import calibrate as fit
 from ...support.errors import InputError
+from ...viewer import Viewer
 from ..avoiding import Avoid, avoided
 from ..options import Json, takes_arm
 from ..output import console, number, print_json, say, shown, table, units
 from ..outputs import Force, Outputs, outputs_of
+from .viewing import show_address
 
 Logs = Annotated[
     list[Path],
@@ -44,6 +47,8 @@ Written = Annotated[
     ),
 ]
 
+View = Annotated[bool, typer.Option("--view", help="Show the residuals in the browser, magnified, until Ctrl-C.")]
+
 
 @takes_arm
 def calibrate(
@@ -62,6 +67,7 @@ def calibrate(
     output: Written = None,
     force: Force = False,
     json: Json = False,
+    view: View = False,
 ) -> int:
     """Fit the arm's axes and zeros to measured positions of its tool, and write the corrected URDF."""
     kinds = {"urdf": (".urdf",), "toml": (".toml",), "png": (".png",)}
@@ -91,6 +97,11 @@ def calibrate(
         "png": lambda: plot_of(found),
     }
     outputs.say(outputs.write(contents))
+    if view:
+        with Viewer(arm, open_browser=False) as viewer:
+            viewer.show_residuals(found)
+            show_address(viewer, browser=True, out=sys.stderr if json else outputs.words)
+            viewer.wait()
     return 0 if found.confirmed else 1
 
 

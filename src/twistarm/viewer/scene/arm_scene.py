@@ -32,6 +32,7 @@ class Scene:
         self.objects = [*draw_screws(arm), *_frames(self._size)]
         self.links: dict[str, str] = {}
         self.notes: tuple[str, ...] = ()
+        self._laid = ""
         self._pieces: dict[str, Drawn] = {}  # by node
         self._places: dict[str, range] = {}  # in `objects`, of each mesh drawn
         self._meshes: Iterator[Drawn]
@@ -85,6 +86,12 @@ class Scene:
         if piece.note and piece.note not in self.notes:
             self.notes += (piece.note,)
         self.left -= 1
+
+    def overlay(self, drawn: bytes, note: str) -> None:
+        """Draw an object beside the arm, with a note on the page, in place of the last one."""
+        self.objects.append(drawn)
+        self.notes = (*(each for each in self.notes if each != self._laid), note)
+        self._laid = note
 
     def close(self) -> None:
         """Stop drawing, and stop reading the current mesh. From any thread."""

@@ -38,7 +38,7 @@ def set_object(path: str, geometry: Any, colour: Colour, matrix: Array, **materi
     from meshcat.geometry import Mesh, MeshLambertMaterial
 
     lowered = Mesh(geometry, MeshLambertMaterial(color=_rgb(colour), opacity=colour[3], **material)).lower()
-    return _packed_object(path, lowered, matrix)
+    return packed_object(path, lowered, matrix)
 
 
 def removed(path: str) -> bytes:
@@ -98,7 +98,7 @@ def triangles(path: str, vertices: Array, normals: Array, faces: Any, colour: Co
     lowered = Mesh(TriangularMeshGeometry(vertices, faces), material).lower()
     attributes = lowered["geometries"][0]["data"]["attributes"]
     attributes["normal"] = pack_numpy_array(np.asarray(normals, dtype=np.float32).T)
-    return _packed_object(path, lowered, matrix)
+    return packed_object(path, lowered, matrix)
 
 
 def rod(path: str, start: Array, end: Array, radius: float, colour: Colour, **material: Any) -> bytes:
@@ -164,7 +164,8 @@ def _rgb(colour: Colour) -> int:
     return (red << 16) + (green << 8) + blue
 
 
-def _packed_object(path: str, lowered: dict[str, Any], matrix: Array) -> bytes:
+def packed_object(path: str, lowered: dict[str, Any], matrix: Array) -> bytes:
+    """The packed message for a lowered Meshcat object at `path`, with the pose `matrix` (4, 4) in its node."""
     lowered["object"]["matrix"] = columns(matrix)
     return _packed({"type": "set_object", "path": path, "object": lowered})
 

@@ -1,0 +1,473 @@
+# %% [markdown]
+# # What is true of your arm
+#
+# The capstone has compared your file with itself: three programs read it alike. On the table the tool is still a
+# centimetre beside its target. A printed bracket has shrunk, a motor horn sits one tooth off, and an axis leans by a third
+# of a degree. No file knows that.
+#
+# This lesson measures it. You write the arm with its small errors, and ask what a set of measurements can show. Then you
+# fit what it shows, and test the fit on rows that it has not seen. `twistarm calibrate` does the whole of it.
+#
+# ## The arm in the file, and the arm on the table
+#
+# The **nominal** arm is that of the file. The **real** arm is the one that you have built. Here a hidden arm plays the
+# real one: every joint of yours, and the tool, stands a little elsewhere. Shifts have a standard deviation of 1 mm along
+# each axis, and turns of 0.3° about each. That is good work with printed parts.
+#
+# A **displacement** $\delta_i \in se(3)$ is a twist. Its motion $e^{\hat\delta_i}$ carries joint $i$ and everything
+# beyond it. The product of exponentials takes it in between:
+#
+# $$g(\theta) = e^{\hat\delta_1} e^{\hat\xi_1\theta_1} \; e^{\hat\delta_2} e^{\hat\xi_2\theta_2} \cdots
+# e^{\hat\delta_n} e^{\hat\xi_n\theta_n} \; e^{\hat\delta_{n+1}} g_{st}(0)$$
+#
+# This is the **local product of exponentials** (Chen, Yang, Tan and Yeo, *Local POE model for robot kinematic calibration*,
+# 2001). The numbers of $\delta_i$ are easiest to read at the joint's own place $q_i$. There $d_i$ is "1 mm to the left,
+# 0.3° about $x$". The Adjoint of the shift to $q_i$ gives $\delta_i = \mathrm{Ad}_{T(q_i)}\, d_i$.
+
+# %% tags=["shown"]
+import numpy as np
+
+from twistarm import Position, calibrate, guide, screws, solve_ik
+from twistarm.calibration import Measurements
+
+arm = guide.arm()
+rng = np.random.default_rng(4)
+m = arm.screws.shape[1]  # moving joints, those that follow another too
+
+
+def at(q):
+    g = np.eye(4)
+    g[:3, 3] = q
+    return screws.adjoint(g)
+
+
+places = [at(q) for q in guide.arm_points(arm, np.zeros(arm.n))[1:]]  # of every joint, and of the tool
+
+
+def real_tool(d, theta):
+    """The tool (K, 4, 4) of an arm whose joints and tool are displaced by d (m + 1, 6)."""
+    g, x = np.eye(4), theta @ arm.coupling.A.T
+    for i in range(m):
+        g = g @ screws.exp(places[i] @ d[i]) @ screws.exp(arm.screws[:, i], x[:, i])
+    return g @ screws.exp(places[m] @ d[m]) @ arm.home
+
+
+build = np.array([1e-3] * 3 + [np.radians(0.3)] * 3)  # what the workshop errs by [m, rad]
+hidden = rng.normal(size=(m + 1, 6)) * build
+
+fresh = arm.random_theta(rng, 400)
+off = np.linalg.norm((real_tool(hidden, fresh) - arm.fk(fresh))[:, :3, 3], axis=1)
+
+# %%
+guide.say(
+    f"`{arm.name}`, nominal and real, at 400 random configurations: the tool is {1000 * off.mean():.1f} mm off in the "
+    f"mean, and {1000 * off.max():.1f} mm at worst. Nothing is loose: the real arm comes back to the same place "
+    f"every time. It is **repeatable**, and it is not **accurate**."
+)
+alone = []
+for i in range(m + 1):
+    one = np.zeros_like(hidden)
+    one[i] = hidden[i]
+    alone.append(np.linalg.norm((real_tool(one, fresh) - arm.fk(fresh))[:, :3, 3], axis=1).mean())
+names = arm.moving_names if len(arm.moving_names) == m else [f"screw {i + 1}" for i in range(m)]
+guide.table(
+    ["displaced alone", "shift $d$ [mm]", "turn $d$ [°]", "the tool is off by"],
+    [
+        [
+            name,
+            f"{1000 * np.linalg.norm(each[:3]):.1f}",
+            f"{np.degrees(np.linalg.norm(each[3:])):.2f}",
+            f"{1000 * far:.1f} mm",
+        ]
+        for name, each, far in zip(
+            [*(f"`{name}`" for name in names), "the tool"], hidden, alone, strict=True
+        )
+    ],
+    "In the mean over the configurations. A turn counts with the length of arm beyond it.",
+)
+
+# %% [markdown]
+# ## Four numbers for an axis, two for a slide
+#
+# A displacement has six numbers. Not all of them move an axis. The twist $\xi$ of a displaced joint is
+# $\mathrm{Ad}_{e^{\hat\delta}}\xi$, and to first order it changes by the Lie bracket $[\delta, \xi]$. A turning joint does
+# not notice a shift along its axis or a turn about it. A slide has a direction and no place. It notices only the two
+# turns that tilt it.
+
+# %%
+changes = [
+    np.linalg.matrix_rank(screws.bracket(np.eye(6), np.broadcast_to(xi, (6, 6))), tol=1e-9)
+    for xi in arm.screws.T
+]
+guide.table(
+    ["joint", "kind", r"numbers that move its axis, the rank of $\delta \mapsto [\delta, \xi]$"],
+    [
+        [f"`{name}`", "slide" if np.linalg.norm(xi[3:]) < 1e-9 else "turns", int(k)]
+        for name, xi, k in zip(names, arm.screws.T, changes, strict=True)
+    ],
+)
+guide.predict(
+    "What becomes of the other numbers of a displacement? They are not lost: the tool moves if a joint stands farther "
+    "along its axis.",
+    r"They commute with the joint, $e^{\hat\delta} e^{\hat\xi\theta} = e^{\hat\xi\theta} e^{\hat\delta}$. So they pass "
+    "through it and join the displacement of the next one, and in the end that of the tool. A turn about the joint's own "
+    f"axis is an error of its zero. So your arm has at most {sum(changes)} numbers for its axes and 6 for its tool.",
+)
+
+# %% [markdown]
+# ## What a measurement sees
+#
+# A device measures where the tool's origin is, $p$. How far does $p$ move for each number of each displacement? The joints
+# before it carry $\delta_i$ along, as they carry a column of the Jacobian. The carried twist $(v, \omega)$ moves $p$ by
+# $v + \omega \times p$. So a configuration gives three rows, with six columns for each displacement:
+#
+# $$p_\text{real} - p_\text{nominal} \approx A(\theta)\, d, \qquad
+# A_i = \begin{bmatrix} I & -\hat p \end{bmatrix} \mathrm{Ad}_{e^{\hat\xi_1\theta_1} \cdots e^{\hat\xi_{i-1}\theta_{i-1}}}
+# \mathrm{Ad}_{T(q_i)}$$
+
+
+# %%
+def slopes(theta):
+    """The derivatives (K, 3, 6 (m + 1)) of the tool's position by d."""
+    p, x, g = arm.fk(theta)[:, :3, 3], theta @ arm.coupling.A.T, np.tile(np.eye(4), (len(theta), 1, 1))
+    columns = []
+    for i in range(m + 1):
+        V = screws.adjoint(g) @ places[i]
+        columns.append(V[:, :3] + np.cross(V[:, 3:], p[:, :, None], axis=1))
+        if i < m:
+            g = g @ screws.exp(arm.screws[:, i], x[:, i])
+    return np.concatenate(columns, axis=2)
+
+
+theta = arm.random_theta(rng, 60)
+noise = 2e-4  # standard deviation of each coordinate [m]
+measured = real_tool(hidden, theta)[:, :3, 3] + rng.normal(scale=noise, size=(60, 3))
+A = slopes(theta).reshape(180, -1)
+r = (measured - arm.fk(theta)[:, :3, 3]).ravel()
+
+# %%
+by_slopes = (slopes(fresh) @ hidden.ravel()) - (real_tool(hidden, fresh) - arm.fk(fresh))[:, :3, 3]
+left = np.linalg.norm(by_slopes, axis=1).mean()
+guide.say(
+    f"You move the real arm to 60 configurations, and a camera measures the tool, with a noise of {1000 * noise:.1f} mm. "
+    f"That gives {len(r)} numbers. The slopes explain the hidden errors to {1000 * left:.2f} mm in the mean, of "
+    f"{1000 * off.mean():.1f} mm: small displacements are nearly linear."
+)
+
+# %% [markdown]
+# ## What a log can show
+#
+# Divide every row of $A$ by its noise. Give each number of $d$ the unit of the workshop's errors, 1 mm or 0.3°. A
+# **singular value** of this matrix compares signal and noise: how far a usual error of that combination moves the
+# measurements, over their noise. Above 1 the log shows the combination. Far below 1 the noise hides it. At 0 nothing can
+# show it: two different arms measure alike.
+
+# %% tags=["shown"]
+unit = np.tile(build, m + 1)
+U, s, Vt = np.linalg.svd(A * unit / noise, full_matrices=False)
+shown = int((s > 1).sum())
+rank = int((s > 1e-9 * s[0]).sum())
+
+# %%
+at_most = sum(changes) + 3
+fig, ax = guide.axes2(height=2.9, xlabel="combination of displacements", ylabel="errors over noise")
+ax.semilogy(np.arange(1, rank + 1), s[:rank], "o", color=guide.BLUE, markersize=4)
+ax.axhline(1.0, color=guide.GREY, linestyle="--", linewidth=1)
+guide.figure(
+    fig,
+    f"The singular values over their number, on a logarithmic scale: {rank} of {6 * (m + 1)} are not zero, and {shown} are "
+    "above the dashed line at 1",
+    f"`{arm.name}`: {6 * (m + 1)} numbers, {rank} combinations that positions can show at all, {shown} above the noise.",
+)
+guide.say(
+    f"Positions alone do not see how the tool is turned. So at most {at_most} combinations can show: {sum(changes)} for the "
+    f"axes, and 3 for the tool's point. Here {rank} do. "
+    + (
+        "Parallel or crossing axes hide the rest, to first order."
+        if rank < at_most
+        else "This arm hides none of them."
+    )
+)
+
+# %%
+still = theta.copy()
+still[:, -1] = arm.ready[-1]
+frozen = np.linalg.svd(slopes(still).reshape(180, -1) * unit / noise, compute_uv=False)
+p_hat = screws.hat(np.pad(arm.fk(theta)[:, :3, 3], ((0, 0), (3, 0))))[:, :3, :3]
+of_base = np.concatenate([np.tile(np.eye(3), (60, 1, 1)), -p_hat], axis=2).reshape(180, 6)
+with_base = np.linalg.matrix_rank(np.hstack([A * unit, of_base * build]) / noise, tol=1e-9 * s[0])
+guide.predict(
+    "The camera stands somewhere, so its frame is unknown too: six more numbers, a displacement of the base. How many "
+    "more combinations does the log then show? And how many if the last joint never moves?",
+    f"{with_base - rank or 'None'} more. The base comes before joint 1, as $\\delta_1$ does: both have the same six columns. A log shows where the "
+    "first axis is seen from the camera, and never how much of that is the arm's fault. So `calibrate` fits the base, and "
+    f"holds the first axis. If `{arm.joint_names[-1]}` never moves, {int((frozen > 1).sum())} combinations show, instead of "
+    f"{shown}: its axis and zero cannot be told from the tool.",
+)
+
+# %% [markdown]
+# ## Least squares in units of the noise
+#
+# A tape errs by a millimetre, a camera by a fifth of one. To mix them, divide each row by its standard deviation
+# $\sigma_k$. Then every row has noise of 1, and the sum of squares is fair:
+#
+# $$\min_d \sum_k \left( \frac{A_k d - r_k}{\sigma_k} \right)^2, \qquad B_k = \frac{A_k}{\sigma_k}, \qquad
+# \mathrm{cov}(d) = (B^T B)^{-1}$$
+#
+# The covariance exists only for what the log shows. So leave out the hidden combinations. Combination $j$ of the singular
+# values above has the estimate $u_j^T r / \sigma / s_j$. Its standard deviation is $1 / s_j$ in the workshop's units.
+
+# %%
+estimate = (U.T @ r / noise) / s  # of each combination
+truth = Vt @ (hidden.ravel() / unit)
+
+
+def signed(number):
+    return f"{number:.2f}".replace("-", "−")
+
+
+rows = [j for j in (0, shown // 2, shown - 1, min(shown + 1, rank - 1)) if j < rank]
+guide.table(
+    ["combination", "singular value", "estimate", "standard deviation", "hidden truth"],
+    [
+        [str(j + 1), f"{s[j]:.3g}", signed(estimate[j]), f"{1 / s[j]:.2g}", signed(truth[j])]
+        for j in sorted(set(rows))
+    ],
+    "In the workshop's units. A deviation of 1 or more says nothing new: the workshop had promised as much.",
+)
+surprise = (estimate - truth)[:shown] * s[:shown]
+guide.say(
+    f"Over the {shown} combinations shown, estimate minus truth is {np.sqrt(np.mean(surprise**2)):.2f} standard deviations "
+    "(root mean square). About 1 is right: then the stated noise is honest."
+)
+
+# %% [markdown]
+# ## Rows that the fit has not seen
+#
+# With every combination that you add, the residual of the fit falls. That is no merit: a fit with as many numbers as rows
+# has none left. Leave some rows out of the fit, and predict *them*. Where the held-out error stops falling, the fit has
+# begun to learn the noise. A rougher device shows it better: a ruler held to the tool, with a noise of 3 mm.
+
+# %% tags=["shown"]
+rough = 3e-3
+ruler = r + rng.normal(scale=rough, size=180)
+# twelve configurations for the fit, and the others for the test
+U2, s2, Vt2 = np.linalg.svd(A[:36] * unit / rough, full_matrices=False)
+most = int((s2 > 1e-9 * s2[0]).sum())
+fit_error, held_out = [], []
+for k in range(most + 1):
+    d = unit * (Vt2[:k].T @ ((U2[:, :k].T @ ruler[:36] / rough) / s2[:k]))
+    fit_error.append(np.sqrt(np.mean((A[:36] @ d - ruler[:36]) ** 2)))
+    held_out.append(np.sqrt(np.mean((A[36:] @ d - ruler[36:]) ** 2)))
+
+# %%
+best = int(np.argmin(held_out))
+fig, ax = guide.axes2(height=3.0, xlabel="combinations fitted", ylabel="error of a coordinate [mm]")
+ax.plot(1000 * np.array(fit_error), "o-", markersize=3, color=guide.BLUE, label="rows of the fit")
+ax.plot(1000 * np.array(held_out), "s--", markersize=3, color=guide.ORANGE, label="rows left out")
+ax.axhline(1000 * rough, color=guide.GREY, linestyle=":", linewidth=1, label="noise")
+ax.legend(fontsize=8)
+guide.figure(
+    fig,
+    "The error of the fitted rows falls with every combination, below the noise; that of the rows left out falls no "
+    "farther than to about the noise",
+    f"The least error on rows left out is {1000 * held_out[best]:.2f} mm, with {best} combinations. With all {most} it is "
+    f"{1000 * held_out[-1]:.2f} mm, while the fit's own is {1000 * fit_error[-1]:.2f} mm.",
+)
+
+# %% [markdown]
+# ## All of it in one call
+#
+# `twistarm calibrate my_arm.urdf log.csv -o corrected.urdf`
+#
+# `calibrate` does these steps with the true, curved equations, and it weighs outliers down. It fits base and tool first,
+# then zeros, then axes, and holds at 0 what the log does not show. It writes the corrected file only if rows left out
+# confirm it. With `--view` the page shows each residual as a needle, many times as long. Needles that point alike in one
+# corner of the room have a cause; needles in all directions are noise.
+
+# %% tags=["shown"]
+found = calibrate(arm, Measurements(theta, measured), position_noise=noise)
+real = real_tool(hidden, fresh)[:, :3, 3]
+after = np.linalg.norm(found.predict(fresh) - real, axis=1)
+
+# %%
+guide.table(
+    ["", "base and tool alone", "with zeros and axes"],
+    [
+        [
+            "rows of the log",
+            f"{1000 * found.before.mean():.2f} mm",
+            f"{1000 * found.after.mean():.2f} mm",
+        ],
+        ["rows left out", f"{1000 * found.held_out_before:.2f} mm", f"{1000 * found.held_out:.2f} mm"],
+        [
+            "the hidden arm, 400 fresh configurations",
+            f"{1000 * off.mean():.2f} mm in the file",
+            f"{1000 * after.mean():.2f} mm",
+        ],
+    ],
+    "Mean errors. Only a simulation has the last row; of a real arm you know the second.",
+)
+said = found.changes()
+guide.say(
+    f"What it says of `{arm.name}`:\n\n"
+    + "\n".join(f"- {line}" for line in said[:7])
+    + f"\n\nHeld at 0, because this log does not show them beside the others: {len(found.unseen)} numbers, such as "
+    f"*{found.unseen[0]}*."
+)
+guide.predict(
+    "Compare these numbers with the hidden displacements. Do you expect them to be equal?",
+    "No. A shift of one axis and a longer tool may move the tool alike, and the fit has put such a combination where it "
+    "costs least. Each number depends on that choice. What the arm *does* is right: look at the prediction, not at the "
+    "numbers.",
+)
+
+# %% [markdown]
+# ## A tape, and a ball in two sockets
+#
+# A laser tracker costs more than your rover. Two tools that you have, or print:
+#
+# - **A tape.** Drive three nails into the table and the wall, far apart. Hook the tape on a nail, and read the distance to
+#   the tool's point: columns `wire` and `length`. Forward kinematics gives the direction $u$ to the nail, and the row is
+#   $u^T A$. The nails' places are unknown, three numbers each.
+# - **A ball in two sockets.** The tool holds a ball. It rests in a printed socket while the arm takes many configurations:
+#   column `point`. The socket's place is unknown. A second socket, at a known distance, gives the arm its
+#   scale (Franzese and others, *MUKCa*, 2025). The documentation page *Calibrate the geometry* has the plate to print.
+#
+# What will each of them show? You can tell before you measure. Start from what the workshop promises, a covariance $P$ of
+# 1 mm and 0.3°. A log adds information: $C = (P^{-1} + B^T B)^{-1}$. Then the tool's error at a fresh configuration has
+# the covariance $A C A^T$.
+
+
+# %%
+def columns_of(theta):
+    """The slopes (K, 3, 6 m) of all displacements but the first, whose axis is the frame, in the workshop's units."""
+    return slopes(theta)[:, :, 6:] * unit[6:]
+
+
+def tracked(theta, noise):
+    """A camera somewhere: its place is a displacement of the base."""
+    seen = slopes(theta)
+    return (
+        np.concatenate([columns_of(theta), seen[:, :, :6]], axis=2).reshape(3 * len(theta), -1) / noise
+    )
+
+
+def taped(theta, nails, noise):
+    """The distances from the nails, whose places are unknown."""
+    way = arm.fk(theta)[:, None, :3, 3] - nails
+    u = way / np.linalg.norm(way, axis=2, keepdims=True)
+    own = np.stack([np.kron(np.eye(len(nails))[k], -u[:, k]) for k in range(len(nails))], axis=1)
+    return (
+        np.concatenate([u @ columns_of(theta), own], axis=2).reshape(len(nails) * len(theta), -1)
+        / noise
+    )
+
+
+def rested(groups, ways, noise):
+    """Configurations at each socket, whose places are unknown; sockets 2k and 2k + 1 are apart along ways[k]."""
+    N = len(groups)
+    rows = [
+        np.concatenate(
+            [columns_of(each), np.tile(np.kron(np.eye(N)[k], -np.eye(3)), (len(each), 1, 1))], axis=2
+        )
+        for k, each in enumerate(groups)
+    ]
+    apart = np.kron(np.eye(N)[::2] - np.eye(N)[1::2], np.ones(3)) * np.tile(ways, N)
+    known = np.hstack([np.zeros((len(ways), 6 * m)), apart])
+    return np.vstack([np.concatenate(rows).reshape(-1, 6 * m + 3 * N) / noise, known / 1e-5])
+
+
+around = np.linalg.svd(slopes(fresh[:60])[:, :, :6].reshape(180, 6), full_matrices=False)
+base = around[0][
+    :, around[1] > 1e-9 * around[1][0]
+]  # what motions of the base do at fresh configurations
+afresh = columns_of(fresh[:60]).reshape(180, -1)
+afresh = afresh - base @ (base.T @ afresh)  # a base that stands elsewhere is no error of the arm
+
+
+def expected(B):
+    """The error of the tool anywhere [m], root mean square. Behind the displacements B has columns for places."""
+    P = np.zeros(B.shape[1])
+    P[: 6 * m] = 1.0  # places: nothing is known
+    C = np.linalg.pinv(B.T @ B + np.diag(P), hermitian=True)[: 6 * m, : 6 * m]
+    return float(np.sqrt(3 * np.mean(np.einsum("ki,ij,kj->k", afresh, C, afresh))))
+
+
+def in_socket(point, times):
+    """Configurations with the tool at a point, each from another start."""
+    tries = [solve_ik(arm, Position(point), arm.random_theta(rng)) for _ in range(2 * times)]
+    return np.array([each.theta for each in tries if each.converged][:times])
+
+
+def plates(count, times):
+    """Configurations in the two sockets of plates at several places, turned at random, and the ways between sockets."""
+    groups, ways = [], []
+    while len(ways) < count:
+        place = arm.fk(0.5 * arm.ready + 0.5 * arm.random_theta(rng))[:3, 3]
+        way = screws.exp([0, 0, 0, 0, 0, 1], rng.uniform(0, 2 * np.pi))[:3, 0]
+        pair = [in_socket(place + 0.05 * k * way, times) for k in range(2)]
+        if min(map(len, pair)) == times:
+            groups, ways = groups + pair, [*ways, way]
+    return groups, np.array(ways)
+
+
+# %%
+nails = arm.reach * np.array([[1.0, 0.8, 0.0], [1.0, -0.8, 0.2], [-0.5, 0.6, 0.9]])
+spare = arm.n - int(np.linalg.matrix_rank(arm.hybrid_jacobian(fresh[0])[:3], tol=1e-6))
+logs = [("no log", "", np.zeros((1, 6 * m)))]
+logs += [
+    ("tape from three nails, noise 1 mm", f"{3 * K} distances", taped(theta[:K], nails, 1e-3))
+    for K in (10, 40)
+]
+if spare:
+    for count, times in ((1, 20), (4, 20)):
+        where = f"{2 * count * times} rows, {count} place{'s' * (count > 1)}"
+        logs.append(("ball in two sockets, play 0.1 mm", where, rested(*plates(count, times), 1e-4)))
+logs.append(("camera, noise 0.2 mm", "60 rows", tracked(theta, noise)))
+guide.table(
+    ["log", "how much", "error anywhere in reach"],
+    [[what, much, f"{1000 * expected(B):.2f} mm"] for what, much, B in logs],
+    f"What each log leaves of the workshop's errors, for `{arm.name}`: expected before a single row is measured.",
+)
+guide.say(
+    "Sockets show little far from where they are. Carry the plate to several places, low and high, near and far. A tape "
+    "reaches everywhere, and many rough rows make up for their noise: the error falls with the root of their number."
+    + (
+        " The ways between plates are unknown, so plates say little of a slide that carries the arm from one to the other."
+        if "m" in arm.units
+        else ""
+    )
+    if spare
+    else f"`{arm.name}` has no joint to spare: in a socket it can hardly move, so a ball in sockets shows nothing. Take the "
+    "tape: many rough rows make up for their noise, because the error falls with the root of their number."
+)
+
+# %% [markdown]
+# ## What goes wrong in practice
+#
+# - **All rows from one corner.** Held-out rows from the same corner confirm the fit, and it fails elsewhere. Measure where
+#   you will work, and leave out a whole place, not only single rows.
+# - **A dishonest noise.** State 0.01 mm for a tape, and the fit explains the tape's errors with tilted axes. State what
+#   the same reading, taken five times, scatters by.
+# - **Correct the wiring first.** A swapped motor or a joint in degrees is no small displacement. `twistarm wiring` finds
+#   these.
+# - **A base that moved.** Somebody has leaned on the table after row 40. Measure the first configuration again at the end:
+#   both rows must agree.
+# - **Calibrating what bends.** A long arm sags under its load, and no displacement of axes is a sag. If the held-out error
+#   stays far above the noise, the model lacks something: bending, play, or an eccentric gear.
+# - **The correction is lost.** The next export from CAD has the old numbers again. Keep the log, and calibrate again.
+
+# %%
+corner = arm.ready + 0.15 * (arm.random_theta(rng, 60) - arm.ready)
+away = expected(tracked(corner, noise))
+guide.say(
+    f"Sixty rows in the middle of the reach, where each joint uses a seventh of its range, leave {1000 * away:.2f} mm "
+    f"elsewhere. Sixty rows from everywhere leave {1000 * expected(tracked(theta, noise)):.2f} mm. The camera is the same."
+)
+
+# %% [markdown]
+# ## Exercises
+
+# %%
+guide.practice("4_calibration")
