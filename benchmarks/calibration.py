@@ -52,7 +52,7 @@ def base_and_tool(arm: Any, theta: Array, positions: Array) -> tuple[Array, Arra
 
 
 def splits(positions: Array, rng: np.random.Generator) -> dict[str, list[Array]]:
-    """Rows left out: random folds, and the fifth of the workspace that lies farthest along x, y and z, to both sides."""
+    """Rows left out: random folds, and the fifth of the rows farthest along x, y and z, to both sides."""
     K = len(positions)
     order = rng.permutation(K)
     few = int(BLOCK * K)
@@ -63,9 +63,7 @@ def splits(positions: Array, rng: np.random.Generator) -> dict[str, list[Array]]
 
 def told_tracker(file: Path, environments: Path) -> None:
     arm, (theta, positions) = load_arm("ur5"), tracker_rows(file)
-    print(
-        f"\nUR5, {len(theta)} postures with a laser tracker: mean error on rows left out [mm], processor time of a fit [s]"
-    )
+    print(f"\nUR5, {len(theta)} postures with a tracker: mean error on rows left out [mm], processor time of a fit [s]")
     with tempfile.TemporaryDirectory() as folder:
         workers = {}
         for name in ("twistarm", "robotkinecal"):
@@ -91,9 +89,15 @@ def told_splits(arm: Any, theta: Array, positions: Array, what: str, folds: list
         g = arm.fk(theta[out])
         errors["base and tool alone"].append(missed(g[:, :3, :3] @ tool + g[:, :3, 3], seen[out]))
         for name, worker in list(workers.items()):
-            message = {"arm": "ur5", "screws": arm.screws.tolist(), "home": home.tolist(), "asked": theta[out].tolist()}
+            message = {"arm": "ur5", "screws": arm.screws.tolist(), "home": home.tolist()}
             try:
-                answer = worker.ask("fit", **message, theta=theta[kept].tolist(), positions=seen[kept].tolist())
+                answer = worker.ask(
+                    "fit",
+                    **message,
+                    theta=theta[kept].tolist(),
+                    positions=seen[kept].tolist(),
+                    asked=theta[out].tolist(),
+                )
             except WorkerError as error:
                 print(f"  {name}: {error}")
                 del workers[name], errors[name]
@@ -110,9 +114,7 @@ def missed(found: Array, exact: Array) -> float:
 
 
 def told_sockets(folder: Path) -> None:
-    print(
-        "\nA ball in two sockets, on placements not fitted: mean distance from the socket's mean, error of the 50 mm [mm]"
-    )
+    print("\nTwo sockets, placements not fitted: mean distance from the socket's mean, error of the 50 mm [mm]")
     for robot, urdf in ROBOTS.items():
         arm, data = load_arm(folder / urdf, tip="ball_link"), placements(folder / robot)
         for count in range(1, len(data)):
@@ -130,9 +132,10 @@ def told_sockets(folder: Path) -> None:
                 rows["nominal"] += map(spread, nominal)
             for name, pairs in rows.items():
                 off, apart = 1e3 * np.array(pairs).T
+                seconds = took[name] * (len(data) - count) / len(pairs)
                 print(
-                    f"  {robot:8s} {count} fitted  {name:18s} spread {off.mean():.3f} ({off.min():.3f} … {off.max():.3f})   "
-                    f"distance {apart.mean():.3f}   {took[name] / len(pairs) * (len(data) - count):5.1f} s",
+                    f"  {robot:8s} {count} fitted  {name:18s} spread {off.mean():.3f} "
+                    f"({off.min():.3f} … {off.max():.3f})   distance {apart.mean():.3f}   {seconds:5.1f} s",
                     flush=True,
                 )
 
@@ -156,11 +159,13 @@ def told_truth(names: list[str], kinds: list[str], seeds: int) -> None:
                     continue
                 ratios = [end for each in found for end in each.ratio]
                 claimed = sorted({one for each in found for one in each.claimed})
+                off, nominal = max(each.off for each in found), max(each.nominal for each in found)
                 print(
-                    f"  {name:15s} {kind:10s} {max(e.off for e in found):6.2f} ({max(e.nominal for e in found):3.0f})   "
+                    f"  {name:15s} {kind:10s} {off:6.2f} ({nominal:3.0f})   "
                     f"seen {min(e.seen for e in found)}…{max(e.seen for e in found)}   "
                     f"σ {min(ratios):.2f}…{max(ratios):.2f}   "
-                    f"confirmed {sum(e.confirmed for e in found)} of {seeds}   {np.mean([e.seconds for e in found]):5.1f} s"
+                    f"confirmed {sum(e.confirmed for e in found)} of {seeds}   "
+                    f"{np.mean([e.seconds for e in found]):5.1f} s"
                     + (f"   claimed: {', '.join(claimed)}" if claimed else ""),
                     flush=True,
                 )

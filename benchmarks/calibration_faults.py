@@ -61,7 +61,7 @@ def cases(truth: Truth, rng: np.random.Generator) -> Iterator[Case]:
         yield Case(f"{names[j]} and {names[j + 1]} swapped", ("swapped",), swapped, p)
     yield Case("x and y swapped", ("x, y, z", "x and y"), theta, p[:, [1, 0, 2]])
     for j in range(arm.n):
-        yield Case(f"{names[j]} reversed", (f"sign of {names[j]}", f"{names[j]} look", f"{names[j]} reversed"), theta * np.where(np.arange(arm.n) == j, -1.0, 1.0), p)  # fmt: skip
+        yield Case(f"{names[j]} reversed", (names[j],), theta * np.where(np.arange(arm.n) == j, -1.0, 1.0), p)
     for size in (5e-4, 5e-3, 5e-2):
         pushed = p + np.where(np.arange(ROWS) < ROWS // 2, 0.0, size)[:, None] * [0.8, 0.6, 0.0]
         yield Case(f"base moved by {1e3 * size:g} mm", ("moved near",), theta, pushed)

@@ -1,7 +1,7 @@
 """A ball in two sockets: how still it stands and how far apart the two are, on placements that were not fitted.
 
-Beside ours stands the objective of MUKCa (Franzese et al. 2025, arXiv 2503.12584), solved by SciPy: the origins of all
-joints and of the ball, 6 numbers each, with the means of the predicted balls, their distance, and a ridge on the joints.
+Beside ours stands the objective of MUKCa (Franzese et al. 2025, arXiv 2503.12584), solved by SciPy: the origins of
+all joints and of the ball, 6 numbers each, with the means of the predicted balls, their distance, and a ridge.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ from .servo_arms import MODELS, servo_arm
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 SHIFT, TILT = 1e-3, np.radians(0.2)
-"""One standard deviation of the place and of the direction of an axis [m, rad]; a zero is off as a direction is."""
+"""One standard deviation of an axis's place and direction [m, rad]; a zero is off as a direction is."""
 
 APART = 0.05
 """Distance of the sockets of a pair [m]."""
@@ -43,8 +43,8 @@ def mimic_arm(folder: Path) -> Arm:
     """A turning base, a lift whose forearm turns back half as much, an elbow, and two turns of a wrist."""
     rows = (
         ("pan", "0 0 0.1", "0 0 1", ""), ("lift", "0.05 0 0.1", "0 1 0", ""),
-        ("follower", "0 0 0.3", "0 1 0", '<mimic joint="lift" multiplier="-0.5"/>'), ("elbow", "0.05 0 0.25", "0 1 0", ""),
-        ("roll", "0.2 0 0", "1 0 0", ""), ("pitch", "0.1 0 0", "0 1 0", ""),
+        ("follower", "0 0 0.3", "0 1 0", '<mimic joint="lift" multiplier="-0.5"/>'),
+        ("elbow", "0.05 0 0.25", "0 1 0", ""), ("roll", "0.2 0 0", "1 0 0", ""), ("pitch", "0.1 0 0", "0 1 0", ""),
     )  # fmt: skip
     links = "".join(f'<link name="l{i}"/>' for i in range(len(rows) + 1))
     made = "".join(
@@ -99,7 +99,7 @@ class Truth:
 
 
 def truth_of(arm: Arm, rng: np.random.Generator, size: float = 1.0, in_base: bool = False) -> Truth:
-    """Every axis moved across itself, every zero off; a base anywhere, or the arm's own; a tool that is roughly known."""
+    """Every axis moved across itself, every zero off; a base anywhere, or the arm's own; a tool roughly known."""
     screws, point = arm.screws.copy(), np.zeros(3)
     for i, xi in enumerate(arm.screws.T):
         screw = to_screw(xi)
@@ -137,7 +137,7 @@ def postures(truth: Truth, miss: Callable[[Array], Array], count: int, rng: np.r
 def _log(theta: Array, **measured: Any) -> dict[str, Any]:
     K = len(theta)
     empty = {"position": np.full((K, 3), np.nan), "rotation": np.full((K, 3, 3), np.nan), "length": np.full(K, np.nan)}
-    names = {name: ("",) * K for name in ("point", "plane", "wire")}
+    names = dict.fromkeys(("point", "plane", "wire"), ("",) * K)
     return {"theta": theta} | empty | names | measured
 
 
@@ -292,7 +292,7 @@ def judged(r: Calibration) -> tuple[tuple[float, float], tuple[str, ...]]:
     seen = [j for j, each in enumerate(r.estimates) if each.seen]
     steps = h * np.eye(len(r.estimates))[seen]
     q = r.unknowns
-    ends = [(r.problem.system(q + d, ones)[0], r.problem.system(q - d, ones)[0]) for d in steps]
+    ends = [(r.problem.residual(q + d, ones), r.problem.residual(q - d, ones)) for d in steps]
     A = np.stack([(after - before) / (2 * h) for after, before in ends], axis=1)
     size = np.linalg.norm(A, axis=0)
     across = 1.0 / np.linalg.norm(np.linalg.pinv(A / size, rcond=1e-12), axis=1)

@@ -41,6 +41,9 @@ def robotkinecal(asked: Asked) -> Callable[[np.ndarray], np.ndarray]:
     axes = [(xi[3:], np.cross(xi[3:], xi[:3])) for xi in screws.T]
     nominal = rtb.PoERobot([rtb.PoERevolute(w, point) for w, point in axes], SE3(np.array(asked["home"])))
     library = SerialRobotKineCal(nominal)
+    # The toolbox's list of links ends with the tool, which has no joint value, and its screws are of another form.
+    library.joint_screw_axis, library.N_JOINTS = list(screws.T), screws.shape[1]
+    library.zero_conf_EE_pose = SE3(np.array(asked["home"]))
     library.set_observations(list(np.array(asked["theta"])), list(np.array(asked["positions"])))
     found, home = library.get_calibration(library.solve())
     twists = [Twist3(xi) for xi in found]
