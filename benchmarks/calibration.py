@@ -61,7 +61,7 @@ def splits(positions: Array, rng: np.random.Generator) -> dict[str, list[Array]]
     return {"random folds": [order[k::FOLDS] for k in range(FOLDS)], "a block left out": blocks}
 
 
-def told_tracker(file: Path, environments: Path) -> None:
+def told_tracker(file: Path, environments: Path, most: int) -> None:
     arm, (theta, positions) = load_arm("ur5"), tracker_rows(file)
     print(f"\nUR5, {len(theta)} postures with a tracker: mean error on rows left out [mm], processor time of a fit [s]")
     with tempfile.TemporaryDirectory() as folder:
@@ -75,7 +75,7 @@ def told_tracker(file: Path, environments: Path) -> None:
             command = [str(python), "-m", "benchmarks.calibration_worker", name]
             workers[name] = Worker(command, Path(folder) / f"{name}.txt", seconds=600.0)
         for what, folds in splits(positions, np.random.default_rng(0)).items():
-            told_splits(arm, theta, positions, what, folds, workers)
+            told_splits(arm, theta, positions, f"{what}, {min(most, len(folds))}", folds[:most], workers)
 
 
 def told_splits(arm: Any, theta: Array, positions: Array, what: str, folds: list[Array], workers: Any) -> None:
@@ -106,7 +106,7 @@ def told_splits(arm: Any, theta: Array, positions: Array, what: str, folds: list
             seconds[name].append(answer["ns"] / 1e9)
     for name, each in errors.items():
         took = f"   {np.median(seconds[name]):6.1f} s" if name in seconds else ""
-        print(f"  {what:18s} {name:20s} mean {np.mean(each):.4f}   worst {max(each):.4f}{took}", flush=True)
+        print(f"  {what:20s} {name:20s} mean {np.mean(each):.4f}   worst {max(each):.4f}{took}", flush=True)
 
 
 def missed(found: Array, exact: Array) -> float:
@@ -187,6 +187,9 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--arms", nargs="+", default=[], help="of the simulated ones, all by default")
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
     parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument(
+        "--folds", type=int, default=6, help="of the tracker's rows, at most; RobotKineCal takes a minute each"
+    )
     parser.add_argument("--environments", type=Path, default=DEFAULT_FOLDER)
     given = parser.parse_args(arguments)
     measured = [part for part in ("tracker", "sockets") if part in given.parts]
@@ -195,7 +198,7 @@ def main(arguments: list[str] | None = None) -> None:
     elif measured:
         folder = Path(given.data)
         if "tracker" in measured:
-            told_tracker(folder / "ur5_tracker_grid.csv", given.environments)
+            told_tracker(folder / "ur5_tracker_grid.csv", given.environments, given.folds)
         if "sockets" in measured:
             told_sockets(folder / "sockets")
     if "truth" in given.parts:
