@@ -96,7 +96,7 @@ def calibrate(
     if not faults:
         said = (*said, *doubts(problem, q, seen))
         held = {part: _held_out(problem, first, seen, left, robust) for part, left in _parts(problem)}
-    return _result(problem, q, seen, weights, first, held, said, faults)
+    return _result(problem, q, seen, fitted, weights, first, held, said, faults)
 
 
 def _read(arm: Arm, measurements: Log | Sequence[Log]) -> Measurements:
@@ -188,12 +188,12 @@ def _held_out(problem: Problem, first: Array, seen: Bools, parts: list[Rows], ro
     return float(errors[0, few].mean()), float(errors[1, few].mean())
 
 
-def _covariance(problem: Problem, q: Array, seen: Bools, weights: Array) -> Array:
-    """The covariance (Q, Q) of the unknowns. The noise is at least the stated; a louder log makes it larger."""
-    r, A = problem.residual(q, weights), problem.slopes(q, weights)[:, seen]
+def _covariance(problem: Problem, q: Array, free: Bools, weights: Array) -> Array:
+    """The covariance (Q, Q) of the `free` unknowns. The noise is at least the stated; a louder log makes it larger."""
+    r, A = problem.residual(q, weights), problem.slopes(q, weights)[:, free]
     louder = max(1.0, float(r @ r) / max(1, len(r) - A.shape[1]))
     covariance, size = np.zeros((len(q), len(q))), np.linalg.norm(A, axis=0)
-    covariance[np.ix_(seen, seen)] = louder * np.linalg.pinv((A / size).T @ (A / size)) / np.outer(size, size)
+    covariance[np.ix_(free, free)] = louder * np.linalg.pinv((A / size).T @ (A / size)) / np.outer(size, size)
     return covariance
 
 
@@ -204,17 +204,16 @@ def _estimates(problem: Problem, q: Array, seen: Bools, covariance: Array) -> tu
 
 
 def _result(
-    problem: Problem, q: Array, seen: Bools, weights: Array, first: Array, held: dict[str, tuple[float, float]],
-    said: tuple[str, ...], faults: tuple[str, ...],
+    problem: Problem, q: Array, seen: Bools, fitted: Bools, weights: Array, first: Array,
+    held: dict[str, tuple[float, float]], said: tuple[str, ...], faults: tuple[str, ...],
 ) -> Calibration:  # fmt: skip
     geometry, loud = problem.geometry, problem.loudness(q)
-    covariance = _covariance(problem, q, seen, weights)
     screws, home = geometry.corrected(q[: problem.P])
     return Calibration(
         arm=replace(geometry.arm, screws=screws, home=home, description=None, moving_names=geometry.arm.moving_names),
         base=geometry.base @ exp(q[:6]),
         tool=geometry.tool @ exp(q[6:12]),
-        estimates=_estimates(problem, q, seen, covariance),
+        estimates=_estimates(problem, q, seen, _covariance(problem, q, seen, weights)),
         before=_errors(problem, first),
         after=_errors(problem, q),
         held_out=held["folds"][0],
@@ -224,7 +223,7 @@ def _result(
         outliers=tuple((np.flatnonzero(loud > LOUD * max(1.0, float(np.median(loud)))) + 1).tolist()),
         warnings=(*said, *faults),
         faults=faults,
-        covariance=covariance,
+        covariance=_covariance(problem, q, fitted, weights),
         problem=problem,
         unknowns=q,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -22,8 +23,6 @@ SURE = 0.95
 """The share of the error of base and tool alone that the corrected arm must stay below, on rows not fitted."""
 
 CANDIDATES = 1000
-UNSEEN = 0.01
-"""How far a parameter may be out [m, rad, 1] that the log does not show."""
 
 
 class Estimate(NamedTuple):
@@ -168,12 +167,7 @@ class Calibration:
         theta = self.arm.random_theta(0, CANDIDATES) if among is None else as_theta(among, self.arm.n, "among")
         if scene is not None:
             theta = theta[~require_scene(scene, self.problem.geometry.arm).collides(theta)]
-        geometry, P, chosen = self.problem.geometry, self.problem.P, list[int]()
-        p = geometry.poses(self.unknowns[:P], theta)[:, :3, 3]
-        V = geometry.twists(self.unknowns[:P], theta)
-        J = (V[:, :3] - skew(p) @ V[:, 3:]) / self.problem.noise[0]
-        hidden = [UNSEEN**2 * (each.of_joint and not each.seen) for each in self.estimates[:P]]
-        C = self.covariance[:P, :P] + np.diag(hidden)
+        J, C, chosen = self._slopes(theta) / self.problem.noise[0], self._spread, list[int]()
         for _ in range(min(count, len(theta))):
             gain = np.linalg.slogdet(np.eye(3) + J @ C @ np.swapaxes(J, 1, 2))[1]
             gain[chosen] = -np.inf
@@ -181,6 +175,25 @@ class Calibration:
             CJ = C @ J[chosen[-1]].T
             C = C - CJ @ np.linalg.solve(np.eye(3) + J[chosen[-1]] @ CJ, CJ.T)
         return np.asarray(theta[chosen])
+
+    @cached_property
+    def expected(self) -> float:
+        """The error [m] to expect at random configurations: √(mean tr J C Jᵀ), with usual tolerances of what is held.
+
+        It is in the frame of the measurements; without positions in that of the base.
+        """
+        J = self._slopes(self.arm.random_theta(1, CANDIDATES // 4))
+        return float(np.sqrt(np.trace(J @ self._spread @ np.swapaxes(J, 1, 2), axis1=1, axis2=2).mean()))
+
+    @property
+    def _spread(self) -> Array:
+        return self.covariance[: self.problem.P, : self.problem.P]
+
+    def _slopes(self, theta: Array) -> Array:
+        """The derivatives (N, 3, P) of the tool's positions by the parameters."""
+        geometry, p = self.problem.geometry, self.unknowns[: self.problem.P]
+        V = geometry.twists(p, theta)
+        return np.asarray(V[:, :3] - skew(geometry.poses(p, theta)[:, :3, 3]) @ V[:, 3:])
 
 
 def _amount(value: float, unit: str) -> str:

@@ -6,6 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
+from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.csv_header import FACTORS
 from ..support.errors import InputError, listed
@@ -13,7 +14,7 @@ from ..support.unit_hints import theta_hint
 from ..theory.rotations import skew
 from .faults import LITTLE_ANGLE, LITTLE_LENGTH
 from .measurements import Bools
-from .problem import Problem, kabsch
+from .problem import LOUD, Problem, kabsch
 
 MOVED = 6.0
 """A base that moved lowers the squares by more than so many times what six more parameters do by chance."""
@@ -30,6 +31,8 @@ QUIET = 0.2
 TURNED = 0.2
 """Orientations that are out by more [rad] are written in another way."""
 
+IN_TURN = 5
+
 LEAST_PART = 6
 """Rows on each side of the moment when a base moved."""
 
@@ -39,7 +42,7 @@ def refuse_unusable(problem: Problem, fitted: Bools) -> tuple[str, ...]:
     log, arm = problem.log, problem.geometry.arm
     hint = theta_hint(log.theta, arm.units, arm.limits.lower, arm.limits.upper)
     if hint:
-        raise InputError(f"{hint}: name the unit in the header, as in {arm.joint_names[0]} [deg]")
+        raise InputError(f"{hint}: name the unit in the header, as in {arm.joint_names[arm.units.index('rad')]} [deg]")
     _require_metres(problem)
     rows, numbers, least = len(log.theta), problem.numbers, int(fitted[:12].sum()) + 3 * len(problem.places)
     if numbers <= least:
@@ -101,8 +104,8 @@ def suspicions(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
         )
     elif tilt > FAR_TILT or shift > FAR_SHIFT * reach:
         odd = f"axes would move by up to {np.degrees(tilt):.0f}° and {1000 * shift:.0f} mm, more than an arm is out"
-    little = left > max(0.5 * before, 5.0 * float(np.median(problem.sigma)))
-    swapped = _swapped(problem) if odd or little else ""
+    unexplained = float(np.median(problem.loudness(q))) > LOUD
+    swapped = _swapped(problem) if odd or unexplained else ""
     if swapped:
         return (f"{odd or f'{1000 * left:.3g} of {1000 * before:.3g} mm are left'}; {swapped}",)
     moved = _moved_base(problem, q) or _moved_base(problem, first)
@@ -116,6 +119,8 @@ def doubts(problem: Problem, q: Array, seen: Bools) -> tuple[str, ...]:
         said.append(
             f"axes move by up to {np.degrees(tilt):.1f}° and {1000 * shift:.0f} mm: is it this arm, in true metres?"
         )
+    if loud > LOUD:
+        said.append(f"the rows fit {loud:.0f} times worse than the stated noise: something is not explained")
     if loud < QUIET and problem.numbers > 2 * seen.sum():
         said.append(
             f"the rows fit {1 / max(loud, 1e-9):.2g} times better than the stated noise: state less, to see more"
@@ -141,28 +146,41 @@ def _still(problem: Problem) -> tuple[str, ...]:
 
 
 def _swapped(problem: Problem) -> str:
-    """The reversed signs and exchanged columns that halve what a base alone leaves; else an empty text."""
+    """The reversed signs and exchanged columns that halve what base and tool alone leave; else an empty text."""
     log, arm = problem.log, problem.geometry.arm
     if log.located.sum() < 4:
         return ""
     m = log.position[log.located]
-
-    def left(theta: Array, m: Array) -> float:
-        p = arm.fk(theta)[log.located, :3, 3]
-        g = kabsch(p, m)
-        return float(np.linalg.norm(p @ g[:3, :3].T + g[:3, 3] - m, axis=1).mean())
-
-    found = {}
+    found, n = {}, arm.n
     for i, name in enumerate(arm.joint_names):
-        found[f"the sign of {name} looks reversed"] = left(log.theta * np.where(np.arange(arm.n) == i, -1.0, 1.0), m)
-    for i, j in combinations(range(arm.n), 2):
-        theta = log.theta.copy()
+        found[f"the sign of {name} looks reversed"] = _left(arm, log.theta[log.located] * _but(n, i, -1.0), m)
+        if arm.units[i] == "rad":
+            found[f"{name} looks to be in degrees"] = _left(arm, log.theta[log.located] * _but(n, i, np.pi / 180), m)
+    for i, j in combinations(range(n), 2):
+        theta = log.theta[log.located].copy()
         theta[:, [i, j]] = theta[:, [j, i]]
-        found[f"the columns {arm.joint_names[i]} and {arm.joint_names[j]} look swapped"] = left(theta, m)
-    found["two of x, y, z look swapped, or one has the wrong sign"] = left(log.theta, m * [-1.0, 1.0, 1.0])
+        found[f"the columns {arm.joint_names[i]} and {arm.joint_names[j]} look swapped"] = _left(arm, theta, m)
+    found["two of x, y, z look swapped, or one has the wrong sign"] = _left(
+        arm, log.theta[log.located], m * [-1.0, 1.0, 1.0]
+    )
     least = min(found.values())
     alike = [words for words, one in found.items() if one < 1.5 * least]
-    return " or ".join(alike) if least < 0.5 * left(log.theta, m) else ""
+    return " or ".join(alike) if least < 0.5 * _left(arm, log.theta[log.located], m) else ""
+
+
+def _but(n: int, i: int, factor: float) -> Array:
+    """Ones (n,) but for one factor."""
+    return np.where(np.arange(n) == i, factor, 1.0)
+
+
+def _left(arm: Arm, theta: Array, m: Array) -> float:
+    """The mean error [m] at positions m (K, 3), with a base and a point of the tool fitted in turn."""
+    g, t = arm.fk(theta), np.asarray(np.zeros(3))
+    for _ in range(IN_TURN):
+        base = kabsch(g[:, :3, 3] + g[:, :3, :3] @ t, m)
+        R, lever = base[:3, :3], (base[:3, :3] @ g[:, :3, :3]).reshape(-1, 3)
+        t = np.asarray(np.linalg.lstsq(lever, (m - base[:3, 3] - g[:, :3, 3] @ R.T).ravel(), rcond=1e-6)[0])
+    return float(np.linalg.norm((g[:, :3, 3] + g[:, :3, :3] @ t) @ R.T + base[:3, 3] - m, axis=1).mean())
 
 
 def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:

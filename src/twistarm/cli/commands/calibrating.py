@@ -49,6 +49,9 @@ Written = Annotated[
 
 View = Annotated[bool, typer.Option("--view", help="Show the residuals in the browser, magnified, until Ctrl-C.")]
 
+ELSEWHERE = 5.0
+"""An expected error so many times that of rows left out shows that the log is from few places."""
+
 
 @takes_arm
 def calibrate(
@@ -133,6 +136,9 @@ def _print(found: Calibration, arm: Arm, more: Any, outputs: Outputs) -> None:
     for warning in found.warnings:
         if warning not in found.faults:
             say(f"warning: {warning}", file=outputs.words)
+    if found.confirmed and found.expected > ELSEWHERE * found.held_out:
+        said = f"elsewhere in reach expect {1000 * found.expected:.2g} mm"
+        say(f"warning: {said}: measure at other configurations, as --next names them", file=outputs.words)
     say("confirmed" if found.confirmed else f"not confirmed: {found.why_not}", file=outputs.words)
 
 
@@ -170,7 +176,17 @@ def _toml(found: Calibration) -> str:
 
 
 def _as_json(found: Calibration) -> dict[str, Any]:
-    names = ("base", "tool", "held_out", "held_out_before", "block", "block_before", "confirmed", "outliers")
+    names = (
+        "base",
+        "tool",
+        "expected",
+        "held_out",
+        "held_out_before",
+        "block",
+        "block_before",
+        "confirmed",
+        "outliers",
+    )
     estimates = [
         {"owner": one.parameter.owner, "what": one.parameter.what, "unit": one.parameter.unit, "value": one.value,
          "std": one.std, "seen": one.seen}
