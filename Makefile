@@ -53,6 +53,7 @@ bench: $(VENV)/dev
 	$(BIN)/python -m benchmarks.servo
 	$(BIN)/python -m benchmarks.streaming
 	$(BIN)/python -m benchmarks.obstacles
+	$(BIN)/python -m benchmarks.calibration
 	$(BIN)/python -m benchmarks.viewer
 
 lint: $(VENV)/dev lint-page

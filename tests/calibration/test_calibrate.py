@@ -1,5 +1,6 @@
 """Calibration by simulated truth: what was put into an arm is found in its log."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ from family_arms import family_arm
 from twistarm import InputError, load_arm
 from twistarm.calibration import Measurements, calibrate, corrected_urdf, read_measurements
 from twistarm.calibration.geometry import Geometry
+from twistarm.cli.application import run
 from twistarm.limits import Actuators
 from twistarm.theory import poe
 from twistarm.theory.screws import adjoint, exp
@@ -157,7 +159,7 @@ def test_swapped_columns_and_a_base_that_moved_far_are_faults_and_nothing_is_wri
         r = calibrate(arm, log)
         assert words in r.faults[0]
         assert not r.confirmed
-        with pytest.raises(InputError, match="does not give a correction"):
+        with pytest.raises(InputError, match=words.split()[-1]):
             corrected_urdf(r)
 
 
@@ -169,7 +171,7 @@ def test_bad_logs_are_refused_or_named(tmp_path):
         calibrate(arm, Measurements(theta, 1000 * p))
     with pytest.raises(InputError, match="degrees"):
         calibrate(arm, Measurements(np.degrees(theta), p))
-    with pytest.raises(InputError, match="more rows"):
+    with pytest.raises(InputError, match="measure more"):
         calibrate(arm, Measurements(theta[:3], p[:3]))
     still = theta.copy()
     still[:, 2] = 0.3 + 1e-3 * np.sin(np.arange(40))
@@ -213,3 +215,27 @@ def test_the_corrected_urdf_is_the_corrected_arm(log, tmp_path):
     assert np.allclose(axes.fk(fresh + r.zeros) @ arm.tool, r.arm.fk(fresh), atol=1e-9)
     with pytest.raises(InputError, match="measure more, or better"):
         corrected_urdf(replace(r, held_out=1.0))
+
+
+def test_the_command_writes_what_it_found(log, tmp_path, monkeypatch, capsys):
+    arm, theta, positions, _ = log
+    if arm.description is None:
+        pytest.skip("one arm is enough")
+    monkeypatch.chdir(tmp_path)
+    head = ",".join([*arm.joint_names, "x (mm)", "y (mm)", "z (mm)"])
+    for name, rows in (("a.csv", slice(0, 75)), ("b.csv", slice(75, 150))):
+        table = np.hstack([theta[rows], 1000 * positions[rows]])
+        table[3, 5:] += 30.0 * (name == "b.csv")
+        np.savetxt(name, table, delimiter=",", header=head, comments="")
+    written = ["-o", "fixed.urdf", "-o", "errors.png"]
+    assert run(["calibrate", "rover_arm", "a.csv", "b.csv", *written, "--next", "2"]) == 0
+    out = capsys.readouterr().out
+    assert "rows that do not fit: b.csv:5\n" in out
+    assert "to measure next" in out
+    assert out.splitlines()[-3] == "confirmed"
+    assert load_arm("fixed.urdf", base=arm.base, tip=arm.tip_link).n == arm.n
+    assert (tmp_path / "errors.png").read_bytes().startswith(b"\x89PNG")
+    assert run(["calibrate", "rover_arm", "a.csv", "-o", "zeros.toml"]) == 2
+    assert "no actuators" in capsys.readouterr().err
+    assert run(["calibrate", "rover_arm", "a.csv", "--json", "--position-noise", "1e-4"]) == 0
+    assert json.loads(capsys.readouterr().out)["held_out"] < 3e-4

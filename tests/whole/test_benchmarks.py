@@ -17,6 +17,7 @@ sys.path.append(str(ROOT))
 
 from benchmarks import problems  # noqa: E402
 from benchmarks.__main__ import main  # noqa: E402
+from benchmarks.calibration_truth import POSITION, postures, truth_of  # noqa: E402
 from benchmarks.conductor import Worker, interleave  # noqa: E402
 from benchmarks.figures import single_calls  # noqa: E402
 from benchmarks.judge import Judge  # noqa: E402
@@ -38,6 +39,18 @@ def poses(robot, theta):
     """By the product of exponentials of the whole description: neither Pinocchio nor the cut."""
     arm = load_arm(robot.whole_urdf, base=robot.base, tip=robot.tip)
     return poe.fk(arm.screws, arm.home, np.asarray(theta))
+
+
+# -- the judge of calibrations ---------------------------------------------------------------------------------------
+
+
+def test_postures_of_a_truth_meet_the_place_that_pinocchio_confirms():
+    arm = load_arm("ur5")
+    truth = truth_of(arm, np.random.default_rng(0), size=0.0)
+    place = truth.poses(arm.random_theta(1))[:3, 3]
+    theta = postures(truth, lambda p: p - place, 4, np.random.default_rng(2))
+    found = [truth.base @ arm.by_pinocchio(each)[0] @ truth.tool for each in theta]
+    assert np.abs(np.array(found)[:, :3, 3] - place).max() < 0.1 * POSITION
 
 
 # -- arms and problems ---------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_flag, as_positive, as_theta, require, require_callback, require_choice
-from ..support.errors import InputError
+from ..support.errors import InputError, listed
 from ..theory.screws import exp
 from .calibration import Calibration, Estimate
 from .geometry import Geometry
@@ -91,9 +91,10 @@ def calibrate(
     frames[12 : problem.P] = False
     first = descend(problem, q, frames, robust=as_flag(robust, "robust"))[0]
     q, weights = descend(problem, first, seen, robust=robust)
-    faults, said = suspicions(problem, q, first), (*said, *doubts(problem, q, seen))
+    faults = suspicions(problem, q, first)
     held = {"folds": (np.inf, np.inf), "block": (np.inf, np.inf)}
     if not faults:
+        said = (*said, *doubts(problem, q, seen))
         held = {part: _held_out(problem, first, seen, left, robust) for part, left in _parts(problem)}
     return _result(problem, q, seen, weights, first, held, said, faults)
 
@@ -113,7 +114,8 @@ def _distances(distances: dict[tuple[str, str], float] | None, log: Measurements
     given = {} if distances is None else require(distances, dict, "distances", '{("left", "right"): 0.05}')
     for pair, length in given.items():
         if not isinstance(pair, tuple) or len(pair) != 2 or not set(pair) <= set(log.point) or pair[0] == pair[1]:
-            raise InputError(f"distances must be {{(point, point): metres}} of the log's points; got {pair!r}")
+            points = listed(dict.fromkeys(filter(None, log.point))) or "none"
+            raise InputError(f"distances join two points of the log ({points}); got {pair!r}")
         known[pair] = as_positive(length, f"distance of {pair}")
     return known
 

@@ -88,7 +88,7 @@ class Calibration:
     def why_not(self) -> str:
         """Why the correction is not confirmed; empty if it is."""
         if self.faults:
-            return f"the log does not give a correction: {self.faults[0]}"
+            return self.faults[0]
         left, before = 1000 * self.held_out, 1000 * self.held_out_before
         return (
             ""

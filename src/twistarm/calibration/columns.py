@@ -69,10 +69,10 @@ class Columns:
 def read_columns(path: str | os.PathLike[str], units: Units, needed: Sequence[str]) -> Columns:
     """Read a log. InputError with the line for an unknown, repeated or missing column, or another unit."""
     file = as_path(path)
-    wanted = f"the columns are {', '.join(needed)}; also known are {listed(n for n in units if n not in needed)}"
+    wanted = f"the columns are {', '.join(needed)}; these may follow: {', '.join(n for n in units if n not in needed)}"
     rows = tuple(csv_rows(csv_lines(file, BOUNDS), str(file)))
     if not rows:
-        raise InputError(f"{file}: no line but comments; the first names the columns: {wanted}")
+        raise InputError(f"{file}: no line but comments; the first line names the columns; {wanted}")
     header, *rest = rows
     place, at = f"{file}, line {header.line}", dict[str, tuple[int, float]]()
     for i, cell in enumerate(header.cells):

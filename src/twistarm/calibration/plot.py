@@ -37,7 +37,7 @@ def plot_of(calibration: Calibration) -> bytes:
     whole.legend()
     for k, panel in enumerate(panels):
         unit = "°" if arm.units[k] == "rad" else "mm"
-        panel.set(xlabel=f"{arm.joint_names[k]} [{unit}]", ylabel="error [mm]", ylim=(0, None))
+        panel.set(xlabel=f"{arm.joint_names[k]} [{unit}]", ylabel="error [mm]", yscale="log")
     picture = io.BytesIO()
     figure.savefig(picture, format="png")
     return picture.getvalue()

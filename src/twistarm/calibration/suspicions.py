@@ -44,8 +44,7 @@ def refuse_unusable(problem: Problem, fitted: Bools) -> tuple[str, ...]:
     rows, numbers, least = len(log.theta), problem.numbers, int(fitted[:12].sum()) + 3 * len(problem.places)
     if numbers <= least:
         raise InputError(
-            f"{rows} rows give {numbers} numbers; base, tool and {len(problem.places)} unknown places alone have "
-            f"{least} unknowns: measure more rows"
+            f"{rows} rows give {numbers} numbers; base, tool and places alone have {least} unknowns: measure more"
         )
     few: tuple[str, ...] = ()
     if numbers < 2 * fitted.sum():

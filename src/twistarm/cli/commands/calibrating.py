@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -124,34 +124,38 @@ def _print_unseen(estimates: tuple[Estimate, ...], outputs: Outputs) -> None:
 
 
 def _print(found: Calibration, arm: Arm, more: Any, outputs: Outputs) -> None:
-    out = console(outputs.words)
+    if not found.faults:
+        for each in _tables(found, arm, more):
+            console(outputs.words).print(each)
+    if found.outliers:
+        labels = [found.problem.log.label[row - 1] for row in found.outliers]
+        say(f"rows that do not fit: {', '.join(labels)}", file=outputs.words)
+    for warning in found.warnings:
+        if warning not in found.faults:
+            say(f"warning: {warning}", file=outputs.words)
+    say("confirmed" if found.confirmed else f"not confirmed: {found.why_not}", file=outputs.words)
+
+
+def _tables(found: Calibration, arm: Arm, more: Any) -> Iterator[Any]:
     rows = [
         [estimate.parameter.owner, estimate.parameter.what, *_amounts(estimate)]
         for estimate in found.estimates
         if estimate.of_joint and estimate.seen
     ]
     title = f"{arm.name}: its corrections"
-    out.print(table(title, ["joint", "what", "value", "±", "unit"], rows, text=["what", "unit"]))
+    yield table(title, ["joint", "what", "value", "±", "unit"], rows, text=["what", "unit"])
     thirds = [[name, *(number(1000 * error, 3) for error in errors)] for name, errors in found.by_joint().items()]
-    out.print(table("median error [mm] by thirds of each joint's range", ["joint", "lower", "middle", "upper"], thirds))
+    yield table("median error [mm] by thirds of each joint's range", ["joint", "lower", "middle", "upper"], thirds)
     if len(more):
         heads = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, units(arm, radians=False), strict=True)]
-        out.print(
-            table("to measure next", ["", *heads], [[k + 1, *shown(arm, x, False, 2)] for k, x in enumerate(more)])
-        )
+        yield table("to measure next", ["", *heads], [[k + 1, *shown(arm, x, False, 2)] for k, x in enumerate(more)])
     errors = (
         ("all rows", float(found.before.mean()), float(found.after.mean())),
-        ("rows left out at random", found.held_out_before, found.held_out),
+        ("rows left out", found.held_out_before, found.held_out),
         ("a fifth left out at one end", found.block_before, found.block),
     )
     rows = [[name, number(1000 * before, 3), number(1000 * after, 3)] for name, before, after in errors]
-    out.print(table("mean error [mm]", ["", "base and tool alone", "corrected"], rows))
-    if found.outliers:
-        labels = [found.problem.log.label[row - 1] for row in found.outliers]
-        say(f"rows that do not fit: {', '.join(labels)}", file=outputs.words)
-    for warning in found.warnings:
-        say(f"warning: {warning}", file=outputs.words)
-    say("confirmed" if found.confirmed else f"not confirmed: {found.why_not}", file=outputs.words)
+    yield table("mean error [mm]", ["", "base and tool alone", "corrected"], rows)
 
 
 def _amounts(estimate: Estimate) -> tuple[str, str, str]:
