@@ -17,7 +17,7 @@ from .certainty import is_exact
 from .closed_form.methods import family_method
 from .reach_ball import reach_ball
 from .request import Request, checked
-from .targets import FARTHEST, AnyTarget, Approach, Pose, Position, TargetLike
+from .targets import FARTHEST, AnyTarget, Approach, Pose, Position, TargetLike, checked_target
 
 CHUNK = 4096
 """Targets after which a search begins at theta0 again, not at the answer before."""
@@ -69,7 +69,7 @@ def reachable(
         orientation_tol: Greatest rotation error of an answer [rad].
         restarts: Greatest number of searches for each target.
         threads: Number of threads.
-        progress: Called some twenty times a second with the fraction done, or None.
+        progress: Called now and then with the fraction done, or None.
 
     Returns:
         The `Reached`: met (N,) and theta (N, n).
@@ -82,17 +82,18 @@ def reachable(
     request = checked(arm, theta0, None, position_tol, orientation_tol, restarts, 0, None)
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(fraction)")
-    groups = [*_groups(arm, targets, direction)]
-    count, decided = sum(len(group.places) for group in groups), 0
-    found = Reached(np.zeros(count, dtype=np.bool_), np.full((count, arm.n), np.nan))
+    groups = [group for group in _groups(arm, targets, direction) if len(group.places)]
+    count = sum(len(group.places) for group in groups)
+    found, decided = Reached(np.zeros(count, dtype=np.bool_), np.full((count, arm.n), np.nan)), 0
 
     def tell(done: int, _: int = 0) -> None:
         if progress is not None:
             progress((decided + done) / count)
 
     for group in groups:
-        left = _left_by_closed_form(arm, group, _in_ball(arm, group, request), request, workers, found, tell)
+        left = _left_by_closed_form(arm, group, _in_ball(arm, group, request), request, workers, found)
         decided += len(group.places) - len(left)
+        tell(0)
         at = group.places[left]
         chunks = np.searchsorted(at, np.arange(0, count + CHUNK, CHUNK))
         how = *request.for_core[:5], chunks, workers, progress and tell
@@ -120,7 +121,7 @@ def _groups(arm: Arm, targets: Any, direction: ArrayLike | None) -> Iterator[_Gr
         with suppress(InputError):  # raised below, with the place of the wrong pose
             yield _Group(Pose(np.eye(4)), np.arange(len(given)), as_pose(given, "targets"))
             return
-    asked = targets_for(arm, targets)
+    asked = targets_for(arm, targets, checked_target)
     alike: dict[tuple[Any, ...], list[int]] = {}
     for i, target in enumerate(asked):
         alike.setdefault((target.kind, target.axis.tobytes() if isinstance(target, Approach) else b""), []).append(i)
@@ -153,13 +154,7 @@ def _in_ball(arm: Arm, group: _Group, request: Request) -> NDArray[np.int64]:
 
 
 def _left_by_closed_form(
-    arm: Arm,
-    group: _Group,
-    some: NDArray[np.int64],
-    request: Request,
-    threads: int,
-    found: Reached,
-    tell: Any,
+    arm: Arm, group: _Group, some: NDArray[np.int64], request: Request, threads: int, found: Reached
 ) -> NDArray[np.int64]:
     """Write what the closed form decides into `found`. The answer is the rest of `some` of the group's targets."""
     method, met = family_method(arm, group.like), request.tolerances
@@ -175,5 +170,4 @@ def _left_by_closed_form(
         found.met[at] = True
         found.theta[at] = every.theta[(np.cumsum(every.count) - every.count)[inside]]
         left.append(part[~inside & ((every.families > 0) | (not proves))])
-        tell(begin + int(inside.sum()))
     return np.concatenate(left)
