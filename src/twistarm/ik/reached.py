@@ -14,7 +14,7 @@ from ..support.checks import Array, RealArray, as_direction, as_floats, as_pose,
 from ..support.errors import InputError
 from .batch import MAX_THREADS, Progress, targets_for
 from .certainty import is_exact
-from .closed_form.methods import family_method
+from .closed_form.methods import family_for
 from .reach_ball import reach_ball
 from .request import Request, checked
 from .targets import FARTHEST, AnyTarget, Approach, Pose, Position, TargetLike, checked_target
@@ -34,9 +34,13 @@ class Reached(NamedTuple):
 
 
 class _Group(NamedTuple):
-    """Targets of one kind: one like them, their places (k,) among all, and their numbers (k, …)."""
+    """Targets of one kind: one like them, their places (k,) among all, and their numbers (k, …).
+
+    `own`: whether approaches have the arm's tool axis. The ball and the closed form belong to one tool axis.
+    """
 
     like: AnyTarget
+    own: bool
     places: NDArray[np.int64]
     numbers: Array
 
@@ -105,7 +109,7 @@ def reachable(
 
 
 def _groups(arm: Arm, targets: Any, direction: ArrayLike | None) -> Iterator[_Group]:
-    """The targets, those of a kind and a tool axis together. InputError for unusable ones."""
+    """The targets, those of a kind together. InputError for unusable ones."""
     shape = targets.shape if isinstance(targets, np.ndarray) else ()
     if shape[1:] in {(3,), (4, 4)}:
         given = as_floats(targets, "targets")
@@ -113,20 +117,21 @@ def _groups(arm: Arm, targets: Any, direction: ArrayLike | None) -> Iterator[_Gr
             raise InputError(f"targets hold {np.abs(given).max():g}, beyond {FARTHEST:g} m: lengths are in metres")
         if shape[1:] == (3,):
             like = Position([0.0] * 3) if direction is None else Approach([0.0] * 3, [0.0, 0.0, 1.0]).of(arm)
-            yield _Group(like, np.arange(len(given)), np.hstack([given, *_axes(like, shape, direction)]))
+            yield _Group(like, True, np.arange(len(given)), np.hstack([given, *_axes(like, shape, direction)]))
             return
     if direction is not None:
         raise InputError("direction goes with targets that are positions (N, 3); others have their own")
     if shape[1:] == (4, 4):
         with suppress(InputError):  # raised below, with the place of the wrong pose
-            yield _Group(Pose(np.eye(4)), np.arange(len(given)), as_pose(given, "targets"))
+            yield _Group(Pose(np.eye(4)), True, np.arange(len(given)), as_pose(given, "targets"))
             return
     asked = targets_for(arm, targets, checked_target)
-    alike: dict[tuple[Any, ...], list[int]] = {}
+    alike: dict[tuple[int, bool], list[int]] = {}
     for i, target in enumerate(asked):
-        alike.setdefault((target.kind, target.axis.tobytes() if isinstance(target, Approach) else b""), []).append(i)
-    for places in alike.values():
-        yield _Group(asked[places[0]], np.asarray(places), np.array([asked[i].numbers for i in places]))
+        own = not isinstance(target, Approach) or np.array_equal(target.axis, arm.tool_axis)
+        alike.setdefault((target.kind, own), []).append(i)
+    for (_, own), places in alike.items():
+        yield _Group(asked[places[0]], own, np.asarray(places), np.array([asked[i].numbers for i in places]))
 
 
 def _axes(like: AnyTarget, shape: tuple[int, ...], direction: ArrayLike | None) -> list[Array]:
@@ -141,7 +146,7 @@ def _axes(like: AnyTarget, shape: tuple[int, ...], direction: ArrayLike | None) 
 
 def _in_ball(arm: Arm, group: _Group, request: Request) -> NDArray[np.int64]:
     """The group's targets in its ball, with the tolerances."""
-    ball, numbers = reach_ball(arm, group.like), group.numbers
+    ball, numbers = reach_ball(arm, group.like) if group.own else None, group.numbers
     if ball is None:
         return np.arange(len(group.places))
     if isinstance(group.like, Pose):
@@ -157,8 +162,8 @@ def _left_by_closed_form(
     arm: Arm, group: _Group, some: NDArray[np.int64], request: Request, threads: int, found: Reached
 ) -> NDArray[np.int64]:
     """Write what the closed form decides into `found`. The answer is the rest of `some` of the group's targets."""
-    method, met = family_method(arm, group.like), request.tolerances
-    if method.compiled is None or method.swept:
+    method, met = family_for(arm, group.like) if group.own else None, request.tolerances
+    if method is None or method.compiled is None or method.swept or not method.exact:
         return some
     proves, left = is_exact(met) and not any(arm.rounding), [some[:0]]
     for begin in range(0, len(some), AT_ONCE):
