@@ -9,6 +9,7 @@
 #include "twistarm/closed_form/all_solutions.hpp"
 #include "twistarm/ik/answer.hpp"
 #include "twistarm/ik/batch.hpp"
+#include "twistarm/ik/reachable.hpp"
 #include "twistarm/kinematics/conversion.hpp"
 
 namespace twistarm {
@@ -18,6 +19,7 @@ namespace engines {
 using bindings::Answer;
 using bindings::ArmNumbers;
 using bindings::Batch;
+using bindings::Chunk;
 using bindings::ClosedFormEngine;
 using bindings::Configurations;
 using bindings::FamilyNumbers;
@@ -233,6 +235,31 @@ void solve_targets(const chain<double, N, N>& arm, const ranges<double, N>& rang
     solve_batch<Kind>(arm, range, conclusion.settings(query), job);
 }
 
+// What `find_reachable` asks for and gives back.
+struct ChunkJob {
+    const Query& query;
+    const Chunk& chunk;
+    int n;
+    Clock clock;
+
+    std::int64_t count() const { return static_cast<std::int64_t>(chunk.count); }
+    target<double> asked(std::int64_t t) const {
+        return target_from(query.kind, chunk.numbers + static_cast<std::size_t>(t) * numbers_of_kind[query.kind]);
+    }
+    void store(std::int64_t t, const double* theta) {
+        chunk.met[t] = theta != nullptr;
+        for (int k = 0; k < n; ++k) chunk.theta[t * n + k] = theta != nullptr ? theta[k] : __builtin_nan("");
+    }
+    bool operator()() { return clock(); }
+};
+
+template <target_kind Kind, int N>
+void reach_targets(const chain<double, N, N>& arm, const ranges<double, N>& range, const Conclusion& conclusion,
+                   const Query& query, const Chunk& chunk) {
+    ChunkJob job{query, chunk, arm.coordinates(), {query}};
+    find_reachable<Kind>(arm, range, conclusion.settings(query), chunk.theta0, query.seed, job);
+}
+
 template <target_kind Kind, int N>
 void solve_target(const chain<double, N, N>& arm, const ranges<double, N>& range, const Conclusion& conclusion,
                   const Query& query, const Question& question, Answer& answer) {
@@ -328,6 +355,7 @@ public:
                     double* body) const override;
     void solve(const Query& query, const Question& question, Answer& answer) const override;
     void solve(const Query& query, const Batch& batch, std::size_t begin, std::size_t end) const override;
+    void find_reachable(const Query& query, const Chunk& chunk) const override;
     void split_rotation(int kind, const double* numbers, const double* theta, double* split) const override;
     ClosedFormEngine* closed_form(const FamilyNumbers& family) const override;
 

@@ -32,6 +32,12 @@ public:
         solve_targets<target_kind::pose>(fixed_, within_, conclusion_, query, batch, begin, end);
     }
 
+    void find_reachable(const Query& query, const Chunk& chunk) const override {
+        if (static_cast<target_kind>(query.kind) != target_kind::pose)
+            return GeneralEngine::find_reachable(query, chunk);
+        reach_targets<target_kind::pose>(fixed_, within_, conclusion_, query, chunk);
+    }
+
     ClosedFormEngine* closed_form(const FamilyNumbers& family) const override {
         if (static_cast<target_kind>(family.kind) != target_kind::pose) return GeneralEngine::closed_form(family);
         return new ClosedForm<target_kind::pose, N>(fixed_, within_, family);

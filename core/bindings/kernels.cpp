@@ -57,6 +57,12 @@ void GeneralEngine::solve(const Query& query, const Batch& batch, std::size_t be
     });
 }
 
+void GeneralEngine::find_reachable(const Query& query, const Chunk& chunk) const {
+    with_kind(static_cast<target_kind>(query.kind), [&](auto kind) {
+        reach_targets<kind()>(arm_, range_, conclusion_, query, chunk);
+    });
+}
+
 void GeneralEngine::split_rotation(int kind, const double* numbers, const double* theta, double* split) const {
     const rotation_split<double> found = conclusion_.split(target_from(kind, numbers), theta);
     const double values[] = {found.impossible, found.prevented, found.axis[0], found.axis[1], found.axis[2]};

@@ -61,7 +61,9 @@ NB_MODULE(_core, module) {
              nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none())
         .def("solve_batch", &Chain::solve_batch, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
              nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
-             nb::arg().none());
+             nb::arg().none())
+        .def("reachable", &Chain::reachable, nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(),
+             nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none(), nb::arg().none());
     nb::class_<bindings::ClosedForm>(module, "ClosedForm")
         .def(nb::init<nb::object, int, int, int, int, nb::handle, nb::handle, nb::handle, nb::handle, nb::handle,
                       nb::handle, nb::handle, nb::handle>())

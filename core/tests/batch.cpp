@@ -7,6 +7,7 @@
 
 #include "problems.hpp"
 #include "twistarm/ik/race.hpp"
+#include "twistarm/ik/reachable.hpp"
 
 using namespace twistarm;
 using tests::drawn_arm;
@@ -48,6 +49,23 @@ template <class T, int N> struct list {
     bool goes_on(std::int64_t done) const { return done != stop_after; }
 };
 
+/// The same targets one after the other, and their configurations.
+template <int N> struct row {
+    const tests::problems<double, targets>& given;
+    int stop_after, stored = 0;
+    bool met[targets] = {};
+    double theta[targets][capacity(N)] = {};
+
+    std::int64_t count() const { return targets; }
+    target<double> asked(std::int64_t t) const { return given.asked[t]; }
+    void store(std::int64_t t, const double* found) {
+        ++stored;
+        met[t] = found != nullptr;
+        for (int k = 0; k < given.n && met[t]; ++k) theta[t][k] = found[k];
+    }
+    bool operator()() const { return stored == stop_after; }
+};
+
 template <target_kind Kind, int N, int M> void test_problems(const drawn_arm& source, tests::generator& random) {
     chain<double, dynamic, dynamic> general{};
     CHECK(chain_from_screws(source.model(), general), "arm");
@@ -79,6 +97,19 @@ template <target_kind Kind, int N, int M> void test_problems(const drawn_arm& so
         solved += forwards[t].converged;
     }
     CHECK(solved >= targets - 2, "n = %d, kind %d: %d of %d", given.n, static_cast<int>(Kind), solved, targets);
+
+    row<N> verdicts{given, -1}, begun{given, 5};
+    find_reachable<Kind>(arm, range, settings, given.theta0, seed, verdicts);
+    find_reachable<Kind>(arm, range, settings, given.theta0, seed, begun);
+    for (int t = 0; t < targets; ++t) {
+        // The last is far: slides without limits may be moved to it.
+        const bool same = verdicts.met[t] == forwards[t].converged || (t == targets - 1 && verdicts.met[t]);
+        CHECK(same, "n = %d, target %d: a verdict differs", given.n, t);
+        solution<double, N> found{};
+        for (int k = 0; k < given.n; ++k) found.theta[k] = verdicts.theta[t][k];
+        CHECK(!verdicts.met[t] || judge(arm, range, settings, given.asked[t], given.theta0, found), "not met");
+    }
+    CHECK(begun.stored == 5, "%d of 5 before the end", begun.stored);
 
     list<double, N> stopped{given, order, targets, 5, forwards}, empty{given, order, 0, -1, forwards};
     list<double, N> single{given, order, 1, -1, forwards};

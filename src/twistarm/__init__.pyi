@@ -37,8 +37,10 @@ from .ik import IKBatch as IKBatch
 from .ik import IKResult as IKResult
 from .ik import Pose as Pose
 from .ik import Position as Position
+from .ik import Reached as Reached
 from .ik import StopReason as StopReason
 from .ik import TolerancedPose as TolerancedPose
+from .ik import reachable as reachable
 from .ik import solve_ik as solve_ik
 from .ik import solve_ik_all as solve_ik_all
 from .ik import solve_ik_all_batch as solve_ik_all_batch

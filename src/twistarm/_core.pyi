@@ -159,6 +159,25 @@ class Chain:
         `threads` share the work; `progress(done, count)` or None. Where the time was up before a target was finished,
         its stop is −1, and nothing but what was asked is written.
         """
+    def reachable(
+        self,
+        kind: object,
+        numbers: object,
+        theta0: object,
+        position_tol: object,
+        orientation_tol: object,
+        restarts: object,
+        seed: object,
+        chunks: object,
+        threads: object,
+        progress: object,
+        /,
+    ) -> tuple[NDArray[np.bool_], NDArray[np.float64]] | None:
+        """Which of N targets of one kind are met (N,), and their theta (N, n), NaN where one is not.
+
+        A search begins at the answer before. It begins at theta0 (n,) at each of `chunks` (m + 1,): where chunks begin,
+        in order, then N. Threads and progress are those of `solve_batch`.
+        """
 
 class ClosedForm:
     """The closed form of an arm's family for one kind of target; ik/closed_form/compiled.py says what it is made of."""

@@ -27,6 +27,7 @@ from twistarm import (
     TolerancedPose,
     UnitsWarning,
     plan,
+    reachable,
     solve_ik,
     solve_ik_batch,
 )
@@ -136,7 +137,10 @@ def test_what_somebody_wrote_into_a_target_is_refused_too(kind: str) -> None:
     numbers = target.numbers
     numbers.flags.writeable = True
     numbers.flat[3 if numbers.ndim == 2 else 2] = np.nan
-    for call in (lambda: solve_ik(ARM, target), lambda: solve_ik_batch(ARM, [G, target])):
+    for call in (
+        lambda: solve_ik(ARM, target),
+        *(lambda f=f: f(ARM, [G, target]) for f in (solve_ik_batch, reachable)),
+    ):
         with pytest.raises(InputError, match="finite"):
             call()
 

@@ -110,6 +110,7 @@ MEASURED = calibration.Measurements(ARM.random_theta(0, 40), ARM.fk(ARM.random_t
 BY_CALL: dict[str, dict[str, Any]] = {
     "calibrate": {"measurements": MEASURED},
     "corrected_urdf": {"calibration": calibration.calibrate(ARM, MEASURED)},
+    "reachable": {"targets": G[None, :3, 3]},
     "Arm.theta_from": {"values": ARM.joint_names, "numbers": [0.0] * N, "name": "theta"},
     "Arm.pose": {"frame": "tool0"},
     "Arm.random_theta": {"size": None},

@@ -13,6 +13,7 @@
 #include "ik/answer.hpp"
 #include "ik/batch.hpp"
 #include "ik/race.hpp"
+#include "ik/reachable.hpp"
 #include "kinematics/actuators.hpp"
 #include "kinematics/conversion.hpp"
 #include "planning/interval_limits.hpp"

@@ -6,6 +6,7 @@ from .all_solutions_batch import AllSolutionsBatch, solve_ik_all_batch
 from .answer import StopReason
 from .batch import IKBatch, solve_ik_batch
 from .closed_form.report import ClosedFormReport, closed_form_of
+from .reached import Reached, reachable
 from .request import POSTURES
 from .solution import IKResult
 from .solve import solve_ik
@@ -23,11 +24,13 @@ __all__ = [
     "IKResult",
     "Pose",
     "Position",
+    "Reached",
     "StopReason",
     "Target",
     "TargetLike",
     "TolerancedPose",
     "closed_form_of",
+    "reachable",
     "solve_ik",
     "solve_ik_all",
     "solve_ik_all_batch",

@@ -1,0 +1,35 @@
+// Which of many targets an arm meets: configurations, without the nearest one and the reason.
+#pragma once
+
+#include "far_slides.hpp"
+#include "race.hpp"
+
+TWISTARM_BEGIN
+
+/// Which of job.count() targets of one kind the arm meets, with at most settings.searches searches for each.
+///
+/// The first search begins at the answer before, so targets that follow one another should be neighbours. The others
+/// begin at the random starts 1, 2, … of `seed`. θ₀ (n,) stands for the answer before the first. `Job` has
+/// job.count(), job.asked(t), job.store(t, theta), with a null pointer where no search converges, and job(), which is
+/// called now and then; true ends the work.
+template <target_kind Kind, class T, int N, int M, class Job>
+void find_reachable(const chain<T, N, M>& arm, const ranges<T, N>& range, const search_settings<T>& settings,
+                    const T* theta0, std::uint64_t seed, Job& job) {
+    T before[capacity(N)];
+    for (int k = 0; k < arm.coordinates(); ++k) before[k] = theta0[k];
+    for (std::int64_t t = 0; t < job.count() && !job(); ++t) {
+        const target<T> asked = job.asked(t);
+        solution<T, N> found;
+        T* nowhere = nullptr;
+        solve_kind<Kind>(arm, range, settings, asked, before, seed, found, nowhere, 0, job);
+        ranges<T, N> there = range;
+        T start[capacity(N)];
+        for (int k = 0; k < arm.coordinates(); ++k) start[k] = before[k];
+        if (!found.converged && bring_slides_near(arm, asked, there, start))
+            solve_kind<Kind>(arm, there, settings, asked, start, seed, found, nowhere, 0, job);
+        for (int k = 0; k < arm.coordinates() && found.converged; ++k) before[k] = found.theta[k];
+        job.store(t, found.converged ? found.theta : nullptr);
+    }
+}
+
+TWISTARM_END

@@ -1,0 +1,178 @@
+"""`reachable`: which of many targets an arm meets, for maps of its workspace."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..arm.arm import Arm, require_arm
+from ..support.checks import Array, RealArray, as_direction, as_floats, as_pose, as_whole, require_callback
+from ..support.errors import InputError
+from .batch import MAX_THREADS, Progress, targets_for
+from .certainty import is_exact
+from .closed_form.methods import family_for
+from .reach_ball import reach_ball
+from .request import Request, checked
+from .targets import FARTHEST, AnyTarget, Approach, Pose, Position, TargetLike, checked_target
+
+CHUNK = 4096
+"""Targets after which a search begins at theta0 again, not at the answer before."""
+
+AT_ONCE = 16 * CHUNK
+"""Targets whose closed forms are in memory at once: six configurations of each take 40 MB."""
+
+
+class Reached(NamedTuple):
+    """The verdicts of `reachable`: `met` (N,), and theta (N, n) [rad, m], NaN where a target is not met."""
+
+    met: NDArray[np.bool_]
+    theta: Array
+
+
+class _Group(NamedTuple):
+    """Targets of one kind: one like them, their places (k,) among all, and their numbers (k, …).
+
+    `own`: whether approaches have the arm's tool axis. The ball and the closed form belong to one tool axis.
+    """
+
+    like: AnyTarget
+    own: bool
+    places: NDArray[np.int64]
+    numbers: Array
+
+
+def reachable(
+    arm: Arm,
+    targets: RealArray | Sequence[TargetLike],
+    theta0: ArrayLike | None = None,
+    *,
+    direction: ArrayLike | None = None,
+    position_tol: float = 1e-6,
+    orientation_tol: float = 1e-6,
+    restarts: int = 32,
+    threads: int = 1,
+    progress: Progress | None = None,
+) -> Reached:
+    """Which of N targets the arm meets inside its limits, without the nearest configuration and the reason.
+
+    A target outside the tool's ball (`reach_ball`) is not met. The arm's closed form decides the others, if it has one
+    for these targets. Without one, `restarts` searches decide, and may miss a configuration: on a grid of voxels one in
+    10,000. The first search begins at the answer before, so put neighbours one after the other. It begins at theta0
+    again after each 4096 targets. So the parts of a call that is divided there give the same bits, as do any `threads`.
+
+    Args:
+        arm: The arm.
+        targets: Poses (N, 4, 4), positions (N, 3) [m], or a sequence of targets of any kinds, as in `solve_ik_batch`.
+        theta0: Start (n,) [rad, m], or the name of a pose.
+        direction: Direction (3,) or (N, 3) of `arm.tool_axis` at positions (N, 3), as in `Approach`; None for any.
+        position_tol: Greatest position error of an answer [m].
+        orientation_tol: Greatest rotation error of an answer [rad].
+        restarts: Greatest number of searches for each target.
+        threads: Number of threads.
+        progress: Called now and then with the fraction done, or None.
+
+    Returns:
+        The `Reached`: met (N,) and theta (N, n).
+
+    Raises:
+        InputError: A target (the message says which), the start or a number is unusable.
+        TwistarmError: The arm is not in the compiled core. The message says how to get it.
+    """
+    chain = require_arm(arm)._core("reachable")
+    request = checked(arm, theta0, None, position_tol, orientation_tol, restarts, 0, None)
+    workers = as_whole(threads, "threads", 1, MAX_THREADS)
+    require_callback(progress, "progress", "(fraction)")
+    groups = [group for group in _groups(arm, targets, direction) if len(group.places)]
+    count = sum(len(group.places) for group in groups)
+    found, decided = Reached(np.zeros(count, dtype=np.bool_), np.full((count, arm.n), np.nan)), 0
+
+    def tell(done: int, _: int = 0) -> None:
+        if progress is not None:
+            progress((decided + done) / count)
+
+    for group in groups:
+        left = _left_by_closed_form(arm, group, _in_ball(arm, group, request), request, workers, found)
+        decided += len(group.places) - len(left)
+        tell(0)
+        at = group.places[left]
+        chunks = np.searchsorted(at, np.arange(0, count + CHUNK, CHUNK))
+        how = *request.for_core[:5], chunks, workers, progress and tell
+        answers = chain.reachable(group.like.kind, group.numbers[left], *how)
+        assert answers is not None, "what was checked is plain"
+        found.met[at], found.theta[at] = answers
+        decided += len(left)
+    return found
+
+
+def _groups(arm: Arm, targets: Any, direction: ArrayLike | None) -> Iterator[_Group]:
+    """The targets, those of a kind together. InputError for unusable ones."""
+    shape = targets.shape if isinstance(targets, np.ndarray) else ()
+    if shape[1:] in {(3,), (4, 4)}:
+        given = as_floats(targets, "targets")
+        if np.abs(given).max(initial=0.0) > FARTHEST:
+            raise InputError(f"targets hold {np.abs(given).max():g}, beyond {FARTHEST:g} m: lengths are in metres")
+        if shape[1:] == (3,):
+            like = Position([0.0] * 3) if direction is None else Approach([0.0] * 3, [0.0, 0.0, 1.0]).of(arm)
+            yield _Group(like, True, np.arange(len(given)), np.hstack([given, *_axes(like, shape, direction)]))
+            return
+    if direction is not None:
+        raise InputError("direction goes with targets that are positions (N, 3); others have their own")
+    if shape[1:] == (4, 4):
+        with suppress(InputError):  # raised below, with the place of the wrong pose
+            yield _Group(Pose(np.eye(4)), True, np.arange(len(given)), as_pose(given, "targets"))
+            return
+    asked = targets_for(arm, targets, checked_target)
+    alike: dict[tuple[int, bool], list[int]] = {}
+    for i, target in enumerate(asked):
+        own = not isinstance(target, Approach) or np.array_equal(target.axis, arm.tool_axis)
+        alike.setdefault((target.kind, own), []).append(i)
+    for (_, own), places in alike.items():
+        yield _Group(asked[places[0]], own, np.asarray(places), np.array([asked[i].numbers for i in places]))
+
+
+def _axes(like: AnyTarget, shape: tuple[int, ...], direction: ArrayLike | None) -> list[Array]:
+    """Directions and tool axes (N, 3) each, of approaches."""
+    if direction is None or not isinstance(like, Approach):
+        return []
+    along = as_direction(direction, "direction")
+    if along.shape not in {(3,), shape}:
+        raise InputError(f"direction must have shape (3,) or {shape}; got {along.shape}")
+    return [np.broadcast_to(each, shape) for each in (along, like.axis)]
+
+
+def _in_ball(arm: Arm, group: _Group, request: Request) -> NDArray[np.int64]:
+    """The group's targets in its ball, with the tolerances."""
+    ball, numbers = reach_ball(arm, group.like) if group.own else None, group.numbers
+    if ball is None:
+        return np.arange(len(group.places))
+    if isinstance(group.like, Pose):
+        x = numbers[:, :3, :3] @ ball.x + numbers[:, :3, 3]
+    else:
+        x = numbers[:, :3] + (ball.x @ group.like.axis * numbers[:, 3:6] if isinstance(group.like, Approach) else 0.0)
+    met = request.tolerances.or_rounding(arm.rounding)
+    slack = met.position + met.orientation * float(np.linalg.norm(ball.x)) + 1e-9
+    return np.flatnonzero(np.linalg.norm(x - ball.centre, axis=1) <= ball.radius + slack)
+
+
+def _left_by_closed_form(
+    arm: Arm, group: _Group, some: NDArray[np.int64], request: Request, threads: int, found: Reached
+) -> NDArray[np.int64]:
+    """Write what the closed form decides into `found`. The answer is the rest of `some` of the group's targets."""
+    method, met = family_for(arm, group.like) if group.own else None, request.tolerances
+    if method is None or method.compiled is None or method.swept or not method.exact:
+        return some
+    proves, left = is_exact(met) and not any(arm.rounding), [some[:0]]
+    for begin in range(0, len(some), AT_ONCE):
+        part = some[begin : begin + AT_ONCE]
+        every = method.compiled.solve_batch(group.numbers[part], request.theta0, met.position, met.orientation, threads)
+        assert every is not None, "what was checked is plain"
+        inside = every.inside > 0
+        at = group.places[part[inside]]
+        found.met[at] = True
+        found.theta[at] = every.theta[(np.cumsum(every.count) - every.count)[inside]]
+        left.append(part[~inside & ((every.families > 0) | (not proves))])
+    return np.concatenate(left)

@@ -1,0 +1,140 @@
+"""`reachable`: the verdicts of patient searches and of geometry, and the same bits however a call is divided."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from catalogue import load
+from ik_targets import KINDS, errors, is_met, pinocchio_poses, require_core, target_from
+from twistarm import Approach, InputError, JointLimits, Pose, Position, reachable, solve_ik_batch
+from twistarm.arm.arm import Coupling
+from twistarm.ik.reach_ball import reach_ball
+from twistarm.ik.reached import CHUNK
+
+DOWN = [0.0, 0.0, -1.0]
+LENGTHS = 0.4, 0.3
+"""Of rr_planar's links [m]; nothing limits its joints."""
+
+
+def locked():
+    """A panda whose third joint stands at 0.4 rad."""
+    arm = load("panda")
+    still = {"panda_joint3": 0.4}
+    return replace(arm, limits=arm.limits.with_({"lower": still, "upper": still}, arm.joint_names))
+
+
+def follower():
+    """A ur5 whose first wrist joint follows the elbow at half its speed, backwards."""
+    arm, kept = load("ur5"), [0, 1, 2, 4, 5]
+    A = np.eye(6)[:, kept]
+    A[3, 2] = -0.5
+    names, types = tuple(arm.joint_names[i] for i in kept), ("revolute",) * 5
+    bounds = {"lower": dict.fromkeys(names, -2.5), "upper": dict.fromkeys(names, 2.5)}
+    limits = JointLimits.unbounded(5).with_(bounds, names)
+    return replace(arm, coupling=Coupling(A, np.zeros(6)), joint_names=names, joint_types=types, limits=limits)
+
+
+ARMS = {"locked": locked, "follower": follower}
+
+
+@pytest.fixture(params=["panda", "ur5", "rover_arm", "so101", "locked", "follower"])
+def arm(request):
+    arm = ARMS[request.param]() if request.param in ARMS else load(request.param)
+    require_core(arm)
+    return arm
+
+
+def voxels(arm, side):
+    """Centres (side³, 3) of voxels of a box around what the arm reaches."""
+    axis = np.linspace(-1.0, 1.0, side) * arm.reach
+    return np.stack(np.meshgrid(axis, axis, axis), axis=-1).reshape(-1, 3) + [0.0, 0.0, 0.2]
+
+
+def test_the_verdicts_are_those_of_patient_searches(arm):
+    """Of a grid of approaches, and of mixed kinds within reach and beyond. Forward kinematics judges each theta."""
+    rng, p = np.random.default_rng(3), voxels(arm, 5)
+    g = arm.fk(arm.random_theta(rng, 60))
+    g[::3, :3, 3] *= rng.uniform(0.5, 1.5, size=(20, 1))
+    mixed = [target_from(KINDS[i % 4], pose, rng) for i, pose in enumerate(g)]
+    down = [Approach(each, DOWN).of(arm) for each in p]
+    for asked, found in ((down, reachable(arm, p, direction=DOWN)), (mixed, reachable(arm, mixed))):
+        assert (found.met == solve_ik_batch(arm, asked).converged).all()
+        assert np.isnan(found.theta[~found.met]).all()
+        theta = found.theta[found.met]
+        assert arm.limits.contains(theta).all()
+        assert len(theta) or asked is down
+        reached = arm.fk(theta) if arm.n != len(arm.coupling.A) else pinocchio_poses(arm, theta)
+        missed = [errors(asked[i], pose) for i, pose in zip(np.flatnonzero(found.met), reached, strict=True)]
+        assert is_met(arm, *np.reshape(missed, (-1, 2)).T).all()
+
+
+def test_two_links_reach_a_ring():
+    arm = load("rr_planar")
+    require_core(arm)
+    x, y = np.meshgrid(np.linspace(-0.8, 0.8, 41), np.linspace(-0.8, 0.8, 41))
+    p = np.stack([x.ravel(), y.ravel(), 0.0 * x.ravel()], axis=-1)
+    radius = np.linalg.norm(p, axis=1)
+    clear = np.minimum(np.abs(radius - sum(LENGTHS)), np.abs(radius - 0.1)) > 1e-5
+    ring = (radius > LENGTHS[0] - LENGTHS[1]) & (radius < sum(LENGTHS))
+    assert (reachable(arm, p).met == ring)[clear].all()
+    assert not reachable(arm, p + [0.0, 0.0, 1e-3]).met.any(), "its plane is z = 0"
+
+
+def test_a_ball_holds_the_tool(arm):
+    """Of configurations at random; it is that of the links' lengths where nothing is in the way."""
+    g = arm.fk(arm.random_theta(np.random.default_rng(4), 2000))
+    for like in (Position([0.0] * 3), Approach([0.0] * 3, DOWN).of(arm), Pose(np.eye(4))):
+        ball = reach_ball(arm, like)
+        if arm.n != len(arm.coupling.A):
+            assert ball is None, "coupled joints have no ball"
+            continue
+        away = np.linalg.norm(g[:, :3, :3] @ ball.x + g[:, :3, 3] - ball.centre, axis=1)
+        assert away.max() <= ball.radius
+    planar = reach_ball(load("rr_planar"), Position([0.0] * 3))
+    assert planar.radius == pytest.approx(sum(LENGTHS), abs=1e-6)
+
+
+def test_the_same_bits_however_a_call_is_divided():
+    arm, told = load("panda"), []
+    require_core(arm)
+    p = np.repeat(voxels(arm, 5)[:, None], 80, axis=1).reshape(-1, 3) + np.linspace(0.0, 0.02, 10_000)[:, None]
+    met, theta = reachable(arm, p, direction=DOWN, progress=told.append)
+    parts = [slice(0, CHUNK), slice(CHUNK, None)]
+    for threads in (1, 2):
+        each = [reachable(arm, p[part], direction=DOWN, threads=threads) for part in parts]
+        np.testing.assert_array_equal(np.concatenate([part.met for part in each]), met)
+        np.testing.assert_array_equal(np.concatenate([part.theta for part in each]), theta)
+    poses = arm.fk(theta[met])
+    np.testing.assert_array_equal(reachable(arm, poses).theta, reachable(arm, [*map(Pose, poses)]).theta)
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("targets", "how", "text"),
+    [
+        (np.zeros((2, 3)), {"direction": np.ones((3, 3))}, "direction must have shape (3,) or (2, 3); got (3, 3)"),
+        (np.zeros((2, 3)), {"direction": [0.0, 0.0, 0.0]}, "direction must not be the zero vector"),
+        ([Position([0.0] * 3)], {"direction": DOWN}, "direction goes with targets that are positions (N, 3)"),
+        (np.full((1, 3), 1e7), {}, "beyond 1e+06 m: lengths are in metres"),
+        (np.array([[0.0, np.nan, 0.0]]), {}, "targets must be finite; it holds nan at index [0, 1]"),
+        (np.stack([np.eye(4), np.ones((4, 4))]), {}, "targets[1]: "),
+        (np.zeros((2, 5)), {}, "targets must be poses of shape (N, 4, 4)"),
+        ([], {"restarts": 0}, "restarts must be a whole number"),
+        ([], {"theta0": np.zeros((2, 7))}, "theta0 must be one configuration"),
+    ],
+)
+def test_misuse_is_refused(targets, how, text):
+    with pytest.raises(InputError) as caught:
+        reachable(load("panda"), targets, **how)
+    assert text in str(caught.value)
+
+
+def test_no_targets_have_no_verdicts():
+    for nothing in ([], np.zeros((0, 3)), np.zeros((0, 4, 4))):
+        found = reachable(load("panda"), nothing)
+        assert found.met.shape == (0,)
+        assert found.theta.shape == (0, 7)
