@@ -444,7 +444,7 @@ class Arm:
         mass, offset = as_number(pair[0], "payload"), _one_vector(pair[1], "the payload's place")
         if mass < 0:
             raise InputError(f"payload must not be negative, in kg; got {mass:g}")
-        if not self.pinocchio.moved_mass:
+        if not self.pinocchio.moved_mass and called_from_outside(__name__):
             warn_caller(f"no link that {self.name} moves has a mass: its own weight counts as 0", UserWarning)
         load = mass, self.tool[:3, :3] @ offset + self.tool[:3, 3]
         at = np.broadcast_arrays(*motion)

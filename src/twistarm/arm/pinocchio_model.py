@@ -132,11 +132,14 @@ class PinocchioModel:
         body = frame.placement.act(self._pin.Inertia(load[0], load[1], np.zeros((3, 3))))
         model.inertias[frame.parentJoint] = self.model.inertias[frame.parentJoint] + body
         torques = np.zeros((len(motion[0]), len(self._A)))
+        root = model.frames[self._frames[base]]
+        model.gravity.linear = root.placement.rotation @ gravity
         for row, (q, v, a) in enumerate(zip(*(x @ self._A.T for x in motion), strict=True)):
             q = q + self._b
-            self._pin.forwardKinematics(model, data, q)
-            world_base = self._pin.updateFramePlacement(model, data, self._frames[base])
-            model.gravity.linear = world_base.rotation @ gravity
+            if root.parentJoint:  # a joint above the base turns it
+                self._pin.forwardKinematics(model, data, q)
+                world_base = self._pin.updateFramePlacement(model, data, self._frames[base])
+                model.gravity.linear = world_base.rotation @ gravity
             torques[row] = self._pin.rnea(model, data, q, v, a)
         efforts: Array = torques @ self._A
         return efforts
