@@ -46,7 +46,7 @@ ALLOWED = {
     "yourdfpy": ("checking/yourdfpy_poses.py",),
     "ompl": ("planning/free_path.py",),
     "scipy": ("planning", "guide/exercises"),
-    "matplotlib": ("guide", "cli/payload_picture.py"),
+    "matplotlib": ("guide", "cli/commands/designing.py"),
     "jupytext": ("guide/building",),
     "markdown_it": ("guide/teaching/markup.py",),
     "mdit_py_plugins": ("guide/teaching/markup.py",),

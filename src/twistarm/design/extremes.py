@@ -14,15 +14,14 @@ STARTS, ROUNDS = 4, 24
 
 
 def with_extremes(arm: Arm, costs: Callable[[Array], Array], theta: Array) -> Array:
-    """Theta (s, n), and below it configurations where each of the `costs`, (…, n) to (…, c), is least nearby.
+    """Theta (s, n), and below it local minima of each of the `costs`, (..., n) to (..., c), to 1e-3 of the range.
 
-    From its best samples a cost descends by the best step along one joint, halved where none helps. It ends at a local
-    minimum, to about 1e-3 of the range.
+    A cost descends from its least samples by the best step along one joint, halved where none helps.
     """
     lower, upper = arm.sampling_bounds
     moves = np.vstack([np.zeros(arm.n), np.eye(arm.n), -np.eye(arm.n)]) * (upper - lower) / 4
     starts = costs(theta).argsort(axis=0)[:STARTS]
-    column, x = np.tile(np.arange(starts.shape[1]), len(starts)), theta[starts.ravel()]
+    x, column = theta[starts.ravel()], np.tile(np.arange(starts.shape[1]), len(starts))
     size, each = np.ones(len(x)), np.arange(len(x))
     for _ in range(ROUNDS):
         tried = np.clip(x[:, None] + size[:, None, None] * moves, lower, upper)

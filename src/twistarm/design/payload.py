@@ -17,6 +17,9 @@ from ..support.errors import InputError
 from .extremes import with_extremes
 from .gaps import gaps
 
+DT = 0.01
+"""Time between states of a motion [s]."""
+
 UNLOADED = 1e-9
 """An effort per mass [N m/kg, N/kg] below this is the rounding of 0."""
 
@@ -80,10 +83,7 @@ def payload(
     theta_ddot: ArrayLike | None = None,
     *,
     offset: ArrayLike = (0.0, 0.0, 0.0),
-    gravity: ArrayLike = (0.0, 0.0, -9.81),
     samples: int = 2000,
-    rng: int | np.random.Generator = 0,
-    dt: float = 0.01,
 ) -> Payload:
     """The greatest mass at the tool in each configuration, along a motion, or anywhere inside the limits.
 
@@ -95,17 +95,12 @@ def payload(
 
     Args:
         arm: The arm, with a description.
-        theta: Configurations (..., n) [rad, m], the name of one, a `Trajectory`, or None.
+        theta: Configurations (..., n) [rad, m], the name of one, a `Trajectory`, or None. A trajectory counts every
+            0.01 s, and on both sides of its breakpoints.
         theta_dot: Velocities (..., n) [rad/s, m/s]; None is at rest. A trajectory has its own.
         theta_ddot: Accelerations (..., n) [rad/s², m/s²]; None is none. A trajectory has its own.
         offset: The place of the mass (3,) [m], in tool axes.
-        gravity: Acceleration of free fall (3,) [m/s²], in base axes.
         samples: How many random configurations, without theta.
-        rng: Their seed, or a NumPy Generator.
-        dt: Time between states of a trajectory [s]. Both sides of its breakpoints count too.
-
-    Returns:
-        The `Payload`. Its `notes` name missing masses and limits.
 
     Raises:
         InputError: An argument has another shape, theta holds no configuration, or the trajectory is another arm's.
@@ -116,7 +111,7 @@ def payload(
 
     def efforts(x: ArrayLike) -> tuple[Array, Array]:
         masses = (0.0, offset), (1.0, offset)
-        own, loaded = (arm.torques(x, theta_dot, theta_ddot, payload=m, gravity=gravity) @ W.T for m in masses)
+        own, loaded = (arm.torques(x, theta_dot, theta_ddot, payload=m) @ W.T for m in masses)
         return own, loaded - own
 
     def costs(x: Array) -> Array:
@@ -128,10 +123,10 @@ def payload(
         if theta.joint_names != arm.joint_names or theta_dot is not None or theta_ddot is not None:
             raise InputError("a trajectory must be of this arm, and has its own rates: leave out theta_dot, theta_ddot")
         # Accelerations may jump at breakpoints; a trajectory gives them from above.
-        t = np.union1d(theta.sample(dt).t, [*theta.breakpoints, *np.nextafter(theta.breakpoints[1:], 0.0)])
+        t = np.union1d(theta.sample(DT).t, [*theta.breakpoints, *np.nextafter(theta.breakpoints[1:], 0.0)])
         theta, theta_dot, theta_ddot = (theta(t, order) for order in range(3))
     elif theta is None:
-        x = arm.random_theta(rng, as_whole(samples, "samples", 1, LARGEST_ARRAY))
+        x = arm.random_theta(0, as_whole(samples, "samples", 1, LARGEST_ARRAY))
         theta = with_extremes(arm, costs, x)
     own, per_kg = efforts(theta)
     if not own.size:
