@@ -26,7 +26,8 @@ def gaps(arm: Arm, unlimited: NDArray[np.bool_]) -> Iterator[str]:
         lacking = listed(name for name, lacks in zip(arm.joint_names, unlimited, strict=True) if lacks)
         so = "the payload is unknown" if unlimited.all() else "what they hold is unknown, and the payload a bound"
         yield f"no effort limit of {lacking}: {so}; write effort in <limit>, or in [limits] of an arm.toml"
-    elif arm.n > 2 and np.ptp(arm.limits.effort) == 0.0:
-        yield f"all joints have the effort limit {arm.limits.effort[0]:g}: a placeholder?"
+    turning = arm.limits.effort[np.array(arm.units) == "rad"]
+    if len(turning) > 2 and np.isfinite(turning[0]) and (turning == turning[0]).all():
+        yield f"all turning joints have the effort limit {turning[0]:g} N m: a placeholder?"
     if arm.actuators is not None and arm.actuators.undriven:
         yield f"the motors do not determine {listed(arm.actuators.undriven)}: limits of motors do not count"
