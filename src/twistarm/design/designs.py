@@ -79,7 +79,7 @@ def compare_designs(arms: Sequence[Arm], poses: Sequence[Target | Array] = ()) -
     """
     if not isinstance(arms, Sequence) or len(arms) < 2:
         raise InputError(f"arms must be a list of two or more; got {shown(arms)}")
-    if not isinstance(poses, Sequence | np.ndarray) or len(poses) == 1:
+    if not isinstance(poses, Sequence) or len(poses) == 1:
         raise InputError(f"poses must be a list of two targets or more, or (); got {shown(poses)}")
     names = [require_arm(arm).name for arm in arms]
     names = [f"{name} ({i + 1})" if names.count(name) > 1 else name for i, name in enumerate(names)]
@@ -87,21 +87,23 @@ def compare_designs(arms: Sequence[Arm], poses: Sequence[Target | Array] = ()) -
 
 
 def _design(name: str, arm: Arm, poses: Sequence[Target | Array]) -> Design:
-    measured, notes = arm.manipulability(arm.random_theta(0, SAMPLES)), list[str]()
-    condition = measured.condition_in(max(int(measured.rank.max()), 1))
-    dexterity = float(np.median(condition)), float((condition > POOR).mean())
     least = median = mass = duration = np.nan
-    try:
-        held, mass = payload(arm, samples=SAMPLES), arm.pinocchio.moved_mass
-        least, median, notes = float(held.mass.min()), float(np.median(held.mass)), [*held.notes]
-    except TwistarmError as error:  # no description
-        notes.append(str(error))
+    notes: list[str] = []
     try:
         if len(poses):
             start = solve_ik(arm, poses[0]).require()
             duration = plan(arm, [JointMove(pose) for pose in poses[1:]], start=start).duration
     except (NotConvergedError, PathError, LimitError) as error:
         notes.append(f"no motion: {error}")
+    try:
+        held, mass = payload(arm, samples=SAMPLES), arm.pinocchio.moved_mass
+        least, median = float(held.mass.min()), float(np.median(held.mass))
+        notes += held.notes
+    except TwistarmError as error:  # no description
+        notes.append(str(error))
+    measured = arm.manipulability(arm.random_theta(0, SAMPLES))
+    condition = measured.condition_in(max(int(measured.rank.max()), 1))
+    dexterity = float(np.median(condition)), float((condition > POOR).mean())
     return Design(name, arm, *_reach(arm), *dexterity, least, median, mass, duration, tuple(notes))
 
 
