@@ -27,6 +27,9 @@ def test_a_larger_arm_reaches_farther_and_sweeps_the_cube_of_it() -> None:
     assert np.isclose(large.volume / small.volume, 1.2**3, rtol=0.01)
     assert np.isclose(small.volume, 4 / 3 * np.pi, rtol=0.2)
     assert np.isclose(small.condition, large.condition)
+    ours = elbow(1.0)
+    measured = ours.manipulability(ours.random_theta(1, 4000))
+    assert np.isclose(small.condition, np.median(measured.condition), rtol=0.05)
     assert small.singular == large.singular
     assert np.isnan(small.payload)
     assert any("no Pinocchio model" in each for each in small.notes)

@@ -15,6 +15,7 @@ from ..planning import JointMove, PathError, plan
 from ..support.checks import Array
 from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, shown
+from ..theory.manipulability import Manipulability, scaled_jacobian
 from .extremes import with_extremes
 from .payload import payload
 
@@ -101,7 +102,9 @@ def _design(name: str, arm: Arm, poses: Sequence[Target | Array]) -> Design:
         notes += held.notes
     except TwistarmError as error:  # no description
         notes.append(str(error))
-    measured = arm.manipulability(arm.random_theta(0, SAMPLES))
+    # As `arm.manipulability`, whose axes take long.
+    J = scaled_jacobian(arm.body_jacobian(arm.random_theta(0, SAMPLES)), arm._prismatic, arm.reach)
+    measured = Manipulability(np.asarray(np.linalg.svd(J, compute_uv=False), np.float64), np.empty(0), arm.reach)
     condition = measured.condition_in(max(int(measured.rank.max()), 1))
     dexterity = float(np.median(condition)), float((condition > POOR).mean())
     return Design(name, arm, *_reach(arm), *dexterity, least, median, mass, duration, tuple(notes))
