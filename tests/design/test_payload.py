@@ -125,6 +125,15 @@ def test_along_a_motion_jumps_of_the_acceleration_count(rover: twistarm.Arm) -> 
     assert np.allclose(needs.power, np.abs(torques * motion(t, 1)).max(axis=0), rtol=1e-2, atol=1e-9)
 
 
+def test_rates_may_have_more_axes_than_theta(rover: twistarm.Arm) -> None:
+    push = 2.0 * np.vstack([np.eye(5), -np.eye(5)])
+    found = payload(rover, "ready", theta_ddot=push)
+    assert found.mass.shape == (10,)
+    assert found.theta.shape == (10, 5)
+    assert np.isclose(found.mass[6], payload(rover, "ready", theta_ddot=push[6]).mass)
+    assert found.needs(1.0).speed.tolist() == [0.0] * 5
+
+
 def test_a_tool_farther_out_holds_less(rover: twistarm.Arm) -> None:
     longer = rover.with_tool(screws.exp([0, 0, 1.0, 0, 0, 0], 0.2), "longer")
     assert np.allclose(payload(longer, "ready").mass, payload(rover, "ready", offset=[0, 0, 0.2]).mass)

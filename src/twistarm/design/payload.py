@@ -131,10 +131,10 @@ def payload(
     own, per_kg = efforts(theta)
     if not own.size:
         raise InputError("theta must hold one configuration or more")
-    x, rate = np.broadcast_arrays(arm.theta_from(theta), 0.0 if theta_dot is None else theta_dot)
-    rate = np.broadcast_to(rate @ C.T, own.shape)
+    x = np.broadcast_to(arm.theta_from(theta), (*own.shape[:-1], arm.n))
+    speeds = np.broadcast_to(np.zeros(arm.n) if theta_dot is None else np.asarray(theta_dot), x.shape) @ C.T
     found = _greatest(own, per_kg, limits, unlimited)
-    return Payload(arm, x, names, own, per_kg, rate, limits, *found, tuple(gaps(arm, unlimited)), t)
+    return Payload(arm, x, names, own, per_kg, speeds, limits, *found, tuple(gaps(arm, unlimited)), t)
 
 
 def _rows(arm: Arm) -> tuple[tuple[str, ...], Array, Array, Array, NDArray[np.bool_]]:
