@@ -125,7 +125,7 @@ def _picture(found: Payload, theta: Array) -> bytes:
         dots = axes.scatter(np.hypot(x, y), z, c=mass, s=6, vmin=0.0, vmax=most)
         axes.set(xlabel="distance from the base's z axis [m]", ylabel="height [m]", aspect="equal")
         figure.colorbar(dots, label="payload [kg]", extend="max")
-    figure.savefig(file, format="png", dpi=120)
+    figure.savefig(file, format="png", dpi=120, bbox_inches="tight")
     return file.getvalue()
 
 
