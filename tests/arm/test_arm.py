@@ -146,6 +146,20 @@ def test_torques_of_followers_do_the_work_that_the_energy_gains(tmp_path: Path) 
     assert np.isclose(arm.torques([at], [rate], [push], payload=(payload, com))[0] * rate, power, rtol=1e-5)
 
 
+def test_gravity_is_in_axes_of_a_base_that_a_joint_tilts(tmp_path: Path) -> None:
+    """The base link lies beyond a joint; gravity along its −z still pulls the payload by its own height."""
+    text = robot(joint("a", "base_link", "upper", rpy="0.7 0.3 0"), joint("b", "upper", "tool0", rpy="0.4 1.1 0"))
+    arm = load_arm(write(tmp_path, massive(text)), base="upper")
+    payload, com, h = 1.5, np.array([0.2, 0.03, 0.1]), 1e-6
+
+    def energy(theta: float) -> float:
+        g = arm.poses([theta])["tool0"]
+        return float(9.81 * (2.0 * (g @ [0.1, 0, 0, 1])[2] + payload * (g @ [*com, 1])[2]))
+
+    expected = (energy(0.3 + h) - energy(0.3 - h)) / (2 * h)
+    assert np.isclose(arm.torques([0.3], payload=(payload, com))[0], expected, rtol=1e-6)
+
+
 def test_torques_of_the_two_link_arm_of_the_textbook(tmp_path: Path) -> None:
     """MLS §4.2.3, example 4.3, with a payload as a third body at the end of the second link."""
     m, r, length, inertia, payload = (3.0, 2.0), (0.2, 0.15), (0.5, 0.4), (0.05, 0.02), 1.2
