@@ -84,7 +84,7 @@ def test_designs(capsys: Capture) -> None:
         (["payload", "rover_arm", "--theta", "ready", "--motion", "m.csv"], "leave out --theta"),
         (["payload", "rover_arm", "-o", "x.pdf"], "-o takes *.csv or *.png"),
         (["designs", "rover_arm"], "Missing argument"),
-        (["designs", "rover_arm", "ur5", "--xyz", "0.5 0 0.5"], "two targets or more"),
+        (["designs", "rover_arm", "ur5", "--xyz", "0.5 0 0.5"], "give two or more, or none"),
     ],
 )
 def test_wrong_options(words: list[str], message: str, capsys: Capture) -> None:

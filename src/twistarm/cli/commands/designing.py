@@ -150,6 +150,8 @@ def designs(
 ) -> None:
     """Compare arms: reach, dexterity, payload, mass, joint ranges, and the time of a motion through --xyz."""
     targets = typed_targets(xyz or (), rpy or (), direction or (), None, rad)
+    if len(targets) == 1:
+        raise InputError("a motion leads from one --xyz to another: give two or more, or none")
     found = compare_designs([load_arm(each, **load) for each in (source, *others)], targets)
     against = [each.against(found[0]) for each in found[1:]]
     for name, why in ((each.name, why) for each in found for why in each.notes):
