@@ -12,6 +12,7 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from twistarm import Approach, Arm, FreeMove, LineMove, Scene, Trajectory, Viewer, load_arm, plan, save_png
+from twistarm.cli.application import run
 from twistarm.viewer.files.browsers import find_browser
 
 DOCS = Path(__file__).parent
@@ -138,6 +139,7 @@ def main() -> None:
     motion = task(arm)
     save_png(arm, PICTURES / "motion.png", trajectory=motion, size=(720, 480))
     gallery()
+    run(["payload", "rover_arm_6dof", "-o", str(PICTURES / "payload.png"), "--force"])
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_browser(), args=list(FLAGS))
         live_page(arm, motion, browser)

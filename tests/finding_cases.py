@@ -292,6 +292,7 @@ CASES: dict[str, Case] = {
         )
     ),
     # bodies
+    "mass-missing": urdf(with_balls("0 0 0", "0 0 0.2", "0 0 0.2")),
     "mass-tiny": with_body(mass="1e-9"),
     "mass-implausible": with_body(mass="1500"),
     "inertia-impossible": with_body(ixx="0.03"),

@@ -30,6 +30,8 @@ from .control.servo import ServoStatus as ServoStatus
 from .control.servo import TwistCommand as TwistCommand
 from .control.servo import servo_step as servo_step
 from .description.findings import Finding as Finding
+from .design import compare_designs as compare_designs
+from .design import payload as payload
 from .ik import AllSolutions as AllSolutions
 from .ik import AllSolutionsBatch as AllSolutionsBatch
 from .ik import Approach as Approach

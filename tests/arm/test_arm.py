@@ -12,7 +12,7 @@ import pinocchio as pin
 import pytest
 
 import twistarm
-from twistarm import Arm, JointLimits, arm_from_screws, joints, load_arm, screws
+from twistarm import Arm, JointLimits, arm_from_screws, joints, load_arm, rotations, screws
 from twistarm.control.stream import SimulatedJoints
 from twistarm.support.errors import InputError, TwistarmError, UnknownNameError
 from twistarm.viewer.parts.limit_checks import checked_theta
@@ -125,6 +125,79 @@ def test_gravity_torques_are_the_gradient_of_the_potential_energy(tmp_path: Path
     assert np.isclose(arm.gravity_torques([0.4])[0], arm.gravity_torques([[0.4], [0.2]])[0, 0])
 
 
+def test_torques_of_followers_do_the_work_that_the_energy_gains(tmp_path: Path) -> None:
+    """τ θ̇ = dE/dt with E = Σ ½ m |ċ|² + ½ I |ω|² − m g · c over every body, by differences of poses."""
+    arm = load_arm(write(tmp_path, massive(FOLLOWER)), tip="tool0")
+    payload, com = 1.5, np.array([0.02, 0.03, 0.1])
+    at, rate, push, h = 0.4, 0.8, -1.7, 1e-4
+
+    def energy(t: float) -> float:
+        early, now, late = (arm.poses([at + rate * s + 0.5 * push * s * s]) for s in (t - h, t, t + h))
+        total = 0.0
+        for link, mass, place in [*((link, 2.0, [0.1, 0, 0]) for link in now), ("tool0", payload, com)]:
+            before, here, after = ((g[link] @ [*place, 1])[:3] for g in (early, now, late))
+            total += 0.5 * mass * np.sum(((after - before) / (2 * h)) ** 2) + 9.81 * mass * here[2]
+        for link in now:
+            turned = rotations.log(early[link][:3, :3].T @ late[link][:3, :3]) / (2 * h)
+            total += 0.5 * 0.01 * float(turned @ turned)
+        return float(total)
+
+    power = (energy(h) - energy(-h)) / (2 * h)
+    assert np.isclose(arm.torques([at], [rate], [push], payload=(payload, com))[0] * rate, power, rtol=1e-5)
+
+
+def test_gravity_is_in_axes_of_a_base_that_a_joint_tilts(tmp_path: Path) -> None:
+    """The base link lies beyond a joint; gravity along its −z still pulls the payload by its own height."""
+    text = robot(joint("a", "base_link", "upper", rpy="0.7 0.3 0"), joint("b", "upper", "tool0", rpy="0.4 1.1 0"))
+    arm = load_arm(write(tmp_path, massive(text)), base="upper")
+    payload, com, h = 1.5, np.array([0.2, 0.03, 0.1]), 1e-6
+
+    def energy(theta: float) -> float:
+        g = arm.poses([theta])["tool0"]
+        return float(9.81 * (2.0 * (g @ [0.1, 0, 0, 1])[2] + payload * (g @ [*com, 1])[2]))
+
+    expected = (energy(0.3 + h) - energy(0.3 - h)) / (2 * h)
+    assert np.isclose(arm.torques([0.3], payload=(payload, com))[0], expected, rtol=1e-6)
+
+
+def test_torques_of_the_two_link_arm_of_the_textbook(tmp_path: Path) -> None:
+    """MLS §4.2.3, example 4.3, with a payload as a third body at the end of the second link."""
+    m, r, length, inertia, payload = (3.0, 2.0), (0.2, 0.15), (0.5, 0.4), (0.05, 0.02), 1.2
+    links = "".join(
+        f'<link name="{name}"><inertial><origin xyz="{x} 0 0"/><mass value="{mass}"/><inertia ixx="0.01" iyy="{Iz}" '
+        f'izz="{Iz}" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        for name, mass, x, Iz in zip(("upper", "lower"), m, r, inertia, strict=True)
+    )
+    joints_ = joint("a", "base_link", "upper", xyz="0 0 0") + joint("b", "upper", "lower", xyz=f"{length[0]} 0 0")
+    end = joint("end", "lower", "tool0", kind="fixed", xyz=f"{length[1]} 0 0")
+    arm = load_arm(write(tmp_path, robot(links, joints_, end, links=("base_link", "tool0"))))
+    alpha = sum(inertia) + m[0] * r[0] ** 2 + m[1] * (length[0] ** 2 + r[1] ** 2)
+    alpha += payload * (length[0] ** 2 + length[1] ** 2)
+    beta = m[1] * length[0] * r[1] + payload * length[0] * length[1]
+    delta = inertia[1] + m[1] * r[1] ** 2 + payload * length[1] ** 2
+    first, second = m[0] * r[0] + (m[1] + payload) * length[0], m[1] * r[1] + payload * length[1]
+    rng = np.random.default_rng(3)
+    theta, rate, push = rng.normal(size=(3, 4, 2))
+    c, s = np.cos(theta[:, 1]), np.sin(theta[:, 1])
+    along = second * np.cos(theta.sum(1))
+    expected = np.column_stack([
+        (alpha + 2 * beta * c) * push[:, 0] + (delta + beta * c) * push[:, 1]
+        - beta * s * (2 * rate[:, 0] + rate[:, 1]) * rate[:, 1] + 9.81 * (first * np.cos(theta[:, 0]) + along),
+        (delta + beta * c) * push[:, 0] + delta * push[:, 1] + beta * s * rate[:, 0] ** 2 + 9.81 * along,
+    ])  # fmt: skip
+    assert np.allclose(arm.torques(theta, rate, push, payload=payload, gravity=(0, -9.81, 0)), expected, rtol=1e-12)
+    # One rate for all configurations; a tool farther out carries what stands behind it.
+    longer = arm.with_tool(screws.exp([1.0, 0, 0, 0, 0, 0], 0.3), "longer")
+    there = longer.torques(theta, rate[0], payload=(payload, [-0.3, 0, 0]))
+    assert np.allclose(there[2], arm.torques(theta[2], rate[0], payload=payload))
+
+
+def test_torques_without_any_mass_are_told(tmp_path: Path) -> None:
+    arm = load_arm(write(tmp_path, two_joints()))
+    with pytest.warns(UserWarning, match="no link that tiny moves has a mass"):
+        assert arm.torques([0.1, 0.2]).tolist() == [0.0, 0.0]
+
+
 def test_manipulability_of_the_planar_two_link_arm() -> None:
     """Yoshikawa 1985: w = l₁ l₂ |sin θ₂| for the positions of a planar RR arm."""
     arm = load_arm("rr_planar")
@@ -233,6 +306,9 @@ WRONG_ARGUMENTS = {
     "a stack of gravities": (lambda arm: arm.gravity_torques("ready", gravity=np.zeros((2, 3))), "gravity must be one"),
     "two payloads": (lambda arm: arm.gravity_torques("ready", payload=[1.0, 2.0]), "payload must be one number"),
     "a payload below zero": (lambda arm: arm.gravity_torques("ready", payload=-1.0), "payload must not be negative"),
+    "a rate too short": (lambda arm: arm.torques("ready", [0.1]), "theta_dot must have shape"),
+    "rates that do not fit": (lambda arm: arm.torques(np.zeros((2, 5)), np.zeros((3, 5))), "leading axes do not match"),
+    "no place of a payload": (lambda arm: arm.torques("ready", payload=(1.0, 2.0)), "the payload's place must have"),
     "two lengths": (lambda arm: arm.manipulability("ready", length=[1.0, 2.0]), "length must be one number"),
     "no length": (lambda arm: arm.manipulability("ready", length=0.0), "length must be positive"),
     "a stack of tools": (lambda arm: arm.with_tool(np.stack([np.eye(4)] * 2), "t"), "must be one pose"),

@@ -21,7 +21,7 @@ FILES = sorted(file for file in PACKAGE.rglob("*.py") if file.parent.name != "le
 FLOORS = (
     ("cli",),
     ("guide",),
-    ("viewer", "testing", "export"),
+    ("viewer", "testing", "export", "design"),
     ("checking", "control"),
     ("planning", "calibration"),
     ("ik",),
@@ -46,7 +46,7 @@ ALLOWED = {
     "yourdfpy": ("checking/yourdfpy_poses.py",),
     "ompl": ("planning/free_path.py",),
     "scipy": ("planning", "guide/exercises"),
-    "matplotlib": ("guide", "calibration/plot.py"),
+    "matplotlib": ("guide", "calibration/plot.py", "cli/commands/designing.py"),
     "jupytext": ("guide/building",),
     "markdown_it": ("guide/teaching/markup.py",),
     "mdit_py_plugins": ("guide/teaching/markup.py",),

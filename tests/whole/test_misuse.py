@@ -102,6 +102,7 @@ GOOD: dict[str, Any] = {
     "load": lambda: ARM, "files": [], "closed_form": False, "restarts": 2, "threads": 1, "handle_signals": False,
     "host": "127.0.0.1", "cycles": stream.Streaming(ARM, Says(None), SIMULATED, SIMULATED),
     "metronome": stream.Metronome(0.01), "clock": stream.MonotonicClock(), "n": 3, "motors": None, "theta0": None,
+    "arms": [ARM, OTHER], "mass": 1.0,
 }  # fmt: skip
 """An example of each argument, by its name."""
 

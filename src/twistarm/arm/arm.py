@@ -33,6 +33,7 @@ from ..support.checks import (
     frozen,
     made_by,
     require,
+    require_broadcast,
     require_mapping,
     warn_caller,
 )
@@ -390,7 +391,7 @@ class Arm:
         payload: float = 0.0,
         payload_com: ArrayLike = (0.0, 0.0, 0.0),
     ) -> Array:
-        """Torques (..., n) [N m or N] that hold the arm still against gravity. Mimic followers count.
+        """Torques (..., n) [N m or N] that hold the arm still against gravity: `torques` at rest.
 
         Args:
             theta: Configurations (..., n) [rad, m].
@@ -402,21 +403,54 @@ class Arm:
             InputError: An argument has another shape, or the payload is negative.
             TwistarmError: The arm has no description, and so no masses.
         """
-        x = self._asked_at(theta)
-        g, com = _one_vector(gravity, "gravity"), _one_vector(payload_com, "payload_com")
-        model = self.pinocchio
-        held = self._each(
-            lambda rows: np.array([model.gravity_torques(row, self.base, g) for row in rows]), x, (self.n,)
+        return self.torques(theta, payload=(payload, payload_com), gravity=gravity)
+
+    def torques(
+        self,
+        theta: ArrayLike,
+        theta_dot: ArrayLike | None = None,
+        theta_ddot: ArrayLike | None = None,
+        *,
+        payload: float | tuple[ArrayLike, ArrayLike] = 0.0,
+        gravity: ArrayLike = (0.0, 0.0, -9.81),
+    ) -> Array:
+        """τ = M(θ) θ̈ + C(θ, θ̇) θ̇ + N(θ), (..., n) [N m or N]: the inverse dynamics, with the base at rest.
+
+        Every joint of the description counts that theta moves, mimic followers too: τ = Aᵀ τ_joints with their coupling
+        A. Locked joints stand still. The model has no friction, no elasticity and no inertia of motors. A link without
+        `<inertial>` weighs nothing. Sources: MLS §4.3; Featherstone 2008, §5.3 (recursive Newton-Euler, by Pinocchio).
+
+        Args:
+            theta: Configurations (..., n) [rad, m].
+            theta_dot: Velocities (..., n) [rad/s, m/s]; None is at rest.
+            theta_ddot: Accelerations (..., n) [rad/s², m/s²]; None is none.
+            payload: A point mass at the tool [kg], or the mass and its place (3,) in tool axes [m].
+            gravity: Acceleration of free fall (3,) [m/s²], in base axes.
+
+        Raises:
+            InputError: An argument has another shape, or the payload is negative.
+            TwistarmError: The arm has no description, and so no masses.
+
+        Warns:
+            UserWarning: No link that moves has a mass.
+        """
+        rates = [(theta_dot, "theta_dot"), (theta_ddot, "theta_ddot")]
+        given = [np.zeros(self.n) if x is None else as_theta(x, self.n, name, self.joint_names) for x, name in rates]
+        motion = [self._asked_at(theta), *given]
+        require_broadcast(
+            **{name: x.shape[:-1] for name, x in zip(("theta", "theta_dot", "theta_ddot"), motion, strict=True)}
         )
-        mass = as_number(payload, "payload")
+        pair = payload if isinstance(payload, (tuple, list)) and len(payload) == 2 else (payload, np.zeros(3))
+        mass, offset = as_number(pair[0], "payload"), _one_vector(pair[1], "the payload's place")
         if mass < 0:
             raise InputError(f"payload must not be negative, in kg; got {mass:g}")
-        if mass == 0:
-            return held
-        R = self.fk(x)[..., :3, :3]
-        support = -mass * np.einsum("...ji,j->...i", R, g)
-        moment = np.cross(com, support)
-        return held - self.joint_torques(x, -np.concatenate([support, moment], axis=-1))
+        if not self.pinocchio.moved_mass and called_from_outside(__name__):
+            warn_caller(f"no link that {self.name} moves has a mass: its own weight counts as 0", UserWarning)
+        load = mass, self.tool[:3, :3] @ offset + self.tool[:3, 3]
+        at = np.broadcast_arrays(*motion)
+        rows = [x.reshape(-1, self.n) for x in at]
+        efforts = self.pinocchio.torques(rows, self.base, _one_vector(gravity, "gravity"), self.tip_link, load)
+        return efforts.reshape(at[0].shape)
 
     # -- configurations ------------------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""The only access to Pinocchio: model of a description, reference kinematics, gravity torques."""
+"""The only access to Pinocchio: model of a description, reference kinematics, inverse dynamics."""
 
 from __future__ import annotations
 
@@ -111,18 +111,41 @@ class PinocchioModel:
         spatial: Array = world_base.toActionMatrixInverse() @ J.reshape(6, -1) @ self._A_chain
         return spatial
 
-    def gravity_torques(self, theta: Array, base: str, gravity: Array) -> Array:
-        """Joint efforts (n,) that hold every body still, with `gravity` (3,) in axes of `base`."""
-        q = self._A @ theta + self._b
-        model, data = self._own_model(), self.data
-        self._pin.forwardKinematics(self.model, data, q)
-        world_base = self._pin.updateFramePlacement(self.model, data, self._frames[base])
-        model.gravity.linear = world_base.rotation @ gravity
-        torques: Array = self._A.T @ self._pin.computeGeneralizedGravity(model, data, q)
-        return torques
+    @property
+    def moved_mass(self) -> float:
+        """The mass [kg] of all bodies that theta moves."""
+        moving = np.append(False, self._A.any(axis=1))  # the universe is joint 0
+        return sum(
+            float(body.mass)
+            for body, above in zip(self.model.inertias, self.model.supports, strict=True)
+            if moving[list(above)].any()
+        )
+
+    def torques(
+        self, motion: Sequence[Array], base: str, gravity: Array, link: str, load: tuple[float, Array]
+    ) -> Array:
+        """Joint efforts (N, n) of theta and its first two rates (N, n), by the recursive Newton-Euler algorithm.
+
+        `gravity` (3,) is in axes of `base`. `load` is a point mass on `link` and its place (3,).
+        """
+        model, data, frame = self._own_model(), self.data, self.model.frames[self._frames[link]]
+        body = frame.placement.act(self._pin.Inertia(load[0], load[1], np.zeros((3, 3))))
+        model.inertias[frame.parentJoint] = self.model.inertias[frame.parentJoint] + body
+        torques = np.zeros((len(motion[0]), len(self._A)))
+        root = model.frames[self._frames[base]]
+        model.gravity.linear = root.placement.rotation @ gravity
+        for row, (q, v, a) in enumerate(zip(*(x @ self._A.T for x in motion), strict=True)):
+            q = q + self._b
+            if root.parentJoint:  # a joint above the base turns it
+                self._pin.forwardKinematics(model, data, q)
+                world_base = self._pin.updateFramePlacement(model, data, self._frames[base])
+                model.gravity.linear = world_base.rotation @ gravity
+            torques[row] = self._pin.rnea(model, data, q, v, a)
+        efforts: Array = torques @ self._A
+        return efforts
 
     def _own_model(self) -> Any:
-        """A model for this thread, because Pinocchio keeps gravity in the model."""
+        """A model for this thread, because Pinocchio keeps gravity and bodies in the model."""
         if not hasattr(self._local, "model"):
             self._local.model = self.model.copy()
         return self._local.model

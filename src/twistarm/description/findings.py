@@ -144,6 +144,7 @@ CODES: dict[str, Code] = {
     # the tool
     "tool-frame-missing": Code("warning", "the tool is the last joint's own frame; nothing says where the arm grips"),
     # bodies
+    "mass-missing": Code("info", "links that move have shapes and no mass"),
     "mass-tiny": Code("info", "links have almost no mass"),
     "mass-implausible": Code("warning", "a link is heavier than any arm's; its mass may be in grams"),
     "inertia-impossible": Code("warning", "no distribution of mass has such an inertia"),

@@ -80,6 +80,16 @@ def check_inertias(description: Description) -> Iterator[Finding]:
         if found:
             yield grouped(code, description, [body.link for body in found], _filled(what, found[0]), remedy)
     yield from _placeholders(description, solid)
+    if bare := _without_mass(description, {body.link.name for body in bodies if body.mass > 0.0}):
+        what = "a shape and no mass: gravity torques ignore it"
+        yield grouped("mass-missing", description, bare, what, "copy its mass from CAD, in kg")
+
+
+def _without_mass(description: Description, heavy: set[str]) -> list[Link]:
+    """The links with shapes that joints move and that are not `heavy`."""
+    moving = (name for name, joint in description.joints.items() if joint.moving)
+    moved = {link for name in moving for link in description.beyond(name)} - heavy
+    return [link for link in description.links.values() if link.name in moved and (link.visuals or link.collisions)]
 
 
 def _filled(what: str, body: Body) -> str:

@@ -1,0 +1,163 @@
+"""The greatest mass at the tool by the limits of efforts, and what joints and motors need for a wanted one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..arm.arm import Arm, require_arm
+from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED
+from ..planning import Trajectory
+from ..support.checks import LARGEST_ARRAY, Array, as_not_negative, as_whole
+from ..support.display import Brief
+from ..support.errors import InputError
+from .extremes import with_extremes
+from .gaps import gaps
+
+DT = 0.01
+"""Time between states of a motion [s]."""
+
+UNLOADED = 1e-9
+"""An effort per mass [N m/kg, N/kg] below this is the rounding of 0."""
+
+
+class Needs(NamedTuple):
+    """The greatest |effort| [N m, N], speed [rad/s, m/s] and power [W] of r joints and motors, (r,).
+
+    `share` is effort / limit: above 1 where it is too much, 0 without a limit.
+    """
+
+    names: tuple[str, ...]
+    effort: Array
+    speed: Array
+    power: Array
+    share: Array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Payload(Brief):
+    """The greatest mass (...) [kg] at the tool in each state of an arm, and the joint or motor that limits it.
+
+    The rows `names` (r) are n joints, then k motors. Their efforts [N m, N] are linear in the mass m: `own` + m
+    `per_kg`, both (..., r). So `mass` is the exact solution of |own + m per_kg| ≤ `limits` (r,). It is 0 where the arm
+    cannot hold itself, and inf where no row carries a payload. It is NaN, unknown, where only rows without a limit
+    carry it. `limiting` (...) is the row that limits, or that the arm itself overloads most; −1 for none. `speeds`
+    (..., r) are those of the rows. `notes` tell what the description lacks. `t` (...) [s] are instants of a motion.
+    """
+
+    arm: Arm
+    theta: Array
+    names: tuple[str, ...]
+    own: Array
+    per_kg: Array
+    speeds: Array
+    limits: Array
+    mass: Array
+    limiting: NDArray[np.int_]
+    notes: tuple[str, ...]
+    t: Array | None = None
+
+    @property
+    def worst(self) -> int:
+        """The state with the least mass, an index into `mass.ravel()`. Unknown masses come last."""
+        return int(np.nan_to_num(self.mass, nan=np.inf).argmin())
+
+    def needs(self, mass: float = 0.0) -> Needs:
+        """What joints and motors need over all states with a payload of that mass [kg], without friction.
+
+        Power is |effort · speed| at one instant. Raises InputError for a mass below 0.
+        """
+        efforts = self.own + as_not_negative(mass, "mass") * self.per_kg
+        values = np.abs([efforts, self.speeds, efforts * self.speeds])
+        effort, speed, power = values.reshape(3, -1, len(self.names)).max(axis=1)
+        return Needs(self.names, effort, speed, power, effort / self.limits)
+
+
+def payload(
+    arm: Arm,
+    theta: ArrayLike | Trajectory | None = None,
+    theta_dot: ArrayLike | None = None,
+    theta_ddot: ArrayLike | None = None,
+    *,
+    offset: ArrayLike = (0.0, 0.0, 0.0),
+    samples: int = 2000,
+) -> Payload:
+    """The greatest mass at the tool in each configuration, along a motion, or anywhere inside the limits.
+
+    The payload is a point mass. The limits are the joints' `limits.effort` and those of `arm.actuators`. Motors that
+    share joints have the efforts of least norm. `Arm.torques` tells what the model leaves out.
+
+    Without theta it takes random configurations, and descends from their extremes to the least mass and to the
+    greatest effort of each joint. It may miss a minimum.
+
+    Args:
+        arm: The arm, with a description.
+        theta: Configurations (..., n) [rad, m], the name of one, a `Trajectory`, or None. A trajectory counts every
+            0.01 s, and on both sides of its breakpoints.
+        theta_dot: Velocities (..., n) [rad/s, m/s]; None is at rest. A trajectory has its own.
+        theta_ddot: Accelerations (..., n) [rad/s², m/s²]; None is none. A trajectory has its own.
+        offset: The place of the mass (3,) [m], in tool axes.
+        samples: How many random configurations, without theta.
+
+    Raises:
+        InputError: An argument has another shape, theta holds no configuration, or the trajectory is another arm's.
+        TwistarmError: The arm has no description, and so no masses.
+    """
+    names, W, C, limits, unlimited = _rows(require_arm(arm))
+    t = None
+
+    def efforts(x: ArrayLike) -> tuple[Array, Array]:
+        masses = (0.0, offset), (1.0, offset)
+        own, loaded = (arm.torques(x, theta_dot, theta_ddot, payload=m) @ W.T for m in masses)
+        return own, loaded - own
+
+    def costs(x: Array) -> Array:
+        own, per_kg = efforts(x)
+        mass = np.nan_to_num(_greatest(own, per_kg, limits, unlimited)[0], nan=np.inf)[..., None]
+        return np.concatenate([mass, -np.abs(own[..., : arm.n]), -np.abs(per_kg[..., : arm.n])], axis=-1)
+
+    if isinstance(theta, Trajectory):
+        if theta.joint_names != arm.joint_names or theta_dot is not None or theta_ddot is not None:
+            raise InputError("a trajectory must be of this arm, and has its own rates: leave out theta_dot, theta_ddot")
+        # Accelerations may jump at breakpoints; a trajectory gives them from above.
+        t = np.union1d(theta.sample(DT).t, [*theta.breakpoints, *np.nextafter(theta.breakpoints[1:], 0.0)])
+        theta, theta_dot, theta_ddot = (theta(t, order) for order in range(3))
+    elif theta is None:
+        x = arm.random_theta(0, as_whole(samples, "samples", 1, LARGEST_ARRAY))
+        theta = with_extremes(arm, costs, x)
+    own, per_kg = efforts(theta)
+    if not own.size:
+        raise InputError("theta must hold one configuration or more")
+    x = np.broadcast_to(arm.theta_from(theta), (*own.shape[:-1], arm.n))
+    speeds = np.broadcast_to(np.zeros(arm.n) if theta_dot is None else np.asarray(theta_dot), x.shape) @ C.T
+    found = _greatest(own, per_kg, limits, unlimited)
+    return Payload(arm, x, names, own, per_kg, speeds, limits, *found, tuple(gaps(arm, unlimited)), t)
+
+
+def _rows(arm: Arm) -> tuple[tuple[str, ...], Array, Array, Array, NDArray[np.bool_]]:
+    """Names, W and C (r, n), limits (r,): efforts are W τ, velocities C θ̇; and joints (n,) without a limit.
+
+    A joint has a limit by itself, or if all its motors have one. Motors count if they determine every joint.
+    """
+    names, W, C, limits = arm.joint_names, np.eye(arm.n), np.eye(arm.n), arm.limits.effort
+    unlimited, motors = limits >= AS_GOOD_AS_UNBOUNDED, arm.actuators
+    if motors is not None and not motors.undriven:
+        carries = np.abs(motors.P) > 1e-9 * np.abs(motors.P).max()
+        unlimited = unlimited & (carries & (motors.limits.effort >= AS_GOOD_AS_UNBOUNDED)).any(axis=1)
+        names += tuple(f"motor {name}" for name in motors.names)
+        W, C, limits = np.vstack([W, motors.P.T]), np.vstack([C, motors.G]), np.append(limits, motors.limits.effort)
+    return names, W, C, np.where(limits < AS_GOOD_AS_UNBOUNDED, limits, np.inf), unlimited
+
+
+def _greatest(own: Array, per_kg: Array, limits: Array, unlimited: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int_]]:
+    """The greatest m ≥ 0 (...) with |own + m per_kg| ≤ limits in every row, and the row that limits it."""
+    loaded, share, room = np.abs(per_kg) > UNLOADED, np.abs(own) / limits, np.full(own.shape, np.inf)
+    np.divide(limits - np.sign(per_kg) * own, np.abs(per_kg), out=room, where=loaded)
+    held, least = (share <= 1.0).all(axis=-1), room.min(axis=-1)
+    unknown = np.isinf(least) & (loaded[..., : len(unlimited)] & unlimited).any(axis=-1)
+    limiting = np.where(np.isinf(least), -1, room.argmin(axis=-1))
+    mass = np.where(held, np.where(unknown, np.nan, least), 0.0)
+    return mass, np.where(held, limiting, share.argmax(axis=-1))

@@ -1,0 +1,91 @@
+"""`payload` and `designs` as a person and as a program uses them."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import twistarm
+from test_cli import answer, error_of, printed
+from twistarm import payload
+from twistarm.cli.application import run
+from urdf_text import two_joints, write
+
+Capture = pytest.CaptureFixture[str]
+
+
+def test_payload_at_a_configuration(capsys: Capture, rover: twistarm.Arm) -> None:
+    content = answer(capsys, "payload", "rover_arm", "--theta", "ready", "--mass", "2")
+    found = payload(rover, "ready")
+    assert np.isclose(content["payload"], found.mass)
+    assert content["limited_by"] == "wrist_pitch"
+    assert np.allclose(content["needs"]["effort"], found.needs(2.0).effort)
+    assert content["needs"]["limit"] == rover.limits.effort.tolist()
+    printed(capsys, "payload", "rover_arm", "--theta", "ready", "--mass", "20", code=1)
+
+
+def test_payload_anywhere_fits_a_terminal(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = printed(capsys, "payload", "rover_arm").splitlines()
+    assert max(map(len, lines)) <= 80
+    assert [line.split()[0] for line in lines[3:8]] == ["slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll"]
+    theta = next(line for line in lines if line.startswith("--theta"))
+    there = answer(capsys, "payload", "rover_arm", "--theta", theta.split('"')[1])
+    assert f"holds {there['payload']:.1f} kg at tool0" in lines[-2]
+
+
+def test_payload_of_a_motion_in_files(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    printed(capsys, "plan", "rover_arm", "--to", "stowed", "-o", "motion.csv")
+    content = answer(capsys, "payload", "rover_arm", "--motion", "motion.csv", "-o", "held.csv", "-o", "held.png")
+    with open("held.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == content["configurations"]
+    assert min(float(row["payload [kg]"]) for row in rows) == content["payload"]
+    assert float(rows[-1]["time [s]"]) > 0.0
+    assert Path("held.png").read_bytes().startswith(b"\x89PNG")
+    assert content["needs"]["speed"][1] > 0.1
+
+
+def test_an_unknown_payload_is_no_good_answer(capsys: Capture, tmp_path: Path) -> None:
+    arm = str(
+        write(
+            tmp_path,
+            two_joints().replace('effort="3"', 'effort="0"').replace('<axis xyz="0 0 1"/>', '<axis xyz="0 1 0"/>'),
+        )
+    )
+    assert run(["payload", arm, "--json"]) == 1
+    out, err = capsys.readouterr()
+    content = json.loads(out)
+    assert content["payload"] is None
+    assert content["unknown"] == content["configurations"]
+    assert "no effort limit of 'a', 'b'" in err
+    assert "no link that moves has a mass" in err
+    assert "the payload is unknown" in printed(capsys, "payload", arm, code=1)
+
+
+def test_designs(capsys: Capture) -> None:
+    content = answer(capsys, "designs", "rover_arm", "rover_arm_6dof")
+    ours, other = content["designs"]
+    assert f"reaches {100 * (other['reach'] / ours['reach'] - 1):.2g} % more" in content["against"][0]
+    shown = printed(capsys, "designs", "rover_arm", "rover_arm_6dof")
+    assert content["against"][0] in shown
+    assert "-0.5 … 0.5" in shown
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["payload", "rover_arm", "--mass", "-1"], "--mass must be 0 or more"),
+        (["payload", "rover_arm", "--theta", "ready", "--motion", "m.csv"], "leave out --theta"),
+        (["payload", "rover_arm", "-o", "x.pdf"], "-o takes *.csv or *.png"),
+        (["designs", "rover_arm"], "Missing argument"),
+        (["designs", "rover_arm", "ur5", "--xyz", "0.5 0 0.5"], "give two or more, or none"),
+    ],
+)
+def test_wrong_options(words: list[str], message: str, capsys: Capture) -> None:
+    assert message in error_of(capsys, *words)
