@@ -62,8 +62,6 @@ from .planning import load_motion as load_motion
 from .planning import load_trajectory as load_trajectory
 from .planning import plan as plan
 from .planning import plan_joint as plan_joint
-from .reach import ReachMap as ReachMap
-from .reach import reach_map as reach_map
 from .support.errors import ComparisonError as ComparisonError
 from .support.errors import DescriptionError as DescriptionError
 from .support.errors import InputError as InputError
@@ -75,6 +73,8 @@ from .support.errors import TwistarmError as TwistarmError
 from .support.errors import UnitsWarning as UnitsWarning
 from .support.errors import UnknownNameError as UnknownNameError
 from .sweeps import DesignTable as DesignTable
+from .sweeps import ReachMap as ReachMap
+from .sweeps import reach_map as reach_map
 from .sweeps import sweep as sweep
 from .theory import joints as joints
 from .theory import poe as poe

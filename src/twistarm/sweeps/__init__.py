@@ -1,6 +1,8 @@
-"""Sweeps over many items on any executor, and over designs of an arm."""
+"""Sweeps on any executor: maps of an arm's reach, and measures of many designs."""
 
-from .chunks import Sweep
+from .chunks import Arrays, Sweep
 from .designs import DesignTable, sweep
+from .mapping import reach_map
+from .voxel_map import ReachMap
 
-__all__ = ["DesignTable", "Sweep", "sweep"]
+__all__ = ["Arrays", "DesignTable", "ReachMap", "Sweep", "reach_map", "sweep"]

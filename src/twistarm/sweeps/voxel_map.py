@@ -1,0 +1,192 @@
+"""`ReachMap`: the share of tool directions that an arm reaches in each cube of space."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import zipfile
+import zlib
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..arm.arm import Arm, require_arm
+from ..support.checks import Array, as_number, as_vector, as_whole, require_choice
+from ..support.errors import InputError, missing_extra, one_line
+from ..support.files import as_path, open_regular, write_whole
+from ..theory.screws import exp
+from .grid import Grid
+
+FORMAT = "twistarm reach map 1"
+
+ARRAYS = ("directions", "counts", "manipulability", "margin")
+
+
+class BasePose(NamedTuple):
+    """A place for the base, its pose g (4, 4) in the frame of the targets, and the mean share that it reaches."""
+
+    share: float
+    g: Array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ReachMap:
+    """What an arm reaches in each cube of `grid`, in the frame `frame`, the arm's base.
+
+    `counts` (nx, ny, nz) are the numbers of `directions` (N, 3) reached. Without directions N = 1 is the position
+    alone. `manipulability` is the greatest Yoshikawa measure of the configurations found, as of `arm.manipulability`.
+    `margin` [rad, m] is the greatest of their least distances of a joint from its limits, inf without limits. Both are
+    NaN where nothing is reached. `settings` tell how the map was made, and `digest` of which arm it is.
+    """
+
+    name: str
+    frame: str
+    digest: str
+    grid: Grid
+    directions: Array
+    counts: NDArray[np.uint16]
+    manipulability: NDArray[np.float32]
+    margin: NDArray[np.float32]
+    settings: dict[str, Any]
+
+    def __repr__(self) -> str:
+        return f"ReachMap({self.name}: {self.grid.shape} cubes of {self.grid.voxel:g} m, {self.volume:.3g} m³ reached)"
+
+    @property
+    def share(self) -> Array:
+        """The share of the directions reached, (nx, ny, nz) in [0, 1]."""
+        return np.array(self.counts / max(len(self.directions), 1))
+
+    @property
+    def volume(self) -> float:
+        """The volume [m³] of the cubes in which something is reached."""
+        return float(np.count_nonzero(self.counts) * self.grid.voxel**3)
+
+    def at(self, p: ArrayLike) -> Array:
+        """The share in [0, 1] of the cubes that hold points (..., 3) [m], (...); 0 outside the grid."""
+        cells = self.grid.cells(as_vector(p, "p"))
+        return np.where(cells >= 0, self.counts.reshape(-1)[cells] / max(len(self.directions), 1), 0.0)
+
+    def slice(self, axis: str, at: float) -> Array:
+        """The share in the layer of cubes that holds a plane, over the other two axes in order.
+
+        Args:
+            axis: The axis across the plane: "x", "y" or "z".
+            at: The place of the plane along it [m].
+
+        Raises:
+            InputError: There is no such axis, or the plane is outside the grid.
+        """
+        k = "xyz".index(require_choice(axis, ("x", "y", "z"), "axis"))
+        along, i = self.grid.along(k), int(np.floor(as_number(at, "at") / self.grid.voxel + 0.5)) - self.grid.lower[k]
+        if not 0 <= i < len(along):
+            raise InputError(f"at must be from {along[0]:g} to {along[-1]:g} m along {axis}; got {at:g}")
+        return np.array(np.take(self.share, i, axis=k))
+
+    def require(self, arm: Arm) -> ReachMap:
+        """The map, or InputError if it is one of another arm: other axes, coupling, tool or limits."""
+        if digest_of(require_arm(arm)) != self.digest:
+            raise InputError(f"the map is one of another arm ({self.name}) than {arm.name}; make one by reach_map")
+        return self
+
+    def base_poses(self, targets: ArrayLike, *, z: float = 0.0, yaws: int = 24, count: int = 5) -> list[BasePose]:
+        """The best places for the base, upright, to reach targets in all directions of the map.
+
+        Places lie a voxel apart. A place is judged by the cubes that hold the targets: by the mean share, then by the
+        least manipulability. Directions other than down turn with the base. Check a place by `solve_ik`.
+
+        Args:
+            targets: Points (N, 3) [m].
+            z: Height of the base in their frame [m].
+            yaws: Number of headings tried, equally spaced.
+            count: Number of places to return.
+        """
+        p, voxel = as_vector(targets, "targets").reshape(-1, 3), self.grid.voxel
+        far = max(np.abs(self.grid.along(i)).max() for i in (0, 1))
+        x, y = (np.arange(low - far, high + far + voxel, voxel) for low, high in (p[:, :2].min(0), p[:, :2].max(0)))
+        places = np.array([*product(x, y, [as_number(z, "z")])])
+        turns = exp([0, 0, 0, 0, 0, 1], 2.0 * np.pi * np.arange(as_whole(yaws, "yaws", 1, 3600)) / yaws)
+        share, worst = np.zeros((len(turns), len(places))), np.full((len(turns), len(places)), np.inf)
+        for k, g in enumerate(turns):
+            for each in p:
+                q = (each - places) @ g[:3, :3]
+                share[k] += self.at(q) / len(p)
+                worst[k] = np.minimum(worst[k], np.nan_to_num(self.manipulability.reshape(-1)[self.grid.cells(q)]))
+        best = np.lexsort((worst.ravel(), np.round(share.ravel(), 9)))[::-1][: as_whole(count, "count", 1, 10**6)]
+        found = [BasePose(float(share.flat[i]), turns[i // len(places)].copy()) for i in best]
+        for (_, g), i in zip(found, best, strict=True):
+            g[:3, 3] = places[i % len(places)]
+        return found
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the map as .npz, whole or not at all. The same map gives the same bytes. Returns the path."""
+        head = {name: getattr(self, name) for name in ("name", "frame", "digest", "settings")}
+        head |= {"format": FORMAT, "voxel": self.grid.voxel, "lower": self.grid.lower}
+        file = io.BytesIO()
+        np.savez_compressed(file, head=np.array(json.dumps(head)), **{name: getattr(self, name) for name in ARRAYS})
+        return write_whole(path, file.getvalue())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> ReachMap:
+        """Read a map that `save` wrote. InputError for any other file."""
+        name = as_path(path)
+        try:
+            with open_regular(name) as file, np.load(file, allow_pickle=False) as content:
+                head, arrays = json.loads(str(content["head"])), {each: content[each] for each in ARRAYS}
+            if head.pop("format") != FORMAT:
+                raise ValueError(f"its format is not {FORMAT!r}")
+            grid = Grid(head.pop("voxel"), tuple(head.pop("lower")), arrays["counts"].shape)
+            return cls(grid=grid, **head, **arrays)
+        except OSError as error:
+            raise InputError(f"cannot read {name}: {error.strerror or error}") from error
+        except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            raise InputError(f"{name} is no reach map ({one_line(str(error), 80)}); save writes one") from error
+
+    def to_ply(self, path: str | os.PathLike[str]) -> Path:
+        """Write the centres of the reached cubes as a binary PLY cloud, green for a large share, red for none."""
+        cells = np.flatnonzero(self.counts)
+        share = self.share.reshape(-1)[cells]
+        kinds = {"x": "<f4", "y": "<f4", "z": "<f4", "share": "<f4", "red": "u1", "green": "u1", "blue": "u1"}
+        vertices = np.zeros(len(cells), dtype=list(kinds.items()))
+        vertices["x"], vertices["y"], vertices["z"] = self.grid.centres(cells).T
+        vertices["share"], vertices["green"], vertices["red"] = share, 255 * share, 255 * (1 - share)
+        lines = (f"property {'uchar' if kind == 'u1' else 'float'} {name}\n" for name, kind in kinds.items())
+        head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(cells)}\n{''.join(lines)}end_header\n"
+        return write_whole(path, head.encode() + vertices.tobytes())
+
+    def to_png(self, path: str | os.PathLike[str], through: ArrayLike | None = None) -> Path:
+        """Write a picture of the slices across x, y and z that hold a point (3,) [m], by default where most is reached.
+
+        Raises MissingExtraError without matplotlib.
+        """
+        try:
+            from matplotlib.figure import Figure
+        except ImportError as error:
+            raise missing_extra("a picture of a map", "matplotlib", "guide") from error
+        figure, half = Figure(figsize=(12, 4.2), layout="constrained"), 0.5 * self.grid.voxel
+        for k, ax in enumerate(figure.subplots(1, 3)):
+            across, up = (i for i in range(3) if i != k)
+            most = self.grid.along(k)[self.counts.sum(axis=(across, up), dtype=np.int64).argmax()]
+            at = float(most if through is None else as_vector(through, "through")[k])
+            ends = [end for i in (across, up) for end in self.grid.along(i)[[0, -1]] + [-half, half]]
+            share = np.ma.masked_equal(100.0 * self.slice("xyz"[k], at), 0.0)
+            drawn = ax.imshow(share.T, origin="lower", extent=ends, vmin=0.0, vmax=100.0)
+            ax.set(title=f"{'xyz'[k]} = {at:.3g} m", xlabel=f"{'xyz'[across]} [m]", ylabel=f"{'xyz'[up]} [m]")
+        figure.colorbar(drawn, ax=figure.axes, label="directions reached [%]")
+        figure.suptitle(f"{self.name}: reach in the frame {self.frame}", parse_math=False)
+        file = io.BytesIO()
+        figure.savefig(file, format="png")
+        return write_whole(path, file.getvalue())
+
+
+def digest_of(arm: Arm) -> str:
+    """`sha256:…` of what decides an arm's reach, rounded to nine decimals."""
+    numbers = arm.screws, arm.home, arm.coupling.A, arm.limits.lower, arm.limits.upper
+    parts = [arm.base, arm.tip, arm.joint_names, *((np.round(each, 9) + 0.0).tolist() for each in numbers)]
+    return f"sha256:{hashlib.sha256(json.dumps(parts).encode()).hexdigest()}"
