@@ -43,7 +43,7 @@ class Grid:
     def cells(self, p: Array) -> NDArray[np.int64]:
         """The numbers (...) of the cubes that hold points (..., 3) [m]; −1 outside the grid."""
         index = np.floor(p / self.voxel + 0.5) - self.lower
-        inside = np.asarray((index >= 0) & (index < self.shape)).all(axis=-1)
+        inside = np.logical_and.reduce((index >= 0) & (index < self.shape), axis=-1)
         plain = np.where(inside[..., None], index, 0).astype(np.int64)
         return np.where(inside, np.ravel_multi_index(tuple(np.moveaxis(plain, -1, 0)), self.shape), -1)
 

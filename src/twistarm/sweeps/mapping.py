@@ -31,8 +31,8 @@ AROUND = tuple(each for each in product((-1.0, 0.0, 1.0), repeat=3) if any(each)
 
 MOST_DIRECTIONS = 10_000
 
-CHUNK = 16_384
-"""Targets of a chunk: fewer make more files, more a longer wait at Ctrl-C."""
+CHUNK = 4096
+"""Targets of a chunk. Fewer make more files, and more a longer wait at Ctrl-C."""
 
 CONE = np.cos(np.radians(20.0))
 """A random configuration counts for the nearest direction, within this angle."""
@@ -101,7 +101,7 @@ def reach_map(
         _by_ik if by_ik else _by_fk,
         pickle.dumps((arm, scene, grid, towards, (centre, radius))),
         grid.count if by_ik else count,
-        max(CHUNK // each, 64) if by_ik else CHUNK,
+        max(CHUNK // each, 64) if by_ik else 8 * CHUNK,
         [text_of(arm), side, towards.tolist(), told],
     )
     seen = np.zeros(grid.count * each, dtype=np.bool_)

@@ -116,10 +116,10 @@ class ReachMap:
         for k, g in enumerate(turns):
             for each in p:
                 q = (each - places) @ g[:3, :3]
-                share[k] += self.at(q) / len(p)
+                share[k] += self.at(q)
                 worst[k] = np.minimum(worst[k], np.nan_to_num(self.manipulability.reshape(-1)[self.grid.cells(q)]))
         best = np.lexsort((worst.ravel(), np.round(share.ravel(), 9)))[::-1][: as_whole(count, "count", 1, 10**6)]
-        found = [BasePose(float(share.flat[i]), turns[i // len(places)].copy()) for i in best]
+        found = [BasePose(float(share.flat[i] / len(p)), turns[i // len(places)].copy()) for i in best]
         for (_, g), i in zip(found, best, strict=True):
             g[:3, 3] = places[i % len(places)]
         return found

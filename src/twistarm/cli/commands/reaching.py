@@ -19,7 +19,7 @@ from ..typed import parse_numbers
 
 KINDS = {"npz": (".npz",), "png": (".png",), "ply": (".ply",)}
 
-WORDS = {"down": "down", "position": "position", "26": 26}
+WORDS: dict[str, Any] = {"down": "down", "position": "position", "26": 26}
 
 Voxel = Annotated[float, typer.Option(metavar="M", help="Side of a cube, in metres.")]
 Directions = Annotated[
