@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import __version__
+import twistarm
+
 from ..support.checks import as_whole, require_callback, require_method
 from ..support.errors import SHOWN, InputError, TwistarmError, one_line
 from ..support.files import as_path, open_regular, write_whole
@@ -73,7 +74,7 @@ class Sweep:
             require_method(executor, "executor", "submit")
         kept, starts, done = None if folder is None else as_path(folder), range(0, self.count, self.size), 0
         left: deque[int] = deque()
-        with suppress(OSError):  # writing says what is wrong
+        with suppress(OSError, ValueError):  # writing says what is wrong
             os.makedirs(kept or ".", exist_ok=True)
         for first in starts:
             arrays = None if kept is None else _read(self._file(kept, first))
@@ -106,7 +107,7 @@ class Sweep:
                     future.cancel()
 
     def _file(self, folder: Path, first: int) -> Path:
-        asked = [self.work.__qualname__, self.count, self.size, __version__, self.identity]
+        asked = [self.work.__qualname__, self.count, self.size, twistarm.__version__, self.identity]
         digest = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
         return folder / f"{digest}-{first:012d}.npz"
 

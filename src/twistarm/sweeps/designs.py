@@ -37,7 +37,7 @@ class DesignTable:
 
     def column(self, name: str) -> Array:
         """The values (N,) of a measure, or of a parameter of numbers. InputError for another name."""
-        if any(name not in row for row in self.rows):
+        if not isinstance(name, str) or any(name not in row for row in self.rows):
             raise InputError(f"no column {shown(name)}; columns: {listed(self.rows[0])}")
         return np.array([row[name] for row in self.rows], dtype=np.float64)
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from functools import lru_cache
 from itertools import product
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from ..arm.arm import Arm, require_arm
 from ..arm.baking import text_of
 from ..ik import Approach, Position, solve_ik_batch
 from ..support.checks import Array, as_direction, as_positive, as_whole, require_choice
-from ..support.errors import InputError, shown
+from ..support.errors import InputError
 from ..theory.manipulability import scaled_jacobian
 from .chunks import Arrays, Sweep
 from .grid import Grid, sphere
@@ -86,17 +87,19 @@ def reach_map(
     side, towards = as_positive(voxel, "voxel"), _directions(directions)
     count = as_whole(samples, "samples", 1, 10**12)
     by_ik = require_choice(method, ("ik", "fk"), "method") == "ik"
+    told: list[Any] = []
     if scene is not None:
         from ..collision import require_scene
+        from ..collision.scene_file import scene_text
 
         require_scene(scene, arm).find_allowed_pairs()
+        told = [scene_text(scene.content(), Path()), scene._description.text, scene.exact, sorted(scene.allowed)]
     centre, radius = sphere(require_arm(arm))
     if side > radius:
         raise InputError(f"voxel must be at most the arm's reach, {radius:.3g} m; got {side:g}: lengths are in metres")
     grid, each = Grid.about(centre, radius, side), max(len(towards), 1)
     _require_memory(grid, each + 12)
     settings = {"method": method, "samples": count, "scene": "" if scene is None else repr(scene)}
-    told = [] if scene is None else [str(vars(scene.content())), sorted(scene.allowed), scene._description.text]
     sweep = Sweep(
         _by_ik if by_ik else _by_fk,
         pickle.dumps((arm, scene, grid, towards, (centre, radius))),
@@ -120,11 +123,11 @@ def _directions(given: Any) -> Array:
     if isinstance(given, str):
         down = require_choice(given, ("down", "position"), "directions") == "down"
         return np.array([[0.0, 0.0, -1.0]] * down).reshape(-1, 3)
-    if np.ndim(given) == 0 and given != len(AROUND):
-        raise InputError(f'directions must be "down", "position", 26 or vectors (N, 3); got {shown(given)}')
-    units = np.atleast_2d(as_direction(given if np.ndim(given) else AROUND, "directions"))
+    around = isinstance(given, int) and given == len(AROUND)
+    name = 'directions, where not "down", "position" or 26,'
+    units = np.atleast_2d(as_direction(AROUND if around else given, name))
     if units.ndim != 2 or not 1 <= len(units) <= MOST_DIRECTIONS:
-        raise InputError(f"directions must have shape (N, 3), N from 1 to {MOST_DIRECTIONS:,}; got {units.shape}")
+        raise InputError(f"{name} must have shape (N, 3), N from 1 to {MOST_DIRECTIONS:,}; got {units.shape}")
     return units
 
 

@@ -160,8 +160,8 @@ class ReachMap:
         head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(cells)}\n{''.join(lines)}end_header\n"
         return write_whole(path, head.encode() + vertices.tobytes())
 
-    def to_png(self, path: str | os.PathLike[str], through: ArrayLike | None = None) -> Path:
-        """Write a picture of the slices across x, y and z that hold a point (3,) [m], by default where most is reached.
+    def to_png(self, path: str | os.PathLike[str]) -> Path:
+        """Write a picture of the slices across x, y and z in which most is reached. Returns the path.
 
         Raises MissingExtraError without matplotlib.
         """
@@ -172,8 +172,7 @@ class ReachMap:
         figure, half = Figure(figsize=(12, 4.2), layout="constrained"), 0.5 * self.grid.voxel
         for k, ax in enumerate(figure.subplots(1, 3)):
             across, up = (i for i in range(3) if i != k)
-            most = self.grid.along(k)[self.counts.sum(axis=(across, up), dtype=np.int64).argmax()]
-            at = float(most if through is None else as_vector(through, "through")[k])
+            at = float(self.grid.along(k)[self.counts.sum(axis=(across, up), dtype=np.int64).argmax()])
             ends = [end for i in (across, up) for end in self.grid.along(i)[[0, -1]] + [-half, half]]
             share = np.ma.masked_equal(100.0 * self.slice("xyz"[k], at), 0.0)
             drawn = ax.imshow(share.T, origin="lower", extent=ends, vmin=0.0, vmax=100.0)
