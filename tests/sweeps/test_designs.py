@@ -81,7 +81,8 @@ def test_a_function_that_fails_is_told_with_its_design():
 @pytest.mark.parametrize(
     "arguments",
     [(two_links, None, ring), (two_links, {"upper": 3}, ring), (two_links, {"upper": []}, ring), (3, {}, ring),
-     ({"a": 1}, None, ring), (two_links, dict.fromkeys(("upper", "fore"), range(2000)), ring), (two_links, PARAMETERS, 7)],
+     (two_links, PARAMETERS, 7), ({"a": 1}, None, ring),
+     (two_links, dict.fromkeys(("upper", "fore"), range(2000)), ring)],
 )  # fmt: skip
 def test_unusable_arguments(arguments):
     with pytest.raises(InputError) as said:

@@ -28,12 +28,12 @@ from urdf_text import joint, robot, write
 def planar():
     """Links of 0.4 m and 0.275 m in the plane z = 0, joints without limits."""
     arm = load("rr_planar")
-    return arm, reach_map(arm, 0.11, "position")
+    return arm, reach_map(arm, 0.16, "position")
 
 
 @pytest.fixture(scope="module")
 def around(rover):
-    return reach_map(rover, 0.25, 26)
+    return reach_map(rover, 0.35, 26)
 
 
 def centres(m):
@@ -48,7 +48,7 @@ def test_a_planar_arm_reaches_its_ring(planar):
     r = np.hypot(p[:, 0], p[:, 1])
     ring = (r <= upper + fore) & (r >= upper - fore) & (np.abs(p[:, 2]) < 1e-9)
     assert np.array_equal(m.counts.reshape(-1) > 0, ring)
-    assert m.volume == pytest.approx(ring.sum() * 0.11**3)
+    assert m.volume == pytest.approx(ring.sum() * 0.16**3)
     elbow = np.arccos((r[ring] ** 2 - upper**2 - fore**2) / (2 * upper * fore))
     expected = arm.manipulability(np.column_stack([0 * elbow, elbow])).yoshikawa
     assert m.manipulability.reshape(-1)[ring] == pytest.approx(expected, abs=1e-5)
@@ -113,7 +113,7 @@ def test_followers_and_locked_joints_count_as_the_arm_has_them(tmp_path):
 def test_a_scene_takes_away_what_collides(rover):
     scene = Scene(rover, margin=0.01)
     scene.add_box("wall", (0.1, 3.0, 3.0), (0.55, 0.0, 0.0))
-    free, m = reach_map(rover, 0.3, scene=scene), reach_map(rover, 0.3)
+    free, m = reach_map(rover, 0.4, scene=scene), reach_map(rover, 0.4)
     assert free.counts.any()
     assert (free.counts <= m.counts).all()
     lost = np.flatnonzero(m.counts.reshape(-1) > free.counts.reshape(-1))
@@ -135,7 +135,7 @@ def test_lookup_and_slices_agree(around):
     p = np.array([[0.5, 0.0, 0.5], [9.0, 0.0, 0.0]])
     assert around.at(p).shape == (2,)
     assert around.at(p)[1] == 0.0
-    assert around.at([0.62, 0.12, 0.38]) == around.at(p[0])
+    assert around.at([0.8, 0.12, 0.6]) == around.at([0.6, -0.12, 0.8])
     x, y = around.grid.along(0), around.grid.along(1)
     at = around.at(np.stack(np.meshgrid(x, y, [0.5], indexing="ij"), axis=-1)[:, :, 0])
     assert np.array_equal(around.slice("z", 0.45), at)
@@ -173,12 +173,16 @@ def test_files(around, rover, tmp_path):
 def test_the_best_base_reaches_the_targets(rover):
     m = reach_map(rover, 0.2)
     keys = np.array([[2.0, 1.0 + y, 0.2] for y in (0.0, 0.2, 0.4)])
-    best, *others = m.base_poses(keys, yaws=8, count=3)
-    assert best.share == 1.0 >= others[-1].share
-    down = [solve_ik(rover, Approach(best.g[:3, :3].T @ (key - best.g[:3, 3]), [0, 0, -1])) for key in keys]
+    share, (g, *_) = m.base_poses(keys, yaws=8, count=3)
+    assert share[0] == 1.0 >= share[2]
+    down = [solve_ik(rover, Approach(g[:3, :3].T @ (key - g[:3, 3]), [0, 0, -1])) for key in keys]
     assert np.mean([each.converged for each in down]) == 1.0
-    turned = m.base_poses(keys @ [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], yaws=8, count=1)[0]
-    assert turned.share == best.share, "a quarter turn of the targets turns the base"
+    turned = m.base_poses(keys @ [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], yaws=8, count=1)
+    assert turned.share[0] == 1.0
+    assert turned.g.shape == (1, 4, 4)
+    for wrong in ([], [[0, 0, 0], [1e4, 1e4, 0]], [[np.nan, 0, 0]]):
+        with pytest.raises(InputError):
+            m.base_poses(wrong)
 
 
 def test_memory_that_is_missing_is_named_with_the_size_that_fits(rover, monkeypatch):

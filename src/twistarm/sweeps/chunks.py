@@ -33,6 +33,10 @@ AHEAD = 256
 MOST_WORKERS = 1024
 
 
+class Kept(Future[Arrays]):
+    """The arrays of a chunk that a file holds."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Sweep:
     """`count` items in chunks of `size`, each computed by `work(data, first, end)`.
@@ -72,36 +76,30 @@ class Sweep:
         threads = as_whole(os.cpu_count() if workers is None else workers, "workers", 1, MOST_WORKERS)
         if executor is not None:
             require_method(executor, "executor", "submit")
-        kept, starts, done = None if folder is None else as_path(folder), range(0, self.count, self.size), 0
-        left: deque[int] = deque()
+        kept = None if folder is None else as_path(folder)
         with suppress(OSError, ValueError):  # writing says what is wrong
             os.makedirs(kept or ".", exist_ok=True)
-        for first in starts:
-            arrays = None if kept is None else _read(self._file(kept, first))
-            if arrays is None:
-                left.append(first)
-                continue
-            done += 1
-            yield first, arrays
-            tell(done / len(starts))
-        ahead = 2 * threads if executor is None else AHEAD
+        left, total, done = deque(range(0, self.count, self.size)), -(-self.count // self.size), 0
         waiting: dict[Future[Arrays], int] = {}
         with nullcontext(executor) if executor is not None else ThreadPoolExecutor(threads) as pool:
             try:
-                while left or waiting:
-                    with _worded(done, len(starts), kept):
-                        while left and len(waiting) < ahead:
-                            first, end = left[0], min(left[0] + self.size, self.count)
-                            waiting[pool.submit(self.work, self.data, first, end)] = left.popleft()
+                while done < total:
+                    with _worded(done, total, kept):
+                        while left and len(waiting) < (AHEAD if executor is not None else 2 * threads):
+                            first = left.popleft()
+                            file = None if kept is None else self._file(kept, first)
+                            end = min(first + self.size, self.count)
+                            waiting[_read(file) or pool.submit(self.work, self.data, first, end)] = first
                         finished = wait(waiting, return_when=FIRST_COMPLETED).done
-                    for future in sorted(finished, key=_fails):  # what is done is kept before a failure is told
-                        with _worded(done, len(starts), kept):
+                    # What is done is kept before a failure is told.
+                    for future in sorted(finished, key=lambda each: each.cancelled() or each.exception() is not None):
+                        with _worded(done, total, kept):
                             first, arrays = waiting.pop(future), future.result()
-                        if kept is not None:
+                        if kept is not None and not isinstance(future, Kept):
                             write_whole(self._file(kept, first), _packed(arrays))
                         done += 1
                         yield first, arrays
-                        tell(done / len(starts))
+                        tell(done / total)
             finally:
                 for future in waiting:
                     future.cancel()
@@ -125,20 +123,18 @@ def _worded(done: int, count: int, folder: Path | None) -> Iterator[None]:
         raise InputError(f"the executor failed ({why}); {done} of {count} chunks are done; {go_on}") from error
 
 
-def _fails(future: Future[Arrays]) -> bool:
-    return future.cancelled() or future.exception() is not None
-
-
 def _packed(arrays: Arrays) -> bytes:
     file = io.BytesIO()
     np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
     return file.getvalue()
 
 
-def _read(path: Path) -> Arrays | None:
+def _read(path: Path | None) -> Kept | None:
     """The arrays of a chunk's file; None without a whole one, so that the chunk is computed again."""
-    try:
-        with open_regular(path) as file, np.load(file, allow_pickle=False) as arrays:
-            return dict(arrays)
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error):
-        return None
+    with suppress(OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error):
+        if path is not None:
+            with open_regular(path) as file, np.load(file, allow_pickle=False) as arrays:
+                found = Kept()
+                found.set_result(dict(arrays))
+                return found
+    return None

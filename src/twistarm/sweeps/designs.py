@@ -9,6 +9,7 @@ from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import product
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -96,14 +97,14 @@ def sweep(
     if named == (parameters is not None) or not (named or callable(arms) or isinstance(arms, (str, os.PathLike))):
         raise InputError("give {name: arm} alone, or parameters with a function that makes an arm, or a xacro file")
     axes = {"arm": list(arms)} if isinstance(arms, Mapping) else _axes(parameters)
+    if not 0 < (count := prod(map(len, axes.values()))) <= MOST_DESIGNS:
+        raise InputError(f"parameters must make 1 to {MOST_DESIGNS:,} designs; got {count:,}")
     designs = [dict(zip(axes, values, strict=True)) for values in product(*axes.values())]
-    if not 0 < len(designs) <= MOST_DESIGNS:
-        raise InputError(f"parameters must make 1 to {MOST_DESIGNS:,} designs; got {len(designs):,}")
-    work = Sweep(_measured, (arms, measure, designs), len(designs), 1, [_told(arms), _told(measure), repr(designs)])
+    work = Sweep(_measured, (arms, measure, designs), count, 1, [_told(arms), _told(measure), repr(designs)])
     found = dict(work.run(workers=workers, executor=executor, folder=folder, progress=progress))
     each = [dict(zip(one["names"].tolist(), one["values"].tolist(), strict=True)) for _, one in sorted(found.items())]
     lacking = dict.fromkeys((name for measures in each for name in measures), np.nan)
-    errors = [{"error": str(found[i]["error"])} if found[i]["error"] else {} for i in range(len(designs))]
+    errors = [{"error": str(found[i]["error"])} if found[i]["error"] else {} for i in range(count)]
     return DesignTable(tuple(d | lacking | m | e for d, m, e in zip(designs, each, errors, strict=True)))
 
 

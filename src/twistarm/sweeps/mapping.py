@@ -39,10 +39,6 @@ CONE = np.cos(np.radians(20.0))
 """A random configuration counts for the nearest direction, within this angle."""
 
 
-Job = tuple[Arm, "Scene | None", Grid, Array, tuple[Array, float]]
-"""What every chunk needs: also the directions (N, 3), none for the position alone, and the `sphere`."""
-
-
 def reach_map(
     arm: Arm,
     voxel: float = 0.05,
@@ -148,11 +144,8 @@ def _require_memory(grid: Grid, per_cube: int) -> None:
         )
 
 
-@lru_cache(maxsize=2)
-def _job(data: bytes) -> Job:
-    """The job, unpickled once in each process."""
-    job: Job = pickle.loads(data)
-    return job
+_job = lru_cache(maxsize=2)(pickle.loads)
+"""Arm, scene, grid, directions and sphere, once in each process."""
 
 
 def _by_ik(data: bytes, first: int, end: int) -> Arrays:

@@ -18,25 +18,29 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_number, as_vector, as_whole, require_choice
-from ..support.errors import InputError, missing_extra, one_line
+from ..support.display import Brief
+from ..support.errors import InputError, missing_extra, one_line, shown
 from ..support.files import as_path, open_regular, write_whole
 from ..theory.screws import exp
 from .grid import Grid
 
 FORMAT = "twistarm reach map 1"
 
+MOST_PLACES, FARTHEST = 10**7, 1e6
+"""Places of the base that are tried, and the distance [m] of a target that is a mistake in the units."""
+
 ARRAYS = ("directions", "counts", "manipulability", "margin")
 
 
-class BasePose(NamedTuple):
-    """A place for the base, its pose g (4, 4) in the frame of the targets, and the mean share that it reaches."""
+class BasePoses(NamedTuple):
+    """Poses g (k, 4, 4) of the base in the targets' frame, the best first, and the mean share (k,) reached from it."""
 
-    share: float
+    share: Array
     g: Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ReachMap:
+class ReachMap(Brief):
     """What an arm reaches in each cube of `grid`, in the frame `frame`, the arm's base.
 
     `counts` (nx, ny, nz) are the numbers of `directions` (N, 3) reached. Without directions N = 1 is the position
@@ -54,9 +58,6 @@ class ReachMap:
     manipulability: NDArray[np.float32]
     margin: NDArray[np.float32]
     settings: dict[str, Any]
-
-    def __repr__(self) -> str:
-        return f"ReachMap({self.name}: {self.grid.shape} cubes of {self.grid.voxel:g} m, {self.volume:.3g} m³ reached)"
 
     @property
     def share(self) -> Array:
@@ -95,34 +96,38 @@ class ReachMap:
             raise InputError(f"the map is one of another arm ({self.name}) than {arm.name}; make one by reach_map")
         return self
 
-    def base_poses(self, targets: ArrayLike, *, z: float = 0.0, yaws: int = 24, count: int = 5) -> list[BasePose]:
-        """The best places for the base, upright, to reach targets in all directions of the map.
+    def base_poses(self, targets: ArrayLike, *, z: float = 0.0, yaws: int = 24, count: int = 5) -> BasePoses:
+        """The best places of the base, upright and a voxel apart, to reach targets in the directions of the map.
 
-        Places lie a voxel apart. A place is judged by the cubes that hold the targets: by the mean share, then by the
-        least manipulability. Directions other than down turn with the base. Check a place by `solve_ik`.
+        The cubes that hold the targets decide: their mean share, then their least manipulability. Directions other than
+        down turn with the base. Check a place by `solve_ik`.
 
         Args:
-            targets: Points (N, 3) [m].
+            targets: Points (N, 3) [m], within some metres of each other.
             z: Height of the base in their frame [m].
-            yaws: Number of headings tried, equally spaced.
+            yaws: Number of headings, equally spaced.
             count: Number of places to return.
+
+        Raises:
+            InputError: An argument cannot be used, or there are more than 10^7 places to try.
         """
-        p, voxel = as_vector(targets, "targets").reshape(-1, 3), self.grid.voxel
+        p, turns = as_vector(targets, "targets").reshape(-1, 3), as_whole(yaws, "yaws", 1, 3600)
         far = max(np.abs(self.grid.along(i)).max() for i in (0, 1))
-        x, y = (np.arange(low - far, high + far + voxel, voxel) for low, high in (p[:, :2].min(0), p[:, :2].max(0)))
+        lower, upper = p.min(axis=0, initial=FARTHEST) - far, p.max(axis=0, initial=-FARTHEST) + far
+        if not 0 < turns * np.prod((upper - lower)[:2] / self.grid.voxel) <= MOST_PLACES:
+            raise InputError(f"targets must be points (N, 3) within some metres of each other; got {shown(targets)}")
+        x, y = (np.arange(lower[i], upper[i] + self.grid.voxel, self.grid.voxel) for i in (0, 1))
         places = np.array([*product(x, y, [as_number(z, "z")])])
-        turns = exp([0, 0, 0, 0, 0, 1], 2.0 * np.pi * np.arange(as_whole(yaws, "yaws", 1, 3600)) / yaws)
-        share, worst = np.zeros((len(turns), len(places))), np.full((len(turns), len(places)), np.inf)
-        for k, g in enumerate(turns):
-            for each in p:
-                q = (each - places) @ g[:3, :3]
-                share[k] += self.at(q)
-                worst[k] = np.minimum(worst[k], np.nan_to_num(self.manipulability.reshape(-1)[self.grid.cells(q)]))
-        best = np.lexsort((worst.ravel(), np.round(share.ravel(), 9)))[::-1][: as_whole(count, "count", 1, 10**6)]
-        found = [BasePose(float(share.flat[i] / len(p)), turns[i // len(places)].copy()) for i in best]
-        for (_, g), i in zip(found, best, strict=True):
-            g[:3, 3] = places[i % len(places)]
-        return found
+        g = exp([0, 0, 0, 0, 0, 1], 2.0 * np.pi * np.arange(turns) / turns)
+        share, least = np.zeros((turns, len(places))), np.full((turns, len(places)), np.inf)
+        for k, each in product(range(turns), p):
+            q = (each - places) @ g[k, :3, :3]
+            share[k] += self.at(q)
+            least[k] = np.minimum(least[k], np.nan_to_num(self.manipulability.reshape(-1)[self.grid.cells(q)]))
+        best = np.lexsort((least.ravel(), np.round(share, 9).ravel()))[::-1][: as_whole(count, "count", 1, MOST_PLACES)]
+        g = g[best // len(places)]
+        g[:, :3, 3] = places[best % len(places)]
+        return BasePoses(share.reshape(-1)[best] / len(p), g)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the map as .npz, whole or not at all. The same map gives the same bytes. Returns the path."""
@@ -149,13 +154,13 @@ class ReachMap:
             raise InputError(f"{name} is no reach map ({one_line(str(error), 80)}); save writes one") from error
 
     def to_ply(self, path: str | os.PathLike[str]) -> Path:
-        """Write the centres of the reached cubes as a binary PLY cloud, green for a large share, red for none."""
+        """Write the centres of the reached cubes and their share as a binary PLY cloud, the greener the more."""
         cells = np.flatnonzero(self.counts)
-        share = self.share.reshape(-1)[cells]
-        kinds = {"x": "<f4", "y": "<f4", "z": "<f4", "share": "<f4", "red": "u1", "green": "u1", "blue": "u1"}
+        kinds = dict.fromkeys(("x", "y", "z", "share"), "<f4") | dict.fromkeys(("red", "green", "blue"), "u1")
         vertices = np.zeros(len(cells), dtype=list(kinds.items()))
         vertices["x"], vertices["y"], vertices["z"] = self.grid.centres(cells).T
-        vertices["share"], vertices["green"], vertices["red"] = share, 255 * share, 255 * (1 - share)
+        vertices["share"] = self.share.reshape(-1)[cells]
+        vertices["green"], vertices["red"] = 255 * vertices["share"], 255 * (1 - vertices["share"])
         lines = (f"property {'uchar' if kind == 'u1' else 'float'} {name}\n" for name, kind in kinds.items())
         head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(cells)}\n{''.join(lines)}end_header\n"
         return write_whole(path, head.encode() + vertices.tobytes())
@@ -169,7 +174,7 @@ class ReachMap:
             from matplotlib.figure import Figure
         except ImportError as error:
             raise missing_extra("a picture of a map", "matplotlib", "guide") from error
-        figure, half = Figure(figsize=(12, 4.2), layout="constrained"), 0.5 * self.grid.voxel
+        figure, half, file = Figure(figsize=(12, 4.2), layout="constrained"), 0.5 * self.grid.voxel, io.BytesIO()
         for k, ax in enumerate(figure.subplots(1, 3)):
             across, up = (i for i in range(3) if i != k)
             at = float(self.grid.along(k)[self.counts.sum(axis=(across, up), dtype=np.int64).argmax()])
@@ -179,7 +184,6 @@ class ReachMap:
             ax.set(title=f"{'xyz'[k]} = {at:.3g} m", xlabel=f"{'xyz'[across]} [m]", ylabel=f"{'xyz'[up]} [m]")
         figure.colorbar(drawn, ax=figure.axes, label="directions reached [%]")
         figure.suptitle(f"{self.name}: reach in the frame {self.frame}", parse_math=False)
-        file = io.BytesIO()
         figure.savefig(file, format="png")
         return write_whole(path, file.getvalue())
 
