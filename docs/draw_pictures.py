@@ -138,7 +138,7 @@ def main() -> None:
     motion = task(arm)
     save_png(arm, PICTURES / "motion.png", trajectory=motion, size=(720, 480))
     gallery()
-    reach_map(load_arm("rover_arm_6dof"), 0.1, 26).to_png(PICTURES / "reach.png")
+    reach_map(load_arm("rover_arm_6dof"), 0.05, 26).to_png(PICTURES / "reach.png")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_browser(), args=list(FLAGS))
         live_page(arm, motion, browser)

@@ -180,7 +180,7 @@ def _met(arm: Arm, scene: Scene | None, p: Array, direction: Array | None) -> tu
     """Which targets (k,) are met, and the configurations (k, n)."""
     targets = [Position(each) if direction is None else Approach(each, direction) for each in p]
     batch = solve_ik_batch(arm, targets)
-    met, theta = batch.converged, np.array(batch.theta)
+    met, theta = batch.converged, batch.theta.copy()
     if scene is not None:
         hit = np.flatnonzero(met)[scene.collides(theta[met])]
         free = solve_ik_batch(arm, [targets[i] for i in hit], scene=scene)

@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_number, as_vector, as_whole, require_choice
-from ..support.display import Brief
 from ..support.errors import InputError, missing_extra, one_line, shown
 from ..support.files import as_path, open_regular, write_whole
 from ..theory.screws import exp
@@ -40,7 +39,7 @@ class BasePoses(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ReachMap(Brief):
+class ReachMap:
     """What an arm reaches in each cube of `grid`, in the frame `frame`, the arm's base.
 
     `counts` (nx, ny, nz) are the numbers of `directions` (N, 3) reached. Without directions N = 1 is the position
@@ -58,6 +57,9 @@ class ReachMap(Brief):
     manipulability: NDArray[np.float32]
     margin: NDArray[np.float32]
     settings: dict[str, Any]
+
+    def __repr__(self) -> str:
+        return f"ReachMap({self.name}: {self.grid.shape} cubes of {self.grid.voxel:g} m, {self.volume:.3g} m³ reached)"
 
     @property
     def share(self) -> Array:
