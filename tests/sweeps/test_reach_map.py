@@ -113,7 +113,7 @@ def test_followers_and_locked_joints_count_as_the_arm_has_them(tmp_path):
 def test_a_scene_takes_away_what_collides(rover):
     scene = Scene(rover, margin=0.01)
     scene.add_box("wall", (0.1, 3.0, 3.0), (0.55, 0.0, 0.0))
-    free, m = reach_map(rover, 0.5, scene=scene), reach_map(rover, 0.5)
+    free, m = reach_map(rover, 0.4, scene=scene), reach_map(rover, 0.4)
     assert free.counts.any()
     assert (free.counts <= m.counts).all()
     lost = np.flatnonzero(m.counts.reshape(-1) > free.counts.reshape(-1))
