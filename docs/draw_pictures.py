@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
-from twistarm import Approach, Arm, FreeMove, LineMove, Scene, Trajectory, Viewer, load_arm, plan, save_png
+from twistarm import Approach, Arm, FreeMove, LineMove, Scene, Trajectory, Viewer, load_arm, plan, reach_map, save_png
 from twistarm.cli.application import run
 from twistarm.viewer.files.browsers import find_browser
 
@@ -140,6 +140,7 @@ def main() -> None:
     save_png(arm, PICTURES / "motion.png", trajectory=motion, size=(720, 480))
     gallery()
     run(["payload", "rover_arm_6dof", "-o", str(PICTURES / "payload.png"), "--force"])
+    reach_map(load_arm("rover_arm_6dof"), 0.05, 26).to_png(PICTURES / "reach.png")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_browser(), args=list(FLAGS))
         live_page(arm, motion, browser)

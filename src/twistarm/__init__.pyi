@@ -76,6 +76,10 @@ from .support.errors import NotConvergedError as NotConvergedError
 from .support.errors import TwistarmError as TwistarmError
 from .support.errors import UnitsWarning as UnitsWarning
 from .support.errors import UnknownNameError as UnknownNameError
+from .sweeps import DesignTable as DesignTable
+from .sweeps import ReachMap as ReachMap
+from .sweeps import reach_map as reach_map
+from .sweeps import sweep as sweep
 from .theory import joints as joints
 from .theory import poe as poe
 from .theory import rotations as rotations

@@ -375,7 +375,9 @@ def test_bare_it_shows_the_commands(capsys: Capture) -> None:
     assert run([]) == 0
     captured = capsys.readouterr()
     assert captured.err == ""
-    commands = "demo arms info init check freeze doctor bake wiring calibrate fk jacobian ik plan view servo follow"
+    commands = (
+        "demo arms info init check freeze doctor bake wiring calibrate fk jacobian ik plan reach view servo follow"
+    )
     assert {*commands.split(), "payload", "designs", "guide", "Usage", "version"} <= set(
         re.findall(r"\w+", captured.out)
     )

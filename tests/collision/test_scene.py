@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -457,6 +458,20 @@ def test_a_scene_that_is_saved_is_read_again_as_it_was(tmp_path: Path) -> None:
     thetas = arm.random_theta(0, 200)
     assert np.array_equal(again.collides(thetas), scene.collides(thetas))
     assert again.for_arm(load_arm("rover_arm")).obstacles.keys() == scene.obstacles.keys()
+
+
+def test_a_pickled_scene_answers_as_before() -> None:
+    arm = load_arm("rover_arm")
+    scene = Scene(arm, margin={"table": 0.03})
+    scene.add_box("table", (0.4, 1.0, 0.04), (0.6, 0.0, 0.3))
+    scene.add_sphere("ball", 0.05)
+    scene.attach("ball", theta=arm.ready)
+    scene.allow("ball", "table")
+    again = pickle.loads(pickle.dumps(scene))
+    assert again.allowed.keys() == scene.allowed.keys()
+    theta = arm.random_theta(0, 200)
+    assert np.array_equal(again.collides(theta), scene.collides(theta))
+    assert 0 < scene.collides(theta).sum() < len(theta)
 
 
 def test_a_saved_matrix_of_a_planning_scene_stays_whole(tmp_path: Path) -> None:

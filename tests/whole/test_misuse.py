@@ -108,7 +108,16 @@ GOOD: dict[str, Any] = {
 
 MEASURED = calibration.Measurements(ARM.random_theta(0, 40), ARM.fk(ARM.random_theta(0, 40))[:, :3, 3])
 
+MAP = twistarm.reach_map(ARM, 0.5, method="fk", samples=1000)
+DESIGNS = twistarm.sweep({"a": ARM}, None, lambda arm: {"n": arm.n})
+
 BY_CALL: dict[str, dict[str, Any]] = {
+    "reach_map": {"voxel": 0.5, "directions": "down", "method": "fk", "samples": 10, "folder": "chunks"},
+    "ReachMap.slice": {"axis": "z", "at": 0.5},
+    "ReachMap.base_poses": {"targets": [[1.0, 0.0, 0.2]], "yaws": 2},
+    "sweep": {"arms": {"a": ARM}, "parameters": None, "measure": lambda arm: {"n": arm.n}, "folder": "designs"},
+    "DesignTable.pareto": {"most": ["n"]},
+    "DesignTable.column": {"name": "n"},
     "calibrate": {"measurements": MEASURED},
     "corrected_urdf": {"calibration": calibration.calibrate(ARM, MEASURED)},
     "reachable": {"targets": G[None, :3, 3]},
@@ -176,7 +185,7 @@ OBJECTS: dict[type, Any] = {
         stream.FollowControl(), stream.Metronome(0.01), stream.MonotonicClock(), stream.Signer(KEY),
         stream.Verifier(KEY),
         stream.Streaming(ARM, Says(None), SIMULATED, SIMULATED), stream.Following(ARM, MOTION, SIMULATED, SIMULATED),
-        twistarm.CrossCheck("x", ()),
+        twistarm.CrossCheck("x", ()), MAP, DESIGNS,
     )
 }  # fmt: skip
 """An object of each class whose methods are called."""

@@ -135,7 +135,7 @@ def _shown(problem: Problem, q: Array, fitted: Bools) -> Bools:
     order[12 : problem.P] /= FIRST
     order[12 : 12 + problem.geometry.arm.n] *= BEFORE_AXES
     most = np.array([MOST_STD[parameter.unit] for parameter in problem.parameters])
-    return shown(problem.slopes(q, np.ones(len(problem.log.theta)))[: -len(q)], order, most)
+    return shown(problem.slopes(q, np.ones(len(problem.log.theta)), met=True)[: -len(q)], order, most)
 
 
 def _errors(problem: Problem, q: Array) -> Array:

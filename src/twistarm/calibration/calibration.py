@@ -180,9 +180,14 @@ class Calibration:
     def expected(self) -> float:
         """The error [m] to expect at random configurations: √(mean tr J C Jᵀ), with usual tolerances of what is held.
 
-        It is in the frame of the measurements; without positions in that of the base.
+        Without measured positions a motion of the whole arm does not count.
         """
-        J = self._slopes(self.arm.random_theta(1, CANDIDATES // 4))
+        theta = self.arm.random_theta(1, CANDIDATES // 4)
+        J, p = self._slopes(theta), self.predict(theta)
+        if not self.problem.log.located.any():
+            moved = np.concatenate([np.broadcast_to(np.eye(3), (len(p), 3, 3)), -skew(p)], axis=2).reshape(-1, 6)
+            Q, flat = np.linalg.qr(moved)[0], J.reshape(len(moved), -1)
+            J = (flat - Q @ (Q.T @ flat)).reshape(J.shape)
         return float(np.sqrt(np.trace(J @ self._spread @ np.swapaxes(J, 1, 2), axis1=1, axis2=2).mean()))
 
     @property

@@ -160,11 +160,15 @@ class Problem:
         r = self.misses(q) * self._scale * np.sqrt(weights)[:, None]
         return np.concatenate([r[self.measured], self._known(q)[0], self._usual * q])
 
-    def slopes(self, q: Array, weights: Array) -> Array:
-        """The derivative (N, Q) of `residual`."""
+    def slopes(self, q: Array, weights: Array, *, met: bool = False) -> Array:
+        """The derivative (N, Q) of `residual`; with `met` as if the tool were where the rows say.
+
+        A tool beside its socket would show a turn of the whole arm with the socket, which nothing can show.
+        """
         g, V = self.geometry.poses(q[: self.P], self.log.theta), self.geometry.twists(q[: self.P], self.log.theta)
-        _, slope, own = self._misses(q, g)
-        V = np.concatenate([V[:, :3] - skew(g[:, :3, 3]) @ V[:, 3:], V[:, 3:]], axis=1)
+        r, slope, own = self._misses(q, g)
+        p = g[:, :3, 3] - met * (np.swapaxes(slope[:, :3, :3], 1, 2) @ r[:, :3, None])[..., 0]
+        V = np.concatenate([V[:, :3] - skew(p) @ V[:, 3:], V[:, 3:]], axis=1)
         J = np.concatenate([slope @ V, own], axis=-1) * (self._scale * np.sqrt(weights)[:, None])[..., None]
         return np.concatenate([J[self.measured], self._known(q)[1], np.diag(self._usual)])
 

@@ -210,6 +210,10 @@ class Scene:
         scene.file = self.file
         return scene
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """The arm, the obstacles and the pairs found. Shapes are read again, from the same files."""
+        return _again, (self.arm, self._margin, self.exact, self.content(), self._robots_pairs)
+
     def __repr__(self) -> str:
         return (
             f"Scene({self.arm.name}: {len(self._links)} bodies of links, obstacles {listed(self._obstacles) or 'none'})"
@@ -724,6 +728,16 @@ class Scene:
 def _names(checker: Checker, k: int) -> tuple[str, str]:
     i, j = checker.pairs[k]
     return checker.bodies[i].name, checker.bodies[j].name
+
+
+def _again(
+    arm: Arm, margin: float | Mapping[str, float], exact: bool, content: SceneFile, pairs: Mapping[Pair, str]
+) -> Scene:
+    """A scene that was pickled."""
+    scene = Scene(arm, margin=margin, exact=exact)
+    scene._fill(content)
+    scene.__dict__["_robots_pairs"] = pairs
+    return scene
 
 
 def require_scene(scene: Any, arm: Arm) -> Scene:

@@ -1,0 +1,140 @@
+"""A count of items in chunks: each a pure function, on any executor, a file each, so that a sweep resumes."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import zipfile
+import zlib
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import twistarm
+
+from ..support.checks import as_whole, require_callback, require_method
+from ..support.errors import SHOWN, InputError, TwistarmError, one_line
+from ..support.files import as_path, open_regular, write_whole
+
+Arrays = Mapping[str, NDArray[Any]]
+
+AHEAD = 256
+"""Chunks given to an executor at a time. More would keep their arguments in memory for nothing."""
+
+MOST_WORKERS = 1024
+
+
+class Kept(Future[Arrays]):
+    """The arrays of a chunk that a file holds."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Sweep:
+    """`count` items in chunks of `size`, each computed by `work(data, first, end)`.
+
+    `work` is a pure function at the top of a module and returns arrays by name. So the chunks have the same bits in any
+    order, on any number of workers. `data` is an arm and settings, as bytes where an executor copies them. `identity`
+    is all that the answers depend on, for JSON. It tells the files of one sweep from those of another.
+    """
+
+    work: Callable[[Any, int, int], Arrays]
+    data: Any
+    count: int
+    size: int
+    identity: Any
+
+    def run(
+        self,
+        *,
+        workers: int | None = 1,
+        executor: Executor | None = None,
+        folder: str | os.PathLike[str] | None = None,
+        progress: Callable[[float], object] | None = None,
+    ) -> Iterator[tuple[int, Arrays]]:
+        """Yield each chunk once: its first item and its arrays, in the order in which they are done.
+
+        Args:
+            workers: Threads; None for one per processor. They share the work of the compiled core and of NumPy.
+            executor: Where to compute instead: a ProcessPoolExecutor, dask's `client.get_executor()`, an
+                MPIPoolExecutor, or anything with their `submit`.
+            folder: A folder for a file per chunk, made if it is missing. The chunks that it has are read.
+            progress: Called with the fraction done after each chunk, or None.
+
+        Raises:
+            InputError: An argument cannot be used, or the executor failed. The message says how to resume.
+        """
+        tell = require_callback(progress, "progress", "(fraction)") or float
+        threads = as_whole(os.cpu_count() if workers is None else workers, "workers", 1, MOST_WORKERS)
+        if executor is not None:
+            require_method(executor, "executor", "submit")
+        kept = None if folder is None else as_path(folder)
+        with suppress(OSError, ValueError):  # writing says what is wrong
+            os.makedirs(kept or ".", exist_ok=True)
+        left, total, done = deque(range(0, self.count, self.size)), -(-self.count // self.size), 0
+        waiting: dict[Future[Arrays], int] = {}
+        with nullcontext(executor) if executor is not None else ThreadPoolExecutor(threads) as pool:
+            try:
+                while done < total:
+                    with _worded(done, total, kept):
+                        while left and len(waiting) < (AHEAD if executor is not None else 2 * threads):
+                            first = left.popleft()
+                            file = None if kept is None else self._file(kept, first)
+                            end = min(first + self.size, self.count)
+                            waiting[_read(file) or pool.submit(self.work, self.data, first, end)] = first
+                        finished = wait(waiting, return_when=FIRST_COMPLETED).done
+                    # What is done is kept before a failure is told.
+                    for future in sorted(finished, key=lambda each: each.cancelled() or each.exception() is not None):
+                        with _worded(done, total, kept):
+                            first, arrays = waiting.pop(future), future.result()
+                        if kept is not None and not isinstance(future, Kept):
+                            write_whole(self._file(kept, first), _packed(arrays))
+                        done += 1
+                        yield first, arrays
+                        tell(done / total)
+            finally:
+                for future in waiting:
+                    future.cancel()
+
+    def _file(self, folder: Path, first: int) -> Path:
+        asked = [self.work.__qualname__, self.count, self.size, twistarm.__version__, self.identity]
+        digest = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
+        return folder / f"{digest}-{first:012d}.npz"
+
+
+@contextmanager
+def _worded(done: int, count: int, folder: Path | None) -> Iterator[None]:
+    """Word what an executor raises, which may be anything."""
+    try:
+        yield
+    except TwistarmError:
+        raise
+    except Exception as error:
+        why = one_line(f"{type(error).__name__}: {error}".removesuffix(": "), 2 * SHOWN)
+        go_on = "give a folder to resume from" if folder is None else f"the same call goes on in {folder}"
+        raise InputError(f"the executor failed ({why}); {done} of {count} chunks are done; {go_on}") from error
+
+
+def _packed(arrays: Arrays) -> bytes:
+    file = io.BytesIO()
+    np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
+    return file.getvalue()
+
+
+def _read(path: Path | None) -> Kept | None:
+    """The arrays of a chunk's file; None without a whole one, so that the chunk is computed again."""
+    with suppress(OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error):
+        if path is not None:
+            with open_regular(path) as file, np.load(file, allow_pickle=False) as arrays:
+                found = Kept()
+                found.set_result(dict(arrays))
+                return found
+    return None

@@ -1,0 +1,197 @@
+"""`ReachMap`: the share of tool directions that an arm reaches in each cube of space."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import zipfile
+import zlib
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..arm.arm import Arm, require_arm
+from ..support.checks import Array, as_number, as_vector, as_whole, require_choice
+from ..support.errors import InputError, missing_extra, one_line, shown
+from ..support.files import as_path, open_regular, write_whole
+from ..theory.screws import exp
+from .grid import Grid
+
+FORMAT = "twistarm reach map 1"
+
+MOST_PLACES, FARTHEST = 10**7, 1e6
+"""Places of the base that are tried, and the distance [m] of a target that is a mistake in the units."""
+
+ARRAYS = ("directions", "counts", "manipulability", "margin")
+
+
+class BasePoses(NamedTuple):
+    """Poses g (k, 4, 4) of the base in the targets' frame, the best first, and the mean share (k,) reached from it."""
+
+    share: Array
+    g: Array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ReachMap:
+    """What an arm reaches in each cube of `grid`, in the frame `frame`, the arm's base.
+
+    `counts` (nx, ny, nz) are the numbers of `directions` (N, 3) reached. Without directions N = 1 is the position
+    alone. `manipulability` is the greatest Yoshikawa measure of the configurations found, as of `arm.manipulability`.
+    `margin` [rad, m] is the greatest of their least distances of a joint from its limits, inf without limits. Both are
+    NaN where nothing is reached. `settings` tell how the map was made, and `digest` of which arm it is.
+    """
+
+    name: str
+    frame: str
+    digest: str
+    grid: Grid
+    directions: Array
+    counts: NDArray[np.uint16]
+    manipulability: NDArray[np.float32]
+    margin: NDArray[np.float32]
+    settings: dict[str, Any]
+
+    def __repr__(self) -> str:
+        return f"ReachMap({self.name}: {self.grid.shape} cubes of {self.grid.voxel:g} m, {self.volume:.3g} m³ reached)"
+
+    @property
+    def share(self) -> Array:
+        """The share of the directions reached, (nx, ny, nz) in [0, 1]."""
+        return np.array(self.counts / max(len(self.directions), 1))
+
+    @property
+    def volume(self) -> float:
+        """The volume [m³] of the cubes in which something is reached."""
+        return float(np.count_nonzero(self.counts) * self.grid.voxel**3)
+
+    def at(self, p: ArrayLike) -> Array:
+        """The share in [0, 1] of the cubes that hold points (..., 3) [m], (...); 0 outside the grid."""
+        cells = self.grid.cells(as_vector(p, "p"))
+        return np.where(cells >= 0, self.counts.reshape(-1)[cells] / max(len(self.directions), 1), 0.0)
+
+    def slice(self, axis: str, at: float) -> Array:
+        """The share in the layer of cubes that holds a plane, over the other two axes in order.
+
+        Args:
+            axis: The axis across the plane: "x", "y" or "z".
+            at: The place of the plane along it [m].
+
+        Raises:
+            InputError: There is no such axis, or the plane is outside the grid.
+        """
+        k = "xyz".index(require_choice(axis, ("x", "y", "z"), "axis"))
+        along, i = self.grid.along(k), int(np.floor(as_number(at, "at") / self.grid.voxel + 0.5)) - self.grid.lower[k]
+        if not 0 <= i < len(along):
+            raise InputError(f"at must be from {along[0]:g} to {along[-1]:g} m along {axis}; got {at:g}")
+        return np.array(np.take(self.share, i, axis=k))
+
+    def require(self, arm: Arm) -> ReachMap:
+        """The map, or InputError if it is one of another arm: other axes, coupling, tool or limits."""
+        if digest_of(require_arm(arm)) != self.digest:
+            raise InputError(f"the map is one of another arm ({self.name}) than {arm.name}; make one by reach_map")
+        return self
+
+    def base_poses(self, targets: ArrayLike, *, z: float = 0.0, yaws: int = 24, count: int = 5) -> BasePoses:
+        """The best places of the base, upright and a voxel apart, to reach targets in the directions of the map.
+
+        The cubes that hold the targets decide: their mean share, then their least manipulability. Directions other than
+        down turn with the base. Check a place by `solve_ik`.
+
+        Args:
+            targets: Points (N, 3) [m], within some metres of each other.
+            z: Height of the base in their frame [m].
+            yaws: Number of headings, equally spaced.
+            count: Number of places to return.
+
+        Raises:
+            InputError: An argument cannot be used, or there are more than 10^7 places to try.
+        """
+        p, turns = as_vector(targets, "targets").reshape(-1, 3), as_whole(yaws, "yaws", 1, 3600)
+        far = max(np.abs(self.grid.along(i)).max() for i in (0, 1))
+        lower, upper = p.min(axis=0, initial=FARTHEST) - far, p.max(axis=0, initial=-FARTHEST) + far
+        if not 0 < turns * np.prod((upper - lower)[:2] / self.grid.voxel) <= MOST_PLACES:
+            raise InputError(f"targets must be points (N, 3) within some metres of each other; got {shown(targets)}")
+        x, y = (np.arange(lower[i], upper[i] + self.grid.voxel, self.grid.voxel) for i in (0, 1))
+        places = np.array([*product(x, y, [as_number(z, "z")])])
+        g = exp([0, 0, 0, 0, 0, 1], 2.0 * np.pi * np.arange(turns) / turns)
+        share, least = np.zeros((turns, len(places))), np.full((turns, len(places)), np.inf)
+        for k, each in product(range(turns), p):
+            q = (each - places) @ g[k, :3, :3]
+            share[k] += self.at(q)
+            least[k] = np.minimum(least[k], np.nan_to_num(self.manipulability.reshape(-1)[self.grid.cells(q)]))
+        best = np.lexsort((least.ravel(), np.round(share, 9).ravel()))[::-1][: as_whole(count, "count", 1, MOST_PLACES)]
+        g = g[best // len(places)]
+        g[:, :3, 3] = places[best % len(places)]
+        return BasePoses(share.reshape(-1)[best] / len(p), g)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the map as .npz, whole or not at all. The same map gives the same bytes. Returns the path."""
+        head = {name: getattr(self, name) for name in ("name", "frame", "digest", "settings")}
+        head |= {"format": FORMAT, "voxel": self.grid.voxel, "lower": self.grid.lower}
+        file = io.BytesIO()
+        np.savez_compressed(file, head=np.array(json.dumps(head)), **{name: getattr(self, name) for name in ARRAYS})
+        return write_whole(path, file.getvalue())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> ReachMap:
+        """Read a map that `save` wrote. InputError for any other file."""
+        name = as_path(path)
+        try:
+            with open_regular(name) as file, np.load(file, allow_pickle=False) as content:
+                head, arrays = json.loads(str(content["head"])), {each: content[each] for each in ARRAYS}
+            if head.pop("format") != FORMAT:
+                raise ValueError(f"its format is not {FORMAT!r}")
+            grid = Grid(head.pop("voxel"), tuple(head.pop("lower")), arrays["counts"].shape)
+            return cls(grid=grid, **head, **arrays)
+        except OSError as error:
+            raise InputError(f"cannot read {name}: {error.strerror or error}") from error
+        except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            raise InputError(f"{name} is no reach map ({one_line(str(error), 80)}); save writes one") from error
+
+    def to_ply(self, path: str | os.PathLike[str]) -> Path:
+        """Write the centres of the reached cubes and their share as a binary PLY cloud, the greener the more."""
+        cells = np.flatnonzero(self.counts)
+        kinds = dict.fromkeys(("x", "y", "z", "share"), "<f4") | dict.fromkeys(("red", "green", "blue"), "u1")
+        vertices = np.zeros(len(cells), dtype=list(kinds.items()))
+        vertices["x"], vertices["y"], vertices["z"] = self.grid.centres(cells).T
+        vertices["share"] = self.share.reshape(-1)[cells]
+        vertices["green"], vertices["red"] = 255 * vertices["share"], 255 * (1 - vertices["share"])
+        lines = (f"property {'uchar' if kind == 'u1' else 'float'} {name}\n" for name, kind in kinds.items())
+        head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(cells)}\n{''.join(lines)}end_header\n"
+        return write_whole(path, head.encode() + vertices.tobytes())
+
+    def to_png(self, path: str | os.PathLike[str]) -> Path:
+        """Write a picture of the slices across x, y and z in which most is reached. Returns the path.
+
+        Raises MissingExtraError without matplotlib.
+        """
+        try:
+            from matplotlib.figure import Figure
+        except ImportError as error:
+            raise missing_extra("a picture of a map", "matplotlib", "guide") from error
+        figure, half, file = Figure(figsize=(12, 4.2), layout="constrained"), 0.5 * self.grid.voxel, io.BytesIO()
+        for k, ax in enumerate(figure.subplots(1, 3)):
+            across, up = (i for i in range(3) if i != k)
+            at = float(self.grid.along(k)[self.counts.sum(axis=(across, up), dtype=np.int64).argmax()])
+            ends = [end for i in (across, up) for end in self.grid.along(i)[[0, -1]] + [-half, half]]
+            share = np.ma.masked_equal(100.0 * self.slice("xyz"[k], at), 0.0)
+            drawn = ax.imshow(share.T, origin="lower", extent=ends, vmin=0.0, vmax=100.0)
+            ax.set(title=f"{'xyz'[k]} = {at:.3g} m", xlabel=f"{'xyz'[across]} [m]", ylabel=f"{'xyz'[up]} [m]")
+        figure.colorbar(drawn, ax=figure.axes, label="directions reached [%]")
+        figure.suptitle(f"{self.name}: reach in the frame {self.frame}", parse_math=False)
+        figure.savefig(file, format="png")
+        return write_whole(path, file.getvalue())
+
+
+def digest_of(arm: Arm) -> str:
+    """`sha256:…` of what decides an arm's reach, rounded to nine decimals."""
+    numbers = arm.screws, arm.home, arm.coupling.A, arm.limits.lower, arm.limits.upper
+    parts = [arm.base, arm.tip, arm.joint_names, *((np.round(each, 9) + 0.0).tolist() for each in numbers)]
+    return f"sha256:{hashlib.sha256(json.dumps(parts).encode()).hexdigest()}"
