@@ -135,7 +135,10 @@ def _shown(problem: Problem, q: Array, fitted: Bools) -> Bools:
     order[12 : problem.P] /= FIRST
     order[12 : 12 + problem.geometry.arm.n] *= BEFORE_AXES
     most = np.array([MOST_STD[parameter.unit] for parameter in problem.parameters])
-    return shown(problem.slopes(q, np.ones(len(problem.log.theta)), met=True)[: -len(q)], order, most)
+    seen, ones = fitted, np.ones(len(problem.log.theta))
+    for met in (False, True):  # the one shows what is the tool's as well, the other what is the base's as well
+        seen = shown(problem.slopes(q, ones, met=met)[: -len(q)], order * seen, most)
+    return seen
 
 
 def _errors(problem: Problem, q: Array) -> Array:
