@@ -112,7 +112,7 @@ BAD = {
     "degrees": ("x,y,z,roll,pitch,yaw\n1,1,1,0,90,0\n", "looks like degrees: name the column 'roll [deg]'"),
     "a rotation vector or not": ("x,y,z,rx,ry,rz\n1,1,1,0,0,0\n", "rx, ry, rz mean two things"),
     "half an orientation": ("x,y,z,roll\n1,1,1,0\n", "no column pitch, yaw"),
-    "an unknown unit": ("x [in],y,z\n1,1,1\n", "x is a column in"),
+    "an unknown unit": ("x [ft],y,z\n1,1,1\n", "x is a column in"),
     "a column twice": ("x,y,z,X\n1,1,1,1\n", "two columns hold x"),
     "nothing": ("", "holds no rows of numbers"),
     "half a header": ("x,y,3\n1,1,1\n", "line 1: neither a header nor a row of numbers"),

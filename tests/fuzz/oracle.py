@@ -8,6 +8,7 @@ import sys
 import time
 import traceback
 import unicodedata
+import warnings
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from pathlib import Path
@@ -156,7 +157,9 @@ def _other_torques(arm: Arm, robot: ET.Element, locked: Mapping[str, float]) -> 
         reader.potential_energy(robot, {**arm.theta_to_dict(theta + h * direction), **locked}, arm.base, massless)
         for h in (step, -step)
     )
-    slope, ours = (ahead - behind) / (2 * step), arm.gravity_torques(theta) @ direction
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # links without a mass
+        slope, ours = (ahead - behind) / (2 * step), arm.gravity_torques(theta) @ direction
     size = 1 + abs(slope) + (abs(ahead) + abs(behind)) * 1e-9 / step
     return [] if abs(slope - ours) <= 1e-6 * size else [f"gravity torques do {ours:g} J along a slope of {slope:g} J"]
 

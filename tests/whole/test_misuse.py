@@ -107,6 +107,7 @@ GOOD: dict[str, Any] = {
 """An example of each argument, by its name."""
 
 MEASURED = calibration.Measurements(ARM.random_theta(0, 40), ARM.fk(ARM.random_theta(0, 40))[:, :3, 3])
+CALIBRATION = calibration.calibrate(ARM, MEASURED)
 
 MAP = twistarm.reach_map(ARM, 0.5, method="fk", samples=1000)
 DESIGNS = twistarm.sweep({"a": ARM}, None, lambda arm: {"n": arm.n})
@@ -119,7 +120,9 @@ BY_CALL: dict[str, dict[str, Any]] = {
     "DesignTable.pareto": {"most": ["n"]},
     "DesignTable.column": {"name": "n"},
     "calibrate": {"measurements": MEASURED},
-    "corrected_urdf": {"calibration": calibration.calibrate(ARM, MEASURED)},
+    "corrected_urdf": {"calibration": CALIBRATION},
+    "plot_of": {"calibration": CALIBRATION},
+    "Viewer.show_residuals": {"calibration": CALIBRATION},
     "reachable": {"targets": G[None, :3, 3]},
     "Arm.theta_from": {"values": ARM.joint_names, "numbers": [0.0] * N, "name": "theta"},
     "Arm.pose": {"frame": "tool0"},

@@ -12,6 +12,7 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_flag, as_positive, as_theta, require, require_callback, require_choice
 from ..support.errors import InputError, listed
+from ..support.errors import shown as brief
 from ..theory.screws import exp
 from .calibration import Calibration, Estimate
 from .geometry import Geometry
@@ -101,6 +102,8 @@ def calibrate(
 
 def _read(arm: Arm, measurements: Log | Sequence[Log]) -> Measurements:
     several = [measurements] if isinstance(measurements, (Measurements, str, os.PathLike)) else measurements
+    if not isinstance(several, (list, tuple)):
+        raise InputError(f"measurements must be a log or a sequence of logs; got {brief(several)}")
     parts = [each if isinstance(each, Measurements) else read_measurements(each, arm) for each in several]
     if not parts:
         raise InputError("calibrate needs one log or more; got none")

@@ -72,13 +72,14 @@ def read_columns(path: str | os.PathLike[str], units: Units, needed: Sequence[st
     wanted = f"the columns are {', '.join(needed)}; these may follow: {', '.join(n for n in units if n not in needed)}"
     rows = tuple(csv_rows(csv_lines(file, BOUNDS), str(file)))
     if not rows:
-        raise InputError(f"{file}: no line but comments; the first line names the columns; {wanted}")
+        raise InputError(f"{file}: no line but comments; the first names the columns: {wanted}")
     header, *rest = rows
     place, at = f"{file}, line {header.line}", dict[str, tuple[int, float]]()
     for i, cell in enumerate(header.cells):
         name, unit = quantity_and_unit(cell.strip(), {name: name for name in units})
         if name is None:
-            raise InputError(f"{place}: unknown column {cell.strip()!r}{closest(cell.strip(), units)}; {wanted}")
+            said = cell.partition("[")[0].strip()
+            raise InputError(f"{place}: unknown column {said!r}{closest(said, units)}; {wanted}")
         if name in at:
             raise InputError(f"{place}: column {name!r} stands there twice")
         if unit and unit not in units[name]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arm.arm import Arm
+from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_reals, frozen, require_names
 from ..support.csv_header import FACTORS
 from ..support.display import Brief
@@ -112,7 +112,11 @@ def read_measurements(path: str | os.PathLike[str], arm: Arm) -> Measurements:
     with the line for an unknown, missing or invalid column or cell.
     """
     lengths = dict.fromkeys((*POSITION, "length", "noise"), "m")
-    kinds = dict(zip(arm.joint_names, arm.units, strict=True)) | lengths | dict.fromkeys((*ROTATION, *NAMES), "1")
+    kinds = (
+        dict(zip(require_arm(arm).joint_names, arm.units, strict=True))
+        | lengths
+        | dict.fromkeys((*ROTATION, *NAMES), "1")
+    )
     columns = read_columns(path, {name: FACTORS[unit] for name, unit in kinds.items()}, arm.joint_names)
     if not columns.rows:
         raise InputError(f"{columns.file}: no rows below the names of the columns")

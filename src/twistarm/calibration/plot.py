@@ -6,6 +6,7 @@ import io
 
 import numpy as np
 
+from ..support.checks import require
 from ..support.errors import missing_extra
 from .calibration import Calibration
 
@@ -15,6 +16,7 @@ def plot_of(calibration: Calibration) -> bytes:
 
     Raises MissingExtraError without matplotlib.
     """
+    require(calibration, Calibration, "calibration", "as calibrate makes it")
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
