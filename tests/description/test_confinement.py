@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from hostile.sandbox import TOKEN, TOUCHED, WATCH, XMLNS, Sandbox
+from hostile.sandbox import TOKEN, XMLNS, Sandbox
 from hostile.sandbox import place as place
 from twistarm.description.expansion.confinement import MAX_BYTES, Confinement
 from twistarm.description.expansion.expand import expand_xacro
-from twistarm.description.expansion.refused import Refused
+from twistarm.description.expansion.work import Refused
 from twistarm.description.packages import package_index, package_name
 from twistarm.support.errors import DescriptionError
 from xacro_text import MANIFEST, lay
@@ -90,15 +88,15 @@ def test_nothing_outside_is_opened(case: str, place: Sandbox, monkeypatch: pytes
 
 def test_the_canary_sings(place: Sandbox) -> None:
     """The tests above can fail: what reads the secret or runs a command is noticed, here with xacro as it is."""
-    program = f"{WATCH}\nimport xacro; xacro.process_file(sys.argv[1], verbosity=0)"
-    path = str(place.folder / "arm" / "arm.xacro")
-    for text, code in {
-        load("@SECRET"): TOUCHED,
-        "<a b=\"${(lambda: load_yaml('@SECRET'))()}\"/>": TOUCHED,
-        "": 0,
-    }.items():
+    import xacro
+
+    for text in (load("@SECRET"), "<a b=\"${(lambda: load_yaml('@SECRET'))()}\"/>"):
         place.write({"arm.xacro": f"<robot {XMLNS}>{text}</robot>"})
-        assert subprocess.run([sys.executable, "-c", program, path], check=False).returncode == code
+        with place.watched():
+            xacro.process_file(str(place.folder / "arm" / "arm.xacro"), verbosity=0)
+        with pytest.raises(AssertionError):
+            place.untouched()
+        place.events.clear()
 
 
 ENTITIES = '<!DOCTYPE robot [<!ENTITY s SYSTEM "file://@SECRET"><!ENTITY a "aaaa">{}]>'

@@ -1,4 +1,4 @@
-"""Expressions of xacro: what robots' files use is as in Python, and nothing reaches out."""
+"""Expressions of xacro: what robots' files use is as in Python; nothing reaches out, nothing runs away."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import pytest
 
 from hostile.sandbox import Sandbox
 from hostile.sandbox import place as place
-from twistarm.description.expansion.evaluation import DIRECT, MATH, PYTHON, tokenize
 from twistarm.description.expansion.expressions import Expressions
-from twistarm.description.expansion.refused import Refused
+from twistarm.description.expansion.names import DIRECT, math_names, python_names, tokenize
+from twistarm.description.expansion.work import MAX_WORK, Refused, Work
 
 
 class Space(dict[str, object]):
@@ -91,8 +91,6 @@ HOSTILE = [
     "b'touch'",
     "x @ x",
     "[1][0, 1:2]",
-    "{'a': 1}[python.type:]",
-    "{'a': 1}[([1][0:1], python.type)[1]]",
     "[j async for j in [1]]",
     "xacro.load_yaml('@SECRET')",
     "xacro.load_yaml('\\x00')",
@@ -118,18 +116,26 @@ HOSTILE = [
     "9**9**9",
     "1 << 10**9",
     "[0] * 10**10",
+    "[[0] * 1000] * 1000 * 1000",
     "'%1000000000d' % 1",
     "('%999d' * 200000) % python.tuple([1] * 200000)",
     "range(10**30)",
+    "[1 for a in range(999) for b in range(999) for c in range(999)]",
+    "python.sum([[0]] * 100000, [])",
     "list(python.zip(*[range(10**6)] * 10))",
+    "math.factorial(10**6)",
+    "math.comb(10**6, 5 * 10**5)",
     "math.prod(range(1, 10**5))",
     "math.lcm(*range(1, 10**5))",
+    "round(5, -10**9)",
     "'a'.zfill(10**10)",
     "('a' * 1000).replace('a', 'b' * 10000).replace('b', 'c' * 10000)",
     "('a' * 100000).join(['b'] * 100000)",
     "int('f' * 10**6, 16)",
+    "{i * (2**61 - 1): 0 for i in range(100000)}",
     "python.set([python.int(str(i) + '0' * 61, 2) for i in range(100000)])",
     "[s[:] for i in range(10**5) for s in ['a' * 10**6]]",
+    "[s == t for i in range(10**5) for s, t in [('a' * 10**6, 'a' * 10**6 + '')]]",
     "xacro.tokenize('a' * 40 + '!', sep=']|(a+)+$[')",
     "(" * 3000 + "1" + ")" * 3000,
     "-" * 9000 + "1",
@@ -139,24 +145,14 @@ HOSTILE = [
     "x.a" * 4000,
 ]
 
-ENDLESS = [
-    "[[0] * 1000] * 1000 * 1000",
-    "[1 for a in range(999) for b in range(999) for c in range(999)]",
-    "python.sum([[0]] * 100000, [])",
-    "math.factorial(10**6)",
-    "math.comb(10**6, 5 * 10**5)",
-    "round(5, -10**9)",
-    "{i * (2**61 - 1): 0 for i in range(100000)}",
-    "[s == t for i in range(10**5) for s, t in [('a' * 10**6, 'a' * 10**6 + '')]]",
-]
-"""Ended by the clock of the worker process."""
 
-
-def evaluator() -> tuple[Expressions, dict[str, object]]:
+def evaluator(work: Work | None = None) -> tuple[Expressions, dict[str, object]]:
     """The expressions without xacro around them, and their names."""
-    spaces = {"python": Space(PYTHON), "math": Space(MATH)}
-    direct = {name: PYTHON[name] for name in DIRECT}
-    return Expressions(Space, PYTHON, MATH), {**direct, **MATH, **spaces, **NAMES, "config": CONFIG}
+    expressions = Expressions(work or Work(), Space)
+    python, mathematics = python_names(expressions), math_names(expressions)
+    spaces = {"python": Space(python), "math": Space(mathematics)}
+    direct = {name: python[name] for name in DIRECT}
+    return expressions, {**direct, **mathematics, **spaces, **NAMES, "config": CONFIG}
 
 
 @pytest.mark.parametrize("expression", USED_IN_THE_FIELD)
@@ -194,9 +190,9 @@ def test_hostile_expressions_are_refused_in_one_line(expression: str, place: San
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("expression", ENDLESS, ids=lambda text: text[:50])
-def test_expressions_that_run_away_are_ended(expression: str, place: Sandbox) -> None:
-    place.seconds = 0.5
+@pytest.mark.parametrize("expression", HOSTILE, ids=lambda text: text[:50])
+def test_the_whole_of_what_is_allowed_is_over_in_seconds(expression: str, place: Sandbox) -> None:
+    place.work = MAX_WORK
     test_hostile_expressions_are_refused_in_one_line(expression, place)
 
 
@@ -218,13 +214,15 @@ def test_hostile_commands_are_refused_in_one_line(expression: str, place: Sandbo
         ("max([1], key=len)", "key="),
         ("dict(**x)", "unpacking with **"),
         ("python.set([(1, 2)])", "a tuple as a key"),
-        ("'%s' % math", "a namespace is no value"),
+        ("dict([('a', 1)])", "a dict() of pairs"),
+        ("'%(a)s' % 1", "write fields such as %s"),
         ("1j", "use numbers and texts"),
         ("(-1) ** 0.5", "a complex is no value"),
         ("xacro.load_yaml('bytes.yaml')", "a bytes is no value"),
         ("xacro.tokenize('a', sep='^,')", "the separators"),
         ("math", "a namespace is no value"),
         ("python.type(len)(1)", "a function is no value"),
+        ("'a' * 10**10", "more work"),
         ("2**20000", "bits"),
     ],
 )
@@ -233,6 +231,42 @@ def test_a_refusal_names_the_expression_and_the_cause(expression: str, words: st
     found = place.refuse(f'<xacro:property name="x" value="3"/><link name="${{{expression}}}"/>', binary)
     assert words in found
     assert f"(in ${{{expression}}})" in found
+
+
+def test_work_is_counted_alike_everywhere() -> None:
+    work = Work()
+    expressions, names = evaluator(work)
+    expressions.evaluate("[i * i for i in range(100)]", names)
+    first = MAX_WORK - work.left
+    expressions.evaluate("[i * i for i in range(100)]", names)
+    once = MAX_WORK - work.left - first
+    expressions.evaluate("[i * i for i in range(100)]", names)
+    assert MAX_WORK - work.left == first + 2 * once
+    assert first > once, "compiling is paid for"
+    assert 100 < once < 5000
+
+
+LONG_TEXT, SOUGHT = "a" * 20_000, "a" * 5000 + "b" + "a" * 4999
+PAID = {
+    **{
+        f"text.{search}": (MAX_WORK, {"text": LONG_TEXT, "sought": SOUGHT})
+        for search in ("find(sought)", "replace(sought, 'b')", "rsplit(sep=sought)", "split(sought)",
+                       "partition(sought)", "strip(sought)")
+    },
+    **dict.fromkeys(("text.split()[0]", "list(text)", "python.enumerate(values=text)"),
+                    (60_000, {"text": "a b" * 20_000})),
+    "[nested]": (5_000, {"nested": {"a": [0] * 10_000}}),
+    "large == larger": (5_000, {"large": [0] * 3_000, "larger": [0] * 3_000}),
+}  # fmt: skip
+"""Searches by both lengths, texts by the pieces they are taken into, comparisons by what they compare."""
+
+
+@pytest.mark.parametrize("expression", PAID)
+def test_work_is_paid_for_by_the_sizes_of_what_takes_part(expression: str) -> None:
+    allowed, values = PAID[expression]
+    expressions, names = evaluator(Work(allowed))
+    with pytest.raises(Refused, match="more work than any robot"):
+        expressions.evaluate(expression, {**names, **values})
 
 
 def test_the_separators_of_tokenize_are_characters() -> None:

@@ -17,9 +17,8 @@ import trimesh
 from hostile.mesh_case import lay
 from hostile.meshes import CASES, fan, instances
 from twistarm import diagnose, load_arm
-from twistarm.description.meshes import MeshReader, UnreadableMeshError, limits, loading, reader
+from twistarm.description.meshes import MeshReader, UnreadableMeshError, limits, loading, process, reader
 from twistarm.description.meshes.mesh_file import RefusedError
-from twistarm.support import worker_process
 from twistarm.support.errors import InputError, TwistarmError
 from twistarm.viewer import Viewer
 from twistarm.viewer.scene.arm_scene import Scene
@@ -42,7 +41,7 @@ def running(mark: Path) -> list[int]:
 def _reads(number: int, mark: Path) -> bool:
     try:
         marked = str(mark).encode() in Path(f"/proc/{number}/environ").read_bytes()
-        return marked and b"twistarm.support.worker" in Path(f"/proc/{number}/cmdline").read_bytes()
+        return marked and b"twistarm.description.meshes.worker" in Path(f"/proc/{number}/cmdline").read_bytes()
     except OSError:
         return False
 
@@ -129,28 +128,28 @@ def test_collada_s_opacity_is_that_of_its_mode(transparent: str, alpha: str, tmp
 
 def test_one_process_reads_all_meshes_until_it_breaks_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reader, "seconds_for", lambda size: 1.0)
-    monkeypatch.setattr(worker_process, "PATIENCE", 1.0)
+    monkeypatch.setattr(reader, "PATIENCE", 1.0)
     (tmp_path / "slow.dae").write_text(SLOW)
     with MeshReader() as meshes:
         meshes.parts(box(tmp_path / "a.stl"))
-        first = worker_process.shared.process()
+        first = process.shared.process()
         meshes.parts(box(tmp_path / "b.stl"))
-        assert worker_process.shared.process() is first
+        assert process.shared.process() is first
         with pytest.raises(
             UnreadableMeshError, match=r"slow\.dae: reading it takes more than 1 s; export it with fewer"
         ):
             meshes.parts(tmp_path / "slow.dae")
         assert not first.alive
         assert meshes.parts(tmp_path / "b.stl")
-        second = worker_process.shared.process()
+        second = process.shared.process()
     with MeshReader() as meshes:  # the next arm's
         meshes.parts(tmp_path / "a.stl")
-        assert worker_process.shared.process() is second
+        assert process.shared.process() is second
 
 
 def test_all_meshes_of_an_arm_share_their_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reader, "seconds_for", lambda size: 0.5)
-    monkeypatch.setattr(worker_process, "PATIENCE", 1.0)
+    monkeypatch.setattr(reader, "PATIENCE", 1.0)
     monkeypatch.setattr(reader, "ARM_SECONDS", 0.9)
     reasons = []
     with MeshReader() as meshes:
@@ -172,18 +171,17 @@ def test_processor_time_and_memory_are_limited_by_the_system(tmp_path: Path) -> 
         began = time.monotonic()
         with pytest.raises(UnreadableMeshError, match="takes more than (3 s|1200 MB of memory)"):
             meshes.length(tmp_path / "slow.dae")
-        assert time.monotonic() - began < worker_process.PATIENCE * 3.0
+        assert time.monotonic() - began < limits.PATIENCE * 3.0
 
 
 LIMITED = """
 import resource, sys
-from twistarm.description.meshes import limits
-from twistarm.support import worker
-worker.confine()
+from twistarm.description.meshes import limits, worker
+worker._prepare()
 worker.limit_time(limits.SECONDS)
 assert resource.getrlimit(resource.RLIMIT_CPU)[0] <= limits.SECONDS + 10.0
 assert resource.getrlimit(resource.RLIMIT_FSIZE) == resource.getrlimit(resource.RLIMIT_CORE) == (0, 0)
-assert sys.platform == "darwin" or resource.getrlimit(resource.RLIMIT_AS)[1] == worker.MEMORY
+assert sys.platform == "darwin" or resource.getrlimit(resource.RLIMIT_AS)[1] == limits.MEMORY
 """
 
 
@@ -221,7 +219,7 @@ def test_where_no_process_can_be_started_it_is_said_once_and_the_arm_lives(
     mesh = '<visual><geometry><mesh filename="meshes/other.stl"/></geometry></visual>'
     path.write_text(path.read_text().replace('<link name="base"/>', f'<link name="base">{mesh}</link>'))
     box(path.parent / "meshes" / "other.stl")
-    monkeypatch.setattr(worker_process.shared, "_process", None)
+    monkeypatch.setattr(process.shared, "_process", None)
 
     def refuse(*_: object, **__: object) -> None:
         raise PermissionError(1, "Operation not permitted")
@@ -230,7 +228,7 @@ def test_where_no_process_can_be_started_it_is_said_once_and_the_arm_lives(
     arm = load_arm(path)
     (note,) = Scene(arm).whole().notes
     assert note.startswith(
-        "the process that draws meshes and expands xacro files could not be started here (Operation not perm"
+        "no mesh is drawn: the process that reads them could not be started here (Operation not perm"
     )
     (said,) = [one for one in diagnose(arm) if one.code == "mesh-not-looked-at"]
     assert "could not be started" in said.what
@@ -313,11 +311,13 @@ def until(holds: object, seconds: float = 30.0) -> None:
         time.sleep(0.02)
 
 
-@pytest.mark.parametrize("program", ["import os; os._exit(1)", "import os, time; os.close(0); time.sleep(60)"])
+@pytest.mark.parametrize(
+    "program", ["import os; os._exit(1)", "import os, sys; os.close(int(sys.argv[2])); import time; time.sleep(60)"]
+)
 def test_a_process_that_cannot_begin_is_said_and_ended(program: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(worker_process, "PROGRAM", program)
-    mute, began = worker_process.Process(), time.monotonic()
+    monkeypatch.setattr(process, "PROGRAM", program)
+    mute, began = process.Process(), time.monotonic()
     with pytest.raises(TwistarmError, match="it did not begin"):
-        mute.ask(reader.WORKER, (Path("/a.stl"), 1.0), 1.0)
+        mute.ask(Path("/a.stl"), 1.0, 1.0)
     assert time.monotonic() - began < 10.0
     assert not mute.alive

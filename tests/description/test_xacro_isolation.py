@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import shutil
+import contextlib
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
-import xacro
+import xacro.substitution_args
 
 from hostile.sandbox import XMLNS, Sandbox
 from hostile.sandbox import place as place
-from twistarm.description.expansion import expand
+from twistarm.description.expansion import confinement
 from twistarm.description.expansion.expand import expand_xacro
+from twistarm.description.expansion.module import own_xacro
 from twistarm.description.packages import package_index
 from twistarm.support.errors import DescriptionError, TwistarmError
-from twistarm.support.worker_process import Shared
 from urdf_text import write
 from xacro_text import as_xacro
 
@@ -62,49 +61,68 @@ def test_a_refusal_stands_through_optional_includes(place: Sandbox) -> None:
 
 
 def test_a_xacro_that_cannot_be_confined_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    another = Path(shutil.copytree(Path(xacro.__file__).parent, tmp_path / "other" / "xacro"))
-    (another / "__init__.py").write_text((another / "__init__.py").read_text().replace("re_macro_arg", "re_macro"))
-    monkeypatch.syspath_prepend(tmp_path / "other")
-    monkeypatch.setattr(expand, "shared", Shared())
+    monkeypatch.delattr(own_xacro(), "resolve_macro")
     path = write(tmp_path, as_xacro(""), "arm.xacro")
-    with pytest.raises(TwistarmError, match=r"has no re_macro_arg and cannot be confined; pip install xacro==2.1.1"):
+    with pytest.raises(TwistarmError, match=r"has no resolve_macro and cannot be confined; pip install xacro==2.1.1"):
         expand_xacro(path, package_index(path))
 
 
-def test_a_second_expansion_finds_nothing_of_the_first(place: Sandbox) -> None:
-    """Properties, macros, arguments, tags of YAML and what failed stay with their file."""
-    good = "<link name=\"${pi} ${xacro.load_yaml('a.yaml').a}\"/>"
-    first = place.expand(good, {"a.yaml": "a: !degrees 180"})
-    for inside in (
-        '<xacro:property name="pi" value="3"/><xacro:macro name="m"/>',
-        "${nothing}",
-        "$(arg x)",
-        "<xacro:m/>",
-    ):
-        place.write({"arm.xacro": f'<robot name="r" {XMLNS}><xacro:arg name="y" default="1"/>{inside}</robot>'})
-        with suppress(DescriptionError):
-            place.expand_file()
-        assert place.expand(good) == first
-    assert "unknown macro name: xacro:m" in place.refuse("<xacro:m/>")
-    assert "argument y" in place.refuse("<a>$(arg y)</a>")
+@pytest.mark.parametrize(
+    "inside",
+    [
+        '<link name="${nothing}"/>',
+        "<link name=\"${xacro.warning('loud')}\"/>",
+        '<xacro:include filename="absent.xacro"/>',
+        '<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>',
+        "<link name=\"${'a' * 10**10}\"/>",
+        '<xacro:property name="a" value="${xacro.load_yaml(\'a.yaml\')}"/><link name="${a}"/>',
+        '<xacro:property name="pi" value="3"/><!-- seen --> <xacro:if value="1"><link name="a"/></xacro:if>',
+    ],
+)
+def test_xacro_is_left_as_it_was(inside: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    import yaml
 
+    def state() -> tuple[object, ...]:
+        return (
+            {name: value for name, value in vars(xacro).items() if not name.startswith("__")},
+            {name: value for name, value in vars(xacro.substitution_args).items() if not name.startswith("__")},
+            dict(xacro._global_symbols),
+            dict(xacro._global_symbols["math"]),
+            dict(xacro.substitution_args._eval_dict),
+            dict(xacro.substitution_args_context),
+            dict(yaml.SafeLoader.yaml_constructors),
+            xacro._empty_text_node.parentNode,
+            sys.stderr,
+        )
 
-def test_it_starts_where_the_working_folder_has_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(expand, "shared", Shared())
-    gone = tmp_path / "gone"
-    gone.mkdir()
-    monkeypatch.chdir(gone)
-    gone.rmdir()
-    path = write(tmp_path, as_xacro('<a b="$(cwd)"/>'), "arm.xacro")
-    assert '<a b="package://.cwd"/>' in expand_xacro(path, package_index(path)).text
-    path = write(tmp_path, as_xacro('<xacro:include filename="$(cwd)/part.xacro"/>'), "arm.xacro")
-    with pytest.raises(DescriptionError, match=r"the working folder has gone: \$\(cwd\); correct the path"):
+    (tmp_path / "a.yaml").write_text("a: !degrees 3")
+    before = state()
+    path = write(tmp_path, as_xacro(inside), "arm.xacro")
+    with contextlib.suppress(DescriptionError):
         expand_xacro(path, package_index(path))
-
-
-def test_nothing_is_printed(place: Sandbox, capfd: pytest.CaptureFixture[str]) -> None:
-    place.expand("<link name=\"${xacro.warning('loud')}\"/><xacro:property name='pi' value='3'/>")
+    assert state() == before
     assert capfd.readouterr() == ("", "")
+
+
+def test_nothing_of_the_programs_is_touched_while_a_file_is_expanded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Other threads use xacro, and write to stderr, at the same time."""
+
+    def seen() -> tuple[object, ...]:
+        return dict(vars(xacro)), dict(vars(xacro.substitution_args)), sys.stderr, sys.stdout
+
+    states = []
+
+    def read(data: bytes) -> str:
+        states.append(seen())
+        return data.decode()
+
+    before = seen()
+    monkeypatch.setattr(confinement, "decoded", read)
+    path = write(tmp_path, as_xacro("<link name=\"${xacro.warning('loud')}\"/>"), "arm.xacro")
+    expand_xacro(path, package_index(path))
+    assert states == [before]
 
 
 def with_its_own_names(folder: Path, name: str, size: float) -> Path:
@@ -118,7 +136,7 @@ def with_its_own_names(folder: Path, name: str, size: float) -> Path:
 
 
 def test_threads_expand_one_file_each(tmp_path: Path) -> None:
-    """One process expands them, one after the other."""
+    """xacro's state is global, so they take turns."""
     paths = with_its_own_names(tmp_path, "one", 1.0), with_its_own_names(tmp_path, "other", 3.0)
     alone = [expand_xacro(path, package_index(path)) for path in paths]
     interval = sys.getswitchinterval()

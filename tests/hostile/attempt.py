@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
-SECONDS, MEGABYTES = 10.0, 500.0
+SECONDS, MEGABYTES = 5.0, 500.0
 """Within these a hostile file is refused or loaded."""
 
 PATIENCE = 600.0

@@ -1,48 +1,39 @@
-"""Where hostile descriptions are tried: a secret that must stay unread, a command that must not run, few seconds."""
+"""Where hostile descriptions are tried: a secret that must stay unread, a command that must not run, a clock."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
+from types import FrameType
 from unittest.mock import patch
 
 import pytest
 
-from twistarm.description.expansion import expand
+from twistarm.description.expansion import hooks
+from twistarm.description.expansion.expand import expand_xacro
+from twistarm.description.expansion.work import MAX_WORK, Work
 from twistarm.description.packages import package_index
-from twistarm.support import worker_process
 from twistarm.support.errors import DescriptionError
 
 XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+CPU_LIMIT = 5.0
+WALL_LIMIT = 60.0
 TOKEN = "canary-4711"
 
-TOUCHED = 99
-"""The exit code of a process that does what it must not."""
-
-WATCH = f"""
-import os, sys
-def watch(event, details):
-    ran = event in ("os.system", "subprocess.Popen", "os.exec", "os.posix_spawn", "os.fork", "socket.connect")
-    if ran or event == "open" and "/outside" in os.fsdecode(details[0] if isinstance(details[0], (str, bytes)) else ""):
-        os._exit({TOUCHED})
-sys.addaudithook(watch)
-"""
-"""Ends the process that runs a command, or opens what lies outside."""
+_watching: list[list[str]] = []
 
 
-class Watched(worker_process.Shared):
-    """The worker process under watch."""
-
-    def process(self) -> worker_process.Process:
-        with patch.object(worker_process, "PROGRAM", WATCH + worker_process.PROGRAM):
-            return super().process()
-
-    def touched(self) -> bool:
-        """Whether the last process did what it must not."""
-        return self._process is not None and self._process._popen.poll() == TOUCHED
+def _note(event: str, details: tuple[object, ...]) -> None:
+    if _watching and event in ("open", "os.system", "subprocess.Popen", "os.exec", "os.posix_spawn", "os.fork"):
+        _watching[-1].append(f"{event} {os.fspath(details[0]) if isinstance(details[0], (str, Path)) else details[0]}")
 
 
-watched = Watched()
+sys.addaudithook(_note)
 
 
 @dataclass
@@ -50,8 +41,11 @@ class Sandbox:
     """`arm/` holds the description; `outside/` what it must not touch."""
 
     folder: Path
-    seconds: float = expand.SECONDS
-    """Processor time of an expansion."""
+    work: int = MAX_WORK // 10
+    """A tenth of what is allowed, so that refusing takes a tenth of the time."""
+    spent: int = 0
+    """Units that the last expansion took."""
+    events: list[str] = field(default_factory=list)
 
     @property
     def secret(self) -> Path:
@@ -79,8 +73,21 @@ class Sandbox:
 
     def expand_file(self) -> str:
         path = self.folder / "arm" / "arm.xacro"
-        with patch.multiple(expand, shared=watched, SECONDS=self.seconds):
-            return expand.expand_xacro(path, package_index(path))[0]
+        work = Work(self.work)
+        try:
+            with self.watched(), _within(CPU_LIMIT), patch.object(hooks, "Work", lambda: work):
+                return expand_xacro(path, package_index(path))[0]
+        finally:
+            self.spent = self.work - work.left
+
+    @contextmanager
+    def watched(self) -> Iterator[None]:
+        """Files opened and commands run go into `events`."""
+        _watching.append(self.events)
+        try:
+            yield
+        finally:
+            _watching.pop()
 
     def refuse(self, inside: str, files: dict[str, str | bytes] | None = None) -> str:
         """The message with which it is refused: one line, nothing read, nothing run."""
@@ -99,8 +106,28 @@ class Sandbox:
         return message
 
     def untouched(self) -> None:
-        assert not watched.touched()
+        assert not [event for event in self.events if str(self.folder / "outside") in event]
+        assert not [event for event in self.events if not event.startswith("open")]
         assert not self.marker.exists()
+
+
+@contextmanager
+def _within(seconds: float) -> Iterator[None]:
+    """Fails after so much processor time, or a minute on the clock for what only waits."""
+
+    def late(number: int, frame: FrameType | None) -> None:
+        raise TimeoutError(f"still busy after {seconds} s")
+
+    before = signal.signal(signal.SIGPROF, late), signal.signal(signal.SIGALRM, late)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    signal.setitimer(signal.ITIMER_REAL, WALL_LIMIT)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGPROF, before[0])
+        signal.signal(signal.SIGALRM, before[1])
 
 
 def sandbox(folder: Path) -> Sandbox:

@@ -14,7 +14,7 @@ from twistarm.cli.application import run
 from twistarm.description.companions.companion_files import files_beside
 from twistarm.description.expansion.confinement import Confinement
 from twistarm.description.expansion.expand import expand_xacro
-from twistarm.description.expansion.refused import Refused
+from twistarm.description.expansion.work import Refused
 from twistarm.description.packages import package_index
 from twistarm.description.urdf import read_description
 from twistarm.support.errors import DescriptionError, InputError

@@ -10,8 +10,8 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
+from ..support.checks import require_names
 from ..support.errors import InputError, shown
 from ..support.files import as_path, is_file, open_regular
 from .copies import find_copy
@@ -96,14 +96,6 @@ class PackageIndex:
     def copies(self) -> dict[str, Path]:
         """The folders taken for a package only by their name."""
         return {package: folder for (package, _), folder in self._copies.items() if folder is not None}
-
-    def __getstate__(self) -> dict[str, Any]:
-        """The index for another process. It begins the search again for packages that are not found so far."""
-        return {**vars(self), "_search": []}
-
-    def learn(self, other: PackageIndex) -> None:
-        """Take what this index, sent to another process and back, has found there."""
-        vars(self).update(vars(other))
 
     def _by_manifest(self, package: str) -> Path | None:
         if not self._search:
@@ -267,8 +259,6 @@ def variable_names(env_vars: object) -> tuple[str, ...]:
 
 
 def _names(given: object, argument: str, pattern: re.Pattern[str], wanted: str) -> tuple[str, ...]:
-    from ..support.checks import require_names  # with NumPy, which the worker process does without
-
     names = (given,) if isinstance(given, str) else require_names(given, argument)
     for name in names:
         if not pattern.fullmatch(name):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TextIO
+
+import numpy as np
 
 from .findings import Place, refusal
 
@@ -19,7 +20,7 @@ MAX_NUMBER, MAX_KEY = 400, 18
 
 ENDLESS = "it nests without end"
 
-UNITS = {"!degrees": math.pi / 180.0, "!radians": 1.0, "!meters": 1.0, "!millimeters": 0.001}
+UNITS = {"!degrees": np.pi / 180.0, "!radians": 1.0, "!meters": 1.0, "!millimeters": 0.001}
 """Tags that xacro and the descriptions of ROS put before a number, in rad or m."""
 
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
@@ -35,7 +36,14 @@ def parse_yaml(text: str, file: Path, most: int = MAX_NODES) -> Any:
     """
     import yaml
 
-    loader = bounded_loader(most, UNITS, float, strict=True)
+    left = most
+
+    def problem(nodes: int) -> str:
+        nonlocal left
+        left -= nodes
+        return f"more than {most} values" if left < 0 else ""
+
+    loader = bounded_loader(problem, UNITS, float, strict=True)
     loader.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+0123456789"))
     try:
         return yaml.load(text, Loader=loader)
@@ -55,12 +63,13 @@ def is_deep(error: Exception) -> bool:
 
 
 def bounded_loader(
-    most: int, units: Mapping[str, float], number: Callable[[str], float], *, strict: bool = False
+    problem: Callable[[int], str], units: Mapping[str, float], number: Callable[[str], float], *, strict: bool = False
 ) -> Any:
     """A class of safe loaders for PyYAML. Tags on PyYAML's loader would hold for the whole process.
 
-    A text has at most `most` values, aliases written out. `units` gives the factor of a tag such as `!degrees`, and
-    `number` evaluates the text behind it. `strict` refuses keys that are given twice, and numbers in base 60.
+    `problem` takes the values in each node, aliases written out, and tells why there may be no more. `units` gives the
+    factor of a tag such as `!degrees`, and `number` evaluates the text behind it. `strict` refuses keys that are given
+    twice, and numbers in base 60.
     """
     import yaml
 
@@ -87,8 +96,7 @@ def bounded_loader(
             size = self.sizes[id(node)] if alias else 1
             self.count += size
             self.sizes.setdefault(id(node), self.count - before)
-            many = f"more than {most} values" if self.count > most else ""
-            if why := many or _bad_number(node, MAX_NUMBER, strict):
+            if why := problem(size) or _bad_number(node, MAX_NUMBER, strict):
                 refuse(why, event)
             return node
 

@@ -16,7 +16,6 @@ from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_
 from ...description.companions.arm_group import ArmGroup, arm_groups
 from ...description.companions.companion_files import path_from, srdf_beside
 from ...description.companions.srdf import Semantics, note_names, read_srdf
-from ...description.expansion.expand import begin_expansion
 from ...description.expansion.left_out import blaming
 from ...description.findings import Finding, Place, finding, refusal
 from ...description.packages import package_names, variable_names
@@ -31,7 +30,6 @@ from ...theory import poe
 from ..arm import Arm, Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..configurations import named_ready
-from ..pinocchio_model import import_pinocchio
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 
 PROOF_SAMPLES = 5
@@ -100,9 +98,6 @@ def load_arm(
     if is_baked(source):
         return _baked_arm(as_path(source), wishes, limits)
     specification = specify(source, **wishes)
-    if specification.description.suffix == ".xacro":
-        begin_expansion()
-        import_pinocchio()  # meanwhile: either takes some tenths of a second
     description = read(specification)
     with blaming(description.findings):
         arm = assemble(description, specification, {} if limits is None else limits)

@@ -12,7 +12,7 @@ from ...support.files import open_regular, opened_path
 from ..copies import is_too_wide
 from ..document import decoded
 from ..packages import SOURCES, PackageIndex, package_name
-from .refused import Refused
+from .work import Refused
 
 MAX_BYTES = 10_000_000
 """Largest file. No description is larger, and meshes are not opened here."""

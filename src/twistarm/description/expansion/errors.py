@@ -6,38 +6,31 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 from types import EllipsisType
-from xml.parsers.expat import ExpatError, errors
 
 from ...support.caller_words import argument, package_folder
 from ...support.errors import DescriptionError, InputError, closest, listed
 from ..findings import Finding, Place, finding, refusal
 from .environment import NotSetError
 from .hooks import MISSING_PACKAGE, Expansion
-from .refused import Refused, causes
-
-NO_MEMORY = errors.codes[errors.XML_ERROR_NO_MEMORY]
+from .work import Refused, causes
 
 MOST_NEIGHBOURS = 8
 """Most names of a folder in a message about a missing one."""
 
 
 def explain(error: Exception, expansion: Expansion, place: Place) -> DescriptionError:
-    """The error to raise. `place` is the file or the macro that xacro was expanding. MemoryError without memory."""
+    """The error to raise. `place` is the file or the macro that xacro was expanding."""
     chain = list(causes(error))
-    if any(isinstance(cause, ExpatError) and cause.code == NO_MEMORY for cause in chain):
-        raise MemoryError from error
+    text = " ".join(str(error).split())
     for cause in chain:
         if isinstance(cause, DescriptionError):
             return cause
         if isinstance(cause, Refused):
-            where = f" (in ${{{_shortened(cause.expression, 120)}}})" if cause.expression else ""
+            where = f" (in {_shortened(cause.expression, 120)})" if cause.expression else ""
             return refusal(cause.code, place, _shortened(cause.what) + where, cause.remedy)
-    if any(isinstance(cause, MemoryError) for cause in chain):
-        raise MemoryError from error
     if any(isinstance(cause, RecursionError) for cause in chain):
         what = "a macro, a property or an included file refers to itself without end"
         return refusal("xacro-recursion", place, what)
-    text = " ".join(str(error).split())
     undefined = re.search(r"Undefined substitution argument (\S+)", text)
     if undefined:
         return missing_argument(undefined.group(1), expansion)

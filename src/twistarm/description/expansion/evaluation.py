@@ -1,39 +1,27 @@
-"""The names and functions of xacro's `${expressions}` and `$(commands)`."""
+"""xacro's texts: `${expressions}` and `$(commands)` in them, evaluated with counted work."""
 
 from __future__ import annotations
 
-import builtins
-import math
 import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from .environment import Environment
-from .expressions import REFUSED, Expressions
-from .refused import Refused
+from .expressions import Expressions
+from .names import DIRECT, math_names, python_names, tokenize
+from .work import Refused, Work
 
-_BUILTINS = """
-    abs all any bool dict divmod enumerate filter float int isinstance len list map max min ord range repr reversed
-    round set sorted str sum tuple zip
-"""
-PYTHON = {name: getattr(builtins, name) for name in _BUILTINS.split()} | {"type": lambda value: type(value)}
-"""The namespace `python`. Of xacro's, `vars`, `slice`, `hash` and `complex` are not in it."""
+_TOKEN = re.compile(r"(\$\$+[{(])|\$\{([^}]*)\}|\$\(([^)]*)\)|([^$]+|\$[^{($]+|\$$)")
+"""xacro's tokens: escaped dollars, `${expression}`, `$(command)`, text."""
 
-MATH = {name: value for name, value in vars(math).items() if not name.startswith("_")}
-"""The namespace `math`."""
+_FIND = re.compile(r"\$\(find ([^)\s]+)\)")
 
-DIRECT = ["list", "dict", "map", "len", "str", "float", "int", "bool", "min", "max", "round", "sorted", "range"]
-"""Names that need no `python.` before them."""
-
-_MARKED = re.compile(r"\$[{($]")
-"""The begin of an expression, of a command, or of what is escaped."""
-
-WORKING_FOLDER = "package://.cwd"
-"""The text of `$(cwd)`."""
+WORKING_FOLDER = ".cwd"
+"""The working folder, written as a package's name."""
 
 
 class Evaluation:
-    """Evaluates expressions and commands for xacro.
+    """Replaces xacro's `eval_text` and its evaluation of expressions and commands.
 
     `find` evaluates `$(find package)`. `files` holds the functions about files.
     """
@@ -41,68 +29,92 @@ class Evaluation:
     def __init__(
         self,
         xacro: Any,
+        work: Work,
         find: Callable[[str], str],
         files: Mapping[str, Callable[[str], Any]],
         environment: Environment,
     ) -> None:
-        from xacro import substitution_args  # type: ignore[import-untyped,unused-ignore]
-
-        self._xacro, self._commands, self._eval_text = xacro, substitution_args, xacro.eval_text
-        told = {name: xacro._global_symbols["xacro"][name] for name in ("message", "warning", "error", "fatal")}
+        self._xacro, self._work, self._find, self._environment = xacro, work, find, environment
+        self._expressions = Expressions(work, xacro.Table)
+        python, mathematics = python_names(self._expressions), math_names(self._expressions)
         files = {**files, "dotify": lambda value: value}
-        own = {**files, **told, "print_location": lambda: "", "tokenize": tokenize, "arg": self._argument}
-        commands = {"find": find, "env": environment.required, "optenv": environment.optional}
-        self._in_commands = {
-            **{"true": True, "false": False, "arg": lambda name: self._converted(self._argument(name))},
-            **{**commands, **MATH, **PYTHON},
+        messages = dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing)
+        offered = {**files, **messages, "fatal": self._fail, "tokenize": tokenize, "arg": self._argument}
+        self._commands = {
+            **{"true": True, "false": False, "find": find},
+            **{"env": environment.required, "optenv": environment.optional},
+            **{"arg": lambda name: self._convert(self._argument(name))},
+            **{**mathematics, **python},
         }
-        self._symbols = {name: PYTHON[name] for name in DIRECT} | MATH | files
-        for name, names in {"python": PYTHON, "math": MATH, "xacro": own}.items():
-            self._symbols[name] = xacro.NameSpace()
-            self._symbols[name].update(names)
-        self._expressions = Expressions(xacro.Table, own, self._in_commands)
-        vars(substitution_args).update(
-            {f"_eval_{name}": command for name, command in commands.items()}, _eval=self._eval
-        )
-        self.functions = {
-            **{"_global_symbols": self._symbols, "eval_text": self.text},
-            **{"safe_eval": self._expression, "eval_extension": self._command},
+        for names in (offered, self._commands):
+            self._expressions.offer(names)
+        spaces = {"python": python, "math": mathematics, "xacro": offered}
+        self.symbols = {
+            **{**{name: python[name] for name in DIRECT}, **mathematics, **files},
+            **{name: self._namespace(names) for name, names in spaces.items()},
         }
-        """What replaces xacro's."""
-
-    def text(self, text: str, symbols: Any) -> Any:
-        """A text with its expressions and commands replaced. xacro's own function is slow on plain texts."""
-        return self._eval_text(text, symbols) if _MARKED.search(text) else text
+        """The names at the root of every scope, for xacro's `_global_symbols`."""
 
     def number(self, expression: str) -> float:
         """The value of an expression in YAML, with the global names only."""
-        return float(self._expression(expression, self._symbols))
+        return float(self._expressions.evaluate(expression, self.symbols))
 
-    def _expression(self, expression: Any, symbols: Mapping[str, Any]) -> Any:
-        """The value of `${expression}`."""
-        return self._expressions.evaluate(str(expression), symbols)
+    def text(self, text: str, symbols: Any) -> Any:
+        """A text with its expressions and commands replaced. A lone expression keeps its type."""
+        if "$" not in text:
+            return text
+        results: list[Any] = []
+        position = 0
+        while position < len(text):
+            match = _TOKEN.match(text, position)
+            if match is None:
+                raise self._xacro.XacroException(f"invalid expression: {text[position:]}")
+            position = match.end()
+            escaped, expression, command, plain = match.groups()
+            if plain or escaped:
+                results.append(plain or escaped[1:])
+            else:
+                results.append(self._replaced(expression, command, symbols))
+        if len(results) == 1:
+            return results[0]
+        parts = list(map(str, results))
+        self._work.charge(len(parts))
+        self._work.charge_text(sum(map(len, parts)))
+        return "".join(parts)
 
-    def _command(self, text: str) -> str:
-        """The text of `$(command)`."""
-        if text == "$(cwd)":
-            return WORKING_FOLDER
-        if text[2:-1].split()[:1] not in (["arg"], ["find"], ["env"], ["optenv"], ["eval"]):
-            allowed = "$(arg NAME), $(find PACKAGE), $(env NAME), $(optenv NAME …), $(eval …), $(cwd)"
-            raise self._xacro.XacroException(f"{text} is none of {allowed}")
+    def _replaced(self, expression: str | None, command: str | None, symbols: Any) -> Any:
+        inside = str(self.text(expression if command is None else command, symbols))  # type: ignore[arg-type]
         try:
-            return str(self._commands.resolve_args(text, self._xacro.substitution_args_context))
-        except self._commands.ArgException as error:
-            raise self._xacro.XacroException(f"Undefined substitution argument {error}") from error
+            return self._expressions.evaluate(inside, symbols) if command is None else self._run(inside)
+        except Refused as refused:
+            shown = f"$({inside})" if command is not None else f"${{{expression}}}"
+            refused.expression = refused.expression or shown
+            raise
         except Exception as error:
-            raise self._xacro.XacroException(exc=error) from error
+            told = f"when evaluating expression '{expression}'" if command is None else None
+            raise self._xacro.XacroException(exc=error, suffix=told) from error
 
-    def _eval(self, expression: str, context: Mapping[str, Any]) -> str:
-        """The text of `$(eval expression)`, whose names are the arguments too."""
-        arguments = {name: self._converted(value) for name, value in context["arg"].items()}
-        return str(self._expressions.evaluate(expression, arguments | self._in_commands))
+    def _run(self, command: str) -> str:
+        """The text of `$(command)`."""
+        self._work.charge_text(len(command))
+        name, _, rest = command.strip().partition(" ")
+        words = rest.split()
+        if name == "eval":  # its names are the arguments
+            return str(self._expressions.evaluate(rest, _CommandNames(self._commands, self._converted_argument)))
+        if name == "cwd" and not words:
+            return f"package://{WORKING_FOLDER}"
+        if name == "optenv" and words:
+            return self._environment.optional(words[0], " ".join(words[1:]))
+        take = {"find": self._find, "arg": self._argument, "env": self._environment.required}.get(name)
+        if take is None or len(words) != 1:
+            raise ValueError(f"$({command}) is none of $(arg NAME), $(find PACKAGE), $(env NAME), $(eval …), $(cwd)")
+        return _FIND.sub(lambda match: self._find(match[1]), str(take(words[0])))
 
-    def _converted(self, text: Any) -> Any:
-        return self._commands.convert_value(str(text), "auto")
+    def _converted_argument(self, name: str) -> Any:
+        return self._convert(self._xacro.substitution_args_context["arg"][name])
+
+    def _convert(self, text: Any) -> Any:
+        return self._xacro.substitution_args.convert_value(str(text), "auto")
 
     def _argument(self, name: str) -> Any:
         arguments = self._xacro.substitution_args_context["arg"]
@@ -110,11 +122,26 @@ class Evaluation:
             raise self._xacro.XacroException(f"Undefined substitution argument {name}")
         return arguments[name]
 
+    def _namespace(self, names: Mapping[str, Any]) -> Any:
+        namespace = self._xacro.NameSpace()
+        namespace.update(names)
+        return namespace
 
-def tokenize(text: str, sep: str = ",; ", skip_empty: bool = True) -> list[str]:
-    """xacro's function. `sep` lists characters. Characters that would make it a pattern are refused."""
-    if set("]\\^") & set(sep) or "-" in sep[1:-1]:
-        what = f"the separators {sep[:40]!a} are not allowed"
-        raise Refused(REFUSED, what, "list characters; none of ] \\ ^, - last")
-    words = re.split(f"[{re.escape(sep)}]", text)
-    return [word for word in words if word] if skip_empty else words
+    def _fail(self, *words: Any) -> None:
+        raise self._xacro.XacroException(" ".join(map(str, words)))
+
+
+class _CommandNames(dict[str, Any]):
+    """The names in `$(eval ...)`: functions and constants, then the arguments, converted to numbers if possible."""
+
+    def __init__(self, names: Mapping[str, Any], argument: Callable[[str], Any]) -> None:
+        super().__init__(names)
+        self._argument = argument
+
+    def __missing__(self, name: str) -> Any:
+        return self._argument(name)
+
+
+def say_nothing(*_: Any, **__: Any) -> str:
+    """Drop xacro's messages, which would go to the terminal."""
+    return ""

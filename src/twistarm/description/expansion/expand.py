@@ -1,23 +1,24 @@
-"""xacro to URDF text without ROS, by the worker process within limits of time and memory."""
+"""xacro to URDF text without ROS, one file with its includes at a time."""
 
 from __future__ import annotations
 
-import os
+import threading
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from ...support.errors import TwistarmError
-from ...support.worker_process import shared, working_folder
-from ..document import note_file, read_text
-from ..findings import Finding, Place, refusal
+from ..document import read_text
+from ..findings import Finding
 from ..packages import PackageIndex
+from .errors import explain, package_finding, unknown_argument
+from .hooks import HERE, PACKAGE, Expansion
+from .left_out import blamed
+from .module import hooked, own_xacro
 
-WORKER = f"{__package__}.worker"
+_DECLARATION = '<?xml version="1.0" ?>'
 
-SECONDS, MEMORY = 6.0, 400_000_000
-"""Processor time and bytes of an expansion. A six-joint arm with its parameters in YAML takes 0.1 s and 10 MB."""
+_LOCK = threading.Lock()
+"""xacro keeps arguments, file stack and verbosity in module globals: one expansion at a time."""
 
 
 class Expanded(NamedTuple):
@@ -31,12 +32,6 @@ class Expanded(NamedTuple):
     arguments: dict[str, str | None]
 
 
-def begin_expansion() -> None:
-    """Start the process if possible, and return at once."""
-    with suppress(TwistarmError):
-        shared.process().prepare(WORKER)
-
-
 def expand_xacro(
     path: Path,
     packages: PackageIndex,
@@ -47,35 +42,41 @@ def expand_xacro(
     """Expand the file at `path`.
 
     Files outside the packages stay closed (`confinement`). Expressions only compute (`expressions`). They read only the
-    environment variables in `env_vars` (`environment`). A missing package is an error only if an include or a YAML load
-    needs it. Parts of the packages in `ignore_packages` are left out (`left_out`). Raises DescriptionError with the
-    file, the cause and the remedy, also for a file that takes more than SECONDS or MEMORY.
+    environment variables in `env_vars` (`environment`). The work is counted (`work`). A missing package is an error
+    only if an include or a YAML load needs it. Parts of the packages in `ignore_packages` are left out (`left_out`).
+    Raises DescriptionError with the file, the cause and the remedy.
     """
     given = {name: _argument_text(value) for name, value in (arguments or {}).items()}
-    context = SECONDS, MEMORY, dict(os.environ), working_folder()
-    note_file(path)
-    request = path, packages, given, tuple(ignore_packages), tuple(env_vars)
-    try:
-        with shared.turn:
-            files, found, answer = shared.process().ask(WORKER, (*context, *request), SECONDS)
-    except (TimeoutError, MemoryError, EOFError) as error:
-        limits = {TimeoutError: f"{SECONDS:.0f} s", MemoryError: f"{MEMORY / 1e6:.0f} MB"}
-        most = limits.get(type(error))
-        what = f"expanding it takes more work than any robot's description needs: more than {most}"
-        what = what if most else "the process that expands it broke down"
-        remedy = "look for a macro, a list or a text that multiplies itself"
-        raise refusal("xacro-too-large", Place(str(path)), what, remedy) from error
-    for file in files:
-        note_file(file)
-    packages.learn(found)
-    if isinstance(answer, TwistarmError):
-        raise answer
-    return Expanded(*answer)
+    with _LOCK:
+        xacro = own_xacro()
+        expansion = Expansion(xacro, path, packages, given, ignore_packages, env_vars)
+        with hooked(xacro, expansion.for_xacro()):
+            try:
+                document = xacro.process_file(str(path), mappings=dict(given), verbosity=0)
+                text = _portable(document.documentElement.toxml())
+            except Exception as error:
+                explained = explain(error, expansion, expansion.place)
+                raise blamed(explained, expansion.left_out.findings(())) from error
+    known = expansion.found.all()
+    for name in given:
+        if name not in known:
+            raise unknown_argument(name, path, known)
+    unknown = (package_finding(path, name) for name in sorted(expansion.unknown_packages))
+    noted = (*unknown, *expansion.environment.findings(), *expansion.left_out.findings(expansion.found.packages))
+    return Expanded(text, noted, known)
 
 
 def is_xacro(path: Path) -> bool:
     """Whether a file needs expansion, by its name or by a xacro element in it."""
     return path.suffix == ".xacro" or "<xacro:" in read_text(path)
+
+
+def _portable(robot: str) -> str:
+    """The text without xacro's banner, which shows the file's folder, with paths that any reader of URDF takes.
+
+    `file://$(find arm)/…` is the package's file. Paths beside the description are relative to it.
+    """
+    return _DECLARATION + robot.replace(f"file://{PACKAGE}", PACKAGE).replace(HERE, "")
 
 
 def _argument_text(value: object) -> str:

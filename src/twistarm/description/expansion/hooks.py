@@ -1,32 +1,30 @@
-"""Functions that replace xacro's while a file is expanded. They confine it to files that may be read."""
+"""Functions that replace xacro's while a file is expanded. They confine files and count work."""
 
 from __future__ import annotations
 
 import errno
 import fnmatch
-import importlib
-import io
+import keyword
 import os
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 from xml.dom import expatbuilder, xmlbuilder
 from xml.parsers import expat
 
-from ...support.errors import TwistarmError, one_line
-from ...support.wheels import Wheel, load
+from ...support.errors import one_line
 from ..document import Reading, note_file, parse_xml
 from ..findings import Place, refusal
 from ..packages import PackageIndex, is_package_name
-from ..yaml_reading import MAX_NODES, bounded_loader, is_deep
 from .arguments import Arguments
 from .confinement import Confinement
 from .environment import Environment
-from .evaluation import WORKING_FOLDER, Evaluation
+from .evaluation import WORKING_FOLDER, Evaluation, say_nothing
 from .left_out import NEEDED, LeftOut
-from .refused import Refused, is_final
+from .work import CHARACTERS_PER_UNIT, Refused, Work, is_final
+from .yaml_data import load_yaml
 
 PACKAGE = "package://"
 """What `$(find NAME)` gives before the package's name. The folder stays out of the texts, which users may pass on."""
@@ -40,6 +38,14 @@ MISSING_PACKAGE = "/package-not-found/"
 MAX_INCLUDES = 30
 """Depth of includes. Deeper ones form a circle, which would take seconds until the stack is full."""
 
+FILE_COST = 200
+ELEMENT_COST = 15
+ATTRIBUTE_COST = 12
+CHANGE_COST = 25
+MACRO_COST = 100
+SIBLINGS_PER_UNIT = 50
+"""minidom looks through a parent's children whenever it changes one."""
+
 XACRO = "http://www.ros.org/wiki/xacro"
 
 _MACRO_PARAMETER = re.compile(
@@ -48,8 +54,8 @@ _MACRO_PARAMETER = re.compile(
 )
 """xacro's pattern without its nested repetition, which takes forever on some texts."""
 
-_XACRO = Wheel("xacro", "xacro", has="process_file", oldest="2.1")
-"""ROS 2's is the same code and serves; ROS 1's lacks what `Expansion` replaces."""
+_KEPT = ("resolve_macro", "parse_macro_arg", "handle_macro_call", "eval_all", "grab_property", "replace_node")
+"""Functions of xacro that ours call."""
 
 _WILDCARD = re.compile(r"[*?[]")
 
@@ -59,44 +65,53 @@ class Expansion:
 
     def __init__(
         self,
-        working_folder: str | None,
+        xacro: Any,
         path: Path,
         packages: PackageIndex,
         arguments: Mapping[str, str],
-        ignore_packages: tuple[str, ...],
-        env_vars: tuple[str, ...],
+        ignore_packages: Iterable[str] = (),
+        env_vars: Iterable[str] = (),
     ) -> None:
         self.path = path
         self.packages = packages
         self.given = dict(arguments)
-        self.left_out = LeftOut(ignore_packages, path)
+        self.left_out = LeftOut(tuple(ignore_packages), path)
         self.found = Arguments()
         self.unknown_packages: set[str] = set()
-        self._working_folder = working_folder
-        self._xacro = importlib.reload(load(_XACRO))  # as it was before the last expansion
-        self._original = dict(vars(self._xacro))
+        self._xacro = xacro
+        self._original: dict[str, Any] = {name: getattr(xacro, name, None) for name in _KEPT}
         self._confinement = Confinement(path, packages)
         self._in_leavable = False
-        self.environment = Environment(path, env_vars)
+        self.work = Work()
+        self.environment = Environment(path, tuple(env_vars))
         files = {"load_yaml": self.load_yaml, "abs_filename": self.named_from_here}
-        self._evaluation = Evaluation(self._xacro, self.find, files, self.environment)
-        leaving_out = {"handle_macro_call": self.call_macro, "eval_all": self.evaluate}
-        values = {
-            **{"parse": self.parse, "get_include_files": self.include_files, "re_macro_arg": _MACRO_PARAMETER},
-            **self._evaluation.functions,
-            "remove_previous_comments": lambda node: None,  # no comment comes so far
-            **(leaving_out | {"grab_property": self.grab_property} if ignore_packages else {}),
-        }
-        missing = [name for name in values if name not in self._original]
-        if missing:
-            lacks = f"this xacro ({self._xacro.__file__}) has no {', '.join(missing)} and cannot be confined"
-            raise TwistarmError(f"{lacks}; pip install xacro==2.1.1")
-        vars(self._xacro).update(values)
+        self._evaluation = Evaluation(xacro, self.work, self.find, files, self.environment)
 
-    def run(self) -> str:
-        """The URDF text."""
-        document = self._xacro.process_file(str(self.path), mappings=dict(self.given), verbosity=0)
-        return str(document.documentElement.toxml())
+    def for_xacro(self) -> dict[str, Any]:
+        """Values for the module `xacro`."""
+        leaving_out = {
+            "handle_macro_call": self.call_macro,
+            "eval_all": self.evaluate,
+            "grab_property": self.grab_property,
+        }
+        return {
+            "_global_symbols": self._evaluation.symbols,
+            "substitution_args_context": {"arg": {}},
+            "filestack": None,
+            "macrostack": None,
+            "verbosity": 0,
+            "re_macro_arg": _MACRO_PARAMETER,
+            "parse": self.parse,
+            "get_include_files": self.include_files,
+            "eval_text": self._evaluation.text,
+            "is_valid_name": lambda name: name.isidentifier() and not keyword.iskeyword(name),
+            "parse_macro_arg": self.macro_parameter,
+            "resolve_macro": self.resolve_macro,
+            "replace_node": self.replace_node,
+            **dict.fromkeys(("message", "warning", "error", "print_location"), say_nothing),
+            "remove_previous_comments": say_nothing,  # no comment comes so far
+            **(leaving_out if self.left_out.packages else {}),
+        }
 
     # files
 
@@ -107,6 +122,8 @@ class Expansion:
         except Exception:
             self._xacro.filestack.pop()
             raise
+        self.work.charge_text(len(text))
+        self.work.charge(ELEMENT_COST * text.count("<") + ATTRIBUTE_COST * text.count("="))
         root = parse_xml(text, Reading(path, self.packages))
         self.found.look_through(root, path)
         return _document(text, root, path)
@@ -129,6 +146,7 @@ class Expansion:
                 raise Refused("include-pattern-refused", what, "use them in the file's name, or name each file")
             return []
         names = self._confinement.entries(folder)
+        self.work.charge(len(names))
         shown = [other for other in names if name.startswith(".") or not other.startswith(".")]
         return [os.path.join(folder, match) for match in fnmatch.filter(shown, name)]
 
@@ -142,23 +160,10 @@ class Expansion:
             return {}
         path, text = self._read(name)
         self._xacro.filestack.append(name)
-        data = self._yaml(text, str(path))
+        units = {unit.value.tag: unit.value.conversion_constant for unit in self._xacro.ConstructUnits}
+        data = load_yaml(text, str(path), units, self._evaluation.number, self.work)
         self._xacro.filestack.pop()
         return data
-
-    def _yaml(self, text: str, name: str) -> Any:
-        """The plain data in a YAML text with xacro's units. PyYAML's messages show `name`."""
-        import yaml  # type: ignore[import-untyped,unused-ignore]
-
-        units = {unit.value.tag: unit.value.conversion_constant for unit in self._xacro.ConstructUnits}
-        stream = io.StringIO(text)
-        stream.name = name
-        try:
-            return yaml.load(stream, Loader=bounded_loader(MAX_NODES, units, self._evaluation.number))
-        except (RecursionError, yaml.YAMLError) as error:
-            if is_deep(error):
-                raise Refused("xacro-too-large", "the YAML is nested too deeply", "write it flatter") from None
-            raise
 
     def _absolute(self, name: str) -> str:
         name = name.replace("\\", "/")
@@ -175,6 +180,7 @@ class Expansion:
         if len(self._xacro.filestack) > MAX_INCLUDES:
             what = f"an included file refers to itself without end: {MAX_INCLUDES} files are open"
             raise Refused("xacro-recursion", what, "take out the include that comes back")
+        self.work.charge(FILE_COST)
         try:
             if name.startswith(MISSING_PACKAGE):
                 raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
@@ -186,10 +192,8 @@ class Expansion:
     def _folder(self, package: str) -> str:
         if package == ".":
             return str(self.path.parent)
-        if package == WORKING_FOLDER.removeprefix(PACKAGE):
-            if self._working_folder is None:
-                raise FileNotFoundError(errno.ENOENT, "the working folder has gone", "$(cwd)")
-            return self._working_folder
+        if package == WORKING_FOLDER:
+            return os.getcwd()
         return str(self.packages.find(package) or MISSING_PACKAGE + package)
 
     def find(self, package: str) -> str:
@@ -235,11 +239,11 @@ class Expansion:
         prefix, _, name = node.tagName.partition(":")
         if self.left_out and prefix == "xacro" and name != "call":
             try:
-                self._xacro.resolve_macro(name, macros, symbols)
+                self._original["resolve_macro"](name, macros, symbols)
             except KeyError:
                 what = f"a call of the macro {name!r} is left out: only what was left out before may define it"
                 self.left_out.leave_out(self.place, what)
-                self._xacro.replace_node(node, None)
+                self.replace_node(node, None)
                 return True
         return bool(self._original["handle_macro_call"](node, macros, symbols))
 
@@ -271,9 +275,31 @@ class Expansion:
             del self._xacro.filestack[files:], self._xacro.macrostack[calls:]
             name = str(node.getAttribute("name"))
             element = f"<{node.tagName}{f' name={name!r}' if name else ''}>"
-            self.left_out.leave_out(self.place, f"{element} is left out: {one_line(' '.join(str(error).split()), 200)}")
+            self.left_out.leave_out(self.place, f"{element} is left out: {one_line(str(error), 200)}")
             if node.parentNode is not None:
-                self._xacro.replace_node(node, None)
+                self.replace_node(node, None)
+
+    # work: `parse` charges for the contents of a file, these for copies and moves
+
+    def resolve_macro(self, name: str, macros: Any, symbols: Any) -> Any:
+        """Call xacro's function, and charge for the macro's body, which xacro then copies."""
+        found = self._original["resolve_macro"](name, macros, symbols)
+        self.work.charge(MACRO_COST + ELEMENT_COST * _size(found[2].body))
+        return found
+
+    def replace_node(self, node: Any, by: Any, content_only: bool = False) -> None:
+        """Call xacro's function, and charge for what it moves, and for a block what xacro has copied."""
+        new = by if isinstance(by, list) else [by] if by is not None else []
+        moved = 1 + sum(len(part.childNodes) if content_only else 1 for part in new)
+        copied = ELEMENT_COST * sum(map(_size, new)) if node.nodeName == "xacro:insert_block" else 0
+        looked_through = (moved + len(node.parentNode.childNodes)) // SIBLINGS_PER_UNIT
+        self.work.charge(CHANGE_COST + copied + moved * (1 + looked_through))
+        self._original["replace_node"](node, by, content_only)
+
+    def macro_parameter(self, text: str) -> Any:
+        """Call xacro's function, and charge for its copy of the other parameters."""
+        self.work.charge(1 + len(text) // CHARACTERS_PER_UNIT)
+        return self._original["parse_macro_arg"](text)
 
 
 def _document(text: str, root: ET.Element, path: Path) -> Any:
@@ -292,3 +318,15 @@ def _document(text: str, root: ET.Element, path: Path) -> Any:
             what = f"the prefix of {lost!r} is not declared"
             remedy = f'add xmlns:{prefix}="{XACRO if prefix == "xacro" else "…"}" to <robot>'
         raise refusal("xml-malformed", Place(str(path), error.lineno), what, remedy) from error
+
+
+def _size(node: Any) -> int:
+    """The number of nodes in the tree below, plus the units of its characters."""
+    size, stack = 0, [node]
+    while stack:
+        part = stack.pop()
+        size += 1 + len(getattr(part, "data", "")) // CHARACTERS_PER_UNIT
+        if part.nodeType == part.ELEMENT_NODE:
+            size += sum(1 + len(value) // CHARACTERS_PER_UNIT for _, value in part.attributes.items())
+        stack.extend(part.childNodes)
+    return size

@@ -11,6 +11,9 @@ TRIANGLES = 1_000_000
 PARTS = 5_000
 """Parts of one file, each drawn by itself. The largest files have some hundred."""
 
+MEMORY = 1_200_000_000
+"""Bytes of address space. To simplify and shade a million triangles takes 0.9 GB."""
+
 LONGEST = 1e9
 """Largest coordinate [m], as in a description. Its fourth power is still a finite number."""
 
@@ -19,6 +22,9 @@ SECONDS, SECONDS_PER_MEGABYTE, SECONDS_AT_MOST = 3.0, 1.0, 30.0
 
 ARM_SECONDS, ARM_SECONDS_AT_MOST = 8.0, 90.0
 """Processor time for all meshes of an arm, plus SECONDS_PER_MEGABYTE of each."""
+
+PATIENCE = 4.0
+"""Wall time of a mesh over its processor time. The machine may be busy, or its disk slow."""
 
 
 def seconds_for(size: int) -> float:

@@ -11,12 +11,9 @@ from typing import Any
 
 from ...support.closeable import Closeable
 from ...support.errors import InputError, TwistarmError, missing_extra, one_line
-from ...support.worker import MEMORY
-from ...support.worker_process import Process, shared
-from .limits import ARM_SECONDS, ARM_SECONDS_AT_MOST, SECONDS_PER_MEGABYTE, seconds_for
+from .limits import ARM_SECONDS, ARM_SECONDS_AT_MOST, MEMORY, PATIENCE, SECONDS_PER_MEGABYTE, seconds_for
 from .mesh_file import LIGHTER, Part, UnreadableMeshError, format_of, size_of
-
-WORKER = f"{__package__}.worker"
+from .process import Process, shared
 
 LONGEST_REASON = 300
 """Characters."""
@@ -39,10 +36,10 @@ class MeshReader(Closeable):
         self._lengths: dict[Path, float | TwistarmError] = {}
 
     def begin(self) -> None:
-        """Prepare the process if possible, and return at once. Its imports take some tenths of a second."""
+        """Start the process if possible, and return at once. Its imports take some tenths of a second."""
         if find_spec("trimesh") is not None:
             with suppress(TwistarmError):
-                shared.process().prepare(WORKER)
+                shared.process()
 
     def parts(self, path: Path, most: float = inf) -> list[Part]:
         """The parts of the mesh file at `path` in its frame, simplified to about `most` triangles.
@@ -89,21 +86,23 @@ class MeshReader(Closeable):
             if self._spent >= self._allowed:
                 spent = f"the meshes before it took all of the {self._allowed:.0f} s that an arm has"
                 raise UnreadableMeshError(path, spent, LIGHTER)
-            answer: dict[str, Any] = process.ask(WORKER, (path.absolute(), most), seconds)
+            answer = process.ask(path.absolute(), most, PATIENCE * seconds)
         except TwistarmError as error:
             self._unavailable = None if isinstance(error, UnreadableMeshError) else error
             raise
-        except (TimeoutError, MemoryError, EOFError) as error:
+        except (TimeoutError, EOFError) as error:
             self._spent += seconds
             if isinstance(error, EOFError):
                 raise UnreadableMeshError(path, "its reader broke down on it") from error
-            limit = f"{seconds:.0f} s" if isinstance(error, TimeoutError) else f"{MEMORY / 1e6:.0f} MB of memory"
-            raise UnreadableMeshError(path, f"reading it takes more than {limit}", LIGHTER) from error
+            raise UnreadableMeshError(path, f"reading it takes more than {seconds:.0f} s", LIGHTER) from error
         finally:
             with self._lock:
                 self._asked = None
         self._spent += answer["seconds"]
         self._allowed = min(self._allowed + SECONDS_PER_MEGABYTE * answer["bytes"] / 1e6, ARM_SECONDS_AT_MOST)
+        if answer["memory"]:
+            process.kill()
+            raise UnreadableMeshError(path, f"reading it takes more than {MEMORY / 1e6:.0f} MB of memory", LIGHTER)
         return answer
 
     def _process_to_ask(self) -> Process:

@@ -1,32 +1,31 @@
-"""The worker process, which reads meshes and expands xacro files: start it, send it requests, and end it."""
+"""The process that reads meshes: start it, send it requests, and end it."""
 
 from __future__ import annotations
 
 import atexit
+import json
 import os
-import pickle
 import signal
-import socket
 import subprocess
 import sys
 import threading
 from contextlib import suppress
+from multiprocessing import Pipe
 from pathlib import Path
 from typing import Any
 
-from .errors import TwistarmError, one_line
-from .worker import START
+from ...support.errors import TwistarmError, one_line
 
 PROGRAM = (
-    "import pickle, sys; sys.path[:], sys.argv = pickle.load(sys.stdin.buffer); "
-    "from twistarm.support.worker import main; main()"
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    "from twistarm.description.meshes.worker import main; main(int(sys.argv[2]))"
 )
 
 ALONE = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 """Extra threads would take address space and time."""
 
-PATIENCE = 4.0
-"""Wall time of a request over its processor time. The machine may be busy, or its disk slow."""
+START = 30.0
+"""Most seconds until the process is ready. It takes some tenths, and more from a cold disk."""
 
 LAST = 0.2
 """Seconds to wait for a killed process."""
@@ -39,14 +38,14 @@ class Process:
     """
 
     def __init__(self) -> None:
-        self._socket, theirs = socket.socketpair()
-        self._answers = self._socket.makefile("rb")
+        self._pipe, theirs = Pipe()
         try:
             self._popen = subprocess.Popen(
-                [sys.executable, "-I", "-S", "-c", PROGRAM],
-                stdin=theirs.fileno(),
+                [sys.executable, "-I", "-c", PROGRAM, json.dumps(_module_path()), str(theirs.fileno())],
+                stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
+                pass_fds=[theirs.fileno()],
                 cwd="/",
                 env=os.environ | ALONE,
                 start_new_session=True,
@@ -55,31 +54,25 @@ class Process:
             raise _unavailable(str(getattr(error, "strerror", None) or error)) from error
         finally:
             theirs.close()
-        self._sending = threading.Lock()
-        self._send((_module_path(), sys.argv))
+        self._ready = False
 
     @property
     def alive(self) -> bool:
         """Whether it is running."""
         return self._popen.poll() is None
 
-    def prepare(self, module: str) -> None:
-        """Let it import `module`, and return at once."""
-        self._send((module, None))
+    def ask(self, path: Path, most: float, seconds: float) -> dict[str, Any]:
+        """The worker's answer.
 
-    def ask(self, module: str, request: tuple[Any, ...], seconds: float) -> Any:
-        """What `answer` of the module returns for the request, which may take `seconds` of processor time.
-
-        Raises TimeoutError after that or PATIENCE times of wall time, MemoryError, and EOFError if the process ends
+        Raises TimeoutError after `seconds` of wall time or all of its processor time, and EOFError if it ends
         otherwise. Each error and interruption kills the process.
         """
         try:
-            self._send((module, request))
-            self._await_begin()
-            answer = self._answer(PATIENCE * seconds)
-            if isinstance(answer, MemoryError):
-                raise answer
-            return answer
+            if not self._ready:
+                self._begin()
+            with suppress(OSError):  # its end is told below
+                self._pipe.send((path, most))
+            return self._answer(seconds)
         except BaseException:
             self.kill()
             raise
@@ -92,21 +85,20 @@ class Process:
         with suppress(subprocess.TimeoutExpired):  # a disk that does not answer holds it up, and nobody else
             self._popen.wait(LAST)
 
-    def _send(self, message: Any) -> None:
-        with self._sending, suppress(OSError):  # its end is told by `_answer`
-            self._socket.sendall(pickle.dumps(message))
-
-    def _await_begin(self) -> None:
+    def _begin(self) -> None:
         try:
             self._answer(START)
         except (EOFError, TimeoutError) as error:
             raise _unavailable(f"it did not begin: {type(error).__name__}") from error
+        self._ready = True
 
-    def _answer(self, seconds: float) -> Any:
+    def _answer(self, seconds: float) -> dict[str, Any]:
         try:
-            self._socket.settimeout(seconds)
-            return pickle.load(self._answers)
-        except (EOFError, ConnectionError, pickle.UnpicklingError) as error:
+            if not self._pipe.poll(seconds):
+                raise TimeoutError
+            answer: dict[str, Any] = self._pipe.recv()
+            return answer
+        except (EOFError, ConnectionError) as error:
             with suppress(subprocess.TimeoutExpired):
                 if self._popen.wait(LAST) == -signal.SIGXCPU:
                     raise TimeoutError from error
@@ -115,22 +107,13 @@ class Process:
 
 def _module_path() -> list[str]:
     """The module path without the current folder, so no module beside a description is imported."""
-    own, here = os.path.realpath(Path(__file__).parents[2]), working_folder()
+    own, here = (os.path.realpath(folder) for folder in (Path(__file__).parents[3], "."))
     places = ((folder, os.path.realpath(folder)) for folder in sys.path if os.path.isabs(folder))
     return [folder for folder, place in places if place != here or place == own]
 
 
-def working_folder() -> str | None:
-    """The current folder without links, None where it has gone."""
-    try:
-        return os.getcwd()
-    except FileNotFoundError:
-        return None
-
-
 def _unavailable(why: str) -> TwistarmError:
-    what = "the process that draws meshes and expands xacro files could not be started here"
-    return TwistarmError(one_line(f"{what} ({why})"))
+    return TwistarmError(one_line(f"no mesh is drawn: the process that reads them could not be started here ({why})"))
 
 
 class Shared:
