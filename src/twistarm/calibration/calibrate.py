@@ -199,7 +199,9 @@ def _covariance(problem: Problem, q: Array, free: Bools, weights: Array) -> Arra
     r, A = problem.residual(q, weights), problem.slopes(q, weights)[:, free]
     louder = max(1.0, float(r @ r) / max(1, len(r) - A.shape[1]))
     covariance, size = np.zeros((len(q), len(q))), np.linalg.norm(A, axis=0)
-    covariance[np.ix_(free, free)] = louder * np.linalg.pinv((A / size).T @ (A / size)) / np.outer(size, size)
+    covariance[np.ix_(free, free)] = (
+        louder * np.linalg.pinv((A / size).T @ (A / size), rcond=1e-12) / np.outer(size, size)
+    )
     return covariance
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TextIO
 
 import numpy as np
 import typer
@@ -99,13 +99,19 @@ def calibrate(
         "toml": lambda: _toml(found),
         "png": lambda: plot_of(found),
     }
-    outputs.say(outputs.write(contents))
-    if view:
-        with Viewer(arm, open_browser=False) as viewer:
-            viewer.show_residuals(found)
-            show_address(viewer, browser=True, out=sys.stderr if json else outputs.words)
-            viewer.wait()
+    try:
+        outputs.say(outputs.write(contents))
+    finally:  # a correction that is refused is the one to look at
+        if view:
+            _show(found, arm, sys.stderr if json else outputs.words)
     return 0 if found.confirmed else 1
+
+
+def _show(found: Calibration, arm: Arm, out: TextIO) -> None:
+    with Viewer(arm, open_browser=False) as viewer:
+        viewer.show_residuals(found)
+        show_address(viewer, browser=True, out=out)
+        viewer.wait()
 
 
 def _distance(said: str) -> tuple[tuple[str, str], float]:

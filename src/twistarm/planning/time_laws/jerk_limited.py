@@ -17,7 +17,7 @@ from ..joint_path import JointPath
 from ..optional import scipy
 from .bounds import PathBounds
 
-INTERVALS, GRID_SAMPLES, ENDS = 300, 2000, 0.9
+INTERVALS, GRID_SAMPLES, ENDS = 400, 2000, 0.9
 """Intervals of the grid, samples to lay it out, and how much shorter its steps are at both ends."""
 
 SHARPER, GAP, STEPS = 8.0, 1e-2, 16
