@@ -138,6 +138,7 @@ def _still(problem: Problem) -> tuple[str, ...]:
     """Joints that hardly move: their corrections would hold near one value only."""
     arm, travel = problem.geometry.arm, np.ptp(problem.log.theta, axis=0)
     least = np.where(np.array(arm.units) == "m", LITTLE_LENGTH, LITTLE_ANGLE)
+    least = np.minimum(least, 0.5 * (arm.limits.upper - arm.limits.lower))
     still = [name for name, moved, enough in zip(arm.joint_names, travel, least, strict=True) if moved < enough]
     if not still:
         return ()
