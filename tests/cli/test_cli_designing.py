@@ -71,7 +71,7 @@ def test_an_unknown_payload_is_no_good_answer(capsys: Capture, tmp_path: Path) -
 def test_designs(capsys: Capture) -> None:
     content = answer(capsys, "designs", "rover_arm", "rover_arm_6dof")
     ours, other = content["designs"]
-    assert f"reaches {100 * (other['reach'] / ours['reach'] - 1):.2g} % more" in content["against"][0]
+    assert f"reaches out {100 * (other['farthest'] / ours['farthest'] - 1):.2g} % more" in content["against"][0]
     shown = printed(capsys, "designs", "rover_arm", "rover_arm_6dof")
     assert content["against"][0] in shown
     assert "-0.5 … 0.5" in shown

@@ -130,7 +130,7 @@ def _picture(found: Payload, theta: Array) -> bytes:
 
 
 NUMBERS = (
-    ("reach [m]", "reach"), ("volume [m³]", "volume"), ("condition, median", "condition"),
+    ("reach [m]", "reach"), ("farthest [m]", "farthest"), ("volume [m³]", "volume"), ("condition, median", "condition"),
     ("near-singular, share", "singular"), ("least payload [kg]", "payload"), ("median payload [kg]", "median_payload"),
     ("moving mass [kg]", "mass"), ("motion [s]", "duration"),
 )  # fmt: skip
