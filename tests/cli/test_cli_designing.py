@@ -68,8 +68,16 @@ def test_an_unknown_payload_is_no_good_answer(capsys: Capture, tmp_path: Path) -
     assert "the payload is unknown" in printed(capsys, "payload", arm, code=1)
 
 
-def test_designs(capsys: Capture) -> None:
-    content = answer(capsys, "designs", "rover_arm", "rover_arm_6dof")
+def test_designs(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    content = answer(capsys, "designs", "rover_arm", "rover_arm_6dof", "-o", "d.csv", "-o", "d.png")
+    with open("d.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["volume [m³]"]) for row in rows] == [each["volume"] for each in content["designs"]]
+    image = pytest.importorskip("PIL.Image").open("d.png").convert("RGB")
+    colours = [image.getpixel((x, y)) for x in range(image.width // 3, image.width) for y in range(image.height)]
+    first, second = (31, 119, 180), (255, 127, 14)  # matplotlib's C0 and C1
+    assert min(colours.count(first), colours.count(second)) > 200, "both outlines"
     ours, other = content["designs"]
     assert f"reaches out {100 * (other['farthest'] / ours['farthest'] - 1):.2g} % more" in content["against"][0]
     shown = printed(capsys, "designs", "rover_arm", "rover_arm_6dof")

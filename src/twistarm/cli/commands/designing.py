@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Any
@@ -16,8 +15,10 @@ from ...design import Needs, Payload, compare_designs
 from ...design import payload as payload_of
 from ...support.checks import Array, as_not_negative
 from ...support.csv_lines import csv_text
-from ...support.errors import InputError, missing_extra
+from ...support.errors import InputError
+from ...support.pictures import empty_figure, png_of
 from ..asked_motion import motion_of_file, typed_targets
+from ..design_picture import picture_of
 from ..options import CONFIGURATION, Json, Radians, takes_arm, takes_source
 from ..output import console, note, number, print_json, say, shown, table, theta_typed
 from ..outputs import Force, outputs_of
@@ -32,6 +33,11 @@ Files = Annotated[
     list[str] | None,
     typer.Option("--output", "-o", metavar="FILE", help="Every configuration to *.csv, a picture to *.png; repeat it."),
 ]
+Tables = Annotated[
+    list[str] | None,
+    typer.Option("--output", "-o", metavar="FILE", help="The figures to *.csv, bars and outlines to *.png; repeat it."),
+]
+KINDS = {"csv": (".csv",), "png": (".png",)}
 
 
 @takes_arm
@@ -46,7 +52,7 @@ def payload(
     json: Json = False,
 ) -> int:
     """Show the greatest mass at the tool anywhere inside the limits, at --theta, or along --motion."""
-    outputs = outputs_of(output, {"csv": (".csv",), "png": (".png",)}, force=force, json=json)
+    outputs = outputs_of(output, KINDS, force=force, json=json)
     as_not_negative(mass, "--mass")
     if motion is not None and theta is not None:
         raise InputError("--motion has its own configurations: leave out --theta")
@@ -110,11 +116,7 @@ def _csv(found: Payload, theta: Array, by: list[str]) -> str:
 
 def _picture(found: Payload, theta: Array) -> bytes:
     """A PNG: the payload against the time of a motion, else as the colour of the tool's places round the base."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise missing_extra("a picture", "matplotlib", "guide") from error
-    figure, file, mass = Figure(layout="constrained"), io.BytesIO(), found.mass.ravel()
+    figure, mass = empty_figure("a picture"), found.mass.ravel()
     axes: Any = figure.subplots()
     if found.t is not None:
         axes.plot(found.t, mass)
@@ -125,8 +127,7 @@ def _picture(found: Payload, theta: Array) -> bytes:
         dots = axes.scatter(np.hypot(x, y), z, c=mass, s=6, vmin=0.0, vmax=most)
         axes.set(xlabel="distance from the base's z axis [m]", ylabel="height [m]", aspect="equal")
         figure.colorbar(dots, label="payload [kg]", extend="max")
-    figure.savefig(file, format="png", dpi=120, bbox_inches="tight")
-    return file.getvalue()
+    return png_of(figure, dpi=120, bbox_inches="tight")
 
 
 NUMBERS = (
@@ -145,10 +146,13 @@ def designs(
     xyz: Positions = None,
     rpy: Rpys = None,
     direction: Directions = None,
+    output: Tables = None,
+    force: Force = False,
     rad: Radians = False,
     json: Json = False,
 ) -> None:
     """Compare arms: reach, dexterity, payload, mass, joint ranges, and the time of a motion through --xyz."""
+    outputs = outputs_of(output, KINDS, force=force, json=json)
     targets = typed_targets(xyz or (), rpy or (), direction or (), None, rad)
     if len(targets) == 1:
         raise InputError("a motion leads from one --xyz to another: give two or more, or none")
@@ -156,13 +160,17 @@ def designs(
     against = [each.against(found[0]) for each in found[1:]]
     for name, why in ((each.name, why) for each in found for why in each.notes):
         note(f"{name}: {why}")
+    heads = ["design", *(title for title, _ in NUMBERS)]
+    lines = [[each.name, *(getattr(each, field) for _, field in NUMBERS)] for each in found]
+    written = outputs.write({"csv": lambda: csv_text(heads, lines), "png": lambda: picture_of(found, dict(NUMBERS))})
     if json:
         told = [vars(each) | {"arm": info_json(each.arm)["joints"]} for each in found]
-        print_json({"designs": told, "against": against})
+        print_json({"designs": told, "against": against, "written": written})
         return
     rows = [[title, *(number(getattr(each, field), 3) for each in found)] for title, field in NUMBERS]
     ends = [[shown(each.arm, x, rad, 1) for x in (each.arm.limits.lower, each.arm.limits.upper)] for each in found]
     ranges = zip_longest(*([f"{low} … {high}" for low, high in zip(*each, strict=True)] for each in ends), fillvalue="")
     rows += [[f"joint {i} [{'rad' if rad else '°'}, m]", *row] for i, row in enumerate(ranges, 1)]
-    console().print(table("", ["", *(each.name for each in found)], rows))
-    say(*against)
+    console(outputs.words).print(table("", ["", *(each.name for each in found)], rows))
+    say(*against, file=outputs.words)
+    outputs.say(written)
