@@ -13,6 +13,7 @@ import twistarm
 from test_cli import answer, error_of, printed
 from twistarm import payload
 from twistarm.cli.application import run
+from twistarm.cli.commands import designing
 from urdf_text import two_joints, write
 
 Capture = pytest.CaptureFixture[str]
@@ -49,6 +50,17 @@ def test_payload_of_a_motion_in_files(capsys: Capture, tmp_path: Path, monkeypat
     assert float(rows[-1]["time [s]"]) > 0.0
     assert Path("held.png").read_bytes().startswith(b"\x89PNG")
     assert content["needs"]["speed"][1] > 0.1
+
+
+def test_payload_over_space(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(designing, "SAMPLES", 5000)
+    content = answer(capsys, "payload", "rover_arm", "--voxel", "0.2", "-o", "held.csv", "-o", "held.png")
+    with open("held.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert sum(int(row["configurations"]) for row in rows) == 5000
+    assert min(float(row["least payload [kg]"]) for row in rows) == content["payload"]
+    assert Path("held.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_an_unknown_payload_is_no_good_answer(capsys: Capture, tmp_path: Path) -> None:
@@ -90,6 +102,8 @@ def test_designs(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     [
         (["payload", "rover_arm", "--mass", "-1"], "--mass must be 0 or more"),
         (["payload", "rover_arm", "--theta", "ready", "--motion", "m.csv"], "leave out --theta"),
+        (["payload", "rover_arm", "--theta", "ready", "--voxel", "0.2"], "--voxel maps random configurations"),
+        (["payload", "rover_arm", "--voxel", "0"], "--voxel must be"),
         (["payload", "rover_arm", "-o", "x.pdf"], "-o takes *.csv or *.png"),
         (["designs", "rover_arm"], "Missing argument"),
         (["designs", "rover_arm", "ur5", "--xyz", "0.5 0 0.5"], "give two or more, or none"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,9 +12,9 @@ import typer
 
 from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
-from ...design import Needs, Payload, compare_designs
+from ...design import Cubes, Needs, Payload, compare_designs
 from ...design import payload as payload_of
-from ...support.checks import Array, as_not_negative
+from ...support.checks import Array, as_not_negative, as_positive
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...support.pictures import empty_figure, png_of
@@ -29,6 +30,11 @@ from .motion import Directions, Positions, Rpys
 
 Motion = Annotated[Path | None, typer.Option(metavar="FILE", help="Along a motion: *.csv, *.json, *.yaml or *.toml.")]
 Mass = Annotated[float, typer.Option(metavar="KG", help="A wanted payload: what each joint and motor needs for it.")]
+Voxel = Annotated[
+    float | None, typer.Option(metavar="M", help="-o writes the payload over space, in cubes of this side.")
+]
+SAMPLES = 200_000
+"""Random configurations of a map of the payload: four seconds."""
 Files = Annotated[
     list[str] | None,
     typer.Option("--output", "-o", metavar="FILE", help="Every configuration to *.csv, a picture to *.png; repeat it."),
@@ -46,6 +52,7 @@ def payload(
     theta: Annotated[str | None, CONFIGURATION] = None,
     motion: Motion = None,
     mass: Mass = 0.0,
+    voxel: Voxel = None,
     output: Files = None,
     force: Force = False,
     rad: Radians = False,
@@ -56,13 +63,18 @@ def payload(
     as_not_negative(mass, "--mass")
     if motion is not None and theta is not None:
         raise InputError("--motion has its own configurations: leave out --theta")
+    if voxel is not None:
+        as_positive(voxel, "--voxel")
+        if motion is not None or theta is not None:
+            raise InputError("--voxel maps random configurations: leave out --theta and --motion")
     x: Any = None if theta is None else parse_theta(arm, theta, rad)
     if x is not None:
         warn_outside(arm, x, rad)
+    x = arm.random_theta(0, SAMPLES) if voxel else x
     found = payload_of(arm, x if motion is None else motion_of_file(arm, motion, {})[1])
     needs, x = found.needs(mass), found.theta.reshape(-1, arm.n)
     by = [found.names[row] if row >= 0 else "nothing" for row in found.limiting.ravel()]
-    written = outputs.write({"csv": lambda: _csv(found, x, by), "png": lambda: _picture(found, x)})
+    written = outputs.write(_contents(found, x, by, voxel))
     for each in found.notes:
         note(each)
     if json:
@@ -105,6 +117,13 @@ def _needs_table(found: Payload, needs: Needs, mass: float) -> Any:
     return table(title, ["", *columns], [[*row] for row in zip(found.names, *columns.values(), strict=False)], ["unit"])
 
 
+def _contents(found: Payload, x: Array, by: list[str], voxel: float | None) -> dict[str, Callable[[], str | bytes]]:
+    if voxel is None:
+        return {"csv": lambda: _csv(found, x, by), "png": lambda: _picture(found, x)}
+    cubes, side = found.in_cubes(voxel), voxel
+    return {"csv": lambda: _cubes_csv(cubes), "png": lambda: _cubes_picture(found.arm.name, cubes, side)}
+
+
 def _csv(found: Payload, theta: Array, by: list[str]) -> str:
     """A row for each state: the time of a motion, theta, the payload and what limits it."""
     times = {} if found.t is None else {"time [s]": found.t}
@@ -128,6 +147,30 @@ def _picture(found: Payload, theta: Array) -> bytes:
         axes.set(xlabel="distance from the base's z axis [m]", ylabel="height [m]", aspect="equal")
         figure.colorbar(dots, label="payload [kg]", extend="max")
     return png_of(figure, dpi=120, bbox_inches="tight")
+
+
+def _cubes_csv(cubes: Cubes) -> str:
+    heads = ["x [m]", "y [m]", "z [m]", "configurations", "least payload [kg]", "greatest payload [kg]"]
+    return csv_text(heads, ([*p.round(9), *rest] for p, *rest in zip(*cubes, strict=True)))
+
+
+def _cubes_picture(name: str, cubes: Cubes, voxel: float) -> bytes:
+    """A PNG: the layer of cubes nearest to y = 0, by their least and by their greatest payload."""
+    figure, index = empty_figure("a picture", figsize=(11, 4.5)), np.round(cubes.centres / voxel).astype(int)
+    x, y, z = index.T
+    level = y[np.abs(y).argmin()]
+    here = y == level
+    held = np.concatenate([cubes.least, cubes.greatest])
+    most = float(np.quantile(held[np.isfinite(held)], 0.9)) if np.isfinite(held).any() else 1.0
+    ends = [voxel * (end + half) for i in (x, z) for end, half in ((i.min(), -0.5), (i.max(), 0.5))]
+    for axes, which in zip(figure.subplots(1, 2), ("least", "greatest"), strict=True):
+        layer = np.full((np.ptp(z) + 1, np.ptp(x) + 1), np.nan)
+        layer[(z - z.min())[here], (x - x.min())[here]] = getattr(cubes, which)[here]
+        drawn = axes.imshow(layer, origin="lower", extent=ends, vmin=0.0, vmax=most)
+        axes.set(title=f"{which} payload, y = {voxel * level:.3g} m", xlabel="x [m]", ylabel="z [m]")
+    figure.colorbar(drawn, ax=figure.axes, label="payload [kg]", extend="max")
+    figure.suptitle(name, parse_math=False)
+    return png_of(figure)
 
 
 NUMBERS = (
