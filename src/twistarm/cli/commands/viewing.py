@@ -64,6 +64,7 @@ FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
 def view(
     source: str,
     load: dict[str, Any],
+    beside: Annotated[str | None, typer.Argument(metavar="[ARM]", help="Another arm, as rods beside it.")] = None,
     theta: Annotated[str | None, CONFIGURATION] = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
@@ -92,6 +93,8 @@ def view(
         raise InputError("--scene is for a page that is served: it does not go with -o FILE")
     if outputs.files and watch:
         raise InputError("--watch is for a page that is served: it does not go with -o FILE")
+    if beside is not None and (outputs.files or watch):
+        raise InputError("a second ARM is for a page that is served: it does not go with -o FILE or --watch")
     if outputs.files:
         start = x if motion is None else motion(0.0)
         contents: dict[str, Callable[[], str | bytes]] = {
@@ -101,8 +104,9 @@ def view(
         outputs.say(outputs.write(contents))
         return
     obstacles = None if scene is None else Scene.load(arm, scene)
+    other = None if beside is None else load_arm(beside, **load)
     with ExitStack() as stack:
-        viewer = Viewer(arm, x, host=host, port=port, open_browser=False, keep=port != 0, scene=obstacles)
+        viewer = Viewer(arm, x, host=host, port=port, open_browser=False, keep=port != 0, scene=obstacles, beside=other)
         stack.enter_context(viewer)
         if motion is not None:
             viewer.show_path(motion)
