@@ -58,11 +58,12 @@ def drawing(m: ReachMap) -> Message:
     padded = np.pad(m.counts, [(0, -size % step) for size in m.grid.shape])
     counts = padded.reshape([part for size in padded.shape for part in (size // step, step)]).max(axis=(1, 3, 5))
     first, voxel, n = m.grid.voxel * (np.array(m.grid.lower) + (step - 1) / 2), step * m.grid.voxel, len(m.directions)
-    best, how = int(counts.max(initial=0)), "at random" if m.settings.get("method") == "fk" else "by IK"
-    which = f"of {n} directions" if n > 1 else f"along {np.round(m.directions[0], 2) + 0.0}" if n else "as a position"
+    best, how = int(counts.max(initial=0)), "sampled" if m.settings.get("method") == "fk" else "by IK"
+    which = f"Reached along {np.round(m.directions[0], 2) + 0.0}" if n else "Reached in any orientation"
+    which = f"Share of {n} directions" if n > 1 else which
     shares = np.ceil(255.0 * counts / max(best, 1))
     points, faces, values = hull(shares)
-    words = f"Reached {which}, {how}; cubes of {voxel:.3g} m"
+    words = f"{which}, {how}; cubes of {voxel:.3g} m"
     cubes = {"first": first.tolist(), "voxel": voxel, "shape": list(shares.shape), "shares": packed(shares, "u1")}
     surface = {"points": packed(first + voxel * points, "<f4"), "faces": packed(faces, "<u4")}
     surface["values"] = packed(values, "u1")
