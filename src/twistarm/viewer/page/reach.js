@@ -50,13 +50,18 @@ export class Reach {
     this.group.add(Object.assign(skin, { renderOrder: 1 }), this.slice);
     $("reach-best").textContent = `${Math.round(100 * map.best)} %`;
     $("reach-words").textContent = map.words;
-    this.show(this.group.visible);
+    this.reveal();
     this.view.reframe();
   }
 
   show(on) {
+    if (on === this.group.visible) return;
     this.group.visible = on;
-    $("reach-legend").hidden = !on || this.map === null; // where the view makes room for it
+    this.reveal();
+  }
+
+  reveal() {
+    $("reach-legend").hidden = !this.group.visible || this.map === null; // the view makes room for it
     this.cut();
     this.view.viewer.set_dirty();
   }
