@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,6 @@ from catalogue import load
 from twistarm import (
     Approach,
     InputError,
-    Position,
     ReachMap,
     Scene,
     arm_from_screws,
@@ -20,9 +20,8 @@ from twistarm import (
     reach_map,
     solve_ik,
 )
-from twistarm.ik.reach_ball import reach_ball
 from twistarm.sweeps import mapping
-from twistarm.sweeps.grid import Grid
+from twistarm.sweeps.grid import Grid, sphere
 from urdf_text import joint, robot, write
 
 
@@ -160,7 +159,8 @@ def test_files(around, rover, tmp_path):
     assert image.size == (1200, 420)
     other = io.BytesIO()
     np.savez(other, head=np.array('{"format": "a log"}'), counts=np.zeros(3))
-    for content in (b"", b"PK\x03\x04", path.read_bytes()[:500], other.getvalue()):
+    flat = replace(around, counts=around.counts.ravel()).save(tmp_path / "flat.npz")
+    for content in (b"", b"PK\x03\x04", path.read_bytes()[:500], other.getvalue(), flat.read_bytes()):
         (tmp_path / "bad.npz").write_bytes(content)
         with pytest.raises(InputError, match="bad.npz"):
             ReachMap.load(tmp_path / "bad.npz")
@@ -187,7 +187,7 @@ def test_memory_that_is_missing_is_named_with_the_size_that_fits(rover, monkeypa
     with pytest.raises(InputError, match="memory") as said:
         reach_map(rover, 1e-4)
     fits = float(str(said.value).split()[-3])
-    mapping._require_memory(Grid.about(*reach_ball(rover, Position([0.0] * 3), rover.sampling_bounds)[1:], fits), 13)
+    mapping._require_memory(Grid.about(*sphere(rover), fits), 13)
     assert 1e-4 < fits < 1e-2
 
 

@@ -9,14 +9,13 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..checking.doctor.postures import POOR
-from ..ik import Position, reachable, solve_ik
-from ..ik.reach_ball import reach_ball
+from ..ik import reachable, solve_ik
 from ..ik.targets import Target
 from ..planning import JointMove, PathError, plan
 from ..support.checks import Array
 from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, shown
-from ..sweeps.grid import Grid
+from ..sweeps.grid import Grid, sphere
 from ..theory.manipulability import Manipulability, scaled_jacobian
 from .extremes import with_extremes
 from .payload import payload
@@ -132,7 +131,7 @@ def _volume(arm: Arm) -> float:
 
     Centres of cubes err by half a cube at a face along the axes, as that of a rail. Random points do not.
     """
-    _, centre, radius = reach_ball(arm, Position([0.0] * 3), arm.sampling_bounds)
+    centre, radius = sphere(arm)
     grid = Grid.about(centre, radius, 2.0 * radius / CUBES)
     p = grid.centres(np.arange(grid.count))
     p += grid.voxel * np.random.default_rng(0).uniform(-0.5, 0.5, p.shape)

@@ -1,4 +1,4 @@
-"""Cubes of space about an arm."""
+"""Cubes of space about an arm, and the sphere that holds every position of its tool."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arm.arm import Arm
+from ..ik import Position
+from ..ik.reach_ball import reach_ball
 from ..support.checks import Array
 
 
@@ -44,3 +47,9 @@ class Grid:
     def along(self, axis: int) -> Array:
         """The centres [m] along an axis."""
         return np.array(self.voxel * np.arange(self.lower[axis], self.lower[axis] + self.shape[axis]))
+
+
+def sphere(arm: Arm) -> tuple[Array, float]:
+    """The centre (3,) and radius [m] of a sphere that the tool's origin never leaves, slides without limits by ±1 m."""
+    _, centre, radius = reach_ball(arm, Position([0.0] * 3), arm.sampling_bounds)
+    return centre, radius

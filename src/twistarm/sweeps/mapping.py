@@ -17,12 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..arm.arm import Arm, require_arm
 from ..arm.baking import text_of
 from ..ik import Approach, Position, reachable, solve_ik_batch
-from ..ik.reach_ball import reach_ball
 from ..support.checks import Array, as_direction, as_positive, as_whole, require_choice
 from ..support.errors import InputError
 from ..theory.manipulability import scaled_jacobian
 from .chunks import Arrays, Sweep
-from .grid import Grid
+from .grid import Grid, sphere
 from .voxel_map import ReachMap, digest_of
 
 if TYPE_CHECKING:
@@ -94,7 +93,7 @@ def reach_map(
 
         require_scene(scene, arm).find_allowed_pairs()
         told = [scene_text(scene.content(), Path()), scene._description.text, scene.exact, sorted(scene.allowed)]
-    _, centre, radius = reach_ball(require_arm(arm), Position([0.0] * 3), arm.sampling_bounds)
+    centre, radius = sphere(require_arm(arm))
     if side > radius:
         raise InputError(f"voxel must be at most the arm's reach, {radius:.3g} m; got {side:g}: lengths are in metres")
     grid, each = Grid.about(centre, radius, side), max(len(towards), 1)
