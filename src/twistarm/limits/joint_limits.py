@@ -125,6 +125,15 @@ class JointLimits:
         return replace(self, **updated)
 
 
+def by_field(limits: Mapping[str, Mapping[str, float]]) -> dict[str, dict[str, float]]:
+    """Return limits by field and joint, as `JointLimits.with_` takes them, of limits by joint and field."""
+    changes: dict[str, dict[str, float]] = {}
+    for joint, values in limits.items():
+        for field, value in values.items():
+            changes.setdefault(field, {})[joint] = value
+    return changes
+
+
 def usual_half(kind: str) -> float:
     """Return half the range of an unbounded joint: π rad, or 1 m for a slide."""
     return 1.0 if slides(kind) else float(np.pi)
