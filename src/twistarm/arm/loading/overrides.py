@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ...description.companions.arm_file import ArmSpecification
+from ...description.companions.arm_file import ArmSpecification, Motor
 from ...description.companions.joint_limits import LimitsFile, read_joint_limits
-from ...description.companions.motors import Motor
 from ...description.companions.srdf import GroupState, Semantics
 from ...description.coupling import Affine
 from ...description.findings import Finding, Place, finding, refusal

@@ -81,9 +81,7 @@ def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
     Raises DescriptionError (file, joint, remedy).
     """
     file = existing_file(path, "the path of a joint_limits.yaml")
-    if file.stat().st_size > MAX_BYTES:
-        raise _unusable(file, f"it has {file.stat().st_size} bytes; joint limits have at most {MAX_BYTES}")
-    content = parse_yaml(read_text(file), file)
+    content = parse_yaml(read_text(file, MAX_BYTES), file)
     found = list(_nested(content, MAX_NESTING))
     if len(found) != 1:
         there = f"it holds joint_limits in {len(found)} places" if found else "it holds no joint_limits"

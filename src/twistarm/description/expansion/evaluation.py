@@ -1,11 +1,13 @@
-"""xacro's texts: `${expressions}` and `$(commands)` in them, evaluated with counted work."""
+"""xacro's texts and YAML: `${expressions}` and `$(commands)` in them, evaluated with counted work."""
 
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ..yaml_reading import bounded_loader, is_deep
 from .environment import Environment
 from .expressions import Expressions
 from .names import DIRECT, math_names, python_names, tokenize
@@ -15,6 +17,9 @@ _TOKEN = re.compile(r"(\$\$+[{(])|\$\{([^}]*)\}|\$\(([^)]*)\)|([^$]+|\$[^{($]+|\
 """xacro's tokens: escaped dollars, `${expression}`, `$(command)`, text."""
 
 _FIND = re.compile(r"\$\(find ([^)\s]+)\)")
+
+NODE_COST, CHARACTER_COST = 50, 0.6
+"""Units that PyYAML in Python takes for a node, and for a character."""
 
 WORKING_FOLDER = ".cwd"
 """The working folder, written as a package's name."""
@@ -55,9 +60,30 @@ class Evaluation:
         }
         """The names at the root of every scope, for xacro's `_global_symbols`."""
 
-    def number(self, expression: str) -> float:
-        """The value of an expression in YAML, with the global names only."""
-        return float(self._expressions.evaluate(expression, self.symbols))
+    def yaml(self, text: str, name: str) -> Any:
+        """The data in a YAML text, by `bounded_loader`: plain, counted before it is built, with xacro's units.
+
+        Expressions in it see the global names only. PyYAML's messages show `name`.
+        """
+        import yaml  # type: ignore[import-untyped,unused-ignore]
+
+        def charge(nodes: int) -> str:
+            self._work.charge(NODE_COST + nodes)
+            return ""
+
+        def number(expression: str) -> float:
+            return float(self._expressions.evaluate(expression, self.symbols))
+
+        self._work.charge(int(CHARACTER_COST * len(text)))
+        units = {unit.value.tag: unit.value.conversion_constant for unit in self._xacro.ConstructUnits}
+        stream = io.StringIO(text)
+        stream.name = name
+        try:
+            return yaml.load(stream, Loader=bounded_loader(charge, units, number))
+        except (RecursionError, yaml.YAMLError) as error:
+            if is_deep(error):
+                raise Refused("xacro-too-large", "the YAML is nested too deeply", "write it flatter") from None
+            raise
 
     def text(self, text: str, symbols: Any) -> Any:
         """A text with its expressions and commands replaced. A lone expression keeps its type."""
