@@ -89,7 +89,10 @@ REFUSED = {
         tiny('<disable_default_collisions link="l"/>' * 201),
         "it has 201 elements <disable_default_collisions>; allowed are 200",
     ),
-    "too large": ("<robot name='t'>" + " " * 1_000_000 + "</robot>", "it has 1,000,024 bytes; at most 1,000,000 are read"),
+    "too large": (
+        "<robot name='t'>" + " " * 1_000_000 + "</robot>",
+        "it has 1,000,024 bytes; at most 1,000,000 are read",
+    ),
 }
 
 

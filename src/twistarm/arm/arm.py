@@ -17,8 +17,7 @@ from ..description.coupling import Affine
 from ..description.findings import Finding
 from ..description.tree import Description
 from ..limits.actuators import Actuators
-from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits, usual_half
-from ..limits.joint_units import slides, unit_of
+from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits, slides, unit_of, usual_half
 from ..support.caller_words import FRAME_NAMES
 from ..support.checks import (
     Array,

@@ -340,6 +340,17 @@ def made_by(calls: str) -> Callable[[type[T]], type[T]]:
     return worded
 
 
+class Rechecked:
+    """A dataclass that is checked anew after a pickle, whose arrays are writeable again when they come out of it."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
+
+
 def frozen(array: ArrayLike) -> Array:
     """A read-only float64 copy, row by row: what an object with identity stores."""
     copy = np.array(array, dtype=np.float64, order="C")

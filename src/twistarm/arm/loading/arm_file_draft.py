@@ -17,7 +17,7 @@ from ...description.expansion.expand import expand_xacro, is_xacro
 from ...description.packages import package_index
 from ...description.tips.choice import candidates
 from ...description.tree import Description
-from ...limits.joint_units import unit_of
+from ...limits.joint_limits import unit_of
 from ...support.errors import DescriptionError, InputError
 from ...support.files import as_path
 from ..arm import Arm

@@ -15,9 +15,8 @@ from ...support.checks import Array, as_vector, frozen, require_one
 from ...support.errors import InputError
 from ...support.files import as_path, is_file
 from ...theory.rotations import from_rpy
-from ..copies import is_too_wide
 from ..findings import Place, refusal
-from ..packages import package_names
+from ..packages import is_too_wide, package_names
 from .toml_entries import bounded, number_of, numbers_of, only, parse_toml, table_of, text_of, unusable
 
 MOTOR_LIMITS = ("lower", "upper", "velocity", "acceleration", "effort")

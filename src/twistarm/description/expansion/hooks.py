@@ -20,8 +20,7 @@ from ..findings import Place, refusal
 from ..packages import PackageIndex, is_package_name
 from .arguments import Arguments
 from .confinement import Confinement
-from .environment import Environment
-from .evaluation import WORKING_FOLDER, Evaluation, say_nothing
+from .evaluation import WORKING_FOLDER, Environment, Evaluation, say_nothing
 from .left_out import NEEDED, LeftOut
 from .work import CHARACTERS_PER_UNIT, Refused, Work, is_final
 
