@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm
 from ..collision import Scene
-from ..limits.joint_units import unit_of
+from ..limits.joint_limits import unit_of
 from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
 from .parts.collisions import Collisions

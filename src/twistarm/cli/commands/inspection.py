@@ -15,7 +15,7 @@ from rich.console import Group
 from ...arm import engine
 from ...arm.arm import Arm
 from ...description import catalog
-from ...description.companions.motors import MOTOR_LIMITS
+from ...description.companions.arm_file import MOTOR_LIMITS
 from ...ik import closed_form_of
 from ...limits.actuators import Actuators
 from ...limits.joint_limits import FIELDS

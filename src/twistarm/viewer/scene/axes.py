@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arm.arm import Arm
-from ...limits.joint_units import slides
+from ...limits.joint_limits import slides
 from ...support.checks import Array
 from ...theory.screws import to_screw
 from . import drawing
