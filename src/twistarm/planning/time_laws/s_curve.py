@@ -12,9 +12,9 @@ from ..bernstein import bernstein
 from ..joint_path import JointPath
 from ..piecewise import derivative
 from .bounds import PathBounds
-from .interval_limits import LimitedPath
 from .law import TimeLaw
 from .pace import at_full_pace
+from .path_velocity import LimitedPath
 from .smoothing import roughly_smoothed, smoothed
 from .tightening import Needs, widened
 from .time_optimal import first_grid, on_grid
