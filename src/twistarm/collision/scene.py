@@ -532,7 +532,7 @@ class Scene:
         other, margins, metres = copy(self), list(checker.margins), checker.distances(q)
         for k in hit:
             margins[k] = min(margins[k], metres[k] - 2.0 * FINE)
-        other._made = {"_make_checker": checker.with_margins(margins)}
+        other._made = {"checker": checker.with_margins(margins)}
         return other
 
     @property
@@ -543,7 +543,7 @@ class Scene:
     @property
     def near_pairs(self) -> NearPairs:
         """What finds the pairs that are near at a configuration."""
-        return self._kept(self._make_near_pairs)
+        return self._kept("near pairs", self._make_near_pairs)
 
     def _make_near_pairs(self) -> NearPairs:
         checker = self._checker
@@ -641,12 +641,12 @@ class Scene:
         # Another thread may still be making a checker of the bodies before: it goes into the mapping before.
         self._made = {}
 
-    def _kept(self, make: Callable[[], T]) -> T:
+    def _kept(self, what: str, make: Callable[[], T]) -> T:
         """What `make` makes of the present bodies, made once."""
         made = self._made
-        if make.__name__ not in made:
-            made[make.__name__] = make()
-        kept: T = made[make.__name__]
+        if what not in made:
+            made[what] = make()
+        kept: T = made[what]
         return kept
 
     def _require_obstacle(self, name: str) -> Body:
@@ -676,7 +676,7 @@ class Scene:
 
     @property
     def _checker(self) -> Checker:
-        return self._kept(self._make_checker)
+        return self._kept("checker", self._make_checker)
 
     def _make_checker(self) -> Checker:
         bodies = (*self._links, *self._obstacles.values())
@@ -700,10 +700,7 @@ class Scene:
 
     @property
     def _sweep(self) -> Sweep:
-        return self._kept(self._make_sweep)
-
-    def _make_sweep(self) -> Sweep:
-        return Sweep(self._checker, self._model, self._most)
+        return self._kept("sweep", lambda: Sweep(self._checker, self._model, self._most))
 
     @property
     def _most(self) -> Array:

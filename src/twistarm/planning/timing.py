@@ -117,7 +117,12 @@ def _inside_jerk(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
         instants = np.linspace(0.0, t[-1], INSTANTS)
         law = JointPath(t, fit(s[:, None], t))
         tried.append(np.interp(way, np.maximum.accumulate(law(instants)[:, 0]), instants))
-    return min(tried, key=lambda times: _needed(fit, waypoints, times, bounds))
+
+    def needed(times: Array) -> float:
+        """How long the motion takes at these times once it is slowed to its limits."""
+        return float(times[-1]) * slowed_by(fit(waypoints, times) @ bounds.C.T, np.diff(times), bounds.rates)
+
+    return min(tried, key=needed)
 
 
 def _largest_rates(rows: Array, durations: Array, bounds: PathBounds) -> list[Array]:
@@ -149,11 +154,6 @@ def _eased(times: Array) -> Array:
     t = np.linspace(0.0, float(times[-1]) + span, EASED_SAMPLES * count)
     eased: Array = np.interp(index, (area(t) - area(t - span)) / span, t)
     return eased
-
-
-def _needed(fit: Fit, waypoints: Array, times: Array, bounds: PathBounds) -> float:
-    """How long the motion takes at these times once it is slowed to its limits."""
-    return float(times[-1]) * slowed_by(fit(waypoints, times) @ bounds.C.T, np.diff(times), bounds.rates)
 
 
 def fastest_rests(waypoints: Array, fit: Fit, bounds: PathBounds) -> Array:
