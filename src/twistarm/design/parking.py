@@ -1,0 +1,290 @@
+"""Which tasks of a panel an arm does, with which margin, why it fails at others, and where the rover parks best."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from copy import copy
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arm.arm import Arm, require_arm
+from ..collision import Scene, require_scene
+from ..ik import StopReason, reachable
+from ..ik.explain import in_one_line
+from ..ik.targets import Approach
+from ..planning import FreeMove, JointMove, PathError, Segment, Trajectory, plan
+from ..planning.cartesian.branches import branches
+from ..support.checks import Array, Matrix, as_frame, as_pose, require, require_callback
+from ..support.display import Brief
+from ..support.errors import InputError, NotConvergedError
+from ..theory import screws
+from ..theory.manipulability import scaled_jacobian
+from .panel import Panel, PanelTask
+
+SAMPLES, BRANCHES = 101, 12
+"""Configurations along a task that are measured, and configurations in front of it that are tried in a scene."""
+
+POSES, CANDIDATES = 4000, 3
+"""About how many poses each of the two grids has, and how many of it are checked."""
+
+YAW, FINEST = np.radians(15.0), 0.02
+"""The steps of a grid: in yaw, and at least in x and y [m]."""
+
+CODES = {"limit": "blocked_by_limits", "out of reach": "out_of_reach", "collision": "in_collision"}
+"""Codes for the reasons of `PathError`."""
+
+STAGES = "in front of it", "on the last straight to it", "at the task itself", "on the way back"
+
+Progress = Callable[[float], object]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TaskResult(Brief):
+    """Whether the arm does a task. `code` is "done", or why not, and `why` says it in a sentence.
+
+    `code` is a name of `StopReason` in small letters, such as "out_of_reach", or "singular". Of a task that is done,
+    `theta` (101, n) is the way from the configuration in front of the place and back to one. In these `margin` [rad, m]
+    is the least distance of a joint from its limits, that of `joint`. `condition` is the greatest condition number of
+    the Jacobian, and `clearance` [m] the least distance from a collision, inf without a scene. NaN if not done.
+    """
+
+    task: PanelTask
+    code: str
+    why: str
+    theta: Array
+    margin: float = np.nan
+    joint: str = ""
+    condition: float = np.nan
+    clearance: float = np.nan
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PanelReport(Brief):
+    """The tasks of a panel with the arm's base at `base` (4, 4), as `plan` does them one by one.
+
+    `places` (p, 4) are the parking poses x, y [m], yaw [rad] that were looked at, and how many tasks the arm may do
+    from there by a few points of each.
+    """
+
+    arm: Arm
+    panel: Panel
+    base: Array
+    results: tuple[TaskResult, ...]
+    scene: Scene | None
+    places: Array
+
+    @property
+    def done(self) -> tuple[TaskResult, ...]:
+        """The results of the tasks that the arm does."""
+        return tuple(result for result in self.results if result.code == "done")
+
+    @property
+    def margin(self) -> float:
+        """The least margin [rad, m] of a task that is done, NaN if none is."""
+        return min((result.margin for result in self.done), default=np.nan)
+
+    def motion(self, **options: Any) -> Trajectory:
+        """Plan one motion through all tasks that are done, each labelled at the end of its screw.
+
+        Between tasks the arm goes straight in joint space, or round everything if there is a scene.
+
+        Args:
+            **options: Those of `plan`: start, limits, kind and so on.
+
+        Raises:
+            InputError: No task is done.
+            PathError: The way from one task to another collides.
+        """
+        if not self.done:
+            raise InputError("no task of the panel is done, so there is no motion: results say why")
+        to = JointMove if self.scene is None else FreeMove
+        g, segments = screws.inverse(self.base) @ self.panel.pose, list[Segment]()
+        for each in self.done:
+            moves = each.task.seen_from(g).moves(self.arm.tool_axis, self.panel.clearance)
+            segments += [to(each.theta[0]), *moves]
+        return plan(self.arm, segments, **{"scene": self.scene, **self.panel.shared, **options})
+
+
+def check_panel(
+    arm: Arm, panel: Panel, base: Matrix | None = None, scene: Scene | None = None, progress: Progress | None = None
+) -> PanelReport:
+    """Try every task of a panel from one base pose, as `plan` does it.
+
+    A task begins in front of its place, where the whole of it can be followed with the least joint motion. In a scene
+    it begins where nothing collides on it, without gaps.
+
+    Args:
+        arm: The arm.
+        panel: What `load_panel` read.
+        base: The pose (4, 4) of the arm's base in the world; None for the origin.
+        scene: A `Scene` of the arm, or None. Its obstacles ride on the rover. A panel with a size is a box in it.
+        progress: Called with the fraction done, or None.
+
+    Raises:
+        InputError: An argument cannot be used.
+    """
+    inside, tell = _asked(arm, panel, scene, progress)
+    g = as_frame(as_pose(np.eye(4) if base is None else base, "base"), "base")
+    return _checked(arm, panel, g, inside, {}, tell)
+
+
+def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: Progress | None = None) -> PanelReport:
+    """The base pose in the panel's ranges from which the arm does most tasks, with the greatest least margin.
+
+    `reachable` estimates a grid over x, y and yaw at four points of each task. Of this grid, and of a finer one around
+    the best, three poses are checked as by `check_panel`. So the report is proven for its base. A better pose may have
+    been missed. Whether the rover itself stands in the panel is not tested: the ranges must exclude it.
+
+    Args:
+        arm: The arm.
+        panel: What `load_panel` read.
+        scene: As in `check_panel`.
+        progress: Called with the fraction done, or None.
+
+    Raises:
+        InputError: An argument cannot be used.
+        TwistarmError: The arm is not in the compiled core. The message says how to get it.
+    """
+    inside, tell = _asked(arm, panel, scene, progress)
+    ranges = np.array([panel.x, panel.y, panel.yaw])
+    around, seen, best = ranges, np.empty((0, 4)), None
+    for grid in range(2):
+        places, step = _grid(panel, around)
+        met, margin = _estimated(arm, panel, places)
+        seen = np.vstack([seen, np.column_stack([places, met.sum(axis=0)])])
+        for k, i in enumerate(_apart(places, step, np.lexsort((margin, met.sum(axis=0)))[::-1])):
+            missed = [TaskResult(task, "", "", np.empty((0, arm.n))) for task in panel.tasks]
+            known = {one.task.name: one for one, is_met in zip(missed, met[:, i], strict=True) if not is_met}
+            found = _checked(arm, panel, panel.base_at(*places[i]), inside, known, _silent)
+            if best is None or (len(found.done), found.margin) > (len(best.done), best.margin):
+                best, centre = found, places[i]
+            tell((grid + (k + 1) / CANDIDATES) / 3.0)
+        around = np.clip(np.stack([centre - step, centre + step], axis=-1), ranges[:, :1], ranges[:, 1:])
+    assert best is not None, "a grid has one pose or more"
+    known = {each.task.name: each for each in best.done}
+    return replace(_checked(arm, panel, best.base, inside, known, lambda part: tell((2.0 + part) / 3.0)), places=seen)
+
+
+def _silent(_: float) -> None:
+    """Report nothing."""
+
+
+def _asked(arm: Arm, panel: Panel, scene: Scene | None, progress: Any) -> tuple[Scene | None, Progress]:
+    """The scene, which a panel with a size needs, and the callback."""
+    require_arm(arm)
+    if scene is not None:
+        require_scene(scene, arm)
+    elif require(panel, Panel, "panel", "which load_panel reads").size is not None:
+        scene = Scene(arm)
+    return scene, require_callback(progress, "progress", "(fraction)") or _silent
+
+
+def _checked(
+    arm: Arm, panel: Panel, base: Array, scene: Scene | None, known: Mapping[str, TaskResult], tell: Progress
+) -> PanelReport:
+    """Check the tasks that are not known yet."""
+    g, results = screws.inverse(base) @ panel.pose, []
+    if scene is not None and panel.size is not None:
+        scene.find_allowed_pairs()
+        scene, before = copy(scene), scene.placed
+        scene.put_back(before)  # its own obstacles from here on
+        behind = np.eye(4)
+        behind[2, 3] = -panel.gap - 0.5 * panel.size[2]
+        scene.add_box("panel", panel.size, g @ behind)
+    for k, task in enumerate(panel.tasks):
+        results.append(known.get(task.name) or _result(arm, panel, task, g, scene))
+        tell((k + 1) / len(panel.tasks))
+    return PanelReport(arm, panel, base, tuple(results), scene, np.empty((0, 4)))
+
+
+def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | None) -> TaskResult:
+    """Plan one task of the panel at g (4, 4) from each start until one is followed and free."""
+    here = task.seen_from(g)
+    moves, code, why = here.moves(arm.tool_axis, panel.clearance), "", ""
+    met: Any = {name: value for name, value in panel.shared.items() if name.endswith("_tol")}
+    for start in _starts(arm, here, panel.clearance, scene):
+        try:
+            motion = plan(arm, [JointMove(start), *moves], **met)
+        except NotConvergedError as error:
+            code, why = error.solution.stop.name.lower(), f"{STAGES[0]}: {in_one_line(error.solution)}"
+            break
+        except PathError as error:
+            stage = STAGES[min(error.segment or 0, len(STAGES) - 1)]
+            lacks = StopReason.IMPOSSIBLE_DIRECTION if StopReason.IMPOSSIBLE_DIRECTION.value in error.detail else None
+            code = code or (lacks.name.lower() if lacks else CODES.get(error.reason, error.reason))
+            why = why or f"{stage}: {error.detail}"
+            if scene is None or isinstance(start, Approach):  # which stands for every start
+                break
+            continue
+        first = int(np.searchsorted(motion.breakpoints, motion.times[1] - 1e-9))
+        way = motion.breakpoints[first:], motion.coefficients[:, first:]
+        hit = None if scene is None else scene.first_collision(*way)
+        if hit is None:
+            return _measured(arm, task, motion, scene)
+        code, why = "in_collision", f"it collides: {', '.join(map(str, hit.contacts[:2])) or 'a near miss'}"
+    return TaskResult(task, code, why, np.empty((0, arm.n)))
+
+
+def _starts(arm: Arm, task: PanelTask, clearance: float, scene: Scene | None) -> Iterator[Approach | Array]:
+    """In front of the task: all configurations at once, then single ones that are free."""
+    places, directions = task.checkpoints(clearance)
+    yield (target := Approach(places[0], directions[0]).of(arm))
+    if scene is not None:
+        found = branches(arm, target, arm.ready)
+        yield from found[~scene.collides(found)][:BRANCHES] if len(found) else ()
+
+
+def _measured(arm: Arm, task: PanelTask, motion: Trajectory, scene: Scene | None) -> TaskResult:
+    theta = motion(np.linspace(motion.times[1], motion.duration, SAMPLES))
+    room = np.minimum(theta - arm.limits.lower, arm.limits.upper - theta).min(axis=0)
+    sigma = np.linalg.svd(scaled_jacobian(arm.body_jacobian(theta), arm._prismatic, arm.reach), compute_uv=False)
+    worst = float((sigma[:, 0] / np.maximum(sigma[:, -1], 1e-15)).max())
+    joint = arm.joint_names[int(room.argmin())]
+    clearance = np.inf if scene is None else min(scene.distance(x).metres for x in theta)
+    return TaskResult(task, "done", "", theta, float(room.min()), joint, worst, clearance)
+
+
+def _grid(panel: Panel, ranges: Array) -> tuple[Array, Array]:
+    """Poses (p, 3) in ranges (3, 2), and their steps (3,). Yaws in which the base faces the panel are among them."""
+    spans = ranges[:, 1] - ranges[:, 0]
+    yaws = _even(ranges[2], YAW)
+    facing = np.arctan2(*-panel.pose[1::-1, 2]) + 2.0 * np.pi * np.arange(-2, 3)
+    yaws = np.union1d(yaws, facing[(facing > ranges[2, 0]) & (facing < ranges[2, 1])])
+    step = max(FINEST, float(np.sqrt(spans[0] * spans[1] * len(yaws) / POSES)), spans[:2].max() * len(yaws) / POSES)
+    x, y = _even(ranges[0], step), _even(ranges[1], step)
+    steps = [span / max(len(values) - 1, 1) for span, values in zip(spans, (x, y, yaws), strict=True)]
+    return np.stack(np.meshgrid(x, y, yaws), axis=-1).reshape(-1, 3), np.array(steps)
+
+
+def _even(ends: Array, step: float) -> Array:
+    """Values from end to end (2,), at most a step apart."""
+    lower, upper = ends.tolist()
+    return np.linspace(lower, upper, int(np.ceil((upper - lower) / step - 1e-9)) + 1)
+
+
+def _estimated(arm: Arm, panel: Panel, places: Array) -> tuple[NDArray[np.bool_], Array]:
+    """Which tasks have their points met from places (p, 3): (tasks, p); and the least margin at these points (p,)."""
+    g = screws.inverse(np.array([panel.base_at(*place) for place in places])) @ panel.pose
+    points = [task.checkpoints(panel.clearance) for task in panel.tasks]
+    p, d = (np.concatenate(each)[:, None] for each in zip(*points, strict=True))
+    at, towards = (g[:, :3, :3] @ p[..., None])[..., 0] + g[:, :3, 3], (g[:, :3, :3] @ d[..., None])[..., 0]
+    met: Any = {name: value for name, value in panel.shared.items() if name.endswith("_tol")}
+    found = reachable(arm, at.reshape(-1, 3), direction=towards.reshape(-1, 3), **met)
+    done: NDArray[np.bool_] = np.all(found.met.reshape(len(panel.tasks), -1, len(places)), axis=1)
+    room = np.minimum(found.theta - arm.limits.lower, arm.limits.upper - found.theta).min(axis=-1)
+    least = room.reshape(len(panel.tasks), -1, len(places)).min(axis=1)
+    return done, np.where(done, least, np.inf).min(axis=0)
+
+
+def _apart(places: Array, step: Array, order: NDArray[np.int_]) -> Iterator[int]:
+    """The first of the poses in this order that are no neighbours on the grid."""
+    taken: list[int] = []
+    for i in order.tolist():
+        if all((np.abs(places[i] - places[j]) > 1.5 * step).any() for j in taken):
+            taken.append(i)
+            yield i
+        if len(taken) == CANDIDATES:
+            return
