@@ -51,8 +51,9 @@ OPTIONS = ("direction", "hold", "back")
 class PanelTask(Brief):
     """The tool touches `place` (3,) [m], points along `direction` (3,), and its origin moves by the screw `twist` (6,).
 
-    p(s) = exp(s ξ̂) p with the twist ξ, s from 0 to 1 (MLS §2.3.3). With hold="pose" the tool holds the thing and turns with it: g(s) =
-    exp(s ξ̂) g0. With "approach" it pushes and keeps its direction, with "position" not even that. `back` leads it back.
+    p(s) = exp(s ξ̂) p with the twist ξ, s from 0 to 1 (MLS §2.3.3). With hold="pose" the tool holds the thing and turns
+    with it: g(s) = exp(s ξ̂) g0. With "approach" it pushes and keeps its direction, with "position" not even that.
+    `back` leads it back along the screw.
     """
 
     name: str

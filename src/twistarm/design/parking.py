@@ -12,20 +12,20 @@ from numpy.typing import NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..collision import Scene, require_scene
-from ..ik import StopReason, reachable
+from ..ik import reachable, solve_ik
 from ..ik.explain import in_one_line
 from ..ik.targets import Approach
 from ..planning import FreeMove, JointMove, PathError, Segment, Trajectory, plan
 from ..planning.cartesian.branches import branches
 from ..support.checks import Array, Matrix, as_frame, as_pose, require, require_callback
 from ..support.display import Brief
-from ..support.errors import InputError, NotConvergedError
+from ..support.errors import InputError
 from ..theory import screws
 from ..theory.manipulability import scaled_jacobian
 from .panel import Panel, PanelTask
 
-SAMPLES, BRANCHES = 101, 12
-"""Configurations along a task that are measured, and configurations in front of it that are tried in a scene."""
+SAMPLES, BRANCHES, ROOM = 101, 8, 0.1
+"""Configurations of a task that are measured, starts that are tried, and the margin [rad, m] that is enough."""
 
 POSES, CANDIDATES = 4000, 3
 """About how many poses each of the two grids has, and how many of it are checked."""
@@ -36,7 +36,7 @@ YAW, FINEST = np.radians(15.0), 0.02
 CODES = {"limit": "blocked_by_limits", "out of reach": "out_of_reach", "collision": "in_collision"}
 """Codes for the reasons of `PathError`."""
 
-STAGES = "in front of it", "on the last straight to it", "at the task itself", "on the way back"
+STAGES = "in front of it", "at its place", "half-way", "at its end"
 
 Progress = Callable[[float], object]
 
@@ -156,6 +156,8 @@ def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: P
         met, margin = _estimated(arm, panel, places)
         seen = np.vstack([seen, np.column_stack([places, met.sum(axis=0)])])
         for k, i in enumerate(_apart(places, step, np.lexsort((margin, met.sum(axis=0)))[::-1])):
+            if best is not None and met[:, i].sum() < len(best.done):
+                break
             missed = [TaskResult(task, "", "", np.empty((0, arm.n))) for task in panel.tasks]
             known = {one.task.name: one for one, is_met in zip(missed, met[:, i], strict=True) if not is_met}
             found = _checked(arm, panel, panel.base_at(*places[i]), inside, known, _silent)
@@ -201,40 +203,49 @@ def _checked(
 
 
 def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | None) -> TaskResult:
-    """Plan one task of the panel at g (4, 4) from each start until one is followed and free."""
-    here = task.seen_from(g)
-    moves, code, why = here.moves(arm.tool_axis, panel.clearance), "", ""
-    met: Any = {name: value for name, value in panel.shared.items() if name.endswith("_tol")}
-    for start in _starts(arm, here, panel.clearance, scene):
+    """The task of the panel at g (4, 4), from the first start with room in all joints, or with the most room."""
+    here, met, found = task.seen_from(g), _tolerances(panel), TaskResult(task, "", "", np.empty((0, arm.n)))
+    places, directions = here.checkpoints(panel.clearance)
+    targets = [Approach(p, d).of(arm) for p, d in zip(places, directions, strict=True)]
+    for stage, target in zip(STAGES, targets[: 2 if task.hold == "position" else None], strict=False):
+        at = solve_ik(arm, target, **met)
+        if not at.converged:
+            return replace(found, code=at.stop.name.lower(), why=f"{stage}: {in_one_line(at)}")
+    for start in _starts(arm, targets[0], scene):
         try:
-            motion = plan(arm, [JointMove(start), *moves], **met)
-        except NotConvergedError as error:
-            code, why = error.solution.stop.name.lower(), f"{STAGES[0]}: {in_one_line(error.solution)}"
-            break
+            motion = plan(arm, [JointMove(start), *here.moves(arm.tool_axis, panel.clearance)], **met)
         except PathError as error:
-            stage = STAGES[min(error.segment or 0, len(STAGES) - 1)]
-            lacks = StopReason.IMPOSSIBLE_DIRECTION if StopReason.IMPOSSIBLE_DIRECTION.value in error.detail else None
-            code = code or (lacks.name.lower() if lacks else CODES.get(error.reason, error.reason))
-            why = why or f"{stage}: {error.detail}"
-            if scene is None or isinstance(start, Approach):  # which stands for every start
+            if not found.code:
+                stage = STAGES[min(error.segment or 0, 2)]
+                found = replace(found, code=CODES.get(error.reason, error.reason), why=f"{stage}: {error.detail}")
+            if start is targets[0]:  # plan has tried all starts
                 break
             continue
         first = int(np.searchsorted(motion.breakpoints, motion.times[1] - 1e-9))
         way = motion.breakpoints[first:], motion.coefficients[:, first:]
         hit = None if scene is None else scene.first_collision(*way)
         if hit is None:
-            return _measured(arm, task, motion, scene)
-        code, why = "in_collision", f"it collides: {', '.join(map(str, hit.contacts[:2])) or 'a near miss'}"
-    return TaskResult(task, code, why, np.empty((0, arm.n)))
+            free = _measured(arm, task, motion, scene)
+            found = free if found.code != "done" or free.margin > found.margin else found
+            if found.margin >= ROOM:
+                break
+        elif not found.code:
+            why = f"it collides: {', '.join(map(str, hit.contacts[:2])) or 'a near miss'}"
+            found = replace(found, code="in_collision", why=why)
+    return found
 
 
-def _starts(arm: Arm, task: PanelTask, clearance: float, scene: Scene | None) -> Iterator[Approach | Array]:
-    """In front of the task: all configurations at once, then single ones that are free."""
-    places, directions = task.checkpoints(clearance)
-    yield (target := Approach(places[0], directions[0]).of(arm))
-    if scene is not None:
-        found = branches(arm, target, arm.ready)
-        yield from found[~scene.collides(found)][:BRANCHES] if len(found) else ()
+def _starts(arm: Arm, target: Approach, scene: Scene | None) -> Iterator[Approach | Array]:
+    """All configurations that meet the target at once, then some of them that are free."""
+    yield target
+    found = branches(arm, target, arm.ready)
+    if scene is not None and len(found):
+        found = found[~scene.collides(found)]
+    yield from found[np.unique(np.linspace(0, len(found) - 1, BRANCHES).astype(int))] if len(found) else ()
+
+
+def _tolerances(panel: Panel) -> dict[str, Any]:
+    return {name: value for name, value in panel.shared.items() if name.endswith("_tol")}
 
 
 def _measured(arm: Arm, task: PanelTask, motion: Trajectory, scene: Scene | None) -> TaskResult:
@@ -271,8 +282,7 @@ def _estimated(arm: Arm, panel: Panel, places: Array) -> tuple[NDArray[np.bool_]
     points = [task.checkpoints(panel.clearance) for task in panel.tasks]
     p, d = (np.concatenate(each)[:, None] for each in zip(*points, strict=True))
     at, towards = (g[:, :3, :3] @ p[..., None])[..., 0] + g[:, :3, 3], (g[:, :3, :3] @ d[..., None])[..., 0]
-    met: Any = {name: value for name, value in panel.shared.items() if name.endswith("_tol")}
-    found = reachable(arm, at.reshape(-1, 3), direction=towards.reshape(-1, 3), **met)
+    found = reachable(arm, at.reshape(-1, 3), direction=towards.reshape(-1, 3), **_tolerances(panel))
     done: NDArray[np.bool_] = np.all(found.met.reshape(len(panel.tasks), -1, len(places)), axis=1)
     room = np.minimum(found.theta - arm.limits.lower, arm.limits.upper - found.theta).min(axis=-1)
     least = room.reshape(len(panel.tasks), -1, len(places)).min(axis=1)

@@ -1,0 +1,113 @@
+"""`panel`: the tasks of a panel, where the rover parks for them, and the motions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from ...arm.arm import Arm
+from ...design import PanelReport, TaskResult, best_parking, check_panel, load_panel
+from ...design.panel_picture import panel_picture
+from ...support.checks import as_positive
+from ...theory.rotations import to_rpy
+from ..avoiding import Avoid, avoided
+from ..options import Json, Radians, takes_arm
+from ..output import console, note, number, print_json, progress_bar, say, table
+from ..outputs import Force, Outputs, outputs_of
+from ..typed import PLACE, parse_numbers
+from .motion import MOTION_KINDS, Step, motion_texts
+
+PanelFile = Annotated[Path, typer.Argument(metavar="PANEL", help="A panel.toml with tasks, and where to park.")]
+BasePose = Annotated[
+    str | None,
+    typer.Option(
+        "--base-pose", metavar=PLACE, help="Check x, y [m] and yaw [°, or rad with --rad] instead of a search."
+    ),
+]
+Files = Annotated[
+    list[str] | None,
+    typer.Option("--output", "-o", metavar="FILE", help="A picture to *.png, the motion as plan does; repeat it."),
+]
+
+
+@takes_arm
+def panel(
+    arm: Arm,
+    file: PanelFile,
+    base_pose: BasePose = None,
+    avoid: Avoid = None,
+    output: Files = None,
+    force: Force = False,
+    dt: Step = 0.01,
+    rad: Radians = False,
+    json: Json = False,
+) -> int:
+    """Tell which tasks of a panel the arm does, why it fails at others, and where the rover parks best."""
+    outputs = outputs_of(output, {"png": (".png",), **MOTION_KINDS}, force=force, json=json)
+    as_positive(dt, "--dt")
+    asked = load_panel(file)
+    place = None if base_pose is None else parse_numbers(base_pose, 3, "--base-pose")
+    scene = avoided(arm, avoid)
+    with progress_bar("tasks") as progress:
+        if place is None:
+            found = best_parking(arm, asked, scene, progress)
+        else:
+            x, y, yaw = place.tolist()
+            base = asked.base_at(x, y, yaw if rad else np.radians(yaw))
+            found = check_panel(arm, asked, base, scene, progress)
+    if not json:
+        console(outputs.words).print(_table(found, rad))
+        missed = [f"{each.task.name}, {each.code}: {each.why}" for each in found.results if each.code != "done"]
+        say(*missed, _sentence(found, rad), file=outputs.words)
+    written = _write(found, outputs, dt)
+    if json:
+        print_json(_as_json(found) | {"written": written})
+    outputs.say(written if not json else ())
+    return int(len(found.done) < len(found.results))
+
+
+def _write(found: PanelReport, outputs: Outputs, dt: float) -> list[str]:
+    texts: dict[str, Any] = {"png": lambda: panel_picture(found)}
+    if any(kind != "png" for kind, _ in outputs.files):
+        with progress_bar("planning") as progress:
+            motion = found.motion(progress=progress)
+        for each in motion.notes:
+            note(each)
+        texts |= motion_texts(motion, outputs, dt)
+    return outputs.write(texts)
+
+
+def _table(found: PanelReport, radians: bool) -> Any:
+    rows = [[*_row(found, each, radians)] for each in found.results]
+    heads = ["task", "kind", "verdict", "nearest limit", "condition", "clearance [mm]"]
+    return table(f"{found.arm.name}: tasks of the panel", heads, rows, ["kind", "verdict", "nearest limit"])
+
+
+def _row(found: PanelReport, each: TaskResult, radians: bool) -> tuple[str, ...]:
+    """The cells of a task."""
+    if each.code != "done":
+        return each.task.name, each.task.kind, each.code, "", "", ""
+    unit = found.arm.units[found.arm.joint_names.index(each.joint)]
+    margin = each.margin if unit == "m" or radians else np.degrees(each.margin)
+    nearest = f"{each.joint} {number(margin, 2)} {unit if unit == 'm' or radians else '°'}"
+    return each.task.name, each.task.kind, "done", nearest, number(each.condition, 1), number(1e3 * each.clearance, 1)
+
+
+def _sentence(found: PanelReport, radians: bool) -> str:
+    (x, y), yaw = found.base[:2, 3], to_rpy(found.base[:3, :3])[2]
+    typed = " ".join(number(value, 4) for value in (x, y, yaw if radians else np.degrees(yaw)))
+    tasks = f"{len(found.done)} of {len(found.results)} tasks"
+    return f'{tasks} with the arm\'s base at --base-pose "{typed}"' + " --rad" * radians
+
+
+def _as_json(found: PanelReport) -> dict[str, Any]:
+    names = "code", "why", "margin", "joint", "condition", "clearance"
+    tasks = [
+        {"name": one.task.name, "kind": one.task.kind} | {n: getattr(one, n) for n in names} for one in found.results
+    ]
+    told = {"arm": found.arm.name, "done": len(found.done), "share": len(found.done) / len(tasks)}
+    x, y, z = found.base[:3, 3]
+    return told | {"base": {"x": x, "y": y, "z": z, "yaw": to_rpy(found.base[:3, :3])[2]}, "tasks": tasks}
