@@ -140,6 +140,16 @@ def main() -> None:
     save_png(arm, PICTURES / "motion.png", trajectory=motion, size=(720, 480))
     gallery()
     run(["payload", "rover_arm_6dof", "-o", str(PICTURES / "payload.png"), "--force"])
+    run(
+        [
+            "panel",
+            "rover_arm",
+            str(DOCS.parent / "examples" / "urc_panel.toml"),
+            "-o",
+            str(PICTURES / "panel.png"),
+            "--force",
+        ]
+    )
     reach_map(load_arm("rover_arm_6dof"), 0.05, 26).to_png(PICTURES / "reach.png")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_browser(), args=list(FLAGS))

@@ -69,21 +69,30 @@ class PanelTask(Brief):
         place, direction = g[:3, :3] @ self.place + g[:3, 3], g[:3, :3] @ self.direction
         return replace(self, place=place, direction=direction, twist=screws.adjoint(g) @ self.twist)
 
+    @property
+    def into(self) -> float:
+        """How far the tool ends beyond the place along its direction [m], 0 if before it."""
+        end = screws.exp(self.twist, 1.0 - self.back)
+        return max(0.0, float((end[:3, :3] @ self.place + end[:3, 3] - self.place) @ self.direction))
+
     def checkpoints(self, clearance: float) -> tuple[Array, Array]:
-        """Places and directions (4, 3) of the tool: in front, at the place, at half the screw and at its end."""
-        g = screws.exp(self.twist, np.array([0.0, 0.0, 0.5, 1.0]))
+        """Places and directions (5, 3) of the tool: in front, at the place, half-way, at the end, and away from it.
+
+        With hold="position", in front and at the place alone.
+        """
+        g = screws.exp(self.twist, np.array([0.0, 0.0, 0.5, 1.0, 1.0 - self.back]) * (self.hold != "position"))
         places, directions = g[:, :3, :3] @ self.place + g[:, :3, 3], np.tile(self.direction, (len(g), 1))
-        places[0] -= clearance * self.direction
-        return places, g[:, :3, :3] @ self.direction if self.hold == "pose" else directions
+        directions = g[:, :3, :3] @ self.direction if self.hold == "pose" else directions
+        places -= np.array([clearance, 0.0, 0.0, 0.0, clearance + self.into])[:, None] * directions
+        return places, directions
 
     def moves(self, tool_axis: Array, clearance: float) -> list[Segment]:
         """From the configuration in front of the place: to it, along the screw, and away against the tool axis."""
-        into = 0.0 if self.back else max(0.0, float((self.checkpoints(0.0)[0][-1] - self.place) @ self.direction))
         how: dict[str, Any] = {"turn": self.hold == "pose", "constrain": self.hold}
         moves: list[Segment] = [LineMove(Approach(self.place, self.direction, tool_axis))]
         moves += [ArcMove(None, None, twist=self.twist, label=self.name, **how)]
         moves += [ArcMove(None, None, twist=-self.twist, **how)] * self.back
-        return [*moves, LineMove.by(-(clearance + into) * tool_axis, constrain="approach")]
+        return [*moves, LineMove.by(-(clearance + self.into) * tool_axis, constrain="approach")]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -216,8 +225,7 @@ def _task(table: Mapping[str, Any], unit: float) -> PanelTask:
         twist = angle * np.concatenate([np.cross(point, axis) + advance * axis, axis])
     hold: Any = require_choice(table.get("hold", kind.hold), CONSTRAINED, "hold")
     task = PanelTask(name, word, place, direction, twist, hold, as_flag(table.get("back", kind.back), "back"))
-    ends = task.checkpoints(0.0)[0]
-    if hold != "pose" and np.abs(ends[-1] - ends[0]).max() < 1e-9:
+    if hold != "pose" and np.abs(screws.exp(twist) @ np.append(place, 1.0) - np.append(place, 1.0)).max() < 1e-9:
         raise InputError('the tool stays where it is: give a point on the axis of the lever, or hold = "pose"')
     return task
 

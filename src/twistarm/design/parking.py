@@ -36,7 +36,9 @@ YAW, FINEST = np.radians(15.0), 0.02
 CODES = {"limit": "blocked_by_limits", "out of reach": "out_of_reach", "collision": "in_collision"}
 """Codes for the reasons of `PathError`."""
 
-STAGES = "in front of it", "at its place", "half-way", "at its end"
+POINTS = "in front of it", "at its place", "half-way", "at its end", "away from it"
+WAYS = "to the place in front of it", "on the straight to it", "at it", "on the way back"
+"""Words for the checkpoints and the moves of a task."""
 
 Progress = Callable[[float], object]
 
@@ -134,7 +136,7 @@ def check_panel(
 def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: Progress | None = None) -> PanelReport:
     """The base pose in the panel's ranges from which the arm does most tasks, with the greatest least margin.
 
-    `reachable` estimates a grid over x, y and yaw at four points of each task. Of this grid, and of a finer one around
+    `reachable` estimates a grid over x, y and yaw at five points of each task. Of this grid, and of a finer one around
     the best, three poses are checked as by `check_panel`. So the report is proven for its base. A better pose may have
     been missed. Whether the rover itself stands in the panel is not tested: the ranges must exclude it.
 
@@ -207,23 +209,23 @@ def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | No
     here, met, found = task.seen_from(g), _tolerances(panel), TaskResult(task, "", "", np.empty((0, arm.n)))
     places, directions = here.checkpoints(panel.clearance)
     targets = [Approach(p, d).of(arm) for p, d in zip(places, directions, strict=True)]
-    for stage, target in zip(STAGES, targets[: 2 if task.hold == "position" else None], strict=False):
+    for point, target in zip(POINTS, targets, strict=True):
         at = solve_ik(arm, target, **met)
         if not at.converged:
-            return replace(found, code=at.stop.name.lower(), why=f"{stage}: {in_one_line(at)}")
+            return replace(found, code=at.stop.name.lower(), why=f"{point}: {in_one_line(at)}")
     for start in _starts(arm, targets[0], scene):
         try:
             motion = plan(arm, [JointMove(start), *here.moves(arm.tool_axis, panel.clearance)], **met)
         except PathError as error:
             if not found.code:
-                stage = STAGES[min(error.segment or 0, 2)]
-                found = replace(found, code=CODES.get(error.reason, error.reason), why=f"{stage}: {error.detail}")
+                way = WAYS[min(error.segment or 0, 3)]
+                found = replace(found, code=CODES.get(error.reason, error.reason), why=f"{way}: {error.detail}")
             if start is targets[0]:  # plan has tried all starts
                 break
             continue
         first = int(np.searchsorted(motion.breakpoints, motion.times[1] - 1e-9))
-        way = motion.breakpoints[first:], motion.coefficients[:, first:]
-        hit = None if scene is None else scene.first_collision(*way)
+        pieces = motion.breakpoints[first:], motion.coefficients[:, first:]
+        hit = None if scene is None else scene.first_collision(*pieces)
         if hit is None:
             free = _measured(arm, task, motion, scene)
             found = free if found.code != "done" or free.margin > found.margin else found

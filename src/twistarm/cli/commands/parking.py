@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -71,7 +72,11 @@ def panel(
 
 def _write(found: PanelReport, outputs: Outputs, dt: float) -> list[str]:
     texts: dict[str, Any] = {"png": lambda: panel_picture(found)}
-    if any(kind != "png" for kind, _ in outputs.files):
+    pictures = tuple(each for each in outputs.files if each[0] == "png")
+    if not found.done and len(pictures) < len(outputs.files):
+        note("no task is done, so no motion is written")
+        outputs = replace(outputs, files=pictures)
+    if len(pictures) < len(outputs.files):
         with progress_bar("planning") as progress:
             motion = found.motion(progress=progress)
         for each in motion.notes:
