@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -162,7 +163,8 @@ def test_files(around, rover, tmp_path):
     assert image.size == (1200, 420)
     other = io.BytesIO()
     np.savez(other, head=np.array('{"format": "a log"}'), counts=np.zeros(3))
-    for content in (b"", b"PK\x03\x04", path.read_bytes()[:500], other.getvalue()):
+    flat = replace(around, counts=around.counts.ravel()).save(tmp_path / "flat.npz")
+    for content in (b"", b"PK\x03\x04", path.read_bytes()[:500], other.getvalue(), flat.read_bytes()):
         (tmp_path / "bad.npz").write_bytes(content)
         with pytest.raises(InputError, match="bad.npz"):
             ReachMap.load(tmp_path / "bad.npz")

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.arm import Arm, require_arm
+from ..arm.inability import CANNOT_TURN
 from ..collision import Scene, require_scene
 from ..ik import reachable, solve_ik
 from ..ik.explain import in_one_line
@@ -219,7 +220,8 @@ def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | No
         except PathError as error:
             if not found.code:
                 way = WAYS[min(error.segment or 0, 3)]
-                found = replace(found, code=CODES.get(error.reason, error.reason), why=f"{way}: {error.detail}")
+                code = "impossible_direction" if CANNOT_TURN in error.detail else CODES.get(error.reason, error.reason)
+                found = replace(found, code=code, why=f"{way}: {error.detail}")
             if start is targets[0]:  # plan has tried all starts
                 break
             continue

@@ -148,7 +148,10 @@ class ReachMap:
                 head, arrays = json.loads(str(content["head"])), {each: content[each] for each in ARRAYS}
             if head.pop("format") != FORMAT:
                 raise ValueError(f"its format is not {FORMAT!r}")
-            grid = Grid(head.pop("voxel"), tuple(head.pop("lower")), arrays["counts"].shape)
+            grid = Grid(float(head.pop("voxel")), tuple(map(int, head.pop("lower"))), arrays["counts"].shape)
+            fits = arrays["counts"].dtype == np.uint16 and arrays["directions"].shape[1:] == (3,)
+            if not (fits and 0.0 < grid.voxel < FARTHEST and len(grid.lower) == len(grid.shape) == 3 and grid.count):
+                raise ValueError("its arrays do not fit each other")
             return cls(grid=grid, **head, **arrays)
         except OSError as error:
             raise InputError(f"cannot read {name}: {error.strerror or error}") from error

@@ -24,11 +24,13 @@ from ..support.checks import Array, as_flag, as_positive, require
 from ..support.closeable import Closeable
 from ..support.errors import InputError, shown
 from ..support.files import writable, write_whole
+from ..sweeps import ReachMap
 from .files.inline import HEIGHT, Inline
 from .files.page_export import stand_alone
 from .files.scene_snapshot import SceneSnapshot, on_show
 from .files.screenshot import write_picture
 from .parts.limit_checks import check_trajectory, checked_theta
+from .parts.reach import drawing
 from .parts.servo_words import servo_words
 from .parts.solutions import answer_of
 from .parts.tool_path import NO_PATH, tool_path
@@ -256,6 +258,16 @@ class Viewer(Closeable):
         self._require_open()
         path = NO_PATH if motion is None else tool_path(self.arm, motion)
         self._server.post("path", lambda stage: stage.draw_path(path))
+
+    def show_reach(self, m: ReachMap | None) -> None:
+        """Draw a map of `reach_map`: its surface, and a slice through the tool. None hides it.
+
+        Colours are the share of directions reached. Raises InputError for a map of another arm.
+        """
+        self._require_open()
+        arm = self.arm
+        drawn = None if m is None else drawing(require(m, ReachMap, "m", "as reach_map returns").require(arm))
+        self._post("reach", arm, lambda stage: stage.show_reach(drawn))
 
     def show_solutions(self, solutions: AllSolutions | None) -> None:
         """Draw each configuration of `solve_ik_all` faintly, for stepping through on the pages.

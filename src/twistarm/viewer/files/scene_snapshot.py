@@ -37,7 +37,8 @@ class SceneSnapshot:
     """`arm` at theta (n,) [rad, m] with its other joints, drawn as `scene`, and the visible layers.
 
     `playback` is the motion that the page plays and its start time, or None. `findings` is their message, or None
-    before the doctor has run. `recorded` holds poses by name, and `obstacles` and `shapes` what is drawn of a scene.
+    before the doctor has run. `recorded` holds poses by name, `obstacles` and `shapes` what is drawn of a scene, and
+    `reach` what is drawn of a map.
     """
 
     arm: Arm
@@ -51,6 +52,7 @@ class SceneSnapshot:
     recorded: Mapping[str, Array] = field(default_factory=dict)
     obstacles: Sequence[Mapping[str, Any]] = ()
     shapes: Sequence[Mapping[str, Any]] = ()
+    reach: Message | None = None
 
     def playing(self, trajectory: Trajectory) -> SceneSnapshot:
         """A copy with `trajectory` and its path, playing from the start.
@@ -86,6 +88,7 @@ class SceneSnapshot:
             "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects if part],
             "obstacles": self.obstacles,
             "shapes": self.shapes,
+            "reach": self.reach,
             "notes": scene.notes,
             "theory": recorded(self.arm, self.theta, None if at is None else at.trajectory),
             "findings": examined(self.arm, scene.reader) if self.findings is None else self.findings,
@@ -132,4 +135,5 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
         stage.poses.named(),
         stage.collisions.drawn,
         stage.collisions.shapes,
+        stage.reach.drawn if stage.visible["reach"] else None,
     )
