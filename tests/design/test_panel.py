@@ -55,7 +55,7 @@ def test_a_file_in_its_own_units_and_frame(tmp_path: Path) -> None:
     # The rover looks along world y: its right is x, up is z, and out of the panel is −y.
     assert np.allclose(panel.pose[:3], [[1, 0, 0, 2.0], [0, 0, -1, 1.0], [0, 1, 0, 0.8]])
     assert (panel.x, panel.y) == ((0.5, 0.5), (0.0, 0.0))
-    assert np.allclose([panel.yaw[1], panel.shared["orientation_tol"]], [np.pi / 2, np.pi / 180])
+    assert np.allclose([panel.yaw[1], panel.tolerances["orientation_tol"]], [np.pi / 2, np.pi / 180])
     screw, drawer = panel.tasks
     p, turned = moved(screw, replace(panel, pose=np.eye(4)), np.eye(4), np.array([0.125, 1.0]))
     assert np.allclose(p[1], [0.1, 0.2, 0.3 - 2 * 0.0015]), "two turns into the panel"
@@ -222,5 +222,7 @@ def test_wide_ranges_are_searched_on_a_bounded_grid(rover: twistarm.Arm, tmp_pat
     wide = "[parking]\nx = [-10, 10]\ny = [-10, 10]\nyaw = [-3.2, 3.2]\n"
     report = best_parking(rover, panel_of(tmp_path, wide + PRESS))
     assert 1000 < len(report.places) < 20_000
+    assert len(report.done) == 1
     thin = best_parking(rover, panel_of(tmp_path, wide.replace("y = [-10, 10]", "y = 0") + PRESS))
     assert 500 < len(thin.places) < 20_000
+    assert len(thin.done) == 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any
@@ -28,8 +28,8 @@ from .panel import Panel, PanelTask
 SAMPLES, BRANCHES, ROOM = 101, 8, 0.1
 """Configurations of a task that are measured, starts that are tried, and the margin [rad, m] that is enough."""
 
-POSES, CANDIDATES = 4000, 3
-"""About how many poses each of the two grids has, and how many of it are checked."""
+POSES, TARGETS, CANDIDATES = 4000, 100_000, 3
+"""About how many poses each of the two grids has, and that by tasks, at most; and how many poses are checked."""
 
 YAW, FINEST = np.radians(15.0), 0.02
 """The steps of a grid: in yaw, and at least in x and y [m]."""
@@ -38,8 +38,7 @@ CODES = {"limit": "blocked_by_limits", "out of reach": "out_of_reach", "collisio
 """Codes for the reasons of `PathError`."""
 
 POINTS = "in front of it", "at its place", "half-way", "at its end", "away from it"
-WAYS = "to the place in front of it", "on the straight to it", "at it", "on the way back"
-"""Words for the checkpoints and the moves of a task."""
+"""Words for the checkpoints of a task."""
 
 Progress = Callable[[float], object]
 
@@ -108,7 +107,7 @@ class PanelReport(Brief):
         for each in self.done:
             moves = each.task.seen_from(g).moves(self.arm.tool_axis, self.panel.clearance)
             segments += [to(each.theta[0]), *moves]
-        return plan(self.arm, segments, **{"scene": self.scene, **self.panel.shared, **options})
+        return plan(self.arm, segments, **{"scene": self.scene, **self.panel.tolerances, **options})
 
 
 def check_panel(
@@ -129,9 +128,22 @@ def check_panel(
     Raises:
         InputError: An argument cannot be used.
     """
-    inside, tell = _asked(arm, panel, scene, progress)
-    g = as_frame(as_pose(np.eye(4) if base is None else base, "base"), "base")
-    return _checked(arm, panel, g, inside, {}, tell)
+    inside, results = _scene(arm, panel, scene), []
+    tell = require_callback(progress, "progress", "(fraction)")
+    origin = as_frame(as_pose(np.eye(4) if base is None else base, "base"), "base")
+    g = screws.inverse(origin) @ panel.pose
+    if inside is not None and panel.size is not None:
+        inside.find_allowed_pairs()
+        before, inside = inside.placed, copy(inside)
+        inside.put_back(before)  # its own obstacles from here on
+        behind = np.eye(4)
+        behind[2, 3] = -panel.gap - 0.5 * panel.size[2]
+        inside.add_box("panel", panel.size, g @ behind)
+    for k, task in enumerate(panel.tasks):
+        results.append(_result(arm, panel, task, g, inside))
+        if tell is not None:
+            tell((k + 1) / len(panel.tasks))
+    return PanelReport(arm, panel, origin, tuple(results), inside, np.empty((0, 4)))
 
 
 def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: Progress | None = None) -> PanelReport:
@@ -151,63 +163,41 @@ def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: P
         InputError: An argument cannot be used.
         TwistarmError: The arm is not in the compiled core. The message says how to get it.
     """
-    inside, tell = _asked(arm, panel, scene, progress)
-    ranges = np.array([panel.x, panel.y, panel.yaw])
-    around, seen, best = ranges, np.empty((0, 4)), None
+    inside = _scene(arm, panel, scene)
+    tell = require_callback(progress, "progress", "(fraction)") or (lambda _: None)
+    around = ranges = _within_reach(arm, panel)
+    seen, best, most = np.empty((0, 4)), ranges.mean(axis=1), (-1, 0.0)
     for grid in range(2):
         places, step = _grid(panel, around)
         met, margin = _estimated(arm, panel, places)
         seen = np.vstack([seen, np.column_stack([places, met.sum(axis=0)])])
-        for k, i in enumerate(_apart(places, step, np.lexsort((margin, met.sum(axis=0)))[::-1])):
-            if best is not None and met[:, i].sum() < len(best.done):
-                break
-            missed = [TaskResult(task, "", "", np.empty((0, arm.n))) for task in panel.tasks]
-            known = {one.task.name: one for one, is_met in zip(missed, met[:, i], strict=True) if not is_met}
-            found = _checked(arm, panel, panel.base_at(*places[i]), inside, known, _silent)
-            if best is None or (len(found.done), found.margin) > (len(best.done), best.margin):
-                best, centre = found, places[i]
+        order = np.lexsort((margin, met.sum(axis=0)))[::-1]
+        for k in range(CANDIDATES):
+            if len(order) and met[:, order[0]].sum() >= max(most[0], 1):
+                at = places[order[0]]
+                tasks = tuple(task for task, is_met in zip(panel.tasks, met[:, order[0]], strict=True) if is_met)
+                found = check_panel(arm, replace(panel, tasks=tasks), panel.base_at(*at), inside)
+                best, most = max((best, most), (at, (len(found.done), found.margin)), key=lambda each: each[1])
+                order = order[(np.abs(places[order] - at) > 1.5 * step).any(axis=1)]  # no neighbours of it
             tell((grid + (k + 1) / CANDIDATES) / 3.0)
-        around = np.clip(np.stack([centre - step, centre + step], axis=-1), ranges[:, :1], ranges[:, 1:])
-    assert best is not None, "a grid has one pose or more"
-    known = {each.task.name: each for each in best.done}
-    return replace(_checked(arm, panel, best.base, inside, known, lambda part: tell((2.0 + part) / 3.0)), places=seen)
+        around = np.clip(np.stack([best - step, best + step], axis=-1), ranges[:, :1], ranges[:, 1:])
+    last = check_panel(arm, panel, panel.base_at(*best), inside, lambda part: tell((2.0 + part) / 3.0))
+    return replace(last, places=seen)
 
 
-def _silent(_: float) -> None:
-    """Report nothing."""
-
-
-def _asked(arm: Arm, panel: Panel, scene: Scene | None, progress: Any) -> tuple[Scene | None, Progress]:
-    """The scene, which a panel with a size needs, and the callback."""
-    require_arm(arm)
-    if scene is not None:
-        require_scene(scene, arm)
-    elif require(panel, Panel, "panel", "which load_panel reads").size is not None:
-        scene = Scene(arm)
-    return scene, require_callback(progress, "progress", "(fraction)") or _silent
-
-
-def _checked(
-    arm: Arm, panel: Panel, base: Array, scene: Scene | None, known: Mapping[str, TaskResult], tell: Progress
-) -> PanelReport:
-    """Check the tasks that are not known yet."""
-    g, results = screws.inverse(base) @ panel.pose, []
-    if scene is not None and panel.size is not None:
-        scene.find_allowed_pairs()
-        scene, before = copy(scene), scene.placed
-        scene.put_back(before)  # its own obstacles from here on
-        behind = np.eye(4)
-        behind[2, 3] = -panel.gap - 0.5 * panel.size[2]
-        scene.add_box("panel", panel.size, g @ behind)
-    for k, task in enumerate(panel.tasks):
-        results.append(known.get(task.name) or _result(arm, panel, task, g, scene))
-        tell((k + 1) / len(panel.tasks))
-    return PanelReport(arm, panel, base, tuple(results), scene, np.empty((0, 4)))
+def _scene(arm: Arm, panel: Panel, scene: Scene | None) -> Scene | None:
+    """The scene, which a panel with a size needs."""
+    need = require_arm(arm) and require(panel, Panel, "panel", "which load_panel reads").size is not None
+    return require_scene(scene, arm) if scene is not None else Scene(arm) if need else None
 
 
 def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | None) -> TaskResult:
     """The task of the panel at g (4, 4), from the first start with room in all joints, or with the most room."""
-    here, met, found = task.seen_from(g), _tolerances(panel), TaskResult(task, "", "", np.empty((0, arm.n)))
+    here, met, found = (
+        task.seen_from(g),
+        dict[str, Any](panel.tolerances),
+        TaskResult(task, "", "", np.empty((0, arm.n))),
+    )
     places, directions = here.checkpoints(panel.clearance)
     targets = [Approach(p, d).of(arm) for p, d in zip(places, directions, strict=True)]
     for point, target in zip(POINTS, targets, strict=True):
@@ -219,9 +209,8 @@ def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | No
             motion = plan(arm, [JointMove(start), *here.moves(arm.tool_axis, panel.clearance)], **met)
         except PathError as error:
             if not found.code:
-                way = WAYS[min(error.segment or 0, 3)]
                 code = "impossible_direction" if CANNOT_TURN in error.detail else CODES.get(error.reason, error.reason)
-                found = replace(found, code=code, why=f"{way}: {error.detail}")
+                found = replace(found, code=code, why=f"on the way: {error.detail}")
             if start is targets[0]:  # plan has tried all starts
                 break
             continue
@@ -248,10 +237,6 @@ def _starts(arm: Arm, target: Approach, scene: Scene | None) -> Iterator[Approac
     yield from found[np.unique(np.linspace(0, len(found) - 1, BRANCHES).astype(int))] if len(found) else ()
 
 
-def _tolerances(panel: Panel) -> dict[str, Any]:
-    return {name: value for name, value in panel.shared.items() if name.endswith("_tol")}
-
-
 def _measured(arm: Arm, task: PanelTask, motion: Trajectory, scene: Scene | None) -> TaskResult:
     theta = motion(np.linspace(motion.times[1], motion.duration, SAMPLES))
     room = np.minimum(theta - arm.limits.lower, arm.limits.upper - theta).min(axis=0)
@@ -262,13 +247,24 @@ def _measured(arm: Arm, task: PanelTask, motion: Trajectory, scene: Scene | None
     return TaskResult(task, "done", "", theta, float(room.min()), joint, worst, clearance)
 
 
+def _within_reach(arm: Arm, panel: Panel) -> Array:
+    """The ranges (3, 2) of x, y and yaw, without places from which every task is too far away."""
+    ranges = np.array([panel.x, panel.y, panel.yaw])
+    far = 1.1 * np.linalg.norm(arm.fk(arm.random_theta(0, 1000))[:, :3, 3], axis=1).max()
+    tasks = np.array([(panel.pose @ np.append(task.place, 1.0))[:2] for task in panel.tasks])
+    near = np.clip(ranges[:2].T, tasks.min(axis=0) - far, tasks.max(axis=0) + far).T
+    ranges[:2] = np.clip(near, ranges[:2, :1], ranges[:2, 1:])
+    return ranges
+
+
 def _grid(panel: Panel, ranges: Array) -> tuple[Array, Array]:
     """Poses (p, 3) in ranges (3, 2), and their steps (3,). Yaws in which the base faces the panel are among them."""
     spans = ranges[:, 1] - ranges[:, 0]
     yaws = _even(ranges[2], YAW)
     facing = np.arctan2(*-panel.pose[1::-1, 2]) + 2.0 * np.pi * np.arange(-2, 3)
     yaws = np.union1d(yaws, facing[(facing > ranges[2, 0]) & (facing < ranges[2, 1])])
-    step = max(FINEST, float(np.sqrt(spans[0] * spans[1] * len(yaws) / POSES)), spans[:2].max() * len(yaws) / POSES)
+    each = len(yaws) / min(POSES, TARGETS // len(panel.tasks))
+    step = max(FINEST, float(np.sqrt(spans[0] * spans[1] * each)), spans[:2].max() * each)
     x, y = _even(ranges[0], step), _even(ranges[1], step)
     steps = [span / max(len(values) - 1, 1) for span, values in zip(spans, (x, y, yaws), strict=True)]
     return np.stack(np.meshgrid(x, y, yaws), axis=-1).reshape(-1, 3), np.array(steps)
@@ -286,19 +282,8 @@ def _estimated(arm: Arm, panel: Panel, places: Array) -> tuple[NDArray[np.bool_]
     points = [task.checkpoints(panel.clearance) for task in panel.tasks]
     p, d = (np.concatenate(each)[:, None] for each in zip(*points, strict=True))
     at, towards = (g[:, :3, :3] @ p[..., None])[..., 0] + g[:, :3, 3], (g[:, :3, :3] @ d[..., None])[..., 0]
-    found = reachable(arm, at.reshape(-1, 3), direction=towards.reshape(-1, 3), **_tolerances(panel))
+    found = reachable(arm, at.reshape(-1, 3), direction=towards.reshape(-1, 3), **dict[str, Any](panel.tolerances))
     done: NDArray[np.bool_] = np.all(found.met.reshape(len(panel.tasks), -1, len(places)), axis=1)
     room = np.minimum(found.theta - arm.limits.lower, arm.limits.upper - found.theta).min(axis=-1)
     least = room.reshape(len(panel.tasks), -1, len(places)).min(axis=1)
     return done, np.where(done, least, np.inf).min(axis=0)
-
-
-def _apart(places: Array, step: Array, order: NDArray[np.int_]) -> Iterator[int]:
-    """The first of the poses in this order that are no neighbours on the grid."""
-    taken: list[int] = []
-    for i in order.tolist():
-        if all((np.abs(places[i] - places[j]) > 1.5 * step).any() for j in taken):
-            taken.append(i)
-            yield i
-        if len(taken) == CANDIDATES:
-            return

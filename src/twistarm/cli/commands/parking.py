@@ -10,7 +10,7 @@ import numpy as np
 import typer
 
 from ...arm.arm import Arm
-from ...design import PanelReport, TaskResult, best_parking, check_panel, load_panel
+from ...design import PanelReport, best_parking, check_panel, load_panel
 from ...design.panel_picture import panel_picture
 from ...support.checks import as_positive
 from ...theory.rotations import to_rpy
@@ -28,6 +28,9 @@ BasePose = Annotated[
         "--base-pose", metavar=PLACE, help="Check x, y [m] and yaw [°, or rad with --rad] instead of a search."
     ),
 ]
+Speed = Annotated[
+    float | None, typer.Option("--linear-speed", metavar="M/S", help="The tool goes no faster in the motion of -o.")
+]
 Files = Annotated[
     list[str] | None,
     typer.Option("--output", "-o", metavar="FILE", help="A picture to *.png, the motion as plan does; repeat it."),
@@ -40,6 +43,7 @@ def panel(
     file: PanelFile,
     base_pose: BasePose = None,
     avoid: Avoid = None,
+    linear_speed: Speed = None,
     output: Files = None,
     force: Force = False,
     dt: Step = 0.01,
@@ -63,14 +67,14 @@ def panel(
         console(outputs.words).print(_table(found, rad))
         missed = [f"{each.task.name}, {each.code}: {each.why}" for each in found.results if each.code != "done"]
         say(*missed, _sentence(found, rad), file=outputs.words)
-    written = _write(found, outputs, dt)
+    written = _write(found, outputs, dt, linear_speed)
     if json:
         print_json(_as_json(found) | {"written": written})
     outputs.say(written if not json else ())
     return int(len(found.done) < len(found.results))
 
 
-def _write(found: PanelReport, outputs: Outputs, dt: float) -> list[str]:
+def _write(found: PanelReport, outputs: Outputs, dt: float, speed: float | None) -> list[str]:
     texts: dict[str, Any] = {"png": lambda: panel_picture(found)}
     pictures = tuple(each for each in outputs.files if each[0] == "png")
     if not found.done and len(pictures) < len(outputs.files):
@@ -78,7 +82,7 @@ def _write(found: PanelReport, outputs: Outputs, dt: float) -> list[str]:
         outputs = replace(outputs, files=pictures)
     if len(pictures) < len(outputs.files):
         with progress_bar("planning") as progress:
-            motion = found.motion(progress=progress)
+            motion = found.motion(linear_speed=speed, progress=progress)
         for each in motion.notes:
             note(each)
         texts |= motion_texts(motion, outputs, dt)
@@ -86,33 +90,34 @@ def _write(found: PanelReport, outputs: Outputs, dt: float) -> list[str]:
 
 
 def _table(found: PanelReport, radians: bool) -> Any:
-    rows = [[*_row(found, each, radians)] for each in found.results]
+    rows = []
+    for each in found.results:
+        nearest = ""
+        if each.code == "done":
+            length = radians or found.arm.units[found.arm.joint_names.index(each.joint)] == "m"
+            margin = number(each.margin if length else np.degrees(each.margin), 2)
+            nearest = f"{each.joint} {margin}" + "°" * (not length)
+        measured = [number(value, 1) if nearest else "" for value in (each.condition, 1e3 * each.clearance)]
+        rows.append([each.task.name, each.task.kind, each.code, nearest, *measured])
     heads = ["task", "kind", "verdict", "nearest limit", "condition", "clearance [mm]"]
-    return table(f"{found.arm.name}: tasks of the panel", heads, rows, ["kind", "verdict", "nearest limit"])
+    return table(f"{found.arm.name}: tasks of the panel", heads, rows, heads[1:4])
 
 
-def _row(found: PanelReport, each: TaskResult, radians: bool) -> tuple[str, ...]:
-    """The cells of a task."""
-    if each.code != "done":
-        return each.task.name, each.task.kind, each.code, "", "", ""
-    unit = found.arm.units[found.arm.joint_names.index(each.joint)]
-    margin = each.margin if unit == "m" or radians else np.degrees(each.margin)
-    nearest = f"{each.joint} {number(margin, 2)} {unit if unit == 'm' or radians else '°'}"
-    return each.task.name, each.task.kind, "done", nearest, number(each.condition, 1), number(1e3 * each.clearance, 1)
+def _base(found: PanelReport) -> dict[str, float]:
+    x, y, z = found.base[:3, 3]
+    return {"x": x, "y": y, "z": z, "yaw": to_rpy(found.base[:3, :3])[2]}
 
 
 def _sentence(found: PanelReport, radians: bool) -> str:
-    (x, y), yaw = found.base[:2, 3], to_rpy(found.base[:3, :3])[2]
+    x, y, _, yaw = _base(found).values()
     typed = " ".join(number(value, 4) for value in (x, y, yaw if radians else np.degrees(yaw)))
-    tasks = f"{len(found.done)} of {len(found.results)} tasks"
-    return f'{tasks} with the arm\'s base at --base-pose "{typed}"' + " --rad" * radians
+    done = f"{len(found.done)} of {len(found.results)} tasks are done"
+    return f'{done} with the arm\'s base at --base-pose "{typed}"' + " --rad" * radians
 
 
 def _as_json(found: PanelReport) -> dict[str, Any]:
-    names = "code", "why", "margin", "joint", "condition", "clearance"
     tasks = [
-        {"name": one.task.name, "kind": one.task.kind} | {n: getattr(one, n) for n in names} for one in found.results
+        vars(one) | {"task": one.task.name, "kind": one.task.kind, "theta": one.theta[:1]} for one in found.results
     ]
-    told = {"arm": found.arm.name, "done": len(found.done), "share": len(found.done) / len(tasks)}
-    x, y, z = found.base[:3, 3]
-    return told | {"base": {"x": x, "y": y, "z": z, "yaw": to_rpy(found.base[:3, :3])[2]}, "tasks": tasks}
+    share = {"done": len(found.done), "share": len(found.done) / len(tasks)}
+    return {"arm": found.arm.name, **share, "base": _base(found), "tasks": tasks}
