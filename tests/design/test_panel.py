@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import twistarm
-from twistarm import Approach, Scene, best_parking, check_panel, load_arm, load_panel, solve_ik
+from twistarm import Approach, Scene, best_parking, check_panel, compare_designs, load_arm, load_panel, solve_ik
 from twistarm.design import Panel, PanelTask
 from twistarm.support.checks import Array
 from twistarm.support.errors import InputError, TwistarmError
@@ -226,3 +226,13 @@ def test_wide_ranges_are_searched_on_a_bounded_grid(rover: twistarm.Arm, tmp_pat
     thin = best_parking(rover, panel_of(tmp_path, wide.replace("y = [-10, 10]", "y = 0") + PRESS))
     assert 500 < len(thin.places) < 20_000
     assert len(thin.done) == 1
+
+
+def test_designs_by_their_share_of_a_panel(rover: twistarm.Arm, tmp_path: Path) -> None:
+    two = "".join(PRESS.replace('"a"', f'"{x}"').replace("[0.0,", f"[{x},") for x in (-0.4, 0.0))
+    panel = panel_of(tmp_path, "[panel]\nxyz = [0.95, 0.0, 0.8]\n" + two)
+    bounds = {"lower": {"slide": -0.1}, "upper": {"slide": 0.1}}
+    short = replace(rover, name="short", limits=rover.limits.with_(bounds, rover.joint_names))
+    ours, other = compare_designs([rover, short], panel=panel)
+    assert (ours.panel, other.panel) == (1.0, 0.5)
+    assert other.against(ours).endswith(" and does 50 % less of the panel than rover_arm")
