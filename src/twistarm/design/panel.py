@@ -120,8 +120,9 @@ def load_panel(path: str | os.PathLike[str]) -> Panel:
     with at(file, "at the top"):
         only(content, ("degrees", "clearance", "panel", "parking", "task", *TOLERANCES))
         unit = np.pi / 180.0 if as_flag(content.get("degrees", False), "degrees") else 1.0
-        met = {name: as_positive(content[name], name) for name in TOLERANCES if name in content}
-        met |= {name: unit * met[name] for name in TOLERANCES[1:] if name in met}
+        met = {name: as_positive(_length(content, name, most=LEAD), name) for name in TOLERANCES[:1] if name in content}
+        angles = {name: _angle(content[name], name, unit, 0.25) for name in TOLERANCES[1:] if name in content}
+        met |= {name: as_positive(angle, name) for name, angle in angles.items()}
         clearance = as_positive(_length(content, "clearance", 0.05, LONGEST), "clearance")
         tables = content.get("task", [])
         if not isinstance(tables, list) or not 0 < len(tables) <= MOST_TASKS:
