@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import io
 from typing import Any
 
 import numpy as np
 
-from ..support.errors import missing_extra
+from ..support.pictures import empty_figure, png_of
 from .parking import PanelReport
 
 DONE, MISSED = "#0072b2", "#d55e00"
@@ -19,11 +18,7 @@ def panel_picture(report: PanelReport) -> bytes:
 
     Raises MissingExtraError without matplotlib.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise missing_extra("a picture of a panel", "matplotlib", "guide") from error
-    figure, file, panel = Figure(figsize=(11, 5), layout="constrained"), io.BytesIO(), report.panel
+    figure, panel = empty_figure("a picture of a panel", figsize=(11, 5)), report.panel
     top, front = figure.subplots(1, 2, width_ratios=(2, 3))
     if len(report.places):
         x, y, _, count = report.places[report.places[:, 3].argsort(kind="stable")].T
@@ -48,8 +43,7 @@ def panel_picture(report: PanelReport) -> bytes:
     for axes in (top, front):
         axes.margins(0.1)
     top.legend(loc="upper left", fontsize=8)
-    figure.savefig(file, format="png", dpi=120)
-    return file.getvalue()
+    return png_of(figure, dpi=120)
 
 
 def _draw(axes: Any, name: str, place: Any, *, done: bool) -> None:

@@ -34,6 +34,7 @@ from .parts.theory import SHOWN, Theory
 from .protocol.change_publisher import Source
 from .protocol.jobs import Job
 from .protocol.messages import Message, Request
+from .scene.beside import Beside
 from .scene.placement import Placement
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")
@@ -51,10 +52,12 @@ LAYERS = {
 class Stage(Show):
     """The state that all pages show, with their requests and messages."""
 
-    def __init__(self, arm: Arm, theta: ArrayLike | None = None, scene: Scene | None = None) -> None:
+    def __init__(
+        self, arm: Arm, theta: ArrayLike | None = None, scene: Scene | None = None, beside: Beside | None = None
+    ) -> None:
         super().__init__(arm, theta)
         self.scene = scene
-        self._placement = Placement(arm)
+        self._placement = Placement(arm, beside)
         self.visible = dict(LAYERS)
         self.findings = loaded(arm)
         self.program = Program(arm, self.poses)

@@ -66,6 +66,7 @@ FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
 def view(
     source: str,
     load: dict[str, Any],
+    beside: Annotated[str | None, typer.Argument(metavar="[ARM]", help="Another arm, as rods beside it.")] = None,
     theta: Annotated[str | None, CONFIGURATION] = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
@@ -95,6 +96,8 @@ def view(
     for name, given in {"--scene": scene, "--reach": reach, "--watch": watch or None}.items():
         if outputs.files and given is not None:
             raise InputError(f"{name} is for a page that is served: it does not go with -o FILE")
+    if beside is not None and (outputs.files or watch):
+        raise InputError("a second ARM is for a page that is served: it does not go with -o FILE or --watch")
     if outputs.files:
         start = x if motion is None else motion(0.0)
         contents: dict[str, Callable[[], str | bytes]] = {
@@ -104,8 +107,9 @@ def view(
         outputs.say(outputs.write(contents))
         return
     obstacles = None if scene is None else Scene.load(arm, scene)
+    other = None if beside is None else load_arm(beside, **load)
     with ExitStack() as stack:
-        viewer = Viewer(arm, x, host=host, port=port, open_browser=False, keep=port != 0, scene=obstacles)
+        viewer = Viewer(arm, x, host=host, port=port, open_browser=False, keep=port != 0, scene=obstacles, beside=other)
         stack.enter_context(viewer)
         if motion is not None:
             viewer.show_path(motion)

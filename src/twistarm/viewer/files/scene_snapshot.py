@@ -72,6 +72,7 @@ class SceneSnapshot:
         needed.
         """
         at, scene = self.playback, self.scene.whole()
+        skipped = scene.live | {b""}
         still = {"times": [0.0], "theta": [self.theta.tolist()]}
         return {
             "arm": describe_arm(self.arm),
@@ -85,7 +86,7 @@ class SceneSnapshot:
             "aside": None if at is None or self._on(at) else self.theta.tolist(),
             "plots": plots(self.arm, at),
             "player": None if at is None else {name: getattr(at, name) for name in PLAYED},
-            "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects if part],
+            "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects if part not in skipped],
             "obstacles": self.obstacles,
             "shapes": self.shapes,
             "reach": self.reach,
