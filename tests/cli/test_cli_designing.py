@@ -123,7 +123,8 @@ def test_a_panel_as_table_json_and_files(capsys: Capture, tmp_path: Path, monkey
     shown = printed(capsys, "panel", "rover_arm", "panel.toml", "-o", "p.png", "-o", "p.csv", code=1)
     *table, why, sentence, png, motion = shown.splitlines()
     assert max(map(len, table)) <= 80
-    assert any(line.split()[:3] == ["key", "press", "done"] for line in table)
+    (row,) = (line.split() for line in table if line.startswith("key "))
+    assert row[:3] == ["key", "press", "done"]
     assert why.startswith("far knob, out_of_reach: in front of it: ")
     assert sentence.startswith("1 of 2 tasks")
     assert (png, motion) == ("written: p.png", "written: p.csv")
@@ -136,6 +137,9 @@ def test_a_panel_as_table_json_and_files(capsys: Capture, tmp_path: Path, monkey
     assert np.isclose(content["base"]["x"], float(place.split()[0]), atol=1e-4)
     key, knob = content["tasks"]
     assert (key["code"], knob["code"]) == ("done", "out_of_reach")
+    assert row[3] == key["joint"]
+    unit = {"slide": 1.0}.get(key["joint"], np.pi / 180)
+    assert np.isclose(float(row[4].rstrip("°")) * unit, key["margin"], atol=0.006 * unit)
     assert knob["margin"] is None
     assert key["clearance"] is None
     # The deepest point of the motion is 4 mm into the panel, which stands 0.95 m from the world's origin.

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ..support.pictures import empty_figure, png_of
@@ -35,19 +33,15 @@ def panel_picture(report: PanelReport) -> bytes:
         across, up = 0.5 * width * np.array([-1, 1, 1, -1, -1]), 0.5 * height * np.array([-1, -1, 1, 1, -1])
         front.plot(across, up, color="black", lw=1)
     for result in report.results:
-        same = [one for one in report.results if np.allclose(one.task.place[:2], result.task.place[:2])]
-        name = ", ".join(one.task.name for one in same) if result is same[0] else ""
-        _draw(front, name, result.task.place, done=result.code == "done")
+        place, colour = result.task.place[:2], DONE if result.code == "done" else MISSED
+        front.plot(*place, "o" if colour == DONE else "X", color=colour)
+        same = [one.task.name for one in report.results if np.allclose(one.task.place[:2], place)]
+        if result.task.name == same[0]:
+            how = {"textcoords": "offset points", "rotation": 35, "fontsize": 8, "parse_math": False}
+            front.annotate(", ".join(same), place, xytext=(3, 3), color=colour, **how)
     front.set(xlabel="x of the panel [m]", ylabel="y of the panel [m]", aspect="equal", title="from the front")
     figure.suptitle(f"{report.arm.name}: {len(report.done)} of {len(panel.tasks)} tasks", parse_math=False)
-    for axes in (top, front):
-        axes.margins(0.1)
+    top.margins(0.1)
+    front.margins(0.1)
     top.legend(loc="upper left", fontsize=8)
     return png_of(figure, dpi=120)
-
-
-def _draw(axes: Any, name: str, place: Any, *, done: bool) -> None:
-    """A task: a dot with its name, or a cross if it is not done."""
-    axes.plot(place[0], place[1], "o" if done else "X", color=DONE if done else MISSED)
-    how = {"textcoords": "offset points", "rotation": 35, "fontsize": 8, "parse_math": False}
-    axes.annotate(name, place[:2], xytext=(3, 3), color=DONE if done else MISSED, **how)

@@ -94,9 +94,10 @@ def _table(found: PanelReport, radians: bool) -> Any:
     for each in found.results:
         nearest = ""
         if each.code == "done":
-            length = radians or found.arm.units[found.arm.joint_names.index(each.joint)] == "m"
-            margin = number(each.margin if length else np.degrees(each.margin), 2)
-            nearest = f"{each.joint} {margin}" + "°" * (not length)
+            unit = found.arm.units[found.arm.joint_names.index(each.joint)]
+            turns = unit == "rad" and not radians
+            margin = number(np.degrees(each.margin) if turns else each.margin, 2)
+            nearest = f"{each.joint} {margin}{'°' if turns else f' {unit}'}"
         measured = [number(value, 1) if nearest else "" for value in (each.condition, 1e3 * each.clearance)]
         rows.append([each.task.name, each.task.kind, each.code, nearest, *measured])
     heads = ["task", "kind", "verdict", "nearest limit", "condition", "clearance [mm]"]
