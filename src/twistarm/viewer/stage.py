@@ -16,6 +16,8 @@ from ..limits.joint_limits import unit_of
 from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
 from .parts.collisions import Collisions
+from .parts.controls import Controls
+from .parts.drawings import Drawings
 from .parts.findings import loaded
 from .parts.gauge import Gauge
 from .parts.history import History
@@ -65,6 +67,7 @@ class Stage(Show):
         self.solutions = Solutions()
         self.collisions = Collisions(scene, self.solutions)
         self.history = History()
+        self.controls, self.drawings = Controls(), Drawings()
         self.parts: tuple[Part, ...] = (
             Player(),
             TargetPart(),
@@ -76,6 +79,8 @@ class Stage(Show):
             Plots(),
             self.solutions,
             self.collisions,
+            self.controls,
+            self.drawings,
         )
         self.left: tuple[LeftOut, ...] = ()
         self.jogging = False
