@@ -119,7 +119,7 @@ def plan(
     def planned_through(segments: Sequence[Segment], numbers: Sequence[int] | None = None) -> Trajectory:
         legs, said = _legs(planned, list(segments), origin, bounds, turning, progress, numbers)
         timed = [each for run in runs(planned, legs, bounds) for each in _fastest(planned, *run, bounds, kind)]
-        return _assembled(arm, origin, timed, (*notes, *said, *_unrounded(timed)))
+        return _assembled(arm, origin, timed, (*notes, *said, *_unrounded(timed)), bounds)
 
     if scene is not None:
         from ..collision import require_scene
@@ -281,7 +281,7 @@ def _timed(arm: Arm, legs: list[Leg], corners: list[Corner], limits: JointLimits
     return Timed(legs, *law.along(path), np.interp(ends, known, law.breakpoints))
 
 
-def _assembled(arm: Arm, origin: Array, timed: list[Timed], notes: tuple[str, ...]) -> Trajectory:
+def _assembled(arm: Arm, origin: Array, timed: list[Timed], notes: tuple[str, ...], limits: JointLimits) -> Trajectory:
     """Join everything in time to one trajectory."""
     legs = [leg for each in timed for leg in each.legs]
     starts = np.cumsum([0.0, *(each.duration for each in timed)])
@@ -305,6 +305,7 @@ def _assembled(arm: Arm, origin: Array, timed: list[Timed], notes: tuple[str, ..
             if leg.segment.label
         ),
         notes,
+        limits,
     )
     rounded = np.array([False, *(isinstance(leg.segment, Move) and leg.segment.blend > 0.0 for leg in legs)])
     return replace(motion, waypoints=np.where(rounded[:, None], motion(times), motion.waypoints))

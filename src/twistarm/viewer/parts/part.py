@@ -12,7 +12,6 @@ from ...arm.arm import Arm, require_arm
 from ...collision import Scene
 from ...collision.scene import Placed
 from ...control.servo.settings import SLIDE
-from ...limits.joint_limits import JointLimits
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
@@ -79,12 +78,12 @@ class Show:
         self.playback.play(now)
         self.theta = self.playback.theta()
 
-    def stand_by(self, trajectory: Trajectory, limits: JointLimits) -> None:
-        """Stand at the start of `trajectory`, planned by `limits`, for a page to play. Speed and loop stay."""
+    def stand_by(self, trajectory: Trajectory) -> None:
+        """Stand at the start of `trajectory` for a page to play. Speed and loop stay."""
         self.stop()
         at = self.playback
         speed, loop = (1.0, False) if at is None else (at.speed, at.loop)
-        self.playback = Playback(trajectory, speed, loop, limits=limits)
+        self.playback = Playback(trajectory, speed, loop)
         self.theta = self.playback.theta()
 
     def advance(self, now: float) -> None:

@@ -156,7 +156,7 @@ class Program:
             raise InputError("the motion was planned and not loaded: a servo drives the arm meanwhile")
         self._motion = planned
         self._through, self._asked = _listed(poses), asked
-        show.stand_by(self._motion, self.limits)
+        show.stand_by(self._motion)
         show.draw_path(path)
 
 
