@@ -20,6 +20,7 @@ from ..protocol.messages import Message, Request
 from .limit_checks import checked_theta
 from .playback import Glide, Playback
 from .pose_list import PoseList, RecordedPose
+from .servo_words import SILENT
 from .summary import extra_joints, rest
 from .tool_path import NO_PATH
 
@@ -51,6 +52,7 @@ class Show:
         self.playback: Playback | None = None
         self.scene: Scene | None = None  # what motions and the servo collide with
         self.driven = False
+        self.report: Mapping[str, Any] = SILENT  # of the servo
         self.drive: Message = NO_DRIVE
         self._glide: Glide | None = None
 
