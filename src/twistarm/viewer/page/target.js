@@ -4,7 +4,7 @@ import { $ } from "./element.js";
 import { Gizmo } from "./gizmo.js";
 import { bare } from "./keys.js";
 import { PoseBoxes } from "./pose_boxes.js";
-import { describes, numbersOf, poseOf, same, standing, turned } from "./target_pose.js";
+import { numbersOf, poseOf, same, standing, turned } from "./target_pose.js";
 import { Tolerances } from "./tolerances.js";
 import { Verdict } from "./verdict.js";
 import { THREE } from "./view.js";
@@ -25,7 +25,6 @@ export class Target {
     this.given = null;
     this.tool = null;
     this.asked = null;
-    this.typed = null;
     this.start = null;
     this.driven = false;
     this.waiting = null; // the picture before which nothing more is sent
@@ -82,7 +81,6 @@ export class Target {
     this.given = null;
     this.tool = null;
     this.asked = null;
-    this.typed = null;
     this.newer = false;
     this.begun = this.kind;
     this.verdict.show(null);
@@ -102,7 +100,6 @@ export class Target {
 
   placed(frame) {
     this.tool = poseOf(frame.transforms["/frames/tool"]);
-    this.rpy = frame.tool.rpy;
     this.arrange();
   }
 
@@ -184,7 +181,8 @@ export class Target {
   }
 
   type(numbers) {
-    this.typed = numbers;
+    this.boxes.numbers = numbers;
+    this.page.panel.rpy = numbers.slice(3);
     this.ask(turned(numbers));
   }
 
@@ -214,15 +212,10 @@ export class Target {
 
   put() {
     const pose = standing(this.given, this.tool);
-    this.boxes.show(this.given ? this.numbers(pose) : [...this.tool.position.toArray(), ...this.rpy]);
+    this.boxes.show(numbersOf(pose, this.boxes.numbers));
     this.gizmo.place(this.asked ?? (this.given?.met ? this.tool : pose), this.tool, $("target-axes").value);
     const on = $("drag-tool").checked && !this.driven;
     this.gizmo.show(on, this.given?.met === false, (handle, direction) => this.allows(handle, direction));
-  }
-
-  // As they were typed, as long as they say the same: at a pitch of 90° roll and yaw can stand for each other.
-  numbers(pose) {
-    return this.typed && describes(this.typed, pose) ? this.typed : numbersOf(pose);
   }
 
   // A position has no turns, and an approach none about the axis that it points.
