@@ -235,13 +235,13 @@ def test_radians_everywhere_and_after_a_reload(page: Any, viewer: Viewer) -> Non
 
 
 def test_limits_are_told_in_words_and_by_a_colour_one_can_read(page: Any, viewer: Viewer) -> None:
-    # Within 10 % of 1.57 - -1.57 of the upper; 0.14 beyond the lower; 0.3 from both, which is not near.
-    viewer.show(at(shoulder=1.57 - 0.31, elbow=-2.5, wrist_pitch=1.75 - 0.36))
+    # Within 5 % of 1.57 - -1.57 of the upper; 0.14 beyond the lower; more than 5 % of 3.5 from both, which is not near.
+    viewer.show(at(shoulder=1.57 - 0.15, elbow=-2.5, wrist_pitch=1.75 - 0.18))
     until(page, "document.querySelector('[data-limit=outside]')")
     rows = {name: page.get_by_role("group", name=name) for name in ARM.joint_names}
     states = {name: row.get_attribute("data-limit") for name, row in rows.items()}
     assert states == {"slide": "", "shoulder": "near", "elbow": "outside", "wrist_pitch": "", "wrist_roll": ""}
-    for name, words in (("shoulder", "72.2°, near its upper limit"), ("elbow", "−143.2°, outside its lower limit")):
+    for name, words in (("shoulder", "81.4°, near its upper limit"), ("elbow", "−143.2°, outside its lower limit")):
         assert rows[name].get_attribute("title") == words
         for control in (rows[name].get_by_role("slider"), rows[name].get_by_role("spinbutton")):
             assert control.get_attribute("aria-valuetext") == words
