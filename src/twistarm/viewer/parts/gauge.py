@@ -58,7 +58,7 @@ class Gauge(Part):
         self._arm = arm
         self._measure: Measure | None = None
         self._at: tuple[Array, str | None] | None = None
-        self._words: dict[str, Any] = {}
+        self._words = SILENT
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The messages with singular value and limit.
@@ -68,12 +68,10 @@ class Gauge(Part):
         joint: the joint or motor that the servo says is limited, else the one nearest to a position limit. It has
         `room` [unit] to its `end`, and the warning distance `near`. All are null without a servo or without a limit.
         """
-        if not show.driven:
-            self._at = None
-            yield {"type": "gauge", **SILENT}
-            return
         limited = show.report["joint"] if str(show.report["status"]).endswith("_LIMIT") else None
-        if self._at is None or show.theta is not self._at[0] or limited != self._at[1]:
+        if not show.driven:
+            self._at, self._words = None, SILENT
+        elif self._at is None or show.theta is not self._at[0] or limited != self._at[1]:
             self._measure = self._measure or Measure(self._arm)
             self._at, self._words = (show.theta, limited), self._measure.words(show.theta, limited)
         yield {"type": "gauge", **self._words}

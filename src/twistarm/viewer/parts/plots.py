@@ -88,7 +88,8 @@ def _times(trajectory: Trajectory) -> Array:
 
 def _joints(arm: Arm, limits: JointLimits, peaks: list[Array]) -> list[dict[str, Any]]:
     """Name and unit. `range`: the range of positions; `usual`: assumed limits; `peak`: largest values."""
-    assumed = with_defaults(arm)
+    rates = ((rate, [getattr(each, rate) for each in (arm.limits, limits, with_defaults(arm))]) for rate in RATES[1:])
+    usual = {rate: np.isinf(own) & (ours == assumed) for rate, (own, ours, assumed) in rates}
     lower, upper = usual_range(limits.lower, limits.upper, arm.usual_half)
     return [
         {
@@ -99,11 +100,7 @@ def _joints(arm: Arm, limits: JointLimits, peaks: list[Array]) -> list[dict[str,
                 "position": [_or_null(limits.lower[i]), _or_null(limits.upper[i])],
                 **{rate: _or_null(getattr(limits, rate)[i]) for rate in RATES[1:]},
             },
-            "usual": [
-                rate
-                for rate in RATES[1:]
-                if np.isinf(getattr(arm.limits, rate)[i]) and getattr(limits, rate)[i] == getattr(assumed, rate)[i]
-            ],
+            "usual": [rate for rate, flags in usual.items() if flags[i]],
             "peak": {rate: float(peak[i]) for rate, peak in zip(RATES, peaks, strict=True)},
         }
         for i, (name, unit) in enumerate(zip(arm.joint_names, arm.units, strict=True))
