@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from arms import ARMS, DRAWN, assert_drawn
 from twistarm import Approach, solve_ik, solve_ik_all
 from twistarm.viewer import Viewer
-from waiting import after_frames, until
+from waiting import after_frames, settled, until
 
 pytestmark = pytest.mark.browser
 
@@ -183,10 +183,13 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     assert given["met"] is False
     p, R = given["position"], Rotation.from_quat(given["xyzw"]).as_matrix()
     expected = solve_ik(rover.arm, Approach(p, R[:, 2]), start, posture="theta0")
-    shown = rover.page.locator("#target-words").inner_text()
-    assert shown.startswith("✕ not met")
-    for line in expected.explain().splitlines():
-        assert line.strip() in shown
+    words = rover.page.locator("#target-words")
+    assert words.inner_text().startswith("✕ not met")
+    assert "iterations" not in words.inner_text()
+    first = words.locator(".first")
+    lines = first.evaluate("(text) => text.clientHeight / parseFloat(getComputedStyle(text).lineHeight)")
+    assert lines < 2.5
+    assert all(line.strip() in words.locator("details").text_content() for line in expected.explain().splitlines())
     assert np.linalg.norm(rover.drawn()[:3, 3] - p) == pytest.approx(expected.position_error, abs=MET)
     theta = rover.viewer.theta
     ball, warning, tether = rover.page.evaluate(
@@ -265,6 +268,21 @@ def test_roll_and_yaw_that_were_typed_stay_while_the_pitch_passes_90_degrees(des
         until(desk.page, f"{ids}.join('|') === '{words}'")
         expected = Rotation.from_euler("xyz", list(typed.values()), degrees=True).as_matrix()
         assert_allclose(desk.drawn()[:3, :3], expected, atol=1e-5)
+
+
+def test_with_a_mouse_the_handles_are_there_and_the_hint_goes_with_the_first_drag(browser: Any, rover: Desk) -> None:
+    for touch in (True, False):
+        context = browser.new_context(has_touch=touch, is_mobile=touch, viewport={"width": 740, "height": 560})
+        fresh = Desk(settled(context.new_page(), rover.viewer.url), rover.viewer)
+        assert fresh.page.get_by_label("Drag tool").is_checked() != touch
+        hint = fresh.page.locator("#target-hint")
+        assert ("Drag" in hint.inner_text()) != touch
+        if not touch:
+            tip = fresh.handle([0, 0, ALONG])
+            fresh.drag(tip, tip + [0, 0, 0.02])
+            fresh.answered()
+            assert "Drag" not in hint.inner_text()
+        context.close()
 
 
 def test_g_takes_the_handles_and_a_servo_takes_them_away(rover: Desk) -> None:

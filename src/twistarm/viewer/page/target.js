@@ -5,6 +5,7 @@ import { Gizmo } from "./gizmo.js";
 import { bare } from "./keys.js";
 import { PoseBoxes } from "./pose_boxes.js";
 import { numbersOf, poseOf, same, standing, turned } from "./target_pose.js";
+import { keep, kept } from "./storage.js";
 import { Tolerances } from "./tolerances.js";
 import { Verdict } from "./verdict.js";
 import { THREE } from "./view.js";
@@ -14,6 +15,8 @@ const HINTS = {
   approach: "5 joints: not every pose is in reach, so the axis about which the tool rolls is pointed, and its turn about that is free.",
   position: "Fewer than 5 joints: the tool's position is met, and its orientation is free.",
 };
+const FIRST = "Drag an arrow or a ring at the tool; G hides them.";
+const DRAGGED = "twistarm dragged"; // whether somebody has, on any page
 const PARALLEL = 0.999; // cosine from which a ring is about the axis that an approach points
 const LATE = 60; // ms that an answer takes at most where nothing is slow
 const LOST = 2000; // ms after which no answer is expected any more: the arm was moved by another hand
@@ -50,6 +53,7 @@ export class Target {
       servo: ({ driven }) => this.drive(driven),
       error: () => this.settle(),
     };
+    $("drag-tool").checked = matchMedia("(hover: hover) and (pointer: fine)").matches; // with a mouse
     this.listen();
   }
 
@@ -126,6 +130,7 @@ export class Target {
   begin() {
     this.start = { theta: this.page.state.frame.theta, given: this.given };
     this.verdict.busy(true);
+    keep(DRAGGED, "true");
   }
 
   // At most one request for each picture, at once where none was sent since the last one.
@@ -204,7 +209,8 @@ export class Target {
   arrange() {
     for (const id of ["drag-tool", "target-kind", "target-axes", "target-snap"]) $(id).disabled = this.driven;
     $("target-release").hidden = !this.given || this.driven;
-    $("target-hint").textContent = $("drag-tool").checked && this.kind === this.begun ? (HINTS[this.kind] ?? "") : "";
+    const hints = [kept(DRAGGED) ? "" : FIRST, this.kind === this.begun ? HINTS[this.kind] : ""];
+    $("target-hint").textContent = $("drag-tool").checked && !this.driven ? hints.filter(Boolean).join(" ") : "";
     this.tolerances.disable(this.driven);
     this.boxes.disable(this.driven, this.kind === "position");
     if (this.tool !== null) this.put();
