@@ -9,7 +9,7 @@ from .arm.arm import Arm, require_arm
 from .arm.loading.load import load_arm
 from .checking.crosscheck import crosscheck
 from .checking.difference import compare
-from .checking.yourdfpy_poses import require_yourdfpy
+from .checking.other_readers import require_yourdfpy
 from .collision import Scene, require_scene
 from .planning import Trajectory, load_trajectory
 from .planning.in_scene import first_collision

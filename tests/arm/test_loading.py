@@ -107,7 +107,7 @@ BAD_TOML = {
     ),
     "several places of one tool": (
         'source = "arm.urdf"\n[tool]\nname = "t"\nxyz = [[0, 0, 0], [0, 0, 1]]',
-        "tool.xyz must have shape (3,); got (2, 3)",
+        "tool.xyz must be one vector (3,); got (2, 3)",
     ),
     "package dirs that are not there": (
         'source = "arm.urdf"\npackage_dirs = ["no_such"]',

@@ -12,7 +12,7 @@ from finding_cases import CASES, XACRO
 from test_cli import error_of
 from test_finding_codes import lay
 from twistarm import load_arm
-from twistarm.checking.doctor.codes import codes_page
+from twistarm.checking.doctor.wording import codes_page
 from twistarm.cli.application import run
 from twistarm.description.findings import CODES
 from urdf_text import joint, robot, two_joints, write

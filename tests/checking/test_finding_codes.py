@@ -12,7 +12,7 @@ import pytest
 import twistarm.checking.doctor.diagnosis
 from finding_cases import CASES, FAULTS, Case
 from twistarm import diagnose, load_arm
-from twistarm.checking.doctor.codes import codes_page
+from twistarm.checking.doctor.wording import codes_page
 from twistarm.description.findings import CODES, MOST_OF_A_KIND, Finding, Findings, Place, finding
 from twistarm.support.errors import ComparisonError, DescriptionError
 from urdf_text import two_joints, write

@@ -13,6 +13,7 @@ import twistarm
 from test_cli import answer, error_of, printed
 from twistarm import payload
 from twistarm.cli.application import run
+from twistarm.cli.commands import designing
 from urdf_text import two_joints, write
 
 Capture = pytest.CaptureFixture[str]
@@ -51,6 +52,17 @@ def test_payload_of_a_motion_in_files(capsys: Capture, tmp_path: Path, monkeypat
     assert content["needs"]["speed"][1] > 0.1
 
 
+def test_payload_over_space(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(designing, "SAMPLES", 5000)
+    content = answer(capsys, "payload", "rover_arm", "--voxel", "0.2", "-o", "held.csv", "-o", "held.png")
+    with open("held.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert sum(int(row["configurations"]) for row in rows) == 5000
+    assert min(float(row["least payload [kg]"]) for row in rows) == content["payload"]
+    assert Path("held.png").read_bytes().startswith(b"\x89PNG")
+
+
 def test_an_unknown_payload_is_no_good_answer(capsys: Capture, tmp_path: Path) -> None:
     arm = str(
         write(
@@ -68,10 +80,18 @@ def test_an_unknown_payload_is_no_good_answer(capsys: Capture, tmp_path: Path) -
     assert "the payload is unknown" in printed(capsys, "payload", arm, code=1)
 
 
-def test_designs(capsys: Capture) -> None:
-    content = answer(capsys, "designs", "rover_arm", "rover_arm_6dof")
+def test_designs(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    content = answer(capsys, "designs", "rover_arm", "rover_arm_6dof", "-o", "d.csv", "-o", "d.png")
+    with open("d.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["volume [m³]"]) for row in rows] == [each["volume"] for each in content["designs"]]
+    image = pytest.importorskip("PIL.Image").open("d.png").convert("RGB")
+    colours = [image.getpixel((x, y)) for x in range(image.width // 3, image.width) for y in range(image.height)]
+    first, second = (31, 119, 180), (255, 127, 14)  # matplotlib's C0 and C1
+    assert min(colours.count(first), colours.count(second)) > 200, "both outlines"
     ours, other = content["designs"]
-    assert f"reaches {100 * (other['reach'] / ours['reach'] - 1):.2g} % more" in content["against"][0]
+    assert f"reaches out {100 * (other['farthest'] / ours['farthest'] - 1):.2g} % more" in content["against"][0]
     shown = printed(capsys, "designs", "rover_arm", "rover_arm_6dof")
     assert content["against"][0] in shown
     assert "-0.5 … 0.5" in shown
@@ -82,6 +102,8 @@ def test_designs(capsys: Capture) -> None:
     [
         (["payload", "rover_arm", "--mass", "-1"], "--mass must be 0 or more"),
         (["payload", "rover_arm", "--theta", "ready", "--motion", "m.csv"], "leave out --theta"),
+        (["payload", "rover_arm", "--theta", "ready", "--voxel", "0.2"], "--voxel maps random configurations"),
+        (["payload", "rover_arm", "--voxel", "0"], "--voxel must be"),
         (["payload", "rover_arm", "-o", "x.pdf"], "-o takes *.csv or *.png"),
         (["designs", "rover_arm"], "Missing argument"),
         (["designs", "rover_arm", "ur5", "--xyz", "0.5 0 0.5"], "give two or more, or none"),

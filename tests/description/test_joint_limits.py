@@ -133,7 +133,7 @@ def test_files_that_are_none(tmp_path: Path) -> None:
     for path, what in ((tmp_path / "no.yaml", "no such file"), (tmp_path, "a folder")):
         with pytest.raises(DescriptionError, match=f"{what}; give the path of a joint_limits.yaml"):
             read_joint_limits(path)
-    with pytest.raises(DescriptionError, match="it has 300014 bytes; joint limits have at most 250000"):
+    with pytest.raises(DescriptionError, match="it has 300,014 bytes; at most 250,000 are read"):
         read_joint_limits(write(tmp_path, "joint_limits:\n" + "#" * 300_000, "big.yaml"))
 
 

@@ -13,8 +13,7 @@ import xacro.substitution_args
 from hostile.sandbox import XMLNS, Sandbox
 from hostile.sandbox import place as place
 from twistarm.description.expansion import confinement
-from twistarm.description.expansion.expand import expand_xacro
-from twistarm.description.expansion.module import own_xacro
+from twistarm.description.expansion.expand import expand_xacro, own_xacro
 from twistarm.description.packages import package_index
 from twistarm.support.errors import DescriptionError, TwistarmError
 from urdf_text import write

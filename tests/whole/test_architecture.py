@@ -43,10 +43,10 @@ ALLOWED = {
     "umsgpack": ("viewer",),
     "trimesh": ("description/meshes",),
     "collada": ("description/meshes",),
-    "yourdfpy": ("checking/yourdfpy_poses.py",),
+    "yourdfpy": ("checking/other_readers.py",),
     "ompl": ("planning/free_path.py",),
     "scipy": ("planning", "guide/exercises"),
-    "matplotlib": ("guide", "calibration/plot.py", "cli/commands/designing.py", "sweeps/voxel_map.py"),
+    "matplotlib": ("guide", "support/pictures.py"),
     "jupytext": ("guide/building",),
     "markdown_it": ("guide/teaching/markup.py",),
     "mdit_py_plugins": ("guide/teaching/markup.py",),
@@ -220,7 +220,7 @@ def test_all_names_what_there_is() -> None:
 
 
 def test_slides_are_told_by_one_table() -> None:
-    """No code compares a joint's type with "prismatic" where `joint_units` answers: a new sliding type is one entry."""
+    """No code compares a joint's type with "prismatic" where `slides` answers: a new sliding type is one entry."""
     # One writes the type into the XML, the other asks the reader of the guide for a joint's twist by its type.
     makers = {"description/urdf.py", "guide/exercises/joint_types.py"}
     for file in FILES:

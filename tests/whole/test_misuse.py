@@ -123,6 +123,7 @@ BY_CALL: dict[str, dict[str, Any]] = {
     "corrected_urdf": {"calibration": CALIBRATION},
     "plot_of": {"calibration": CALIBRATION},
     "Viewer.show_residuals": {"calibration": CALIBRATION},
+    "Viewer.show_reach": {"m": MAP},
     "reachable": {"targets": G[None, :3, 3]},
     "Arm.theta_from": {"values": ARM.joint_names, "numbers": [0.0] * N, "name": "theta"},
     "Arm.pose": {"frame": "tool0"},

@@ -17,8 +17,7 @@ from ..description.coupling import Affine
 from ..description.findings import Finding
 from ..description.tree import Description
 from ..limits.actuators import Actuators
-from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits, usual_half
-from ..limits.joint_units import slides, unit_of
+from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits, slides, unit_of, usual_half
 from ..support.caller_words import FRAME_NAMES
 from ..support.checks import (
     Array,
@@ -35,6 +34,7 @@ from ..support.checks import (
     require,
     require_broadcast,
     require_mapping,
+    require_one,
     warn_caller,
 )
 from ..support.display import html_table, in_brief, told
@@ -229,7 +229,6 @@ class Arm:
 
     def _core(self, what: str) -> engine.Chain:
         """The arm in the compiled core. Without it raise TwistarmError, which names `what` and the remedy."""
-        engine.need(what)
         if self._compiled is None:
             raise TwistarmError(f"{what} needs the compiled core: {self._why_not_compiled}")
         return self._compiled
@@ -441,15 +440,16 @@ class Arm:
             **{name: x.shape[:-1] for name, x in zip(("theta", "theta_dot", "theta_ddot"), motion, strict=True)}
         )
         pair = payload if isinstance(payload, (tuple, list)) and len(payload) == 2 else (payload, np.zeros(3))
-        mass, offset = as_number(pair[0], "payload"), _one_vector(pair[1], "the payload's place")
+        mass, offset = as_number(pair[0], "payload"), as_vector(pair[1], "the payload's place")
         if mass < 0:
             raise InputError(f"payload must not be negative, in kg; got {mass:g}")
         if not self.pinocchio.moved_mass and called_from_outside(__name__):
             warn_caller(f"no link that {self.name} moves has a mass: its own weight counts as 0", UserWarning)
-        load = mass, self.tool[:3, :3] @ offset + self.tool[:3, 3]
+        load = mass, self.tool[:3, :3] @ require_one(offset, "the payload's place", 1) + self.tool[:3, 3]
         at = np.broadcast_arrays(*motion)
         rows = [x.reshape(-1, self.n) for x in at]
-        efforts = self.pinocchio.torques(rows, self.base, _one_vector(gravity, "gravity"), self.tip_link, load)
+        fall = require_one(as_vector(gravity, "gravity"), "gravity", 1)
+        efforts = self.pinocchio.torques(rows, self.base, fall, self.tip_link, load)
         return efforts.reshape(at[0].shape)
 
     # -- configurations ------------------------------------------------------------------------------------------
@@ -534,9 +534,7 @@ class Arm:
 
     def theta_to_dict(self, theta: ArrayLike) -> dict[str, float]:
         """{joint: value}, base to tip."""
-        x = self._asked_at(theta)
-        if x.ndim != 1:
-            raise InputError(f"theta_to_dict takes one configuration ({self.n},); got {x.shape}")
+        x = require_one(self._asked_at(theta), "theta", 1)
         return {name: float(value) for name, value in zip(self.joint_names, x, strict=True)}
 
     def with_tool(self, g_tip_tool: ArrayLike, name: str) -> Arm:
@@ -549,9 +547,7 @@ class Arm:
         Raises:
             InputError: g_tip_tool is not one pose in SE(3), or the arm has a frame of that name.
         """
-        g = as_pose(g_tip_tool, "g_tip_tool")
-        if g.ndim != 2:
-            raise InputError(f"g_tip_tool must be one pose (4, 4); got {g.shape}")
+        g = require_one(as_pose(g_tip_tool, "g_tip_tool"), "g_tip_tool", 2)
         if not isinstance(name, str) or not name.strip():
             raise InputError(f"the tool's name must be a text, and not an empty one; got {shown(name)}")
         if name in self.frame_names:
@@ -620,10 +616,3 @@ def require_arm(arm: Any) -> Arm:
 def _or_none(value: float) -> str:
     """A limit in a table; a dash if it is not given."""
     return f"{value:.4g}" if np.isfinite(value) else "–"
-
-
-def _one_vector(value: ArrayLike, name: str) -> Array:
-    vector = as_vector(value, name)
-    if vector.ndim != 1:
-        raise InputError(f"{name} must be one vector (3,); got {vector.shape}")
-    return vector

@@ -13,8 +13,7 @@ import numpy as np
 
 from ..description.document import read_text
 from ..limits.actuators import Actuators
-from ..limits.joint_limits import FIELDS, JointLimits
-from ..limits.joint_units import unit_of
+from ..limits.joint_limits import FIELDS, JointLimits, unit_of
 from ..support.checks import Array
 from ..support.errors import DescriptionError, InputError
 from ..support.files import writable, write_whole

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..limits.joint_limits import JointLimits
-from ..support.checks import Array, as_floats, as_pose, require_names
+from ..support.checks import Array, as_floats, as_pose, require_names, require_one
 from ..support.errors import InputError
 from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import to_screw
@@ -51,9 +51,7 @@ def arm_from_screws(
         raise InputError(f"joints must be {n} different names, one per column of screws; got {list(names)}")
     if not (np.abs(xi).max(axis=0) > 0).all():
         raise InputError("screws must not have a zero column: it moves nothing")
-    g = as_pose(home, "home")
-    if g.ndim != 2:
-        raise InputError(f"home must be one pose (4, 4); got {g.shape}")
+    g = require_one(as_pose(home, "home"), "home", 2)
     limits = {} if limits is None else limits
     if isinstance(limits, JointLimits) and limits.lower.size != n:
         raise InputError(f"limits must be those of {n} joints; got {limits.lower.size}")

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..support.checks import Array
-from ..support.csv_header import quantity_and_unit
-from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
+from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, quantity_and_unit
 from ..support.errors import InputError, closest, listed
 from ..support.files import as_path
 from ..theory.rotations import from_xyzw

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..limits.actuators import Actuators
-from ..support.checks import Array, as_floats, as_pose, frozen, require
+from ..support.checks import Array, Rechecked, as_floats, as_pose, frozen, require
 from ..support.display import Brief
 from ..support.errors import InputError, closest, listed
 from .columns import POSITION, ROTATION, read_columns
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class WiringLog(Brief):
+class WiringLog(Rechecked, Brief):
     """K moments: `counts` (K, k) of the drives `names`, `measured` of the tool in base coordinates.
 
     `measured` (K, 3) are positions of the tool's origin [m], or (K, 4, 4) poses. Raises InputError for anything else.
@@ -39,10 +38,6 @@ class WiringLog(Brief):
             raise InputError(f"measured must be {K} positions ({K}, 3) or poses ({K}, 4, 4); got {measured.shape}")
         object.__setattr__(self, "counts", frozen(counts))
         object.__setattr__(self, "measured", frozen(measured if measured.ndim == 2 else as_pose(measured, "measured")))
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()
 
     def of(self, motors: Actuators) -> Array:
         """The counts (K, k) in the order of `motors`. Raises InputError for a missing or unknown motor."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_reals, frozen, require_names
-from ..support.csv_header import FACTORS
+from ..support.csv_lines import FACTORS
 from ..support.display import Brief
 from ..support.errors import InputError
 from ..support.files import as_path

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from ..support.csv_header import FACTORS
+from ..support.csv_lines import FACTORS
 from ..support.errors import InputError, listed
 from ..support.unit_hints import theta_hint
 from ..theory.rotations import skew

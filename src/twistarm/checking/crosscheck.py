@@ -8,16 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
+from ..arm.kinematics import ByExponentials
 from ..description.bounds import WIDE
 from ..support.checks import Array, as_whole, frozen, require_callback
 from ..support.display import Brief
 from ..support.errors import ComparisonError, InputError, MissingExtraError
-from ..theory import poe
 from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import adjoint, inverse
-from .as_written import as_written
 from .native_joints import native_kinematics
-from .yourdfpy_poses import beyond_yourdfpy, most_configurations, yourdfpy_poses
+from .other_readers import as_written, beyond_yourdfpy, most_configurations, yourdfpy_poses
 
 POSE_TOL = 1e-12
 """Product of exponentials against Pinocchio: both in double precision, some ten multiplications long."""
@@ -221,9 +220,8 @@ def _kinematics(
 
 def by_exponentials(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
     """g_st (..., 4, 4), J^s and J^b (..., 6, n) by product of exponentials, for any engine of the arm."""
-    x, A = theta @ arm.coupling.A.T, arm.coupling.A
-    g, spatial = poe.fk(arm.screws, arm.home, x), poe.spatial_jacobian(arm.screws, x) @ A
-    return g, spatial, poe.body_jacobian(arm.screws, arm.home, x) @ A
+    kernels = ByExponentials(arm.screws, arm.home, arm.coupling.A)
+    return kernels.fk(theta), kernels.spatial_jacobian(theta), kernels.body_jacobian(theta)
 
 
 def _native_joints(arm: Arm, theta: Array) -> list[EngineComparison]:
@@ -242,7 +240,7 @@ def _native_joints(arm: Arm, theta: Array) -> list[EngineComparison]:
 def _differences(arm: Arm, theta: Array) -> list[EngineComparison]:
     """(g⁻¹ ∂g/∂θ_i)^∨ by (8(g₊ − g₋) − (g₊₊ − g₋₋))/12h against the columns of J^b by product of exponentials."""
     theta = _fewer(theta, arm.coupling.A.size, USUAL_PRODUCT)
-    body = poe.body_jacobian(arm.screws, arm.home, theta @ arm.coupling.A.T) @ arm.coupling.A
+    body = ByExponentials(arm.screws, arm.home, arm.coupling.A).body_jacobian(theta)
     back = inverse(arm.fk(theta))
     numeric = np.empty_like(body)
     turns = np.abs(arm.coupling.A) * np.linalg.norm(arm.screws[3:], axis=0)[:, None]
@@ -323,7 +321,9 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[EngineComparison]:
         return [_skipped("all links", "yourdfpy", str(error))]
     except Exception as error:  # another project's reader: whatever it raises on a file is its answer
         return [_skipped("all links", "yourdfpy", f"yourdfpy cannot read it: {type(error).__name__}: {error}")]
-    difference = _our_poses(arm, subset) - theirs
+    ours = _walked_poses(arm, subset)
+    ours[arm.tip_link] = by_exponentials(arm, subset)[0] @ inverse(arm.tool)
+    difference = np.stack([ours[link] for link in arm.description.links], axis=1) - theirs
     engines = ("poe", "yourdfpy")
     tip = list(arm.description.links).index(arm.tip_link)
     tolerance = YOURDFPY_TOL * _size(arm)
@@ -332,14 +332,6 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[EngineComparison]:
         _compared("all links", ("walk", "yourdfpy"), difference, subset, tolerance),
         _skipped("Jacobians", "yourdfpy", "yourdfpy computes none"),
     ]
-
-
-def _our_poses(arm: Arm, theta: Array) -> Array:
-    """Every link's pose (samples, links, 4, 4) by our walk, the tip's by product of exponentials."""
-    assert arm.description is not None
-    poses = _walked_poses(arm, theta)
-    poses[arm.tip_link] = poe.fk(arm.screws, arm.home, theta @ arm.coupling.A.T) @ inverse(arm.tool)
-    return np.stack([poses[link] for link in arm.description.links], axis=1)
 
 
 def _skipped(quantity: str, engine: str, reason: str) -> EngineComparison:

@@ -12,8 +12,17 @@ import numpy as np
 import typer
 
 from ..support.checks import Array
-from ..support.csv_header import FACTORS, quantity_and_unit
-from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_comment, is_number, lines_in
+from ..support.csv_lines import (
+    FACTORS,
+    Bounds,
+    Row,
+    csv_lines,
+    csv_rows,
+    is_comment,
+    is_number,
+    lines_in,
+    quantity_and_unit,
+)
 from ..support.errors import InputError, listed, shown
 from .output import note
 

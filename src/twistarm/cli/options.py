@@ -15,7 +15,7 @@ import typer
 from ..arm.arm import Arm
 from ..arm.loading.load import load_arm
 from ..description.catalog import model_arms, own_arms
-from ..limits.joint_units import slides
+from ..limits.joint_limits import slides
 from ..support.errors import InputError
 from .typed import VALUES
 

@@ -16,7 +16,7 @@ from ..arm.checker import Checker
 from ..arm.pinocchio_model import PinocchioModel
 from ..description.coupling import coupling_matrix
 from ..description.tree import Description
-from ..limits.joint_units import slides
+from ..limits.joint_limits import slides
 from ..support.checks import Array
 
 SAMPLES = 10_000

@@ -8,8 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..limits.joint_limits import FIELDS, JointLimits
-from ..limits.joint_units import slides, unit_of
+from ..limits.joint_limits import FIELDS, JointLimits, slides, unit_of
 from ..support.caller_words import argument, quantity
 from ..support.checks import Array
 from ..theory.lower_pairs import lower_pairs

@@ -10,7 +10,7 @@ import numpy as np
 from ..support.checks import Array, as_number
 from ..support.errors import UnknownNameError, closest, listed, unknown_name
 from .findings import refusal
-from .tree import Description, Joint
+from .tree import Description
 
 
 class Affine(NamedTuple):
@@ -64,7 +64,10 @@ def _follow(description: Description, name: str, locked_joints: Mapping[str, flo
         if not joint.moving or multiplier == 0.0:
             return Affine(None, 0.0, offset)
         if joint.mimic is None:
-            _require_scalar(description, joint, behind)
+            if not joint.scalar:
+                place = description.place(description.joints[next(iter(behind), name)])
+                what = f"it mimics {name!r}, which is {joint.type}: its motion is not one number"
+                raise refusal("mimic-master-unusable", place, what, "let it mimic another joint")
             return Affine(name, multiplier, offset)
         if name in behind:
             what = f"joints mimic each other in a circle: {', '.join(behind)}"
@@ -72,23 +75,8 @@ def _follow(description: Description, name: str, locked_joints: Mapping[str, flo
         behind[name] = None
         offset += multiplier * joint.mimic.offset
         multiplier *= joint.mimic.multiplier
-        name = _master(description, joint, joint.mimic.joint)
-
-
-def _require_scalar(description: Description, master: Joint, followers: Mapping[str, None]) -> None:
-    if not master.scalar:
-        follower = description.joints[next(iter(followers), master.name)]
-        raise refusal(
-            "mimic-master-unusable",
-            description.place(follower),
-            f"it mimics {master.name!r}, which is {master.type}: its motion is not one number",
-            "let it mimic another joint",
-        )
-
-
-def _master(description: Description, joint: Joint, master: str) -> str:
-    if master not in description.joints:
-        remedy = f"correct the name{closest(master, description.joints)}"
-        what = f"it mimics {master!r}, which does not exist"
-        raise refusal("mimic-master-missing", description.place(joint), what, remedy)
-    return master
+        name = joint.mimic.joint
+        if name not in description.joints:
+            remedy = f"correct the name{closest(name, description.joints)}"
+            what = f"it mimics {name!r}, which does not exist"
+            raise refusal("mimic-master-missing", description.place(joint), what, remedy)

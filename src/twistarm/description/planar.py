@@ -14,6 +14,7 @@ from ..support.errors import DescriptionError
 from ..theory.joints import plane_axes
 from .axis import read_axis
 from .document import Reading
+from .structure import end_of
 
 SUFFIXES = ("_x", "_y", "_rz")
 """Endings of the coordinates' names, in the order of `joints.planar`."""
@@ -69,7 +70,7 @@ def _coordinates(joint: ET.Element, taken: set[str], reading: Reading) -> tuple[
 def _parts(joint: ET.Element, names: tuple[str, str, str], between: list[str], axes: Array) -> list[ET.Element]:
     """The three joints, through the two links `between`."""
     parts = []
-    parents, children = [_end(joint, "parent"), *between], [*between, _end(joint, "child")]
+    parents, children = [end_of(joint, "parent"), *between], [*between, end_of(joint, "child")]
     given = zip(names, ("prismatic", "prismatic", "continuous"), parents, children, axes.T, strict=True)
     for i, (name, kind, parent, child, axis) in enumerate(given):
         part = ET.Element("joint", name=name, type=kind)
@@ -89,12 +90,6 @@ def _free(name: str, taken: set[str]) -> str:
         name += "_"
     taken.add(name)
     return name
-
-
-def _end(joint: ET.Element, tag: str) -> str:
-    end = joint.find(tag)
-    assert end is not None, "check_structure has seen it"
-    return end.get("link", "")
 
 
 def _note_limits(joint: ET.Element, reading: Reading) -> None:

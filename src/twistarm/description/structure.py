@@ -79,16 +79,21 @@ def _check_end(joint: ET.Element, end: str, names: set[str], reading: Reading) -
 def _check_parents(joints: list[ET.Element], reading: Reading) -> None:
     first: dict[str, ET.Element] = {}
     for joint in joints:
-        child = joint.find("child").get("link", "")  # type: ignore[union-attr]
+        child = end_of(joint, "child")
         if child in first:
             what = f"link {child!r} has two parents: joint {first[child].get('name')!r} moves it too"
             reading.note("two-parents", joint, what, "remove one joint")
         first[child] = joint
 
 
+def end_of(joint: ET.Element, end: str) -> str:
+    """The link at the "parent" or "child" end of a joint that `check_structure` has seen."""
+    return joint.find(end).get("link", "")  # type: ignore[union-attr]
+
+
 def root_links(robot: ET.Element) -> list[str]:
     """The links without a parent."""
-    children = {joint.find("child").get("link") for joint in robot.findall("joint")}  # type: ignore[union-attr]
+    children = {end_of(joint, "child") for joint in robot.findall("joint")}
     return [name for link in robot.findall("link") if (name := link.get("name", "")) not in children]
 
 
@@ -100,8 +105,7 @@ def _check_connected(robot: ET.Element, reading: Reading) -> None:
         raise refusal("several-roots", reading.whole, what, "a robot has one: join them with fixed joints")
     children: dict[str, list[str]] = {}
     for joint in robot.findall("joint"):
-        parent, child = (joint.find(end).get("link", "") for end in ("parent", "child"))  # type: ignore[union-attr]
-        children.setdefault(parent, []).append(child)
+        children.setdefault(end_of(joint, "parent"), []).append(end_of(joint, "child"))
     reached: set[str] = set()
     level = roots
     depth = 0

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..limits.joint_units import slides
+from ..limits.joint_limits import slides
 from ..support.checks import Array
 from ..support.errors import listed, unknown_name
 from ..theory.screws import exp

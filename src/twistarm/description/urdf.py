@@ -28,7 +28,7 @@ from .numerals import floats
 from .packages import package_index
 from .planar import split_planar_joints
 from .spelling import note_unread_words, settle_version
-from .structure import check_structure, root_links
+from .structure import check_structure, end_of, root_links
 from .tree import Description, Joint, JointType, Link, Mimic
 
 MOST_TURNED = 6.3
@@ -168,9 +168,6 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
     if kind not in _JOINT_TYPES:
         remedy = f"URDF has {', '.join(_JOINT_TYPES)}{closest(kind, _JOINT_TYPES)}"
         raise reading.error(element, "joint-type-unknown", f"joint type {kind!r} is unknown", remedy)
-    parent, child = (element.find(tag) for tag in ("parent", "child"))
-    assert parent is not None, "check_structure has seen it"
-    assert child is not None, "check_structure has seen it"
     try:
         origin = read_origin(element)
     except ValueError as error:
@@ -187,8 +184,8 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
     return Joint(
         name=element.get("name", ""),
         type=kind,
-        parent=parent.get("link", ""),
-        child=child.get("link", ""),
+        parent=end_of(element, "parent"),
+        child=end_of(element, "child"),
         origin=frozen(origin),
         axis=frozen(axis),
         lower=lower,

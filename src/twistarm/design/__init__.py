@@ -1,6 +1,6 @@
 """Questions before an arm is built: what it holds, what its joints need, and which of several designs is better."""
 
 from .designs import Design, compare_designs
-from .payload import Needs, Payload, payload
+from .payload import Cubes, Needs, Payload, payload
 
-__all__ = ["Design", "Needs", "Payload", "compare_designs", "payload"]
+__all__ = ["Cubes", "Design", "Needs", "Payload", "compare_designs", "payload"]

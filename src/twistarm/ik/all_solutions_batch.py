@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, as_flag, as_whole, made_by
+from ..support.checks import Array, RealArray, Rechecked, as_flag, as_whole, made_by
 from .all_solutions import AllAnswers, AllSolutions
 from .batch import MAX_THREADS, targets_for
 from .certainty import is_exact
@@ -25,7 +25,7 @@ from .task_space import Tolerances
 
 @made_by("solve_ik_all_batch")
 @dataclass(frozen=True, eq=False, repr=False)
-class AllSolutionsBatch:
+class AllSolutionsBatch(Rechecked):
     """Every configuration of N targets, read-only arrays with a row for each. `batch[i]` is one as an `AllSolutions`.
 
     count (N,): configurations inside the limits; outside_count (N,): beyond them.
@@ -53,10 +53,6 @@ class AllSolutionsBatch:
         asked = [self.targets] if isinstance(self.targets, np.ndarray) else []
         for array in (self.count, self.outside_count, self.theta0, self.thetas, self.moves, *asked):
             array.flags.writeable = False
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()  # an array is writeable again when it comes out of a pickle
 
     @property
     def complete(self) -> NDArray[np.bool_]:

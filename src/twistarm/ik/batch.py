@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm import engine
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, as_positive, as_whole, frozen, made_by, require_callback
+from ..support.checks import Array, RealArray, Rechecked, as_positive, as_whole, frozen, made_by, require_callback
 from ..support.errors import InputError, shown
 from .answer import FIELDS, NOT_FINISHED, STOPS, Records, StopReason, answer_in, write_answer
 from .certainty import settled
@@ -35,7 +35,7 @@ MAX_THREADS = 256
 
 @made_by("solve_ik_batch")
 @dataclass(frozen=True, eq=False, repr=False)
-class IKBatch:
+class IKBatch(Rechecked):
     """The answers to N targets, read-only arrays with a row for each. `batch[i]` is one of them as an `IKResult`.
 
     A target not finished in time has its start as theta, and infinite errors.
@@ -49,10 +49,6 @@ class IKBatch:
 
     def __post_init__(self) -> None:
         self.records.flags.writeable = False
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()  # an array is writeable again when it comes out of a pickle
 
     @property
     def targets(self) -> Array | tuple[AnyTarget, ...]:

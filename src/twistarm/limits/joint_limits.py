@@ -1,4 +1,4 @@
-"""Joint limits of each degree of freedom, infinite where not given."""
+"""Joint limits of each degree of freedom, infinite where not given, and the unit of its coordinate by its type."""
 
 from __future__ import annotations
 
@@ -9,20 +9,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..support.checks import LARGEST_ARRAY, Array, as_number, as_reals, as_theta, as_whole, frozen, require_names
+from ..support.checks import (
+    LARGEST_ARRAY,
+    Array,
+    Rechecked,
+    as_number,
+    as_reals,
+    as_theta,
+    as_whole,
+    frozen,
+    require_names,
+)
 from ..support.display import told
 from ..support.errors import InputError, shown, unknown_name
-from .joint_units import slides
 
 FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 RATES = FIELDS[2:]
+
+SLIDING = frozenset({"prismatic"})
+"""Types whose coordinate is a length; every other one is an angle, a helical joint's too."""
 
 AS_GOOD_AS_UNBOUNDED = 1e4
 """Greatest position [rad, m]. Files write larger numbers for "no limit"."""
 
 
 @dataclass(frozen=True, repr=False)
-class JointLimits:
+class JointLimits(Rechecked):
     """Limits of n degrees of freedom: arrays (n,) in rad or m, their rates, N m or N.
 
     `lower`, `upper` are ∓inf where not given. `velocity`, `acceleration`, `jerk`, `effort` are inf where not given. A
@@ -52,10 +64,6 @@ class JointLimits:
         if (self.lower > self.upper).any():
             i = int(np.argmax(self.lower > self.upper))
             raise InputError(f"limits of joint {i} are swapped: lower {self.lower[i]:g} > upper {self.upper[i]:g}")
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()
 
     def __repr__(self) -> str:
         given = {name: getattr(self, name) for name in FIELDS if not np.isinf(getattr(self, name)).all()}
@@ -123,6 +131,25 @@ class JointLimits:
             if lower > upper:
                 raise InputError(f"limits of {name} are swapped or disjoint: lower {lower:g} > upper {upper:g}")
         return replace(self, **updated)
+
+
+def slides(kind: str) -> bool:
+    """Tell whether the coordinate of a joint of this type is a length."""
+    return kind in SLIDING
+
+
+def unit_of(kind: str) -> str:
+    """Return `m` or `rad`."""
+    return "m" if slides(kind) else "rad"
+
+
+def by_field(limits: Mapping[str, Mapping[str, float]]) -> dict[str, dict[str, float]]:
+    """Return limits by field and joint, as `JointLimits.with_` takes them, of limits by joint and field."""
+    changes: dict[str, dict[str, float]] = {}
+    for joint, values in limits.items():
+        for field, value in values.items():
+            changes.setdefault(field, {})[joint] = value
+    return changes
 
 
 def usual_half(kind: str) -> float:

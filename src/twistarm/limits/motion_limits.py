@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ..support.checks import Array, frozen
+from ..support.checks import Array, Rechecked, frozen
 from ..support.display import Brief
 from ..support.errors import InputError
 from .joint_limits import JointLimits
@@ -32,7 +32,7 @@ class Allowed(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MotionLimits(Brief):
+class MotionLimits(Rechecked, Brief):
     """Limits of x = C theta + c, one row per motor or joint: C (r, n), c (r,) [rad or m].
 
     A motion is safe if the arm can stop straight on, all joints slowing in proportion. That takes the time T = max |ẋ|
@@ -57,10 +57,6 @@ class MotionLimits(Brief):
             raise InputError(f"{r} names, C {self.C.shape}, c {self.c.shape} and limits must have the same rows, not 0")
         per_limit = frozen(1.0 / np.stack([self.limits.velocity, self.limits.acceleration]))
         object.__setattr__(self, "_per_limit", per_limit)
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()
 
     def velocity_scale(self, theta_dot: Array) -> float:
         """Return the largest s in (0, 1] with |C (s theta_dot)| ≤ the velocity limits; theta_dot (n,) [rad/s

@@ -291,6 +291,15 @@ def as_frame(value: Given, name: str = "g") -> Array:
     return g
 
 
+def require_one(array: Array, name: str, ndim: int) -> Array:
+    """`array`, or InputError if it holds several arrays of `ndim` axes."""
+    if array.ndim != ndim:
+        shape = array.shape[-ndim:]
+        what = {(4, 4): "pose", (3, 3): "rotation"}.get(shape, "vector")
+        raise InputError(f"{name} must be one {what} {shape}; got {array.shape}")
+    return array
+
+
 def as_theta(value: ArrayLike, n: int, name: str = "theta", names: tuple[str, ...] = ()) -> Array:
     """`value` as joint coordinates (..., n), one number per degree of freedom, base to tip."""
     array = as_floats(value, name)
@@ -329,6 +338,17 @@ def made_by(calls: str) -> Callable[[type[T]], type[T]]:
         return kind
 
     return worded
+
+
+class Rechecked:
+    """A dataclass that is checked anew after a pickle, whose arrays are writeable again when they come out of it."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
+    def __post_init__(self) -> None:
+        """Check the fields."""
 
 
 def frozen(array: ArrayLike) -> Array:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..support.checks import Array, as_direction, as_floats, as_rotation, as_vector
+from ..support.checks import Array, as_direction, as_floats, as_rotation, as_vector, require_one
 from ..support.errors import InputError
 
 
@@ -66,9 +66,7 @@ def spherical(point: ArrayLike, axes: ArrayLike | None = None) -> Array:
         point: The ball's centre (3,) [m].
         axes: The rotation (3, 3) whose columns are the joint's x, y, z at rest; by default the identity.
     """
-    R = np.eye(3) if axes is None else as_rotation(axes, "axes")
-    if R.ndim != 2:
-        raise InputError(f"axes must be one rotation (3, 3); got {R.shape}")
+    R = np.eye(3) if axes is None else require_one(as_rotation(axes, "axes"), "axes", 2)
     return np.hstack([revolute(R[:, i], point) for i in (2, 1, 0)])
 
 
@@ -115,7 +113,4 @@ def _unit(value: ArrayLike, name: str) -> Array:
 
 
 def _vector(value: ArrayLike, name: str) -> Array:
-    vector = as_vector(value, name)
-    if vector.ndim != 1:
-        raise InputError(f"{name} must be one vector of shape (3,); got {vector.shape}")
-    return vector
+    return require_one(as_vector(value, name), name, 1)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..support.checks import Array, as_floats, as_pose, as_theta
+from ..support.checks import Array, as_floats, as_pose, as_theta, require_one
 from ..support.errors import InputError
 from .rotations import cross
 from .screws import adjoint_of, exp, inverse_of
@@ -118,7 +118,4 @@ def _as_screws(value: ArrayLike, name: str = "screws") -> Array:
 
 
 def _as_home(value: ArrayLike) -> Array:
-    home = as_pose(value, "home pose")
-    if home.ndim != 2:
-        raise InputError(f"home pose must have shape (4, 4); got {home.shape}")
-    return home
+    return require_one(as_pose(value, "home pose"), "home pose", 2)

@@ -20,7 +20,7 @@ from ...description.packages import PackageIndex
 from ...description.planar import coordinate_names
 from ...description.urdf import build_description
 from ...limits.joint_limits import JointLimits
-from ...support.checks import Array, as_number, as_pose, as_rotation, frozen
+from ...support.checks import Array, as_number, as_pose, as_rotation, frozen, require_one
 from ...support.errors import InputError, listed, shown
 from ...theory import joints
 from ...theory.rotations import to_rpy
@@ -214,9 +214,7 @@ class ArmBuilder:
         _check_name(name, "the tool's name")
         if self._home is not None:
             raise InputError(f"the tool {self._tool!r} is given already; give it once")
-        g = as_pose(home, "home")
-        if g.ndim != 2:
-            raise InputError(f"home must be one pose (4, 4); got {g.shape}")
+        g = require_one(as_pose(home, "home"), "home", 2)
         _of_this_world(g[:3, 3], "home")
         return replace(self, _home=frozen(g), _tool=name)._checked()
 

@@ -3,27 +3,36 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...description.companions.companion_files import files_beside, srdf_beside
 from ...description.companions.toml_entries import toml_key, toml_text
+from ...description.document import existing_file
 from ...description.expansion.expand import expand_xacro, is_xacro
-from ...description.packages import package_index, package_names, variable_names
+from ...description.packages import package_index
 from ...description.tips.choice import candidates
 from ...description.tree import Description
-from ...description.urdf import read_description
-from ...limits.joint_units import unit_of
+from ...limits.joint_limits import unit_of
 from ...support.errors import DescriptionError, InputError
 from ...support.files import as_path
 from ..arm import Arm
-from .load import assemble, prove, specify
+from .load import assemble, prove, read, specify
 
 FILL_IN = "?"
 """Mark for a number that only the team knows. It is not TOML, so an unread mark does not load."""
+
+_TOOL = [
+    "# A tool beyond the tip, seen from the tip link: metres, and URDF's rpy in radians.",
+    "# [tool]",
+    '# name = "pen"',
+    "# xyz = [0.0, 0.0, 0.1]",
+    "# rpy = [0.0, 0.0, 0.0]",
+]
 
 
 @dataclass(frozen=True)
@@ -34,61 +43,42 @@ class Draft:
     unclear: str = ""
 
 
-def draft_arm_file(
-    source: str | os.PathLike[str],
-    folder: str | os.PathLike[str] = ".",
-    *,
-    base: str | None = None,
-    tip: str | None = None,
-    package_dirs: Iterable[str | os.PathLike[str]] = (),
-    xacro_args: Mapping[str, object] | None = None,
-    srdf: str | os.PathLike[str] | None = None,
-    ignore_packages: Iterable[str] = (),
-    env_vars: Iterable[str] = (),
-) -> Draft:
-    """An arm.toml for a URDF or xacro file, with paths relative to `folder`.
+def draft_arm_file(source: str | os.PathLike[str], folder: str | os.PathLike[str] = ".", **load: Any) -> Draft:
+    """An arm.toml for a URDF or xacro file, with paths relative to `folder`. `load` are options of `load_arm`.
 
-    It loads as the same arm that `load_arm` makes of these arguments, with the same `env_vars`. It does not contain
+    It loads as the same arm that `load_arm` makes of these options, with the same `env_vars`. It does not contain
     `env_vars`. If the tip is unclear, it lists the candidates and `Draft.unclear` says so. Any other error is that of
     `load_arm`.
     """
-    file, folders, arguments = as_path(source), tuple(package_dirs), dict(xacro_args or {})
-    absent, env_vars = package_names(ignore_packages), variable_names(env_vars)
+    file = existing_file(source, "a URDF or xacro file")
     if file.suffix == ".toml":
         raise InputError(f"{file} is an arm.toml already; give the URDF or xacro file")
-    description = read_description(
-        file, package_dirs=folders, xacro_args=arguments, ignore_packages=absent, env_vars=env_vars
-    )
+    given = specify(file, **load)
+    description = read(given)
     arm, unclear = None, ""
     try:
-        specification = specify(
-            file,
-            base=base,
-            tip=tip,
-            package_dirs=folders,
-            xacro_args=arguments,
-            srdf=srdf,
-            ignore_packages=absent,
-            env_vars=env_vars,
-        )
-        arm = assemble(description, specification, {})
+        arm = assemble(description, given, {})
         prove(arm)
     except DescriptionError as error:
         if not any(finding.code == "no-tip" for finding in error.findings):
             raise
         unclear = str(error)
-    index, declared = package_index(file, folders), {}
+    declared: Mapping[str, str | None] = {}
     if is_xacro(file):
-        declared = expand_xacro(file.resolve(), index, arguments, absent, env_vars).arguments
+        index = package_index(file, given.package_dirs)
+        expanded = expand_xacro(file.resolve(), index, given.xacro_args, given.ignore_packages, given.env_vars)
+        declared = expanded.arguments
     where = Path(folder).resolve()
+    folders = ", ".join(_path(as_path(each), where) for each in given.package_dirs)
+    absent = given.ignore_packages
     parts = [
         _head(description, file, where),
-        _ends(description, arm, base),
-        _beside(description, where, srdf),
-        _package_dirs(folders, where),
+        _ends(description, arm, given.base),
+        _beside(description, where, given.srdf),
+        [f"package_dirs = [{folders}]"] if folders else [],
         [f"ignore_packages = [{', '.join(map(toml_text, absent))}]"] if absent else [],
-        _tool(),
-        _xacro_args(declared, arguments),
+        _TOOL,
+        _xacro_args(declared, given.xacro_args),
         _limits(description, arm),
         _locked(description, arm),
         _poses(description, arm),
@@ -126,21 +116,6 @@ def _beside(description: Description, where: Path, srdf: str | os.PathLike[str] 
     limits = files_beside(description.path, "joint_limits.yaml") if description.path else ()
     lines = [f"srdf = {_path(used, where)}"] if used else []
     return lines + [f"# joint_limits = {_path(file, where)}" for file in limits]
-
-
-def _package_dirs(folders: tuple[str | os.PathLike[str], ...], where: Path) -> list[str]:
-    listed = ", ".join(_path(as_path(folder), where) for folder in folders)
-    return [f"package_dirs = [{listed}]"] if folders else []
-
-
-def _tool() -> list[str]:
-    return [
-        "# A tool beyond the tip, seen from the tip link: metres, and URDF's rpy in radians.",
-        "# [tool]",
-        '# name = "pen"',
-        "# xyz = [0.0, 0.0, 0.1]",
-        "# rpy = [0.0, 0.0, 0.0]",
-    ]
 
 
 def _xacro_args(declared: Mapping[str, str | None], given: Mapping[str, object]) -> list[str]:

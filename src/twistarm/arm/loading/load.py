@@ -26,10 +26,10 @@ from ...limits.joint_limits import JointLimits
 from ...support.checks import frozen, require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
-from ...theory import poe
 from ..arm import Arm, Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..configurations import named_ready
+from ..kinematics import ByExponentials
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 
 PROOF_SAMPLES = 5
@@ -208,9 +208,8 @@ def available_arms() -> tuple[str, ...]:
 def prove(arm: Arm) -> Proof:
     """Compare the screws with Pinocchio at five seeded configurations. ComparisonError if they differ."""
     theta = arm.random_theta(0, PROOF_SAMPLES)
-    x = theta @ arm.coupling.A.T
-    J = poe.spatial_jacobian(arm.screws, x) @ arm.coupling.A
-    g = poe.fk(arm.screws, arm.home, x)
+    kernels = ByExponentials(arm.screws, arm.home, arm.coupling.A)
+    g, J = kernels.fk(theta), kernels.spatial_jacobian(theta)
     reference, spatial, _ = arm.by_pinocchio(theta)
     proof = Proof(
         pose_error=float(np.abs(g - reference).max()),
@@ -269,7 +268,10 @@ def assemble(description: Description, specification: ArmSpecification, changes:
     """The arm of a description and its specification, before the proof. `changes` are the caller's limits."""
     semantics, noted = _semantics(description, specification)
     base, tip, group, chosen = _ends(description, specification, semantics)
-    tool = _tool(description, specification, tip)
+    tool = specification.tool or Tool(tip, np.eye(4))
+    if specification.tool and tool.name in description.links:
+        what = f"tool.name {tool.name!r} is a link already"
+        raise refusal("tool-name-taken", Place(specification.source), what, "name it otherwise")
     chain = walk_chain(description, base, tip, tool.g_tip_tool, specification.locked_joints)
     limits, limiting = fitted_limits(chain.limits, chain.coordinates, specification, changes, description.joints)
     arm = Arm(
@@ -324,14 +326,6 @@ def _ends(
         return base or groups[0].base or description.root, groups[0].tip, groups[0], ()
     choice = choose_ends(description, base, map(str, groups))
     return choice.base, choice.tip, None, note_choice(description, choice)
-
-
-def _tool(description: Description, specification: ArmSpecification, tip: str) -> Tool:
-    tool = specification.tool
-    if tool is not None and tool.name in description.links:
-        what = f"tool.name {tool.name!r} is a link already"
-        raise refusal("tool-name-taken", Place(specification.source), what, "name it otherwise")
-    return tool or Tool(tip, np.eye(4))
 
 
 def _with_what_is_said(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arm.arm import Arm
-from ...limits.joint_units import slides
+from ...limits.joint_limits import slides
 from ...support.checks import Array
 from ...support.directions import nearest_axes
 from ...theory.manipulability import scaled_jacobian

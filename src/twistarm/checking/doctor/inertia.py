@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...description.findings import Finding
-from ...description.inertial import bodies
+from ...description.inertial import Body, bodies
 from ...description.tree import Description, Link
 from ...support.checks import Array
 from .wording import grouped
@@ -38,39 +37,19 @@ _NO_BODY = "nothing, for a frame that is no body; else copy its mass from CAD, i
 _REMEDY = "copy the mass properties from CAD again, in kg, m and kg m²"
 
 
-@dataclass(frozen=True)
-class Body:
-    """A link's mass [kg], distance of its centre from the link's frame [m], principal moments [kg m²] in order."""
-
-    link: Link
-    mass: float
-    centre: float
-    moments: Array
-
-    @property
-    def possible(self) -> bool:
-        """Whether some distribution of mass has these moments: none negative, none above the sum of the others."""
-        slack = max(SHARE * float(np.abs(self.moments).max()), SMALLEST)
-        return bool(self.moments[0] >= -slack and self.moments[:2].sum() >= self.moments[2] - slack)
-
-    @property
-    def gyration(self) -> float:
-        """The largest radius of gyration √(I/m) [m]."""
-        return float(np.sqrt(max(self.moments[2], 0.0) / self.mass))
-
-
 def check_inertias(description: Description) -> Iterator[Finding]:
     """One finding for each kind of trouble, naming the links."""
-    bodies = _bodies(description)
-    light = [body for body in bodies if body.mass < TINY_MASS]
-    heavy = [body for body in bodies if body.mass > HUGE_MASS]
-    solid = [body for body in bodies if body not in light]
-    impossible = [body for body in bodies if not body.possible]
-    wide = [body for body in solid if body.possible and body.gyration > LARGEST_GYRATION]
-    far = [body for body in solid if body.centre > FARTHEST_CENTRE]
+    every = bodies(description)
+    solid = {name: body for name, body in every.items() if body.mass >= TINY_MASS}
+    possible = {name: body for name, body in every.items() if _is_possible(_moments(body))}
+    tiny = {name: body for name, body in every.items() if name not in solid}
+    heavy = {name: body for name, body in every.items() if body.mass > HUGE_MASS}
+    impossible = {name: body for name, body in every.items() if name not in possible}
+    wide = {n: body for n, body in solid.items() if n in possible and _gyration(body) > LARGEST_GYRATION}
+    far = {name: body for name, body in solid.items() if np.linalg.norm(body.centre) > FARTHEST_CENTRE}
     weightless = "a mass of only {mass:g} kg: gravity torques ignore it"
     troubles = (
-        ("mass-tiny", light, weightless, _NO_BODY),
+        ("mass-tiny", tiny, weightless, _NO_BODY),
         ("mass-implausible", heavy, "a mass of {mass:g} kg: grams?", _REMEDY),
         ("inertia-impossible", impossible, "no body has the principal moments {moments} kg m²", _REMEDY),
         ("inertia-implausible", wide, "mass and inertia mean a radius of gyration of {gyration:.3g} m: mm²?", _REMEDY),
@@ -78,11 +57,28 @@ def check_inertias(description: Description) -> Iterator[Finding]:
     )
     for code, found, what, remedy in troubles:
         if found:
-            yield grouped(code, description, [body.link for body in found], _filled(what, found[0]), remedy)
+            links = [description.links[name] for name in found]
+            yield grouped(code, description, links, _filled(what, next(iter(found.values()))), remedy)
     yield from _placeholders(description, solid)
-    if bare := _without_mass(description, {body.link.name for body in bodies if body.mass > 0.0}):
+    if bare := _without_mass(description, {name for name, body in every.items() if body.mass > 0.0}):
         what = "a shape and no mass: gravity torques ignore it"
         yield grouped("mass-missing", description, bare, what, "copy its mass from CAD, in kg")
+
+
+def _moments(body: Body) -> Array:
+    """The principal moments (3,) [kg m²], the least first."""
+    return np.asarray(np.linalg.eigvalsh(body.inertia), dtype=np.float64)
+
+
+def _is_possible(moments: Array) -> bool:
+    """Whether some distribution of mass has these moments: none negative, none above the sum of the others."""
+    slack = max(SHARE * float(np.abs(moments).max()), SMALLEST)
+    return bool(moments[0] >= -slack and moments[:2].sum() >= moments[2] - slack)
+
+
+def _gyration(body: Body) -> float:
+    """The largest radius of gyration √(I/m) [m]; infinite without a mass."""
+    return float(np.sqrt(max(_moments(body)[2], 0.0) / body.mass)) if body.mass else np.inf
 
 
 def _without_mass(description: Description, heavy: set[str]) -> list[Link]:
@@ -93,30 +89,20 @@ def _without_mass(description: Description, heavy: set[str]) -> list[Link]:
 
 
 def _filled(what: str, body: Body) -> str:
-    moments = "(" + ", ".join(f"{moment:.3g}" for moment in body.moments) + ")"
-    numbers = {"mass": body.mass, "moments": moments, "centre": body.centre}
-    return what.format(**numbers, gyration=body.gyration if body.mass else np.inf)
+    moments = "(" + ", ".join(f"{moment:.3g}" for moment in _moments(body)) + ")"
+    centre = float(np.linalg.norm(body.centre))
+    return what.format(mass=body.mass, moments=moments, centre=centre, gyration=_gyration(body))
 
 
-def _placeholders(description: Description, bodies: list[Body]) -> Iterator[Finding]:
-    first = bodies[0] if len(bodies) >= PLACEHOLDERS else None
-    if first is not None and all(_same(body, first) for body in bodies):
+def _placeholders(description: Description, solid: dict[str, Body]) -> Iterator[Finding]:
+    first = next(iter(solid.values()), None)
+    if first is None or len(solid) < PLACEHOLDERS:
+        return
+    if all(body.mass == first.mass and (_moments(body) == _moments(first)).all() for body in solid.values()):
         yield grouped(
             "inertia-placeholder",
             description,
-            [body.link for body in bodies],
+            [description.links[name] for name in solid],
             f"all have the mass {first.mass:g} kg and the same inertia: placeholders; gravity torques mean nothing",
             _REMEDY,
         )
-
-
-def _same(body: Body, other: Body) -> bool:
-    return body.mass == other.mass and bool((body.moments == other.moments).all())
-
-
-def _bodies(description: Description) -> list[Body]:
-    found = []
-    for name, body in bodies(description).items():
-        moments: Array = np.linalg.eigvalsh(body.inertia).astype(np.float64)
-        found.append(Body(description.links[name], body.mass, float(np.linalg.norm(body.centre)), moments))
-    return found

@@ -14,8 +14,7 @@ from ...description.companions.toml_entries import toml_key
 from ...description.coupling import Affine
 from ...description.findings import Finding, Place, finding
 from ...description.tree import Description, Joint
-from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED
-from ...limits.joint_units import unit_of
+from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED, unit_of
 from .units import LONGEST_REACH, UNITS, likely_units
 from .wording import SHOWN, grouped, place_of
 
@@ -45,13 +44,16 @@ def check_limits(description: Description, arm: Arm | None) -> Iterator[Finding]
     unit = next(iter(likely_units(description, reach)), "millimetres")
     for joint in joints:
         yield from _range(description, joint, _given_in(description, arm, joint, ("lower", "upper")), unit)
-    own = [joint for joint in joints if joint.mimic is None]
-    beside = [_given_in(description, arm, joint, ("velocity",)) for joint in own]
-    written = [joint for joint, given in zip(own, beside, strict=True) if given is None]
-    yield from _velocities(description, written, unit)
-    for joint, given in zip(own, beside, strict=True):
-        if given is not None:
-            yield from _given_velocity(joint, given, unit)
+    fast: dict[tuple[str, float], list[Joint]] = {}
+    for joint in joints:
+        if joint.mimic is None and FASTEST[unit_of(joint.type)] < joint.velocity < AS_GOOD_AS_UNBOUNDED:
+            given = _given_in(description, arm, joint, ("velocity",))
+            if given is None:
+                fast.setdefault((unit_of(joint.type), joint.velocity), []).append(joint)
+            else:
+                yield finding("velocity-implausible", given, *_fast_words(joint, given, unit))
+    for those in fast.values():
+        yield grouped("velocity-implausible", description, those, *_fast_words(those[0], None, unit))
 
 
 def check_mimics(
@@ -176,24 +178,6 @@ def _remedy(joint: Joint, given: Place | None, values: Mapping[str, float]) -> s
     if given.file.endswith(".toml"):
         return f"write {entries} in limits.{toml_key(joint.name)} of {given.file}"
     return f"give {entries} where the arm is loaded"
-
-
-def _velocities(description: Description, joints: list[Joint], lengths: str) -> Iterator[Finding]:
-    """One finding for all joints with the same impossible velocity."""
-    fast: dict[tuple[str, float], list[Joint]] = {}
-    for joint in filter(_too_fast, joints):
-        fast.setdefault((unit_of(joint.type), joint.velocity), []).append(joint)
-    for those in fast.values():
-        yield grouped("velocity-implausible", description, those, *_fast_words(those[0], None, lengths))
-
-
-def _given_velocity(joint: Joint, given: Place, lengths: str) -> Iterator[Finding]:
-    if _too_fast(joint):
-        yield finding("velocity-implausible", given, *_fast_words(joint, given, lengths))
-
-
-def _too_fast(joint: Joint) -> bool:
-    return FASTEST[unit_of(joint.type)] < joint.velocity < AS_GOOD_AS_UNBOUNDED
 
 
 def _fast_words(joint: Joint, given: Place | None, lengths: str) -> tuple[str, str]:

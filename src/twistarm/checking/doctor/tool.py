@@ -10,7 +10,7 @@ from ...arm.arm import Arm
 from ...description.findings import Finding, finding
 from ...description.tips.link_names import tool_rank
 from ...description.tree import Description
-from ...limits.joint_units import slides
+from ...limits.joint_limits import slides
 from ...support.errors import one_line
 from ...support.vector_words import direction_in_words
 

@@ -9,10 +9,10 @@ import typer
 from rich.table import Table
 
 from ...checking.doctor import Diagnosis, examine
-from ...checking.doctor.codes import codes_page
 from ...checking.doctor.folder import is_part
 from ...checking.doctor.repair import Repair, repair
 from ...checking.doctor.statements import summary
+from ...checking.doctor.wording import codes_page
 from ...description.findings import CODES, Finding
 from ...description.findings import refused as refusal_of
 from ...support.errors import InputError

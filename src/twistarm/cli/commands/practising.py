@@ -13,7 +13,7 @@ from ...guide.exercises import LESSONS, exercises_of
 from ...guide.exercises.files import HERE, write_exercises
 from ...guide.grading import Report, check_file
 from ...guide.grading.progress import begun, folder_of, folder_with_progress, read_progress, save_report
-from ...guide.grading.report import SIGNS
+from ...guide.grading.verdict import SIGNS
 from ...guide.teaching.arm import arm as arm_of_the_lessons
 from ...support.files import as_path
 from ..options import Json, takes_arm_option

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ...limits.joint_limits import by_field
 from ...support.errors import DescriptionError, closest, listed
 from ..document import existing_file, read_text
 from ..findings import Finding, Place, finding, refusal
@@ -55,10 +56,7 @@ class LimitsFile:
         if len(others) == len(self.joints):
             what = f"its joints are {listed(others) or 'none'}; the arm's are {listed(names)}"
             raise refusal("limits-unusable", Place(str(self.path)), what, "is it the file of another robot?")
-        changes: dict[str, dict[str, float]] = {}
-        for joint, values in self.joints.items():
-            for field, value in values.items() if joint in names else ():
-                changes.setdefault(field, {})[joint] = value
+        changes = by_field({joint: values for joint, values in self.joints.items() if joint in names})
         noted = list(self.findings)
         nobodys = [joint for joint in others if joint not in set(every)]
         for joint in nobodys:
@@ -83,9 +81,7 @@ def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
     Raises DescriptionError (file, joint, remedy).
     """
     file = existing_file(path, "the path of a joint_limits.yaml")
-    if file.stat().st_size > MAX_BYTES:
-        raise _unusable(file, f"it has {file.stat().st_size} bytes; joint limits have at most {MAX_BYTES}")
-    content = parse_yaml(read_text(file), file)
+    content = parse_yaml(read_text(file, MAX_BYTES), file)
     found = list(_nested(content, MAX_NESTING))
     if len(found) != 1:
         there = f"it holds joint_limits in {len(found)} places" if found else "it holds no joint_limits"

@@ -99,12 +99,9 @@ def read_srdf(
     Raises DescriptionError (file, line, element, remedy) for a file that is not an SRDF.
     """
     file = existing_file(path, "the path of an SRDF")
-    if file.stat().st_size > MAX_BYTES:
-        what = f"it has {file.stat().st_size} bytes; an SRDF has at most {MAX_BYTES}"
-        raise refusal("srdf-unusable", Place(str(file)), what, "is it an SRDF file?")
-    index = package_index(file, package_dirs)
+    index, text = package_index(file, package_dirs), read_text(file, MAX_BYTES)
     if not is_xacro(file):
-        return _semantics(read_text(file), Reading(file, index))
+        return _semantics(text, Reading(file, index))
     known = declared_arguments([file])
     given = {name: value for name, value in xacro_args.items() if name in known}
     text = expand_xacro(file, index, given, ignore_packages, env_vars).text

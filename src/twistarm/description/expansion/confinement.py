@@ -9,9 +9,8 @@ from pathlib import Path
 
 from ...support.caller_words import package_folder
 from ...support.files import open_regular, opened_path
-from ..copies import is_too_wide
 from ..document import decoded
-from ..packages import SOURCES, PackageIndex, package_name
+from ..packages import SOURCES, PackageIndex, is_too_wide, package_name
 from .work import Refused
 
 MAX_BYTES = 10_000_000

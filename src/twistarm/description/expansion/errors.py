@@ -10,7 +10,7 @@ from types import EllipsisType
 from ...support.caller_words import argument, package_folder
 from ...support.errors import DescriptionError, InputError, closest, listed
 from ..findings import Finding, Place, finding, refusal
-from .environment import NotSetError
+from .evaluation import NotSetError
 from .hooks import MISSING_PACKAGE, Expansion
 from .work import Refused, causes
 

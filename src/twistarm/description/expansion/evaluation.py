@@ -1,12 +1,18 @@
-"""xacro's texts: `${expressions}` and `$(commands)` in them, evaluated with counted work."""
+"""xacro's texts and YAML: `${expressions}` and `$(commands)` in them, evaluated with counted work."""
 
 from __future__ import annotations
 
+import io
+import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
-from .environment import Environment
+from ...support.caller_words import argument
+from ..findings import Finding, Place, finding
+from ..yaml_reading import bounded_loader, is_deep
 from .expressions import Expressions
 from .names import DIRECT, math_names, python_names, tokenize
 from .work import Refused, Work
@@ -16,8 +22,51 @@ _TOKEN = re.compile(r"(\$\$+[{(])|\$\{([^}]*)\}|\$\(([^)]*)\)|([^$]+|\$[^{($]+|\
 
 _FIND = re.compile(r"\$\(find ([^)\s]+)\)")
 
+NODE_COST, CHARACTER_COST = 50, 0.6
+"""Units that PyYAML in Python takes for a node, and for a character."""
+
 WORKING_FOLDER = ".cwd"
 """The working folder, written as a package's name."""
+
+
+class NotSetError(Exception):
+    """A variable that the file needs has no value, or the caller does not name it."""
+
+
+@dataclass
+class Environment:
+    """Replaces xacro's `$(env NAME)` and `$(optenv NAME default)`, also in `$(eval ...)`.
+
+    A name outside `allowed` counts as not set. A file could otherwise put its value in the robot's name, and so on
+    pages that users pass on.
+    """
+
+    file: Path
+    allowed: tuple[str, ...] = ()
+    _kept: dict[str, str] = field(default_factory=dict)
+
+    def required(self, name: str) -> str:
+        """The variable's value. NotSetError without one."""
+        value = os.environ.get(name) if name in self.allowed else None
+        if value is None:
+            raise NotSetError(f"environment variable {name!r} is not set for it")
+        return value
+
+    def optional(self, name: str, default: str = "") -> str:
+        """The variable's value, else the default."""
+        if name in self.allowed:
+            return os.environ.get(name, default)
+        self._kept.setdefault(name, default)
+        return default
+
+    def findings(self) -> Iterator[Finding]:
+        """One for each name that the file reads and the caller does not allow."""
+        for name, default in self._kept.items():
+            what = (
+                f"it asks for the environment variable {name!r}, and was answered as if that were not set: {default!r}"
+            )
+            remedy = f"pass {argument('env_vars', [name])} if it may know it"
+            yield finding("environment-kept", Place(self.file.name), what, remedy)
 
 
 class Evaluation:
@@ -55,9 +104,30 @@ class Evaluation:
         }
         """The names at the root of every scope, for xacro's `_global_symbols`."""
 
-    def number(self, expression: str) -> float:
-        """The value of an expression in YAML, with the global names only."""
-        return float(self._expressions.evaluate(expression, self.symbols))
+    def yaml(self, text: str, name: str) -> Any:
+        """The data in a YAML text, by `bounded_loader`: plain, counted before it is built, with xacro's units.
+
+        Expressions in it see the global names only. PyYAML's messages show `name`.
+        """
+        import yaml  # type: ignore[import-untyped,unused-ignore]
+
+        def charge(nodes: int) -> str:
+            self._work.charge(NODE_COST + nodes)
+            return ""
+
+        def number(expression: str) -> float:
+            return float(self._expressions.evaluate(expression, self.symbols))
+
+        self._work.charge(int(CHARACTER_COST * len(text)))
+        units = {unit.value.tag: unit.value.conversion_constant for unit in self._xacro.ConstructUnits}
+        stream = io.StringIO(text)
+        stream.name = name
+        try:
+            return yaml.load(stream, Loader=bounded_loader(charge, units, number))
+        except (RecursionError, yaml.YAMLError) as error:
+            if is_deep(error):
+                raise Refused("xacro-too-large", "the YAML is nested too deeply", "write it flatter") from None
+            raise
 
     def text(self, text: str, symbols: Any) -> Any:
         """A text with its expressions and commands replaced. A lone expression keeps its type."""

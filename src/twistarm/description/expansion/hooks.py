@@ -20,11 +20,9 @@ from ..findings import Place, refusal
 from ..packages import PackageIndex, is_package_name
 from .arguments import Arguments
 from .confinement import Confinement
-from .environment import Environment
-from .evaluation import WORKING_FOLDER, Evaluation, say_nothing
+from .evaluation import WORKING_FOLDER, Environment, Evaluation, say_nothing
 from .left_out import NEEDED, LeftOut
 from .work import CHARACTERS_PER_UNIT, Refused, Work, is_final
-from .yaml_data import load_yaml
 
 PACKAGE = "package://"
 """What `$(find NAME)` gives before the package's name. The folder stays out of the texts, which users may pass on."""
@@ -160,8 +158,7 @@ class Expansion:
             return {}
         path, text = self._read(name)
         self._xacro.filestack.append(name)
-        units = {unit.value.tag: unit.value.conversion_constant for unit in self._xacro.ConstructUnits}
-        data = load_yaml(text, str(path), units, self._evaluation.number, self.work)
+        data = self._evaluation.yaml(text, str(path))
         self._xacro.filestack.pop()
         return data
 

@@ -8,8 +8,7 @@ from urllib.parse import unquote
 
 from ...support.errors import one_line
 from ...support.files import open_regular, opened_path
-from ..copies import is_too_wide
-from ..packages import package_name
+from ..packages import is_too_wide, package_name
 from .limits import LARGEST_FILE
 from .mesh_file import MeshFile, RefusedError
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...limits.joint_units import slides
+from ...limits.joint_limits import slides
 from ..tree import Description, Joint
 from .link_names import is_tool, tells_of
 

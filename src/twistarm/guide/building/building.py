@@ -18,10 +18,9 @@ from ...arm.loading.load import load_arm
 from ...support.errors import InputError
 from ...support.files import as_path, stamp, write_whole
 from ...viewer.server.watching import loaded
-from ..course import lesson_file, lessons
+from ..course import ERRATA, lesson_file, lessons
 from .cells import cells_of, title_of
-from .errata import slips
-from .pages import SCRIPTS, STYLE, before_page, errata_page, index_page, lesson_page, site_text
+from .pages import SCRIPTS, STYLE, before_page, index_page, lesson_page, site_text
 from .running import run_lessons
 
 RECORD = "twistarm-guide.json"
@@ -76,18 +75,18 @@ def build(
     write_whole(site / RECORD, "{}\n")
     for old in (path for pattern in ("scene_*.html", "meshes_*.js") for path in (site / "scenes").glob(pattern)):
         old.unlink(missing_ok=True)
-    titles = {name: title_of(cells_of(lesson_file(name))) for name in wanted}
+    pages = (*wanted, ERRATA)
+    titles = {name: title_of(cells_of(lesson_file(name))) for name in pages}
     failed = []
-    for done, (name, outcome) in enumerate(run_lessons(wanted, arm, site / "scenes"), start=1):
+    for done, (name, outcome) in enumerate(run_lessons(pages, arm, site / "scenes"), start=1):
         write_whole(site / f"{name}.html", lesson_page(name, outcome, titles, the_arm))
         write_whole(site / f"{name}.py", lesson_file(name).read_text("utf-8"))
         failed += [outcome["failed"]] if outcome["failed"] else []
-        progress(done / len(wanted))
+        progress(done / len(pages))
     for name in (STYLE, *SCRIPTS):
         write_whole(site / "assets" / name, site_text(name))
     write_whole(site / "index.html", index_page(titles, the_arm, failed))
     write_whole(site / "before.html", before_page(the_arm))
-    write_whole(site / "errata.html", errata_page(slips(), the_arm))
     if not failed:
         write_whole(site / RECORD, json.dumps({"made of": made_of}))
     return Built(site, the_arm, wanted, tuple(sorted(failed)))

@@ -1,4 +1,4 @@
-"""The pages of the site: a lesson, the contents, the errata, in the one template."""
+"""The pages of the site: a lesson, the contents, the words, in the one template."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from ..course import LESSONS, PARTS, SECTIONS, lessons
 from ..exercises.files import HERE
 from ..teaching.html import text
 from ..teaching.markup import block, inline
-from .errata import Slip
 
 STYLE = "style.css"
 
@@ -32,12 +31,12 @@ def site_text(name: str) -> str:
 
 
 def lesson_page(name: str, outcome: Mapping[str, Any], titles: Titles, arm: Arm) -> str:
-    """A lesson as a page."""
+    """A lesson, or the errata, as a page."""
     items = "".join(f'<li><a href="#{anchor}">{inline(title)}</a></li>' for anchor, title in outcome["sections"])
     file = f'<p><a href="{name}.py" download>This lesson as a program</a></p>'
     contents = f'<nav class="contents" aria-label="In this lesson"><ol>{items}</ol>{file}</nav>'
     return _page(
-        kind="lesson",
+        kind="lesson" if name in LESSONS else name,
         title=f"{titles[name]} · the guide",
         body=outcome["body"],
         arm=arm,
@@ -102,26 +101,10 @@ For Octave or MATLAB: fill in the functions in the folder `octave`, run a script
 {HERE}/octave/results_rotations.csv`."""
 
 
-def errata_page(slips: Iterable[Slip], arm: Arm) -> str:
-    """What the team's guide says, what is right, and the number that shows it."""
-    entries = "".join(
-        f'<section class="slip"><h2 id="slip-{number}">{number}. {slip.title}</h2>{block(slip.words)}'
-        f"{text(slip.shown)}</section>"
-        for number, slip in enumerate(slips, start=1)
-    )
-    body = f"<h1>Errata of the guide</h1>{block(ERRATA)}{entries}"
-    return _page(kind="errata", title="Errata · the guide", body=body, arm=arm)
-
-
 def before_page(arm: Arm) -> str:
     """What a reader knows before the first lesson, the letters and the words."""
     body = f"<h1>Before you begin</h1>{text(site_text('before.md'))}"
     return _page(kind="before", title="Before you begin", body=body, arm=arm)
-
-
-ERRATA = """For readers of the team's guide, the manual that this course completes: its errors in our words, each with a
-number that shows it. Nothing here is typed by hand: the numbers were computed when this page was
-built."""
 
 
 def _page(*, kind: str, title: str, body: str, arm: Arm, contents: str = "", neighbours: str = "") -> str:
@@ -142,6 +125,8 @@ def _page(*, kind: str, title: str, body: str, arm: Arm, contents: str = "", nei
 
 def _neighbours(name: str, titles: Titles) -> str:
     order = [each for each in lessons() if each in titles]
+    if name not in order:
+        return ""
     at = order.index(name)
     before = _turn(order[at - 1], titles, "prev") if at else "<span></span>"
     after = _turn(order[at + 1], titles, "next") if at + 1 < len(order) else "<span></span>"

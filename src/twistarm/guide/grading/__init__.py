@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from .checking import check, check_file
-from .report import Report
-from .verdict import Verdict
+from .verdict import Report, Verdict
 
 __all__ = ["Report", "Verdict", "check", "check_file"]

@@ -12,10 +12,9 @@ from ...support.errors import InputError, UnknownNameError, closest, listed, sho
 from ...support.files import read_bounded, why_no_file
 from ..exercises import LESSONS, Exercise, every_exercise, exercises_of
 from .progress import save_report
-from .report import Report
 from .results import HEADER, verdicts_on
 from .running import SECONDS, Run, run, run_function
-from .verdict import Verdict, cases_of, judged
+from .verdict import Report, Verdict, cases_of, judged
 
 LARGEST_FILE = 2**24
 """Bytes of a reader's file or of a results file."""

@@ -10,7 +10,7 @@ from typing import Any
 from ...support.errors import InputError
 from ...support.files import NO_SUCH_FILE, read_bounded, why_no_file, write_whole
 from ...support.strict_json import parsed
-from .report import Report
+from .verdict import Report
 
 NAME = "progress.json"
 FORMAT = "twistarm guide progress 1"

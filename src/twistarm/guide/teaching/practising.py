@@ -8,8 +8,8 @@ from typing import Any
 
 from .. import grading
 from ..exercises import exercises_of
-from ..grading.report import Report
 from ..grading.running import IN_SANDBOX
+from ..grading.verdict import Report
 from .arm import arm
 from .outlet import show
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...description.tree import Joint
-from ...limits.joint_limits import usual_half, usual_range
-from ...limits.joint_units import unit_of
+from ...limits.joint_limits import unit_of, usual_half, usual_range
 from ...support.checks import Array
 from ..scene.axes import screw_kinds
 

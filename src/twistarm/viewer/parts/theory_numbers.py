@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...control.servo.settings import ServoSettings
-from ...limits.joint_units import slides
+from ...limits.joint_limits import slides
 from ...support.checks import Array
 from ...support.directions import leading
 from ...theory import poe

@@ -1,0 +1,219 @@
+"""Limits, named poses and actuators that are given beside a description, fitted to the chain."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ...description.companions.arm_file import ArmSpecification, Motor
+from ...description.companions.joint_limits import LimitsFile, read_joint_limits
+from ...description.companions.srdf import GroupState, Semantics
+from ...description.coupling import Affine
+from ...description.findings import Finding, Place, finding, refusal
+from ...limits.actuators import Actuators
+from ...limits.joint_limits import JointLimits, by_field
+from ...support.checks import Array
+from ...support.errors import InputError, closest, listed
+from ..arm import Arm
+
+Changes = JointLimits | Mapping[str, Any] | str | os.PathLike[str]
+"""What a caller may give as limits=: all of them, some of them, or a joint_limits.yaml."""
+
+LOCK_TOL = 1e-6
+"""A pose that puts a locked joint this near [rad, m] to where it is locked means the same."""
+
+STATE_TOL = 1e-4
+"""MoveIt's assistant writes four decimals: a state at a limit may read that far [rad, m] beyond it."""
+
+
+def fitted_limits(
+    limits: JointLimits,
+    names: tuple[str, ...],
+    specification: ArmSpecification,
+    changes: Changes,
+    joints: Iterable[str],
+) -> tuple[JointLimits, list[Finding]]:
+    """The description's limits, then the arm.toml's file and entries by joint, then the caller's.
+
+    `names` are the chain's coordinates, `joints` all joints of the description. The arm.toml's limits of locked joints
+    and of those off a requested chain are left out.
+    """
+    noted: list[Finding] = []
+    joints, locked = tuple(joints), specification.locked_joints
+    beyond = set(joints).difference(names) if specification.other_chain else set()
+    own = {joint: its for joint, its in specification.limits.items() if joint not in locked and joint not in beyond}
+    if specification.joint_limits is not None:
+        limits = _with_file(limits, read_joint_limits(specification.joint_limits), names, joints, noted)
+    try:
+        limits = limits.with_(by_field(own), names)
+    except (ValueError, LookupError) as error:
+        raise refusal("limits-unusable", Place(specification.source), str(error)) from error
+    if isinstance(changes, (str, os.PathLike)):
+        return _with_file(limits, read_joint_limits(changes), names, joints, noted), noted
+    if not isinstance(changes, JointLimits):
+        return limits.with_(changes, names), noted
+    if changes.lower.size != len(names):
+        raise InputError(f"limits must be those of {len(names)} joints ({', '.join(names)}); got {changes.lower.size}")
+    return changes, noted
+
+
+def _with_file(
+    limits: JointLimits, file: LimitsFile, names: tuple[str, ...], joints: tuple[str, ...], noted: list[Finding]
+) -> JointLimits:
+    changes, findings = file.of(names, joints)
+    noted += findings
+    try:
+        return limits.with_(changes, names)
+    except InputError as error:
+        raise refusal("limits-unusable", Place(str(file.path)), str(error)) from error
+
+
+def fitted_poses(arm: Arm, specification: ArmSpecification) -> tuple[dict[str, Array], list[Finding]]:
+    """The arm.toml's poses, complete and inside the limits; DescriptionError otherwise.
+
+    A pose that contradicts locked joints, or is incomplete for another chain, is left out.
+    """
+    poses: dict[str, Array] = {}
+    noted: list[Finding] = []
+    for name, values in specification.poses.items():
+        reason = _contradiction(values, specification.locked_joints) or _of_another_chain(values, arm, specification)
+        if reason:
+            place = Place(specification.source, None, "pose", name)
+            noted.append(finding("pose-left-out", place, f"{reason}; it is left out", "nothing, where that is meant"))
+        else:
+            poses[name] = _pose(arm, name, values, specification)
+    return poses, noted
+
+
+def _pose(arm: Arm, name: str, values: Mapping[str, float], specification: ArmSpecification) -> Array:
+    place = Place(specification.source)
+    skipped = set(specification.locked_joints)
+    if specification.other_chain and arm.description is not None:
+        skipped |= set(arm.description.joints) - set(arm.joint_names)
+    try:
+        theta = arm.theta_from({joint: value for joint, value in values.items() if joint not in skipped})
+    except (ValueError, LookupError) as error:
+        raise refusal("pose-unusable", place, f"poses.{name}: {error}") from error
+    if not arm.limits.contains(theta):
+        raise refusal("pose-unusable", place, f"poses.{name} lies outside the limits", "correct it or the limits")
+    return theta
+
+
+def _contradiction(values: Mapping[str, float], locked_joints: Mapping[str, float]) -> str:
+    """Why a pose cannot be taken with these joints locked; empty if it can."""
+    for joint, value in locked_joints.items():
+        if abs(values.get(joint, value) - value) > LOCK_TOL:
+            return f"it puts {joint} elsewhere than where it is locked"
+    return ""
+
+
+def _of_another_chain(values: Mapping[str, float], arm: Arm, specification: ArmSpecification) -> str:
+    missing = [name for name in arm.joint_names if name not in values]
+    return f"it says nothing of {listed(missing)}" if specification.other_chain and missing else ""
+
+
+def fitted_states(
+    arm: Arm, semantics: Semantics, group: str, locked_joints: Mapping[str, float]
+) -> tuple[dict[str, Array], list[Finding]]:
+    """The SRDF's states that give every coordinate; of several with one name that of `group`, else the first.
+
+    Incomplete states and those outside the limits are left out with a finding. Values rounded beyond a limit are moved
+    onto it.
+    """
+    states: dict[str, Array] = {}
+    noted: list[Finding] = []
+    for state in sorted(semantics.states, key=lambda state: state.group != group):
+        given = [name for name in arm.joint_names if name in state.values]
+        if not given or state.name in states:
+            continue
+        code, reason = _unfit(arm, state, locked_joints)
+        if reason:
+            place = Place(semantics.path.name, None, "group_state", state.name)
+            noted.append(finding(code, place, f"{reason}; it is left out", "correct it, where the arm needs it"))
+        else:
+            states[state.name] = np.clip(_theta(arm, state), arm.limits.lower, arm.limits.upper)
+    return states, noted
+
+
+def _unfit(arm: Arm, state: GroupState, locked_joints: Mapping[str, float]) -> tuple[str, str]:
+    """Code and reason why a state does not fit this arm; empty if it does."""
+    missing = [name for name in arm.joint_names if name not in state.values]
+    if missing:
+        return "state-incomplete", f"it says nothing of {listed(missing)}"
+    contradiction = _contradiction(state.values, locked_joints)
+    if contradiction:
+        return "pose-left-out", contradiction
+    theta = _theta(arm, state)
+    if not arm.limits.contains(theta, STATE_TOL):
+        lower, upper = arm.limits.lower, arm.limits.upper
+        i = int(np.argmax(np.maximum(lower - theta, theta - upper)))
+        what = f"{arm.joint_names[i]} = {theta[i]:g} lies outside its limits [{lower[i]:g}, {upper[i]:g}]"
+        return "state-outside-limits", what
+    return "", ""
+
+
+def _theta(arm: Arm, state: GroupState) -> Array:
+    return arm.theta_from({name: state.values[name] for name in arm.joint_names})
+
+
+def fitted_actuators(arm: Arm, specification: ArmSpecification) -> tuple[Actuators | None, list[Finding]]:
+    """The motors of an arm.toml on theta. G and o include locked joints and mimic followers.
+
+    Raises DescriptionError for a joint outside the chain. If the caller asks for another chain, motors beyond it are
+    left out.
+    """
+    noted: list[Finding] = []
+    motors: list[Motor] = []
+    for motor in specification.motors:
+        beyond = [joint for joint in motor.ratio if _affine(joint, arm) is None]
+        if not beyond:
+            motors.append(motor)
+        elif specification.other_chain and set(beyond) <= set(arm.couplings):
+            place = Place(specification.source, None, "actuator", motor.name)
+            what = f"it drives {listed(beyond)} outside the chain asked for; it is left out"
+            noted.append(finding("actuator-left-out", place, what, "nothing, where that is meant"))
+        else:
+            joint, names = beyond[0], arm.joint_names
+            what = f"actuators.{motor.name}.ratio: no joint {joint!r} in {arm.name}{closest(joint, names)}"
+            remedy = f"its joints, base to tip: {listed(names)}"
+            raise refusal("arm-file-unusable", Place(specification.source), what, remedy)
+    return _actuators(motors, arm, specification) if motors else None, noted
+
+
+def _actuators(motors: list[Motor], arm: Arm, specification: ArmSpecification) -> Actuators:
+    rows, names = [_row(motor, arm) for motor in motors], tuple(motor.name for motor in motors)
+    try:
+        return Actuators(
+            names=names,
+            joint_names=arm.joint_names,
+            G=np.array([row for row, _ in rows]),
+            offset=np.array([offset for _, offset in rows]),
+            units=tuple(motor.unit for motor in motors),
+            ticks_per_turn=np.array([np.nan if m.ticks_per_turn is None else m.ticks_per_turn for m in motors]),
+            limits=JointLimits.unbounded(len(motors)).with_(by_field({m.name: m.limits for m in motors}), names),
+        )
+    except InputError as error:
+        raise refusal("arm-file-unusable", Place(specification.source), str(error)) from error
+
+
+def _affine(joint: str, arm: Arm) -> Affine | None:
+    """The joint's value as a function of one coordinate, or fixed; None for a joint off the chain."""
+    if joint in arm.joint_names:
+        return Affine(joint, 1.0, 0.0)
+    affine = arm.couplings.get(joint)
+    return affine if affine and (affine.master is None or affine.master in arm.joint_names) else None
+
+
+def _row(motor: Motor, arm: Arm) -> tuple[Array, float]:
+    """G's row and the motor's offset: the sum of ratio · (multiplier · theta_master + offset) over its joints."""
+    row, offset = np.zeros(arm.n), motor.offset
+    for joint, ratio in motor.ratio.items():
+        affine = _affine(joint, arm)
+        assert affine is not None, "fitted_actuators has seen it"
+        offset += ratio * affine.offset
+        if affine.master is not None:
+            row[arm.joint_names.index(affine.master)] += ratio * affine.multiplier
+    return row, offset
