@@ -131,6 +131,15 @@ def collisions(arm: Arm, browser: Any) -> None:
         page.close()
 
 
+def reach(arm: Arm) -> None:
+    """Slices through a map, and the map on the page."""
+    m = reach_map(arm, 0.05, 26)
+    m.to_png(PICTURES / "reach.png")
+    with Viewer(arm, open_browser=False) as viewer:
+        viewer.show_reach(m)
+        viewer.save_png(PICTURES / "reach_view.png", size=(720, 480))
+
+
 def main() -> None:
     """Draw all pictures."""
     PICTURES.mkdir(exist_ok=True)
@@ -140,7 +149,9 @@ def main() -> None:
     save_png(arm, PICTURES / "motion.png", trajectory=motion, size=(720, 480))
     gallery()
     run(["payload", "rover_arm_6dof", "-o", str(PICTURES / "payload.png"), "--force"])
-    reach_map(load_arm("rover_arm_6dof"), 0.05, 26).to_png(PICTURES / "reach.png")
+    file = str(DOCS.parent / "examples" / "urc_panel.toml")
+    run(["panel", "rover_arm", file, "-o", str(PICTURES / "panel.png"), "--force"])
+    reach(load_arm("rover_arm_6dof"))
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_browser(), args=list(FLAGS))
         live_page(arm, motion, browser)

@@ -252,6 +252,22 @@ nb::object ClosedForm::solve(nb::handle numbers, nb::handle theta0, nb::handle h
     return told(asked, start, all.rows(), all.inside(), static_cast<int>(tries), all.hits(), all.left(), all.families());
 }
 
+nb::object ClosedForm::candidates(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle slack) const {
+    double asked[most_numbers], start[most_joints], values[most_joints], allowed, list[most_candidates * most_joints];
+    if (!read_target(numbers, kind_, asked) || !row(theta0, n_, start) || !is_start(start, n_) ||
+        !row(held, held_count_, values) || !real(slack, allowed))
+        return not_plain();
+    std::vector<double> rows;
+    unsigned open = 0;
+    for (int nth = 0; nth == 0 || open != 0; ++nth) {
+        const int count = engine_->candidates(asked, start, values, allowed, nth, open, list);
+        rows.insert(rows.end(), list, list + static_cast<std::size_t>(count) * n_);
+    }
+    nb::object found = NumPy::get().empty(nb::make_tuple(rows.size() / n_, n_));
+    std::copy(rows.begin(), rows.end(), Array(found).data());
+    return found;
+}
+
 nb::object ClosedForm::told(const double* asked, const double* start, std::vector<double> rows, int inside, int tries,
                             int hits, int left, int families) const {
     AllAnswers* all;

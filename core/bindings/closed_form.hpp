@@ -38,6 +38,9 @@ public:
     // None, or AllAnswers. held: None, or values (m, h); the call tries each row.
     nb::object solve(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle position_tolerance,
                      nb::handle orientation_tolerance) const;
+    // None, or candidates (k, n) that nobody has verified, for values (h,) of the held joints. slack: by how much of its
+    // size a subproblem may be missed.
+    nb::object candidates(nb::handle numbers, nb::handle theta0, nb::handle held, nb::handle slack) const;
     // None, or AllAnswersBatch.
     nb::object solve_batch(nb::handle numbers, nb::handle theta0, nb::handle position_tolerance,
                            nb::handle orientation_tolerance, nb::handle threads) const;

@@ -338,6 +338,21 @@ public:
         }
     }
 
+    int candidates(const double* numbers, const double* near, const double* held, double slack, int nth, unsigned& open,
+                   double* rows) const override {
+        static_assert(closed_form::most_candidates == bindings::most_candidates, "a list fits into the rows");
+        closed_form::candidate_list<double> found;
+        closed_form::find_candidates(solved_, target_of_kind<Kind>(numbers), near, held, slack, open, nth, found);
+        if (nth + 1 == closed_form::values_tried) open = 0;
+        for (const auto& each : found) {
+            for (int h = 0; h < solved_.held_count; ++h) rows[solved_.held[h]] = held[h];
+            for (int i = 0; i < solved_.family.count; ++i)
+                if (const int k = solved_.joint[i]; k >= 0) rows[k] = each.x[i] / solved_.rate[k];
+            rows += arm_.coordinates();
+        }
+        return found.count;
+    }
+
 private:
     const chain<double, N, N>& arm_;
     const ranges<double, N>& range_;

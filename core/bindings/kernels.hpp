@@ -86,7 +86,7 @@ struct FamilyNumbers {
     std::uint32_t idle;
 };
 
-constexpr int most_configurations = 32;
+constexpr int most_configurations = 32, most_candidates = 64;
 
 // Every configuration for one target: theta (n) and, as 0 and 1, which coordinates may move (n), row by row.
 struct Configurations {
@@ -101,6 +101,10 @@ public:
     // held: values of the held joints, or null: those of `near`.
     virtual void solve(const double* numbers, const double* near, const double* held, double position_tolerance,
                        double orientation_tolerance, Configurations& found) const = 0;
+    // The nth list of candidates that nobody has verified: rows (most_candidates, n), and how many there are. The next
+    // list has the joints in `open`, as bits, elsewhere. The last list leaves none open.
+    virtual int candidates(const double* numbers, const double* near, const double* held, double slack, int nth,
+                           unsigned& open, double* rows) const = 0;
 };
 
 // One arm, its chain in the form and the instructions that suit it best.

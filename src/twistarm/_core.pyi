@@ -206,6 +206,11 @@ class ClosedForm:
 
         held: values (m, h) of the held joints, each of which is tried; None for those of theta0.
         """
+    def candidates(self, numbers: object, theta0: object, held: object, slack: object, /) -> Array | None:
+        """Candidates (k, n) that forward kinematics has not verified, with held joints at values (h,).
+
+        slack: by how much of its size an equation may be missed. Free joints are as in theta0, then elsewhere.
+        """
     def solve_batch(
         self, numbers: object, theta0: object, position_tol: object, orientation_tol: object, threads: object, /
     ) -> AllAnswersBatch | None:

@@ -13,10 +13,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 
-from twistarm import Arm, load_arm, plan_joint
+from twistarm import Arm, ReachMap, load_arm, plan_joint, reach_map
 from twistarm.planning.trajectory import Trajectory
 from twistarm.viewer import Viewer, save_html
-from twistarm.viewer.parts.workspace import POINTS, SEED
 from twistarm.viewer.scene.axes import arm_size
 from waiting import after_frames, settled, until
 
@@ -298,24 +297,70 @@ def copied(page: Any, name: str) -> str:
     return text
 
 
-def test_the_cloud(page: Any) -> None:
-    switch(page, "Workspace")
-    until(page, "twistarm.parts.theory.cloud.group.children.length && !document.getElementById('dexterity').hidden")
-    kept = page.evaluate("""() => {
-      const { position, color } = twistarm.parts.theory.cloud.group.children[0].geometry.attributes;
-      const [first, colours] = [position.array.slice(0, 150), color.array.slice(0, 3000)];
-      return { count: position.count, first: [...first], colours: [...colours] };
-    }""")
-    assert kept["count"] == POINTS
-    theta = ARM.random_theta(np.random.default_rng(SEED), POINTS)[:1000]
-    assert_allclose(np.reshape(kept["first"], (50, 3)), ARM.fk(theta[:50])[:, :3, 3], atol=1e-6)
-    dexterity = 1 / ARM.manipulability(theta).condition
-    light = np.reshape(kept["colours"], (1000, 3)) @ [0.2126, 0.7152, 0.0722]
-    order = np.argsort(dexterity)
-    assert light[order[-100:]].min() > light[order[:100]].max()  # the better, the lighter
-    assert "5 directions" in page.locator("#dexterity-words").inner_text()
-    switch(page, "Workspace", on=False)
-    until(page, "document.getElementById('dexterity').hidden && !twistarm.parts.theory.cloud.group.visible")
+SLICE = """() => {
+  const { map, slice, group } = twistarm.parts.theory.reach;
+  const { data, width, height } = slice.material.map.image;
+  const bar = getComputedStyle(document.getElementById('reach-bar')).backgroundImage;
+  return {
+    width, height, data: [...data], matrix: slice.matrix.elements, best: map.best, voxel: map.voxel,
+    surface: [...group.children[0].geometry.attributes.position.array.slice(0, 300)],
+    bar: [...bar.matchAll(/rgb\\((\\d+), (\\d+), (\\d+)\\)/g)].map((found) => found.slice(1).map(Number)),
+  };
+}"""
+"""The slice as it is drawn, and the colours of its legend."""
+
+
+def assert_slice(page: Any, m: ReachMap, theta: Matrix, across: int | None) -> None:
+    """The slice passes through the tool, and the legend's colours in it are the shares of the map."""
+    until(page, f"Math.abs(twistarm.state.frame.theta[1] - {float(theta[1])!r}) < 1e-12")
+    after_frames(page)
+    drawn = page.evaluate(SLICE)
+    matrix = np.reshape(drawn["matrix"], (4, 4)).T
+    tool = ARM.fk(theta)[:3, 3]
+    normal, corner = matrix[:3, 2], matrix[:3, 3]
+    assert normal @ (tool - corner) == pytest.approx(0, abs=1e-6)
+    assert_allclose(normal[2] if across is None else np.delete(normal, across), 0, atol=1e-12)
+    if across is None:
+        assert normal @ corner == pytest.approx(0, abs=1e-12)  # the base's z axis is in the plane
+    u, v = (np.arange(n)[:, None] / n + 0.5 / n for n in (drawn["width"], drawn["height"]))
+    p = corner + (v * matrix[:3, 1])[:, None] + u * matrix[:3, 0]
+    shares = m.at(p)
+    pixels = np.reshape(drawn["data"], (*shares.shape, 4))
+    edges = np.abs(p / m.grid.voxel + 0.5 - np.round(p / m.grid.voxel + 0.5)).min(axis=-1) < 1e-6  # either cube
+    assert np.count_nonzero(shares) > 500
+    assert_array_equal((pixels[..., 3] == 255)[~edges], (shares > 0)[~edges])
+    ends = np.linspace(0, drawn["best"], len(drawn["bar"]))
+    expected = np.stack([np.interp(shares, ends, channel) for channel in np.transpose(drawn["bar"])], axis=-1)
+    seen = (shares > 0) & ~edges
+    assert_allclose(pixels[..., :3][seen], expected[seen], atol=3)
+
+
+def test_the_reach(page: Any, viewer: Viewer, tmp_path: Path, open_page: Opened) -> None:
+    reach = "twistarm.parts.theory.reach"
+    switch(page, "Reach")
+    until(page, f"{reach}.map && !document.getElementById('reach-legend').hidden")
+    assert "26 directions" in page.locator("#reach-words").inner_text()
+    m = reach_map(ARM, 0.15, 26, method="fk", samples=200_000)
+    viewer.show_reach(m)
+    until(page, f"{reach}.map.voxel === 0.15")
+    assert page.locator("#reach-best").inner_text() == f"{100 * m.share.max():.0f} %"
+    for theta in (viewer.theta, np.array([0.2, 0.9, -1.4, 0.2, 0.1])):
+        viewer.show(theta)
+        assert_slice(page, m, theta, None)
+    page.get_by_label("Plane of the slice").select_option("across y")
+    assert_slice(page, m, theta, 1)
+    cubes = m.grid.centres(np.flatnonzero(m.counts))
+    surface = np.reshape(page.evaluate(SLICE)["surface"], (100, 1, 3))
+    assert np.abs(surface - cubes).max(axis=-1).min(axis=1).max() < m.grid.voxel  # from the middle of one
+    saved = viewer.save_html(tmp_path / "reach.html")
+    switch(page, "Reach", on=False)
+    until(page, f"document.getElementById('reach-legend').hidden && !{reach}.group.visible")
+    with open_page() as opened:
+        opened.goto(saved.as_uri())
+        until(opened, "globalThis.twistarm?.theory.reach.group.visible && twistarm.theory.reach.map.voxel === 0.15")
+        opened.get_by_role("tab", name="Theory").click()
+        switch(opened, "Reach", on=False)
+        until(opened, "document.getElementById('reach-legend').hidden && !twistarm.theory.reach.group.visible")
 
 
 def test_numbers_are_asked_for_while_the_panel_is_open(page: Any, viewer: Viewer) -> None:
@@ -342,7 +387,7 @@ def test_the_stand_alone_page(open_page: Opened, tmp_path: Path) -> None:
         until(opened, "!twistarm.state.frame.running")
         show_theory(opened)
         switch(opened, "Labels", "Columns of Jˢ", "Columns of Jᵇ", "Linear ellipsoid", "Instantaneous screw")
-        assert opened.locator("#theory-layers").get_by_label("Workspace").count() == 0
+        assert opened.locator("#theory-layers").get_by_label("Reach").is_hidden()
         after_frames(opened)
         end = trajectory(trajectory.duration)
         drawn = opened.evaluate(DRAWN.replace("{ view, parts, theory = parts.theory }", "{ view, theory }"))

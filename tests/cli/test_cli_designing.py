@@ -13,6 +13,7 @@ import twistarm
 from test_cli import answer, error_of, printed
 from twistarm import payload
 from twistarm.cli.application import run
+from twistarm.cli.commands import designing
 from urdf_text import two_joints, write
 
 Capture = pytest.CaptureFixture[str]
@@ -51,6 +52,17 @@ def test_payload_of_a_motion_in_files(capsys: Capture, tmp_path: Path, monkeypat
     assert content["needs"]["speed"][1] > 0.1
 
 
+def test_payload_over_space(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(designing, "SAMPLES", 5000)
+    content = answer(capsys, "payload", "rover_arm", "--voxel", "0.2", "-o", "held.csv", "-o", "held.png")
+    with open("held.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert sum(int(row["configurations"]) for row in rows) == 5000
+    assert min(float(row["least payload [kg]"]) for row in rows) == content["payload"]
+    assert Path("held.png").read_bytes().startswith(b"\x89PNG")
+
+
 def test_an_unknown_payload_is_no_good_answer(capsys: Capture, tmp_path: Path) -> None:
     arm = str(
         write(
@@ -68,13 +80,82 @@ def test_an_unknown_payload_is_no_good_answer(capsys: Capture, tmp_path: Path) -
     assert "the payload is unknown" in printed(capsys, "payload", arm, code=1)
 
 
-def test_designs(capsys: Capture) -> None:
-    content = answer(capsys, "designs", "rover_arm", "rover_arm_6dof")
+def test_designs(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    content = answer(capsys, "designs", "rover_arm", "rover_arm_6dof", "-o", "d.csv", "-o", "d.png")
+    with open("d.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["volume [m³]"]) for row in rows] == [each["volume"] for each in content["designs"]]
+    image = pytest.importorskip("PIL.Image").open("d.png").convert("RGB")
+    colours = [image.getpixel((x, y)) for x in range(image.width // 3, image.width) for y in range(image.height)]
+    first, second = (31, 119, 180), (255, 127, 14)  # matplotlib's C0 and C1
+    assert min(colours.count(first), colours.count(second)) > 200, "both outlines"
     ours, other = content["designs"]
-    assert f"reaches {100 * (other['reach'] / ours['reach'] - 1):.2g} % more" in content["against"][0]
+    assert f"reaches out {100 * (other['farthest'] / ours['farthest'] - 1):.2g} % more" in content["against"][0]
     shown = printed(capsys, "designs", "rover_arm", "rover_arm_6dof")
     assert content["against"][0] in shown
     assert "-0.5 … 0.5" in shown
+
+
+PANEL = """
+degrees = true
+[panel]
+xyz = [0.95, 0.0, 0.8]
+[parking]
+x = [-0.1, 0.1]
+[[task]]
+name = "key"
+kind = "press"
+xyz = [0.0, 0.0, 0.0]
+travel = 0.004
+[[task]]
+name = "far knob"
+kind = "turn"
+xyz = [0.0, 3.0, 0.0]
+angle = 90
+"""
+
+
+def test_a_panel_as_table_json_and_files(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+    Path("panel.toml").write_text(PANEL, "utf-8")
+    shown = printed(capsys, "panel", "rover_arm", "panel.toml", "-o", "p.png", "-o", "p.csv", code=1)
+    *table, why, sentence, png, motion = shown.splitlines()
+    assert max(map(len, table)) <= 80
+    (row,) = (line.split() for line in table if line.startswith("key "))
+    assert row[:3] == ["key", "press", "done"]
+    assert why.startswith("far knob, out_of_reach: in front of it: ")
+    assert sentence.startswith("1 of 2 tasks")
+    assert (png, motion) == ("written: p.png", "written: p.csv")
+    assert Path("p.png").read_bytes().startswith(b"\x89PNG")
+    moved = twistarm.load_trajectory(twistarm.load_arm("rover_arm"), "p.csv")
+    place = sentence.split('"')[1]
+    assert run(["panel", "rover_arm", "panel.toml", "--base-pose", place, "--json"]) == 1
+    content = json.loads(capsys.readouterr().out)
+    assert (content["done"], content["share"]) == (1, 0.5)
+    assert np.isclose(content["base"]["x"], float(place.split()[0]), atol=1e-4)
+    key, knob = content["tasks"]
+    assert (key["code"], knob["code"]) == ("done", "out_of_reach")
+    assert row[3] == key["joint"]
+    unit = {"slide": 1.0}.get(key["joint"], np.pi / 180)
+    assert np.isclose(float(row[4].rstrip("°")) * unit, key["margin"], atol=0.006 * unit)
+    assert knob["margin"] is None
+    assert key["clearance"] is None
+    # The deepest point of the motion is 4 mm into the panel, which stands 0.95 m from the world's origin.
+    tip = moved(np.linspace(0.0, moved.duration, 2000))
+    reached = twistarm.load_arm("rover_arm").fk(tip)[:, 0, 3].max()
+    assert np.isclose(reached + float(place.split()[0]), 0.954, atol=2e-4)
+
+
+def test_no_task_done_writes_no_motion(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("panel.toml").write_text(PANEL.replace("0.95, 0.0, 0.8", "5.0, 0.0, 0.8"), "utf-8")
+    assert run(["panel", "rover_arm", "panel.toml", "-o", "p.csv", "-o", "p.png"]) == 1
+    out, err = capsys.readouterr()
+    assert "0 of 2 tasks" in out
+    assert "no motion is written" in err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["p.png", "panel.toml"]
 
 
 @pytest.mark.parametrize(
@@ -82,8 +163,12 @@ def test_designs(capsys: Capture) -> None:
     [
         (["payload", "rover_arm", "--mass", "-1"], "--mass must be 0 or more"),
         (["payload", "rover_arm", "--theta", "ready", "--motion", "m.csv"], "leave out --theta"),
+        (["payload", "rover_arm", "--theta", "ready", "--voxel", "0.2"], "--voxel maps random configurations"),
+        (["payload", "rover_arm", "--voxel", "0"], "--voxel must be"),
         (["payload", "rover_arm", "-o", "x.pdf"], "-o takes *.csv or *.png"),
         (["designs", "rover_arm"], "Missing argument"),
+        (["panel", "rover_arm", "nowhere.toml"], "nowhere.toml"),
+        (["panel", "rover_arm", "nowhere.toml", "-o", "x.pdf"], "-o takes *.png or *.csv"),
         (["designs", "rover_arm", "ur5", "--xyz", "0.5 0 0.5"], "give two or more, or none"),
     ],
 )

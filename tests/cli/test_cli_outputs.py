@@ -88,6 +88,7 @@ REFUSED = {
     "an answer beside it": ([*PLAN, "-o", "-", "--json"], "gives standard output to one file"),
     "a repaired copy without a name": (["doctor", "arm.urdf", "--fix"], "--fix and -o FILE.urdf go together"),
     "one file of two that is there": ([*PLAN, "-o", "new.csv", "-o", "old.json"], "old.json exists"),
+    "a page of two arms": (["view", "arm.urdf", "ur5", "-o", "page.html"], "a second ARM is for a page that is served"),
     "a description": (["freeze", "arm.urdf", "-o", "arm.urdf", "--force"], "a description stands there"),
 }
 

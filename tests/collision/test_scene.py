@@ -652,7 +652,7 @@ def test_many_obstacles_are_checked_as_few_are(tmp_path: Path) -> None:
 
 
 def test_obstacles_are_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("twistarm.collision.scene.MOST_OBSTACLES", 2)
+    monkeypatch.setattr("twistarm.collision.obstacles.MOST_OBSTACLES", 2)
     scene = Scene(slider(tmp_path, SHAPES["sphere"]))
     scene.add_sphere("a", 0.1)
     scene.add_sphere("b", 0.1)

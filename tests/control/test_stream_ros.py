@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,9 +12,16 @@ import pytest
 import ros_stand_ins as msg
 from stream_stand_ins import answer
 from twistarm.control.servo import ServoStatus
-from twistarm.control.stream import Cycle, Ending, Setpoint, ros
+from twistarm.control.stream import Cycle, Ending, Setpoint
 from twistarm.control.stream.report import Tally
 from twistarm.support.errors import InputError
+
+FILE = Path(__file__).parents[2] / "examples" / "ros2" / "twistarm_servo" / "twistarm_servo" / "messages.py"
+SPEC = spec_from_file_location("ros_messages", FILE)
+assert SPEC is not None
+assert SPEC.loader is not None
+ros = module_from_spec(SPEC)
+SPEC.loader.exec_module(ros)
 
 
 def test_positions_that_are_not_finite_are_refused(rover):

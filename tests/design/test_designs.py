@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import twistarm
+from catalogue import load
 from twistarm import Position, arm_from_screws, compare_designs, joints
 from twistarm.support.errors import InputError
 
@@ -22,10 +23,10 @@ def elbow(scale: float) -> twistarm.Arm:
 
 def test_a_larger_arm_reaches_farther_and_sweeps_the_cube_of_it() -> None:
     small, large = compare_designs([elbow(1.0), elbow(1.2)])
-    assert np.isclose(small.reach, 1.0, rtol=1e-5)
-    assert np.isclose(large.reach, 1.2, rtol=1e-5)
-    assert np.isclose(large.volume / small.volume, 1.2**3, rtol=0.01)
-    assert np.isclose(small.volume, 4 / 3 * np.pi, rtol=0.2)
+    assert np.isclose(small.farthest, 1.0, rtol=1e-5)
+    assert np.isclose(large.farthest, 1.2, rtol=1e-5)
+    assert np.isclose(large.volume, 4 / 3 * np.pi * 1.2**3, rtol=0.01)
+    assert np.isclose(small.volume, 4 / 3 * np.pi, rtol=0.01)
     assert np.isclose(small.condition, large.condition)
     ours = elbow(1.0)
     measured = ours.manipulability(ours.random_theta(1, 4000))
@@ -34,7 +35,9 @@ def test_a_larger_arm_reaches_farther_and_sweeps_the_cube_of_it() -> None:
     assert np.isnan(small.payload)
     assert any("no Pinocchio model" in each for each in small.notes)
     assert small.name != large.name
-    assert large.against(small) == f"{large.name} reaches 20 % more and sweeps in volume 73 % more than {small.name}"
+    assert (
+        large.against(small) == f"{large.name} reaches out 20 % more and sweeps in volume 73 % more than {small.name}"
+    )
 
 
 def test_weaker_and_slower_joints(rover: twistarm.Arm) -> None:
@@ -52,6 +55,28 @@ def test_weaker_and_slower_joints(rover: twistarm.Arm) -> None:
     beyond = compare_designs([rover, weak], [Position(near), Position([3.0, 0, 0])])
     assert np.isnan(beyond[0].duration)
     assert any("no motion: " in each for each in beyond[0].notes)
+
+
+@pytest.mark.parametrize("sides", [(0.3, 1.7, 0.9), (1.0, 1.0, 0.2)])
+def test_slides_sweep_their_box(sides) -> None:
+    """Its faces lie between the centres of cubes."""
+    names = ["a", "b", "c"]
+    limits = {"lower": dict.fromkeys(names, 0.0), "upper": dict(zip(names, sides, strict=True))}
+    screws = np.hstack([joints.prismatic(axis) for axis in np.eye(3)])
+    box, flat = compare_designs([arm_from_screws(screws, np.eye(4), joints=names, limits=limits), load("rr_planar")])
+    assert np.isclose(box.volume, np.prod(sides), rtol=0.03)
+    assert np.isclose(box.farthest, np.linalg.norm(sides), rtol=1e-4)
+    assert flat.volume == 0.0
+    assert "volume 100 % less" in flat.against(box)
+    assert "volume" not in box.against(flat), "nothing is a share of 0"
+
+
+def test_an_arm_beyond_the_core_has_no_volume() -> None:
+    axes = [joints.revolute(np.eye(3)[i % 3], [0.02 * i, 0, 0]) for i in range(40)]
+    long, _ = compare_designs([arm_from_screws(np.hstack(axes), np.eye(4)), elbow(1.0)])
+    assert np.isnan(long.volume)
+    assert long.farthest > 0.0
+    assert any("no volume: " in each for each in long.notes)
 
 
 @pytest.mark.parametrize(

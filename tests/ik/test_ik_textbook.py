@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from catalogue import load
 from ik_targets import KINDS, errors, judged, moved, pinocchio_fk, target_from
 from solvers import textbook_ik
-from twistarm import LineMove, TwistarmError, load_arm, plan
+from twistarm import JointMove, LineMove, TwistarmError, load_arm, plan, plan_joint
 from twistarm.export.cpp_header import cpp_header
 from twistarm.ik import (
     Pose,
@@ -109,9 +109,12 @@ def test_what_needs_the_core_is_told(bare):
 @pytest.mark.parametrize(
     "ask",
     [
+        lambda arm: solve_ik_all(arm, arm.fk(arm.ready)),
         lambda arm: solve_ik_batch(arm, arm.fk(arm.random_theta(1, 3))),
         lambda arm: solve_ik_all_batch(arm, arm.fk(arm.random_theta(1, 3))),
         lambda arm: cpp_header(arm),
+        lambda arm: plan(arm, LineMove.by([0.0, 0.0, 0.03])),
+        lambda arm: plan_joint(arm, [arm.ready, arm.ready + 0.1]),
     ],
 )
 def test_what_only_the_core_does_says_how_to_get_it(bare, ask):
@@ -119,24 +122,14 @@ def test_what_only_the_core_does_says_how_to_get_it(bare, ask):
         ask(bare)
 
 
-@pytest.mark.usefixtures("bare")
-@pytest.mark.parametrize("name", ["ur5", "rover_arm"])
-def test_every_configuration_is_found_by_the_readable_closed_form(name):
-    arm = load_arm(name)
-    theta = arm.random_theta(4)
-    found = solve_ik_all(arm, arm.fk(theta))
-    assert found.method == "closed form"
-    apart = np.abs(found.theta - theta) % (2 * np.pi)
-    assert np.minimum(apart, 2 * np.pi - apart).max(axis=1).min() < 1e-6
-    for each in found:
-        np.testing.assert_allclose(pinocchio_fk(arm, each), arm.by_pinocchio(theta)[0], atol=1e-9)
-
-
-def test_motions_are_planned_without_a_core(bare):
-    motion = plan(bare, [LineMove.by([0.0, 0.0, 0.03]), LineMove.by([0.0, 0.0, -0.03])], linear_speed=0.05)
+def test_some_motions_are_planned_without_a_core(bare):
+    moves = [LineMove.by([0.0, 0.0, 0.03]), LineMove.by([0.0, 0.0, -0.03])]
+    motion = plan(bare, moves, linear_speed=0.05, kind="quintic")
     assert motion.duration > 1.2
     lift = pinocchio_fk(bare, motion(motion.duration / 2)) - pinocchio_fk(bare, bare.ready)
     np.testing.assert_allclose(np.linalg.norm(lift[:3, 3]), 0.03, atol=1e-4)
+    straight = [bare.ready, bare.ready + 0.1]
+    assert plan(bare, JointMove(straight[1])).duration == plan_joint(bare, straight, kind="s_curve").duration
 
 
 def test_more_joints_than_the_core_holds_are_solved_too():

@@ -11,7 +11,6 @@ from catalogue import load
 from ik_targets import KINDS, errors, is_met, pinocchio_poses, require_core, target_from
 from twistarm import Approach, InputError, JointLimits, Pose, Position, reachable, solve_ik_batch
 from twistarm.arm.arm import Coupling
-from twistarm.ik.reach_ball import reach_ball
 from twistarm.ik.reached import CHUNK
 
 DOWN = [0.0, 0.0, -1.0]
@@ -81,20 +80,6 @@ def test_two_links_reach_a_ring():
     ring = (radius > LENGTHS[0] - LENGTHS[1]) & (radius < sum(LENGTHS))
     assert (reachable(arm, p).met == ring)[clear].all()
     assert not reachable(arm, p + [0.0, 0.0, 1e-3]).met.any(), "its plane is z = 0"
-
-
-def test_a_ball_holds_the_tool(arm):
-    """Of configurations at random; it is that of the links' lengths where nothing is in the way."""
-    g = arm.fk(arm.random_theta(np.random.default_rng(4), 2000))
-    for like in (Position([0.0] * 3), Approach([0.0] * 3, DOWN).of(arm), Pose(np.eye(4))):
-        ball = reach_ball(arm, like)
-        if arm.n != len(arm.coupling.A):
-            assert ball is None, "coupled joints have no ball"
-            continue
-        away = np.linalg.norm(g[:, :3, :3] @ ball.x + g[:, :3, 3] - ball.centre, axis=1)
-        assert away.max() <= ball.radius
-    planar = reach_ball(load("rr_planar"), Position([0.0] * 3))
-    assert planar.radius == pytest.approx(sum(LENGTHS), abs=1e-6)
 
 
 def test_the_same_bits_however_a_call_is_divided():

@@ -9,7 +9,7 @@ import twistarm
 from catalogue import load
 from family_arms import apart, family_arm, missed, pose_of, screws_of
 from ik_targets import pinocchio_fk
-from test_core_matches import readable
+from test_core_matches import gathered
 from twistarm import Pose, Position, solve_ik_all, solve_ik_all_batch
 
 EXACT = 1e-9
@@ -56,10 +56,10 @@ def straight_wrists(count, gap=0.0):
         yield arm, pose_of(arm, theta), theta, arm.random_theta(rng)
 
 
-@pytest.mark.parametrize("by", ["core", "readable"])
+@pytest.mark.parametrize("by", ["core", "gathered"])
 def test_a_straight_wrist_keeps_its_first_joint_where_it_is(by, monkeypatch):
     for arm, g, _, near in straight_wrists(2):
-        found = solve_ik_all(arm, Pose(g), near) if by == "core" else readable(monkeypatch, arm, Pose(g), near=near)
+        found = solve_ik_all(arm, Pose(g), near) if by == "core" else gathered(monkeypatch, arm, Pose(g), near=near)
         straight = [each for each, free in zip(found, found.free, strict=True) if free == WRIST]
         assert straight
         assert len({tuple(each[:3].round(6)) for each in straight}) == len(straight)
@@ -111,7 +111,7 @@ def test_a_position_for_six_joints_is_a_few_families():
     np.testing.assert_array_equal(batch.theta[0], found.theta)
 
 
-@pytest.mark.parametrize("by", ["core", "readable"])
+@pytest.mark.parametrize("by", ["core", "gathered"])
 @pytest.mark.parametrize(("bend", "count"), [(1e-8, 1), (2e-5, 1), (1e-3, 2)])
 def test_two_answers_are_one_where_halfway_between_them_the_target_is_met(by, bend, count, monkeypatch):
     """Elbow up and down, ± bend from stretched: halfway the tip is bend² a b / 2 (a + b) too far out."""
@@ -119,7 +119,7 @@ def test_two_answers_are_one_where_halfway_between_them_the_target_is_met(by, be
     theta = np.array([0.4, bend])
     target = Position(pinocchio_fk(arm, theta)[:3, 3])
     near = np.array([0.4, 1.0])
-    found = solve_ik_all(arm, target, near) if by == "core" else readable(monkeypatch, arm, target, near=near)
+    found = solve_ik_all(arm, target, near) if by == "core" else gathered(monkeypatch, arm, target, near=near)
     assert len(found) == count
     assert np.abs(found[0] - theta).max() < 1e-4  # the one on theta0's side
     assert found.complete

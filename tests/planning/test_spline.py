@@ -11,13 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline, PPoly, make_interp_spline
 
+from reference.spline_times import duration, in_numpy
 from strategies import generators
 from twistarm import arm_from_screws, plan_joint
 from twistarm.arm import engine
 from twistarm.limits import JointLimits
 from twistarm.planning import spline
 from twistarm.planning.piecewise import derivative, evaluate, extremes, shifted
-from twistarm.planning.spline_times import duration, in_numpy, shortest_spline
+from twistarm.planning.timing import shortest_spline
 from twistarm.support.errors import MissingExtraError
 
 SMOOTH = 1e-8

@@ -9,13 +9,13 @@ import pytest
 from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.optimize import linprog
 
+from reference.path_velocity import in_numpy, passes
 from reference.phase_plane import least_time
 from twistarm.arm import engine
 from twistarm.limits import Actuators, JointLimits
 from twistarm.planning.joint_path import JointPath
 from twistarm.planning.time_laws import PathBounds, TimeLaw, double_s, quintic, s_curve, time_optimal
-from twistarm.planning.time_laws.interval_limits import LimitedPath
-from twistarm.planning.time_laws.path_velocity import in_numpy, passes, path_velocity
+from twistarm.planning.time_laws.path_velocity import LimitedPath, path_velocity
 from twistarm.planning.trajectory import Trajectory
 
 LAWS = {"quintic": quintic, "time_optimal": time_optimal, "s_curve": s_curve}

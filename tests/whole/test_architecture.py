@@ -46,7 +46,7 @@ ALLOWED = {
     "yourdfpy": ("checking/other_readers.py",),
     "ompl": ("planning/free_path.py",),
     "scipy": ("planning", "guide/exercises"),
-    "matplotlib": ("guide", "calibration/plot.py", "cli/commands/designing.py", "sweeps/voxel_map.py"),
+    "matplotlib": ("guide", "support/pictures.py"),
     "jupytext": ("guide/building",),
     "markdown_it": ("guide/teaching/markup.py",),
     "mdit_py_plugins": ("guide/teaching/markup.py",),

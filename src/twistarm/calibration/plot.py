@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import io
-
 import numpy as np
 
 from ..support.checks import require
-from ..support.errors import missing_extra
+from ..support.pictures import empty_figure, png_of
 from .calibration import Calibration
 
 
@@ -17,12 +15,8 @@ def plot_of(calibration: Calibration) -> bytes:
     Raises MissingExtraError without matplotlib.
     """
     require(calibration, Calibration, "calibration", "as calibrate makes it")
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise missing_extra("the plot", "matplotlib", "guide") from error
     arm, theta = calibration.problem.geometry.arm, calibration.problem.log.theta
-    figure = Figure(figsize=(10, 3 + 2.2 * ((arm.n + 1) // 2)), layout="constrained")
+    figure = empty_figure("the plot", figsize=(10, 3 + 2.2 * ((arm.n + 1) // 2)))
     grid = figure.add_gridspec(1 + (arm.n + 1) // 2, 2)
     whole = figure.add_subplot(grid[0, :])
     panels = [figure.add_subplot(grid[1 + k // 2, k % 2]) for k in range(arm.n)]
@@ -40,6 +34,4 @@ def plot_of(calibration: Calibration) -> bytes:
     for k, panel in enumerate(panels):
         unit = "°" if arm.units[k] == "rad" else "mm"
         panel.set(xlabel=f"{arm.joint_names[k]} [{unit}]", ylabel="error [mm]", yscale="log")
-    picture = io.BytesIO()
-    figure.savefig(picture, format="png")
-    return picture.getvalue()
+    return png_of(figure)

@@ -12,7 +12,7 @@ import numpy as np
 from ..arm.arm import Arm
 from ..arm.usual_limits import with_defaults
 from ..limits.joint_limits import JointLimits
-from ..planning import FreeMove, JointMove, LineMove, MotionFile, Trajectory, load_motion, load_trajectory
+from ..planning import FreeMove, JointMove, LineMove, MotionFile, Trajectory, load_motion, load_trajectory, plan_joint
 from ..planning import plan as plan_segments
 from ..planning.motion import LAWS, as_segments
 from ..planning.segments import Segment
@@ -96,6 +96,16 @@ class Typed:
         how: Any = {"kind": self.kind or content.kind or "s_curve", "unwrap": self.unwrap or content.unwrap}
         how |= {"scene": scene, "max_time": self.max_time}
         return plan_segments(self.arm, segments, start=start, limits=limits, progress=progress, **how), segments
+
+    def by_waypoints(
+        self, typed: Sequence[str] | None, smooth: float | None, limits: JointLimits, progress: Progress
+    ) -> Planned:
+        """A motion that passes the typed poses, or leaves them by up to `smooth` [°, or rad with --rad]."""
+        how: Any = {"kind": self.kind or "cubic", "stop_at_waypoints": self.stop, "unwrap": self.unwrap}
+        if smooth is not None:
+            angle = as_positive(smooth, "--smooth")
+            how["smooth"] = angle if self.radians else float(np.radians(angle))
+        return plan_joint(self.arm, self.poses(typed), limits=limits, progress=progress, **how), []
 
     def through(self, goals: Sequence[Any], limits: JointLimits, progress: Progress) -> Planned:
         """A motion by the same kind of move to each goal."""

@@ -9,18 +9,21 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..checking.doctor.postures import POOR
-from ..ik import solve_ik
+from ..ik import reachable, solve_ik
 from ..ik.targets import Target
 from ..planning import JointMove, PathError, plan
-from ..support.checks import Array
+from ..support.checks import Array, require
 from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, shown
+from ..sweeps.grid import Grid, sphere
 from ..theory.manipulability import Manipulability, scaled_jacobian
 from .extremes import with_extremes
+from .panel import Panel
+from .parking import best_parking
 from .payload import payload
 
-SAMPLES, POINTS, CELLS = 2000, 200_000, 24
-"""Configurations for everything but the volume, tool positions for that, and cubes along their longest side."""
+SAMPLES, CUBES = 2000, 40
+"""Configurations, and cubes along the diameter of the ball that holds the tool."""
 
 ALIKE = 0.005
 """A smaller relative difference is not told: samples differ by as much."""
@@ -30,16 +33,18 @@ ALIKE = 0.005
 class Design(Brief):
     """An arm in numbers, over random configurations inside its limits. NaN is unknown; `notes` tell why.
 
-    `reach` [m] is the greatest distance of the tool from the base's origin. `volume` [m³] is that of cubes, 24 along
-    the longest side of the workspace, which hold tool positions: too large by some 15 %, in all designs alike.
+    `reach` [m] is `arm.reach`, and `farthest` [m] the greatest distance of the tool from the base's origin. `volume`
+    [m³] is that of the positions that inverse kinematics reaches, by a random point in each of 40³ cubes, to 1 %.
     `condition` is the median condition number in the directions that the arm has, and `singular` the share of
     configurations where it is above 100. `payload` [kg] is the least and `median_payload` the median, at rest.
     `mass` [kg] is that of the moving links. `duration` [s] is that of the motion.
+    `panel` is the share of a panel's tasks that the arm does, parked where it does most.
     """
 
     name: str
     arm: Arm
     reach: float
+    farthest: float
     volume: float
     condition: float
     singular: float
@@ -48,32 +53,38 @@ class Design(Brief):
     mass: float
     duration: float
     notes: tuple[str, ...]
+    panel: float = np.nan
 
     def against(self, other: Design) -> str:
         """What this design does better and worse than another, in a sentence."""
         said = []
         for verb, unit, mine, its in (
-            ("reaches", "%", self.reach, other.reach),
+            ("reaches out", "%", self.farthest, other.farthest),
             ("sweeps in volume", "%", self.volume, other.volume),
             ("holds", "kg", self.payload, other.payload),
             ("holds in the median", "kg", self.median_payload, other.median_payload),
             ("weighs", "kg", self.mass, other.mass),
             ("takes", "s", self.duration, other.duration),
         ):
-            if ALIKE * its < abs(mine - its) < np.inf:  # nor NaN
+            if ALIKE * its < abs(mine - its) < np.inf and (its or unit != "%"):  # nor NaN
                 size = float(f"{abs(mine - its) * (100.0 / its if unit == '%' else 1.0):.2g}")
                 said.append(f"{verb} {size:g} {unit} {'more' if mine > its else 'less'}")
+        if (more := 100.0 * (self.panel - other.panel)) and np.isfinite(more):
+            said.append(f"does {abs(more):.2g} % {'more' if more > 0.0 else 'less'} of the panel")
         words = " and ".join(filter(None, [", ".join(said[:-1]), *said[-1:]]))
         return f"{self.name} {words} than {other.name}" if said else f"{self.name} does the same as {other.name}"
 
 
-def compare_designs(arms: Sequence[Arm], poses: Sequence[Target | Array] = ()) -> tuple[Design, ...]:
+def compare_designs(
+    arms: Sequence[Arm], poses: Sequence[Target | Array] = (), panel: Panel | None = None
+) -> tuple[Design, ...]:
     """Each arm in the same numbers, estimated by samples to about 1 %.
 
     Args:
         arms: Two arms or more. Equal names get numbers.
         poses: Two targets or more for the tool; each arm plans joint moves through them, at rest at each. () for no
             motion. An arm that misses a pose has the duration NaN, and a note.
+        panel: Tasks that `best_parking` tries with each arm, or None.
 
     Raises:
         InputError: There are fewer than two arms, or a single pose.
@@ -82,13 +93,15 @@ def compare_designs(arms: Sequence[Arm], poses: Sequence[Target | Array] = ()) -
         raise InputError(f"arms must be a list of two or more; got {shown(arms)}")
     if not isinstance(poses, Sequence) or len(poses) == 1:
         raise InputError(f"poses must be a list of two targets or more, or (); got {shown(poses)}")
+    if panel is not None:
+        require(panel, Panel, "panel", "which load_panel reads")
     names = [require_arm(arm).name for arm in arms]
     names = [f"{name} ({i + 1})" if names.count(name) > 1 else name for i, name in enumerate(names)]
-    return tuple(_design(name, arm, poses) for name, arm in zip(names, arms, strict=True))
+    return tuple(_design(name, arm, poses, panel) for name, arm in zip(names, arms, strict=True))
 
 
-def _design(name: str, arm: Arm, poses: Sequence[Target | Array]) -> Design:
-    least = median = mass = duration = np.nan
+def _design(name: str, arm: Arm, poses: Sequence[Target | Array], panel: Panel | None) -> Design:
+    volume = least = median = mass = duration = share = np.nan
     notes: list[str] = []
     try:
         if len(poses):
@@ -102,22 +115,39 @@ def _design(name: str, arm: Arm, poses: Sequence[Target | Array]) -> Design:
         notes += held.notes
     except TwistarmError as error:  # no description
         notes.append(str(error))
+    try:
+        volume = _volume(arm)
+    except TwistarmError as error:  # not in the compiled core
+        notes.append(f"no volume: {error}")
+    try:
+        share = np.nan if panel is None else len(best_parking(arm, panel).done) / len(panel.tasks)
+    except TwistarmError as error:  # not in the compiled core, or no shapes
+        notes.append(f"no panel: {error}")
     # As `arm.manipulability`, whose axes take long.
     J = scaled_jacobian(arm.body_jacobian(arm.random_theta(0, SAMPLES)), arm._prismatic, arm.reach)
     measured = Manipulability(np.asarray(np.linalg.svd(J, compute_uv=False), np.float64), np.empty(0), arm.reach)
     condition = measured.condition_in(max(int(measured.rank.max()), 1))
     dexterity = float(np.median(condition)), float((condition > POOR).mean())
-    return Design(name, arm, *_reach(arm), *dexterity, least, median, mass, duration, tuple(notes))
+    numbers = arm.reach, _farthest(arm), volume, *dexterity, least, median, mass, duration
+    return Design(name, arm, *numbers, tuple(notes), share)
 
 
-def _reach(arm: Arm) -> tuple[float, float]:
-    """The reach [m], and the volume [m³] of the cubes that hold tool positions."""
+def _farthest(arm: Arm) -> float:
+    """The greatest distance [m] of the tool from the base's origin."""
 
     def nearness(theta: Array) -> Array:
         return np.asarray(-np.linalg.norm(arm.fk(theta)[..., :3, 3], axis=-1, keepdims=True))
 
-    p = arm.fk(arm.random_theta(0, POINTS))[:, :3, 3]
-    edge = max(float(np.ptp(p, axis=0).max()) / CELLS, 1e-9)
-    cubes = np.unique(((p - p.min(axis=0)) / edge).astype(np.int64) @ (2 * CELLS) ** np.arange(3))
-    far = -nearness(with_extremes(arm, nearness, arm.random_theta(0, SAMPLES))).min()
-    return float(far), edge**3 * len(cubes)
+    return float(-nearness(with_extremes(arm, nearness, arm.random_theta(0, SAMPLES))).min())
+
+
+def _volume(arm: Arm) -> float:
+    """The volume [m³] reached.
+
+    Centres of cubes err by half a cube at a face along the axes, as that of a rail. Random points do not.
+    """
+    centre, radius = sphere(arm)
+    grid = Grid.about(centre, radius, 2.0 * radius / CUBES)
+    p = grid.centres(np.arange(grid.count))
+    p += grid.voxel * np.random.default_rng(0).uniform(-0.5, 0.5, p.shape)
+    return float(grid.voxel**3 * reachable(arm, p).met.sum())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from ..arm.arm import Arm
@@ -10,6 +12,9 @@ from ..ik.closed_form.compiled import ClosedFormParameters
 from ..ik.closed_form.methods import method_for
 from ..support.c_text import cpp_number, cpp_numbers
 from ..support.checks import Array
+from ..support.templates import filled
+
+TEMPLATE = Path(__file__).with_name("templates") / "all_configurations.hpp.in"
 
 KEEPS = ("nothing", "point", "plane")
 
@@ -26,7 +31,8 @@ def cpp_closed_form(arm: Arm) -> str:
     if not known:
         return "// The arm's axes belong to no family: there is no closed form that finds every configuration.\n"
     families = "".join(_family(arm, kind, numbers, words) for kind, numbers, words in known)
-    return families + _SOLVE.replace("CHOICES", "".join(_choice(kind) for kind, _, _ in known))
+    choices = "".join(_choice(kind) for kind, _, _ in known)
+    return families + filled(TEMPLATE, choices=choices)
 
 
 def _choice(kind: str) -> str:
@@ -59,30 +65,3 @@ template <class T> inline constexpr twistarm::solved_arm<T, n> {kind}_family = {
 
 def _axis(numbers: Array) -> str:
     return f"{{{cpp_numbers(numbers[:3])}, {cpp_numbers(numbers[3:6])}, {'true' if numbers[6] else 'false'}}}"
-
-
-_SOLVE = """\
-/// Every configuration that meets the target, each verified by forward kinematics: those inside the limits first,
-/// nearest to theta0 first (twistarm/closed_form/all_solutions.hpp).
-///
-/// `asked` is what twistarm::pose_target, position_target or approach_target returns, of a kind that has a family
-/// above; the tool axis of an approach is this arm's `tool_axis`.
-template <class T, class Target>
-twistarm::configurations<T, n> solve_ik_all(const twistarm::ranges<T, n>& limits, const Target& asked, const T* theta0,
-                                            T position_tolerance, T orientation_tolerance) {
-    twistarm::configurations<T, n> all;
-    all.count = all.inside = 0;
-    const auto solve = [&](const twistarm::solved_arm<T, n>& family) {
-        if (!twistarm::is_usable<T>(asked, theta0, n)) return;
-        T held[n] = {};
-        for (int h = 0; h < family.held_count; ++h) {
-            const int k = family.held[h];
-            held[h] = twistarm::clamped(theta0[k], limits.lower[k], limits.upper[k]);
-        }
-        twistarm::find_all(chain<T>, family, limits, asked, theta0, held, position_tolerance, orientation_tolerance,
-                           all);
-    };
-    CHOICESstatic_assert(sizeof(T) == 0, "no closed form for this kind of target: solve_ik searches");
-    return all;
-}
-"""

@@ -12,6 +12,9 @@ from ..arm.arm import Arm
 from ..arm.baking import digest_of
 from ..support.checks import Array
 from ..support.errors import InputError, printable
+from ..support.templates import filled
+
+TEMPLATE = Path(__file__).with_name("templates") / "arm.m.in"
 
 SUFFIX = ".m"
 
@@ -49,7 +52,8 @@ def matlab_text(arm: Arm, file: str | None = None) -> str:
         if by_pinocchio
         else (arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta))
     )
-    return _TEMPLATE.format(
+    return filled(
+        TEMPLATE,
         name=name,
         title=name.upper(),
         arm=printable(arm.name),
@@ -100,129 +104,3 @@ def _texts(texts: Iterable[str]) -> str:
 def _text(text: str) -> str:
     """A text between single quotes, which only a quote can end."""
     return "'" + printable(text).replace("'", "''") + "'"
-
-
-_TEMPLATE = """\
-function arm = {name}()
-% {title}  The arm {arm} from {base} to {tip}, for MATLAB and Octave, written by twistarm.
-%
-%   arm = {name}();
-%   g  = arm.fk(theta);                % 4 x 4, the tool seen from the base
-%   Js = arm.spatial_jacobian(theta);  % 6 x n, Vs = Js * theta_dot
-%   Jb = arm.body_jacobian(theta);     % 6 x n, Vb = Jb * theta_dot
-%   arm.check();                       % an error unless the test vectors below, by {judge}, are met
-%
-% theta: {order}.
-% Twists are (v; w), linear part first, as in Murray, Li & Sastry: g(theta) = exp(xi_1 x_1) ... exp(xi_m x_m) home with
-% x = A * theta. The (w; v) of Lynch & Park are arm.screws([4 5 6 1 2 3], :).
-
-arm.name = {name_text};
-arm.digest = '{digest}';  % of the arm.json that twistarm bakes of the same arm
-arm.joint_names = {joint_names};
-arm.units = {units};
-arm.screws = {screws};
-arm.home = {home};
-arm.A = {coupling};
-
-% Limits [rad or m, and per s, s^2; N m or N], Inf where none is given; a pose to start from.
-{limits}
-arm.ready = {ready};
-
-arm.fk = @(theta) fk(arm, theta);
-arm.spatial_jacobian = @(theta) spatial_jacobian(arm, theta);
-arm.body_jacobian = @(theta) body_jacobian(arm, theta);
-arm.check = @() check(arm);
-end
-
-
-function g = fk(arm, theta)
-% The product of exponentials; Murray, Li & Sastry, eq. 3.3.
-x = joint_values(arm, theta);
-g = eye(4);
-for i = 1:numel(x)
-    g = g * exponential(arm.screws(:, i), x(i));
-end
-g = g * arm.home;
-end
-
-
-function J = spatial_jacobian(arm, theta)
-% Column i is the screw of joint i as the joints before it have moved it; Murray, Li & Sastry, section 3.4.1.
-x = joint_values(arm, theta);
-J = zeros(6, numel(x));
-g = eye(4);
-for i = 1:numel(x)
-    J(:, i) = adjoint_of(g) * arm.screws(:, i);
-    g = g * exponential(arm.screws(:, i), x(i));
-end
-J = J * arm.A;
-end
-
-
-function J = body_jacobian(arm, theta)
-% Jb = Ad(inv(g)) * Js.
-g = fk(arm, theta);
-R = g(1:3, 1:3);
-J = adjoint_of([R', -R' * g(1:3, 4); 0, 0, 0, 1]) * spatial_jacobian(arm, theta);
-end
-
-
-function x = joint_values(arm, theta)
-n = numel(arm.joint_names);
-if ~isnumeric(theta) || numel(theta) ~= n || ~all(isfinite(theta(:)))
-    error('twistarm:theta', 'theta must be %d finite numbers: %s', n, strjoin(arm.joint_names, ', '));
-end
-x = arm.A * theta(:);
-end
-
-
-function g = exponential(xi, x)
-% exp of the twist xi times x; Murray, Li & Sastry, eq. 2.32 and 2.36.
-v = xi(1:3);
-w = xi(4:6);
-rate = norm(w);
-if rate == 0
-    g = [eye(3), v * x; 0, 0, 0, 1];
-    return
-end
-K = skew(w / rate);
-phi = rate * x;
-versine = 2 * sin(phi / 2)^2;
-R = eye(3) + sin(phi) * K + versine * K * K;
-p = (phi * eye(3) + versine * K + (phi - sin(phi)) * K * K) * v / rate;
-g = [R, p; 0, 0, 0, 1];
-end
-
-
-function Ad = adjoint_of(g)
-R = g(1:3, 1:3);
-Ad = [R, skew(g(1:3, 4)) * R; zeros(3), R];
-end
-
-
-function S = skew(w)
-S = [0, -w(3), w(2); w(3), 0, -w(1); -w(2), w(1), 0];
-end
-
-
-function off = check(arm)
-% How far the functions above are from the test vectors; an error where that is more than {tolerance}.
-theta = {theta};
-g = {g};
-spatial = {spatial};
-body = {body};
-n = size(theta, 2);
-off = 0;
-for k = 1:size(theta, 1)
-    of_g = fk(arm, theta(k, :)) - g(:, 4 * k - 3:4 * k);
-    of_spatial = spatial_jacobian(arm, theta(k, :)) - spatial(:, n * (k - 1) + 1:n * k);
-    of_body = body_jacobian(arm, theta(k, :)) - body(:, n * (k - 1) + 1:n * k);
-    errors = abs([of_g(:); of_spatial(:); of_body(:)]);
-    errors(isnan(errors)) = Inf;
-    off = max([off; errors]);
-end
-if ~(off <= {tolerance})
-    error('twistarm:check', '%s is %g away from its test vectors', arm.name, off);
-end
-end
-"""

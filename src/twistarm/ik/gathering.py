@@ -100,10 +100,8 @@ class Gathering(Asked):
         method, found = self.method, list[Root]()
         tries = hits = 0
         for each in self.deadline.until(values if method.there else ()):
-            new: list[Root] = []
             exact = method.exact and not self.rounded
-            for candidates in self.deadline.until(method.candidates(self.arm, self.target, self.near, each, exact)):
-                new += self.new_roots(candidates, method.held, new)
+            new = self.new_roots(method.candidates(self.arm, self.target, self.near, each, exact), method.held, [])
             held = {*method.idle, *method.swept}
             found += [replace(root, free=tuple(sorted({*root.free, *held}))) for root in new]
             hits += bool(new)

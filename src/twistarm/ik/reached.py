@@ -17,7 +17,7 @@ from .certainty import is_exact
 from .closed_form.methods import family_for
 from .reach_ball import reach_ball
 from .request import Request, checked
-from .targets import FARTHEST, AnyTarget, Approach, Pose, Position, TargetLike, checked_target
+from .targets import FARTHEST, AnyTarget, Approach, Pose, Position, TargetLike, TolerancedPose, checked_target
 
 CHUNK = 4096
 """Targets after which a search begins at theta0 again, not at the answer before."""
@@ -146,15 +146,15 @@ def _axes(like: AnyTarget, shape: tuple[int, ...], direction: ArrayLike | None) 
 
 def _in_ball(arm: Arm, group: _Group, request: Request) -> NDArray[np.int64]:
     """The group's targets in its ball, with the tolerances."""
-    ball, numbers = reach_ball(arm, group.like) if group.own else None, group.numbers
-    if ball is None:
+    if isinstance(group.like, TolerancedPose) or not group.own:
         return np.arange(len(group.places))
+    ball, numbers = reach_ball(arm, group.like), group.numbers
     if isinstance(group.like, Pose):
         x = numbers[:, :3, :3] @ ball.x + numbers[:, :3, 3]
     else:
         x = numbers[:, :3] + (ball.x @ group.like.axis * numbers[:, 3:6] if isinstance(group.like, Approach) else 0.0)
     met = request.tolerances.or_rounding(arm.rounding)
-    slack = met.position + met.orientation * float(np.linalg.norm(ball.x)) + 1e-9
+    slack = met.position + met.orientation * float(np.linalg.norm(ball.x))
     return np.flatnonzero(np.linalg.norm(x - ball.centre, axis=1) <= ball.radius + slack)
 
 

@@ -88,6 +88,7 @@ def solve_ik_all(
         InputError: The target, theta0, a value of fixed_joints or a number cannot be used.
         UnknownNameError: `fixed_joints` names no joint of the arm.
         NoClosedFormError: `closed_form` is set and the arm has none for such a target. The message says why.
+        TwistarmError: The arm is not in the compiled core. The message says how to get it.
     """
     if scene is not None:
         from ..collision import require_scene
@@ -111,7 +112,8 @@ def solve_ik_all(
         answer = _at_once(require_arm(arm), target, theta0, position_tol, orientation_tol)
         if answer is not None and (len(answer) or (answer.complete and not any(arm.rounding))):
             return answer
-    asked = checked_target(require_arm(arm), target)
+    require_arm(arm)._core("solve_ik_all")
+    asked = checked_target(arm, target)
     request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, max_time)
     require_callback(progress, "progress", "(fraction)")
     as_flag(include_turns, "include_turns")

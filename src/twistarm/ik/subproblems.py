@@ -20,9 +20,7 @@ from numpy.typing import ArrayLike
 
 from ..support.checks import Array, as_direction, as_number, as_twist, as_vector, frozen, made_by
 from ..support.errors import InputError
-from .closed_form.joint_axis import JointAxis, Point, along, axis_of, product
-from .closed_form.placing import place, settle
-from .closed_form.trigonometric import NEAREST, NEGLIGIBLE, harmonic, quadratic
+from .closed_form.joint_axis import JointAxis, Point, across, along, axis_of, product, settle
 from .ranges import Mask
 
 UNIT = 1e-6
@@ -36,6 +34,15 @@ ROUNDING = 1e-14
 
 BEST = 1e-6
 """A value that misses by this much more [m] than the best is not a root."""
+
+NEGLIGIBLE = 1e-9
+"""A coefficient below this part of the equation's scale is zero."""
+
+DOUBLE_ROOT = 1e-13
+"""A discriminant below this part of its size is rounding, and two roots are one."""
+
+WELL_CONDITIONED = 1e-3
+"""Above this ratio of singular values a pair (cos x, sin x) is solved for as two numbers."""
 
 
 @made_by("a subproblem")
@@ -68,7 +75,7 @@ def subproblem_1(xi: ArrayLike, p: ArrayLike, q: ArrayLike) -> Roots:
         q: The wanted point (3,) [m].
     """
     axis, start, goal = _axis(xi, "xi"), _point(p, "p"), _point(q, "q")
-    x, free = settle(axis, start, goal, 0.0)
+    x, free = settle(axis, start, goal)
     return _roots((axis,), [x], lambda value: _distance(start.moved(axis.motion(value)), goal), free)
 
 
@@ -87,9 +94,12 @@ def subproblem_2(xi_1: ArrayLike, xi_2: ArrayLike, p: ArrayLike, q: ArrayLike) -
         q: The wanted point (3,) [m].
     """
     axes, start, goal = (_axis(xi_1, "xi_1"), _axis(xi_2, "xi_2")), _point(p, "p"), _point(q, "q")
-    placed = place(axes, start, goal, (0.0, 0.0), NEAREST)
-    values = [each.x for each in placed] or [(0.0, 0.0)]
-    free = any(each.free for each in placed)
+    seconds, free = _second(*axes, start, goal)
+    values = [(0.0, 0.0)] * (not seconds)
+    for second in seconds:
+        first, any_first = settle(axes[0], start.moved(axes[1].motion(second)), goal)
+        values.append((first, second))
+        free = free or any_first
     return _roots(axes, values, lambda value: _distance(start.moved(product(axes, np.array(value))), goal), free)
 
 
@@ -164,17 +174,70 @@ def _distance(a: Point, b: Point) -> float:
     return float(np.linalg.norm(a.p - b.p))
 
 
+def _second(first: JointAxis, second: JointAxis, start: Point, goal: Point) -> tuple[list[float], bool]:
+    """Values of the second joint that give a point what the first joint cannot, and whether every value does."""
+    constant, *parts = along(second, lambda g: _kept(first, start.moved(g)))
+    matrix, e = np.stack(parts, axis=1), _kept(first, goal) - constant
+    if second.slides:
+        linear, square = matrix.T
+        if np.abs(square).max() > NEGLIGIBLE * np.abs(matrix).max():
+            return [x for i in range(2) if matrix[i].any() for x in _quadratic(square[i], linear[i], -e[i])], False
+        size = float(linear @ linear)
+        return ([float(linear @ e) / size], False) if size > 0.0 else ([0.0], True)
+    U, sizes, Vt = np.linalg.svd(matrix)
+    if sizes[0] <= NEGLIGIBLE:
+        return [0.0], True
+    if sizes[1] > WELL_CONDITIONED * sizes[0]:
+        cosine, sine = np.linalg.solve(matrix, e)
+        return [math.atan2(sine, cosine)], False
+    a, b = (sizes[0] * Vt[0]).tolist()
+    return _harmonic(a, b, float(U[:, 0] @ e), float(sizes[0])) or [], False
+
+
+def _kept(axis: JointAxis, X: Point) -> Array:
+    """The two numbers (2,) of a point that a motion along the axis does not change."""
+    if axis.slides:
+        u, v = across(axis.w)
+        return np.array([u @ X.p, v @ X.p])
+    away = X.p - axis.o
+    return np.array([axis.w @ away, away @ away])
+
+
+def _harmonic(a: float, b: float, c: float, scale: float) -> list[float] | None:
+    """Angles x with a cos x + b sin x = c, or nearest: atan2(b, a) ± acos(c / √(a² + b²)). None: every x is as near.
+
+    `scale`: the size of the equation's other coefficients, by which zero is judged.
+    """
+    amplitude = math.hypot(a, b)
+    if amplitude <= NEGLIGIBLE * scale:
+        return None
+    square = (amplitude - c) * (amplitude + c)
+    middle, opening = math.atan2(b, a), math.sqrt(square) if square > DOUBLE_ROOT * amplitude**2 else 0.0
+    half = math.atan2(opening, c)
+    return [middle + half] if opening == 0.0 else [middle + half, middle - half]
+
+
+def _quadratic(f: float, b: float, c: float) -> list[float]:
+    """Lengths x with f x² + b x + c = 0, or nearest, without cancellation."""
+    if abs(f) <= NEGLIGIBLE * abs(b):
+        return [] if b == 0.0 else [-c / b]
+    discriminant, size = b * b - 4.0 * f * c, b * b + abs(4.0 * f * c)
+    root = math.sqrt(discriminant) if discriminant > DOUBLE_ROOT * size else 0.0
+    q = -0.5 * (b + math.copysign(root, b))
+    return [0.0] if q == 0.0 else [q / f, c / q] if root > 0.0 else [q / f]
+
+
 def _level(axis: JointAxis, coefficients: tuple[Array, Array, Array], off: Callable[[float], float]) -> Roots:
     """Where k₀ + k₁ u + k₂ v is zero, or nearest to it."""
     k = [float(each) for each in coefficients]
     scale = max(abs(each) for each in k) or 1.0
     found: list[float] | None
     if not axis.slides:
-        found = harmonic(k[1], k[2], -k[0], scale, NEAREST)
+        found = _harmonic(k[1], k[2], -k[0], scale)
     elif max(abs(k[1]), abs(k[2])) <= NEGLIGIBLE:
         found = None
     else:
-        found = quadratic(k[2], k[1], k[0], NEAREST)
+        found = _quadratic(k[2], k[1], k[0])
     return _roots((axis,), found or [0.0], off, free=found is None)
 
 

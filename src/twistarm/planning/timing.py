@@ -6,13 +6,15 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from ..arm import engine
+from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
+from ..support.errors import InputError
 from . import spline
 from .joint_path import JointPath
 from .piecewise import derivative, evaluate, rescaled
 from .pulling_in import pulled_in
 from .spans import MARGIN, Progress, require_span
-from .spline_times import shortest_spline
 from .time_laws.bounds import PathBounds
 from .time_laws.jerk_limited import fastest_passes
 from .waypoint_laws import fastest_along_spline
@@ -53,10 +55,11 @@ def fastest_spline(
 ) -> tuple[Array, Array, Array]:
     """Times (k,), breakpoints and coefficients of `fit`, its worst rate just meeting its limit.
 
-    Stretching the whole motion by one factor makes it meet its limits exactly. `spline_times` searches the proportions
-    of its segments. Through few waypoints it starts from the time that each segment takes alone. Through more it starts
-    from the fastest motion along a path (`jerk_limited` with jerk limits). A spline that leaves the position limits is
-    pulled in. Then slack segments are shortened and those that set the factor lengthened. The shortest motion is taken.
+    Stretching the whole motion by one factor makes it meet its limits exactly. `shortest_spline` searches the
+    proportions of its segments. Through few waypoints it starts from the time that each segment takes alone. Through
+    more it starts from the fastest motion along a path (`jerk_limited` with jerk limits). A spline that leaves the
+    position limits is pulled in. Then slack segments are shortened and those that set the factor lengthened. The
+    shortest motion is taken.
     """
     least = np.diff(_accumulated(_least_durations(waypoints, bounds)))
     way = np.ascontiguousarray(np.diff(waypoints, axis=0) @ bounds.C.T)
@@ -70,6 +73,19 @@ def fastest_spline(
     times, breakpoints, coefficients = best
     factor = slowed_by(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates) * (1.0 + MARGIN)
     return times * factor, breakpoints * factor, rescaled(coefficients, 1.0 / factor)
+
+
+def shortest_spline(way: Array, degree: int, rates: JointLimits, durations: Array) -> Array:
+    """Durations (s,), up to one factor, of the shortest motion found near the given ones, by the compiled core.
+
+    The cubic or quintic spline goes `way` (s, r) on each segment, each row within its `rates`. L-BFGS minimizes the
+    logarithm of its time (core/include/twistarm/planning/spline_times.hpp). Raises TwistarmError without the core.
+    """
+    core = engine.need("the shortest spline")
+    found: Array | None = core.shortest_spline(way, rates.velocity, rates.acceleration, rates.jerk, durations, degree)
+    if found is None:
+        raise InputError(f"a spline is timed through at most a million waypoints; got {len(way) + 1}")
+    return found
 
 
 def _along_path(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
@@ -101,7 +117,12 @@ def _inside_jerk(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
         instants = np.linspace(0.0, t[-1], INSTANTS)
         law = JointPath(t, fit(s[:, None], t))
         tried.append(np.interp(way, np.maximum.accumulate(law(instants)[:, 0]), instants))
-    return min(tried, key=lambda times: _needed(fit, waypoints, times, bounds))
+
+    def needed(times: Array) -> float:
+        """How long the motion takes at these times once it is slowed to its limits."""
+        return float(times[-1]) * slowed_by(fit(waypoints, times) @ bounds.C.T, np.diff(times), bounds.rates)
+
+    return min(tried, key=needed)
 
 
 def _largest_rates(rows: Array, durations: Array, bounds: PathBounds) -> list[Array]:
@@ -133,11 +154,6 @@ def _eased(times: Array) -> Array:
     t = np.linspace(0.0, float(times[-1]) + span, EASED_SAMPLES * count)
     eased: Array = np.interp(index, (area(t) - area(t - span)) / span, t)
     return eased
-
-
-def _needed(fit: Fit, waypoints: Array, times: Array, bounds: PathBounds) -> float:
-    """How long the motion takes at these times once it is slowed to its limits."""
-    return float(times[-1]) * slowed_by(fit(waypoints, times) @ bounds.C.T, np.diff(times), bounds.rates)
 
 
 def fastest_rests(waypoints: Array, fit: Fit, bounds: PathBounds) -> Array:

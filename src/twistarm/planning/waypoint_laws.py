@@ -64,11 +64,7 @@ def _chained(segments: list[tuple[Array, Array]]) -> Motion:
 
 def _splines(points: Array, bounds: PathBounds) -> Iterator[tuple[JointPath, Array]]:
     """Splines inside the position limits, and the parameters (k,) at which they pass the waypoints."""
-    for exponent in EXPONENTS:
-        s = _parameter(points, bounds, exponent)
-        yield JointPath(*pulled_in(spline.unforced(points, s), s, points, bounds.limits)), s
-
-
-def _parameter(points: Array, bounds: PathBounds, exponent: float) -> Array:
     least: Array = np.abs(np.diff(points, axis=0) @ bounds.C.T / bounds.velocity).max(-1)
-    return np.concatenate([[0.0], np.cumsum(least**exponent)])
+    for exponent in EXPONENTS:
+        s = np.concatenate([[0.0], np.cumsum(least**exponent)])
+        yield JointPath(*pulled_in(spline.unforced(points, s), s, points, bounds.limits)), s

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.arm import Arm
+from ..ik import Position
+from ..ik.reach_ball import reach_ball
 from ..support.checks import Array
-from ..theory.screws import to_screw
-
-STARTS = 81
-"""Points of the first axis, of which the one with the shortest path to the tool is taken."""
 
 
 @dataclass(frozen=True)
@@ -53,22 +50,6 @@ class Grid:
 
 
 def sphere(arm: Arm) -> tuple[Array, float]:
-    """A centre (3,) and a radius [m] of a sphere that the tool's origin never leaves.
-
-    A path leads from a point of the first turning axis by points of the others to the tool. Turning about an axis keeps
-    the lengths of its parts. A slide or thread adds at most its travel, ±1 m without limits.
-    """
-    v, w = arm.screws[:3], arm.screws[3:]
-    size = np.linalg.norm(w, axis=0)
-    turns = size > 0.0
-    advance = np.where(turns, np.abs((v * w).sum(axis=0)) / np.where(turns, size, 1.0), np.linalg.norm(v, axis=0))
-    travel = float(advance @ np.abs(arm.coupling.A) @ np.abs(arm.sampling_bounds).max(axis=0))
-    tool, axes = arm.home[:3, 3], [to_screw(xi) for xi in arm.screws[:, turns].T]
-    best = (tool, np.inf if axes else 0.0)
-    for shift in np.linspace(-arm.reach, arm.reach, STARTS) if axes else ():
-        path = [axes[0].point + (axes[0].axis @ (tool - axes[0].point) + shift) * axes[0].axis]
-        for screw in axes[1:]:
-            path.append(screw.point + (screw.axis @ (path[-1] - screw.point)) * screw.axis)
-        length = float(sum(np.linalg.norm(b - a) for a, b in pairwise([*path, tool])))
-        best = min(best, (path[0], length), key=lambda each: each[1])
-    return best[0], best[1] + travel
+    """The centre (3,) and radius [m] of a sphere that the tool's origin never leaves, slides without limits by ±1 m."""
+    _, centre, radius = reach_ball(arm, Position([0.0] * 3), arm.sampling_bounds)
+    return centre, radius

@@ -101,7 +101,7 @@ def reach_map(
     settings = {"method": method, "samples": count, "scene": "" if scene is None else repr(scene)}
     sweep = Sweep(
         _by_ik if by_ik else _by_fk,
-        pickle.dumps((arm, scene, grid, towards, (centre, radius))),
+        pickle.dumps((arm, scene, grid, towards)),
         grid.count if by_ik else count,
         max(CHUNK // each, 64) if by_ik else 8 * CHUNK,
         [text_of(arm), side, towards.tolist(), told],
@@ -148,26 +148,25 @@ def _require_memory(grid: Grid, per_cube: int) -> None:
 
 
 _job = lru_cache(maxsize=2)(pickle.loads)
-"""Arm, scene, grid, directions and sphere, once in each process."""
+"""Arm, scene, grid and directions, once in each process."""
 
 
 def _by_ik(data: bytes, first: int, end: int) -> Arrays:
     """What is reached at the centres of cubes."""
-    arm, scene, grid, towards, (centre, radius) = _job(data)
+    arm, scene, grid, towards = _job(data)
     cells, found = np.arange(first, end), []
-    p = grid.centres(cells)
-    near = np.linalg.norm(p - centre, axis=1) <= radius
     if len(towards) > 1:  # where the position is out of reach, so is every direction
-        near[near] = _met(arm, None, p[near], None)[0]
+        cells = cells[_met(arm, None, grid.centres(cells), None)[0]]
+    p = grid.centres(cells)
     for k, direction in enumerate(towards if len(towards) else (None,)):
-        met, theta = _met(arm, scene, p[near], direction)
-        found.append((cells[near][met] * max(len(towards), 1) + k, theta[met]))
+        met, theta = _met(arm, scene, p, direction)
+        found.append((cells[met] * max(len(towards), 1) + k, theta[met]))
     return _measured(arm, *map(np.concatenate, zip(*found, strict=True)))
 
 
 def _by_fk(data: bytes, first: int, end: int) -> Arrays:
     """What random configurations reach."""
-    arm, scene, grid, towards, _ = _job(data)
+    arm, scene, grid, towards = _job(data)
     theta = arm.random_theta(np.random.default_rng([first, end]), end - first)
     if scene is not None:
         theta = theta[~scene.collides(theta)]

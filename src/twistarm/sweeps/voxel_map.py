@@ -18,8 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_number, as_vector, as_whole, require_choice
-from ..support.errors import InputError, missing_extra, one_line, shown
+from ..support.errors import InputError, one_line, shown
 from ..support.files import as_path, open_regular, write_whole
+from ..support.pictures import empty_figure, png_of
 from ..theory.screws import exp
 from .grid import Grid
 
@@ -148,7 +149,10 @@ class ReachMap:
                 head, arrays = json.loads(str(content["head"])), {each: content[each] for each in ARRAYS}
             if head.pop("format") != FORMAT:
                 raise ValueError(f"its format is not {FORMAT!r}")
-            grid = Grid(head.pop("voxel"), tuple(head.pop("lower")), arrays["counts"].shape)
+            grid = Grid(float(head.pop("voxel")), tuple(map(int, head.pop("lower"))), arrays["counts"].shape)
+            fits = arrays["counts"].dtype == np.uint16 and arrays["directions"].shape[1:] == (3,)
+            if not (fits and 0.0 < grid.voxel < FARTHEST and len(grid.lower) == len(grid.shape) == 3 and grid.count):
+                raise ValueError("its arrays do not fit each other")
             return cls(grid=grid, **head, **arrays)
         except OSError as error:
             raise InputError(f"cannot read {name}: {error.strerror or error}") from error
@@ -172,11 +176,7 @@ class ReachMap:
 
         Raises MissingExtraError without matplotlib.
         """
-        try:
-            from matplotlib.figure import Figure
-        except ImportError as error:
-            raise missing_extra("a picture of a map", "matplotlib", "guide") from error
-        figure, half, file = Figure(figsize=(12, 4.2), layout="constrained"), 0.5 * self.grid.voxel, io.BytesIO()
+        figure, half = empty_figure("a picture of a map", figsize=(12, 4.2)), 0.5 * self.grid.voxel
         for k, ax in enumerate(figure.subplots(1, 3)):
             across, up = (i for i in range(3) if i != k)
             at = float(self.grid.along(k)[self.counts.sum(axis=(across, up), dtype=np.int64).argmax()])
@@ -186,8 +186,7 @@ class ReachMap:
             ax.set(title=f"{'xyz'[k]} = {at:.3g} m", xlabel=f"{'xyz'[across]} [m]", ylabel=f"{'xyz'[up]} [m]")
         figure.colorbar(drawn, ax=figure.axes, label="directions reached [%]")
         figure.suptitle(f"{self.name}: reach in the frame {self.frame}", parse_math=False)
-        figure.savefig(file, format="png")
-        return write_whole(path, file.getvalue())
+        return write_whole(path, png_of(figure))
 
 
 def digest_of(arm: Arm) -> str:

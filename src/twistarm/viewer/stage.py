@@ -25,15 +25,16 @@ from .parts.player import Player
 from .parts.plots import Plots
 from .parts.pose_list import LeftOut
 from .parts.program import Program
+from .parts.reach import Reach
 from .parts.servo_words import SILENT
 from .parts.solutions import Answer, Solutions
 from .parts.summary import describe_arm, named_poses
 from .parts.target import TargetPart
 from .parts.theory import SHOWN, Theory
-from .parts.workspace import Workspace
 from .protocol.change_publisher import Source
 from .protocol.jobs import Job
 from .protocol.messages import Message, Request
+from .scene.beside import Beside
 from .scene.placement import Placement
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")
@@ -43,7 +44,7 @@ LAYERS = {
     "screws": True,
     "frames": True,
     "path": True,
-    **dict.fromkeys((*SHOWN, "labels", "workspace", "collision"), False),
+    **dict.fromkeys((*SHOWN, "labels", "reach", "collision"), False),
 }
 """What can be switched on and off, and how it begins."""
 
@@ -51,14 +52,16 @@ LAYERS = {
 class Stage(Show):
     """The state that all pages show, with their requests and messages."""
 
-    def __init__(self, arm: Arm, theta: ArrayLike | None = None, scene: Scene | None = None) -> None:
+    def __init__(
+        self, arm: Arm, theta: ArrayLike | None = None, scene: Scene | None = None, beside: Beside | None = None
+    ) -> None:
         super().__init__(arm, theta)
         self.scene = scene
-        self._placement = Placement(arm)
+        self._placement = Placement(arm, beside)
         self.visible = dict(LAYERS)
         self.findings = loaded(arm)
         self.program = Program(arm, self.poses)
-        self.workspace = Workspace()
+        self.reach = Reach()
         self.solutions = Solutions()
         self.collisions = Collisions(scene, self.solutions)
         self.history = History()
@@ -67,7 +70,7 @@ class Stage(Show):
             TargetPart(),
             Gauge(arm),
             Theory(arm),
-            self.workspace,
+            self.reach,
             self.program,
             self.history,
             Plots(),
@@ -86,6 +89,11 @@ class Stage(Show):
             return
         self.show(answer.theta[0] if answer.inside else self.theta)
         self.solutions.take(answer, self.theta)
+
+    def show_reach(self, drawn: Message | None) -> None:
+        """Show this map in the pages, or hide the one that is there."""
+        self.reach.drawn = drawn or self.reach.drawn
+        self.set_visible("reach", drawn is not None)
 
     def handle(self, request: Request, now: float) -> Job | None:
         """Handle a page's request or return a job for it. Raises TwistarmError without any change."""
@@ -127,7 +135,7 @@ class Stage(Show):
             self.go(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())), fields["ease"], now)
         elif request.kind == "visible":
             self.set_visible(fields["what"], fields["visible"])
-            return self.workspace.switched(fields["what"], self)
+            return self.reach.switched(fields["what"], self)
         else:
             raise InputError(f"no such request: {request.kind}")
         return None

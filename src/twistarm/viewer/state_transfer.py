@@ -11,6 +11,7 @@ from ..planning.trajectory import Trajectory
 from ..planning.within import require_within
 from ..support.checks import Array
 from ..support.errors import LimitError, listed
+from ..sweeps.voxel_map import digest_of
 from .parts.limit_checks import LIMIT_TOL
 from .parts.pose_list import LeftOut, collecting_refusals
 from .parts.summary import extra_joints
@@ -23,11 +24,13 @@ def carry(old: Stage, new: Stage) -> list[str]:
 
     Returns the changes and omissions in words.
 
-    Common joints keep their values, or their limits. New joints take the ready pose. Layers and obstacles stay. Poses
-    and the motion stay if they fit the arm; omitted poses return with an arm that allows them.
+    Common joints keep their values, or their limits. New joints take the ready pose. Layers and obstacles stay. Poses,
+    the motion and a map stay if they fit the arm; omitted poses return with an arm that allows them.
     """
     new.visible, new.tolerances = old.visible, old.tolerances
     new.collisions.follow(old.collisions)
+    if digest_of(new.arm) == digest_of(old.arm):
+        new.reach.drawn = old.reach.drawn
     return [*_configuration(old, new), *_poses(old, new), *_motion(old, new)]
 
 

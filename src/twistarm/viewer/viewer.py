@@ -24,15 +24,18 @@ from ..support.checks import Array, as_flag, as_positive, require
 from ..support.closeable import Closeable
 from ..support.errors import InputError, shown
 from ..support.files import writable, write_whole
+from ..sweeps import ReachMap
 from .files.inline import HEIGHT, Inline
 from .files.page_export import stand_alone
 from .files.scene_snapshot import SceneSnapshot, on_show
 from .files.screenshot import write_picture
 from .parts.limit_checks import check_trajectory, checked_theta
+from .parts.reach import drawing
 from .parts.servo_words import servo_words
 from .parts.solutions import answer_of
 from .parts.tool_path import NO_PATH, tool_path
 from .scene.arm_scene import Scene as ArmScene
+from .scene.beside import Beside
 from .scene.drawing import require_meshcat
 from .scene.residuals import draw_residuals
 from .server.memory import Memory
@@ -57,6 +60,9 @@ class Viewer(Closeable):
     scene: obstacles and collision checks. The pages change this scene, so `solve_ik` and `plan` see their obstacles.
     Without one, the pages make a scene when the layer Collision is first switched on.
 
+    beside: another arm, drawn as translucent rods. Its joints follow those of `arm` in order, turning joints and slides
+    apart. `load` removes it, and saved pages leave it out.
+
     The view is a context manager. Every method may be called from any thread. Methods that move or show something
     return at once. `theta` and `recorded` wait at most a frame. `save_html`, `save_png` and `inline(static=True)` wait
     for the file and the meshes, `close` for the end.
@@ -74,6 +80,7 @@ class Viewer(Closeable):
         open_browser: bool = True,
         keep: bool = False,
         scene: Scene | None = None,
+        beside: Arm | None = None,
     ) -> None:
         require_meshcat()
         from .server.server import Server
@@ -89,7 +96,10 @@ class Viewer(Closeable):
         self._watches: list[Watch] = []
         self._closed = threading.Event()
         memory = Memory(port) if keep else None
-        self._server = Server(Stage(arm, theta, scene), ArmScene(arm), host, port, memory, stands=theta is not None)
+        other = None if beside is None else Beside(require_arm(beside), arm)
+        drawn = ArmScene(arm)
+        drawn.draw_live([] if other is None else other.objects)
+        self._server = Server(Stage(arm, theta, scene, other), drawn, host, port, memory, stands=theta is not None)
         self.notes: tuple[str, ...] = () if memory is None else tuple(memory.notes)
         self._server.start()
         if open_browser:
@@ -256,6 +266,16 @@ class Viewer(Closeable):
         self._require_open()
         path = NO_PATH if motion is None else tool_path(self.arm, motion)
         self._server.post("path", lambda stage: stage.draw_path(path))
+
+    def show_reach(self, m: ReachMap | None) -> None:
+        """Draw a map of `reach_map`: its surface, and a slice through the tool. None hides it.
+
+        Colours are the share of directions reached. Raises InputError for a map of another arm.
+        """
+        self._require_open()
+        arm = self.arm
+        drawn = None if m is None else drawing(require(m, ReachMap, "m", "as reach_map returns").require(arm))
+        self._post("reach", arm, lambda stage: stage.show_reach(drawn))
 
     def show_solutions(self, solutions: AllSolutions | None) -> None:
         """Draw each configuration of `solve_ik_all` faintly, for stepping through on the pages.

@@ -6,8 +6,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
 from twistarm import Arm
-from twistarm.control.stream import Cycle, Streaming, ros
+from twistarm.control.stream import Cycle, Streaming
 
+from . import messages
 from .inputs import TELL_EVERY
 from .parameters import Parameters
 from .switches import Switches
@@ -26,7 +27,7 @@ class Diagnostics:
     def follow(self, cycle: Cycle) -> None:
         """Note a cycle; a change of status is told at once, and why the arm does not do as commanded is logged."""
         self._last = cycle
-        if (status := ros.status_of(cycle)) != self._told:
+        if (status := messages.status_of(cycle)) != self._told:
             self._told = status
             self.tell()
         if cycle.ending is not None:
@@ -38,7 +39,7 @@ class Diagnostics:
         """Publish the last cycle's status."""
         if self._last is None:
             return
-        level, text, values = ros.diagnosis_of(self._last, self._streaming.tally)
+        level, text, values = messages.diagnosis_of(self._last, self._streaming.tally)
         values |= {"frame": self._switches.frame, "hold": self._switches.hold}
         status = DiagnosticStatus(
             level=level, name=f"{self._node.get_name()}: servo", message=text, hardware_id=self._arm.name

@@ -12,8 +12,9 @@ from sensor_msgs.msg import JointState, Joy
 
 from twistarm import Arm, InputError
 from twistarm.control.servo import AnyCommand, JogCommand
-from twistarm.control.stream import Inbox, StateInbox, ros
+from twistarm.control.stream import Inbox, StateInbox
 
+from . import messages
 from .joystick import JoyMapping, Joystick
 from .parameters import Parameters
 from .quality import quality
@@ -61,7 +62,7 @@ class Inputs:
         self._take(self._p.joint_command_in_topic, message, lambda: self._jog(message))
 
     def _on_pose(self, message: Any) -> None:
-        self._take(self._p.pose_command_in_topic, message, lambda: ros.pose_of(self._arm, message))
+        self._take(self._p.pose_command_in_topic, message, lambda: messages.pose_of(self._arm, message))
 
     def _on_joy(self, message: Any) -> None:
         """Nobody holds the button: not a word to the inbox, but the first time, which stops the arm."""
@@ -82,11 +83,11 @@ class Inputs:
     def _on_state(self, message: Any) -> None:
         now, topic = now_of(self._node), self._p.joint_topic
         try:
-            positions = ros.positions_of(self._arm, message)
+            positions = messages.positions_of(self._arm, message)
             # The clock of wheels or of a gripper, which others publish, is their affair.
             ours = not positions.keys().isdisjoint(self._arm.joint_names)
             time = said_at(message.header.stamp, now, self._p.feedback_timeout) if ours else now
-            self.states.put(topic, positions, time, ros.number_of(message.header.stamp))
+            self.states.put(topic, positions, time, messages.number_of(message.header.stamp))
         except InputError as error:
             self._refuse(self.states, topic, error, now)
 
@@ -99,22 +100,22 @@ class Inputs:
                 return
             stamp = message.header.stamp
             time = said_at(stamp, now, self._p.incoming_command_timeout)
-            self.commands.put(topic, build(), time, ros.number_of(stamp))
+            self.commands.put(topic, build(), time, messages.number_of(stamp))
         except InputError as error:
             self._refuse(self.commands, topic, error, now)
 
     def _twist(self, message: Any) -> AnyCommand:
         frame, twist = self._switches.frame, message
         if not isinstance(message, Twist):
-            frame, twist = ros.frame_of(self._arm, message.header.frame_id, frame), message.twist
-        six = ros.twist_of(twist)
+            frame, twist = messages.frame_of(self._arm, message.header.frame_id, frame), message.twist
+        six = messages.twist_of(twist)
         if self._unitless(six):
             scales = [self._p.scale_linear] * 3 + [self._p.scale_rotational] * 3
             six = [value * scale for value, scale in zip(six, scales, strict=True)]
         return self._switches.twist(six, frame)
 
     def _jog(self, message: Any) -> AnyCommand:
-        return ros.jog_of(self._arm, message, self._p.scale_joint if self._unitless(message.velocities) else 1.0)
+        return messages.jog_of(self._arm, message, self._p.scale_joint if self._unitless(message.velocities) else 1.0)
 
     def _unitless(self, values: Sequence[float]) -> bool:
         """Whether commands are shares of a speed; InputError where one is more than all of it."""

@@ -7,8 +7,9 @@ from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from twistarm import Arm
-from twistarm.control.stream import Setpoint, ros
+from twistarm.control.stream import Setpoint
 
+from . import messages
 from .parameters import Parameters
 from .quality import quality
 
@@ -35,14 +36,14 @@ class Outputs:
     def _trajectory(self, setpoint: Setpoint) -> JointTrajectory:
         """Without a stamp, which means at once: one of the past would be left out, and clocks differ."""
         ahead = PERIODS_AHEAD / self._p.rate
-        points = ros.trajectory_points(self._arm, setpoint, ahead)
+        points = messages.trajectory_points(self._arm, setpoint, ahead)
         with_rates = self._p.publish_joint_velocities
         message = JointTrajectory(joint_names=list(self._arm.joint_names))
         message.points = [_point(each, with_rates) for each in (points if with_rates else points[:1])]
         return message
 
 
-def _point(given: ros.TrajectoryPoint, with_rates: bool) -> JointTrajectoryPoint:
+def _point(given: messages.TrajectoryPoint, with_rates: bool) -> JointTrajectoryPoint:
     point = JointTrajectoryPoint(positions=given.positions, velocities=given.velocities if with_rates else [])
     point.time_from_start.sec, point.time_from_start.nanosec = given.sec, given.nanosec
     return point

@@ -7,7 +7,8 @@ from typing import Any
 from rclpy.node import Node
 
 from twistarm import InputError
-from twistarm.control.stream.ros import NANOSECONDS, number_of
+
+from .messages import NANOSECONDS, number_of
 
 
 def now_of(node: Node) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import io
+from collections.abc import Callable
 from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,12 +12,14 @@ import typer
 
 from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
-from ...design import Needs, Payload, compare_designs
+from ...design import Cubes, Needs, Payload, compare_designs, load_panel
 from ...design import payload as payload_of
-from ...support.checks import Array, as_not_negative
+from ...support.checks import Array, as_not_negative, as_positive
 from ...support.csv_lines import csv_text
-from ...support.errors import InputError, missing_extra
+from ...support.errors import InputError
+from ...support.pictures import empty_figure, png_of
 from ..asked_motion import motion_of_file, typed_targets
+from ..design_picture import picture_of
 from ..options import CONFIGURATION, Json, Radians, takes_arm, takes_source
 from ..output import console, note, number, print_json, say, shown, table, theta_typed
 from ..outputs import Force, outputs_of
@@ -27,11 +29,22 @@ from .kinematics import warn_outside
 from .motion import Directions, Positions, Rpys
 
 Motion = Annotated[Path | None, typer.Option(metavar="FILE", help="Along a motion: *.csv, *.json, *.yaml or *.toml.")]
+Panel = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]
 Mass = Annotated[float, typer.Option(metavar="KG", help="A wanted payload: what each joint and motor needs for it.")]
+Voxel = Annotated[
+    float | None, typer.Option(metavar="M", help="-o writes the payload over space, in cubes of this side.")
+]
+SAMPLES = 200_000
+"""Random configurations of a map of the payload: four seconds."""
 Files = Annotated[
     list[str] | None,
     typer.Option("--output", "-o", metavar="FILE", help="Every configuration to *.csv, a picture to *.png; repeat it."),
 ]
+Tables = Annotated[
+    list[str] | None,
+    typer.Option("--output", "-o", metavar="FILE", help="The figures to *.csv, bars and outlines to *.png; repeat it."),
+]
+KINDS = {"csv": (".csv",), "png": (".png",)}
 
 
 @takes_arm
@@ -40,23 +53,29 @@ def payload(
     theta: Annotated[str | None, CONFIGURATION] = None,
     motion: Motion = None,
     mass: Mass = 0.0,
+    voxel: Voxel = None,
     output: Files = None,
     force: Force = False,
     rad: Radians = False,
     json: Json = False,
 ) -> int:
     """Show the greatest mass at the tool anywhere inside the limits, at --theta, or along --motion."""
-    outputs = outputs_of(output, {"csv": (".csv",), "png": (".png",)}, force=force, json=json)
+    outputs = outputs_of(output, KINDS, force=force, json=json)
     as_not_negative(mass, "--mass")
     if motion is not None and theta is not None:
         raise InputError("--motion has its own configurations: leave out --theta")
+    if voxel is not None:
+        as_positive(voxel, "--voxel")
+        if motion is not None or theta is not None:
+            raise InputError("--voxel maps random configurations: leave out --theta and --motion")
     x: Any = None if theta is None else parse_theta(arm, theta, rad)
     if x is not None:
         warn_outside(arm, x, rad)
+    x = arm.random_theta(0, SAMPLES) if voxel else x
     found = payload_of(arm, x if motion is None else motion_of_file(arm, motion, {})[1])
     needs, x = found.needs(mass), found.theta.reshape(-1, arm.n)
     by = [found.names[row] if row >= 0 else "nothing" for row in found.limiting.ravel()]
-    written = outputs.write({"csv": lambda: _csv(found, x, by), "png": lambda: _picture(found, x)})
+    written = outputs.write(_contents(found, x, by, voxel))
     for each in found.notes:
         note(each)
     if json:
@@ -99,6 +118,13 @@ def _needs_table(found: Payload, needs: Needs, mass: float) -> Any:
     return table(title, ["", *columns], [[*row] for row in zip(found.names, *columns.values(), strict=False)], ["unit"])
 
 
+def _contents(found: Payload, x: Array, by: list[str], voxel: float | None) -> dict[str, Callable[[], str | bytes]]:
+    if voxel is None:
+        return {"csv": lambda: _csv(found, x, by), "png": lambda: _picture(found, x)}
+    cubes, side = found.in_cubes(voxel), voxel
+    return {"csv": lambda: _cubes_csv(cubes), "png": lambda: _cubes_picture(found.arm.name, cubes, side)}
+
+
 def _csv(found: Payload, theta: Array, by: list[str]) -> str:
     """A row for each state: the time of a motion, theta, the payload and what limits it."""
     times = {} if found.t is None else {"time [s]": found.t}
@@ -110,11 +136,7 @@ def _csv(found: Payload, theta: Array, by: list[str]) -> str:
 
 def _picture(found: Payload, theta: Array) -> bytes:
     """A PNG: the payload against the time of a motion, else as the colour of the tool's places round the base."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise missing_extra("a picture", "matplotlib", "guide") from error
-    figure, file, mass = Figure(layout="constrained"), io.BytesIO(), found.mass.ravel()
+    figure, mass = empty_figure("a picture"), found.mass.ravel()
     axes: Any = figure.subplots()
     if found.t is not None:
         axes.plot(found.t, mass)
@@ -125,14 +147,37 @@ def _picture(found: Payload, theta: Array) -> bytes:
         dots = axes.scatter(np.hypot(x, y), z, c=mass, s=6, vmin=0.0, vmax=most)
         axes.set(xlabel="distance from the base's z axis [m]", ylabel="height [m]", aspect="equal")
         figure.colorbar(dots, label="payload [kg]", extend="max")
-    figure.savefig(file, format="png", dpi=120, bbox_inches="tight")
-    return file.getvalue()
+    return png_of(figure, dpi=120, bbox_inches="tight")
+
+
+def _cubes_csv(cubes: Cubes) -> str:
+    heads = ["x [m]", "y [m]", "z [m]", "configurations", "least payload [kg]", "greatest payload [kg]"]
+    return csv_text(heads, ([*p.round(9), *rest] for p, *rest in zip(*cubes, strict=True)))
+
+
+def _cubes_picture(name: str, cubes: Cubes, voxel: float) -> bytes:
+    """A PNG: the layer of cubes nearest to y = 0, by their least and by their greatest payload."""
+    figure, index = empty_figure("a picture", figsize=(11, 4.5)), np.round(cubes.centres / voxel).astype(int)
+    x, y, z = index.T
+    level = y[np.abs(y).argmin()]
+    here = y == level
+    held = np.concatenate([cubes.least, cubes.greatest])
+    most = float(np.quantile(held[np.isfinite(held)], 0.9)) if np.isfinite(held).any() else 1.0
+    ends = [voxel * (end + half) for i in (x, z) for end, half in ((i.min(), -0.5), (i.max(), 0.5))]
+    for axes, which in zip(figure.subplots(1, 2), ("least", "greatest"), strict=True):
+        layer = np.full((np.ptp(z) + 1, np.ptp(x) + 1), np.nan)
+        layer[(z - z.min())[here], (x - x.min())[here]] = getattr(cubes, which)[here]
+        drawn = axes.imshow(layer, origin="lower", extent=ends, vmin=0.0, vmax=most)
+        axes.set(title=f"{which} payload, y = {voxel * level:.3g} m", xlabel="x [m]", ylabel="z [m]")
+    figure.colorbar(drawn, ax=figure.axes, label="payload [kg]", extend="max")
+    figure.suptitle(name, parse_math=False)
+    return png_of(figure)
 
 
 NUMBERS = (
-    ("reach [m]", "reach"), ("volume [m³]", "volume"), ("condition, median", "condition"),
+    ("reach [m]", "reach"), ("farthest [m]", "farthest"), ("volume [m³]", "volume"), ("condition, median", "condition"),
     ("near-singular, share", "singular"), ("least payload [kg]", "payload"), ("median payload [kg]", "median_payload"),
-    ("moving mass [kg]", "mass"), ("motion [s]", "duration"),
+    ("moving mass [kg]", "mass"), ("motion [s]", "duration"), ("panel, share done", "panel"),
 )  # fmt: skip
 """The rows of the table of designs."""
 
@@ -145,24 +190,33 @@ def designs(
     xyz: Positions = None,
     rpy: Rpys = None,
     direction: Directions = None,
+    panel: Panel = None,
+    output: Tables = None,
+    force: Force = False,
     rad: Radians = False,
     json: Json = False,
 ) -> None:
-    """Compare arms: reach, dexterity, payload, mass, joint ranges, and the time of a motion through --xyz."""
+    """Compare arms: reach, dexterity, payload, mass, joint ranges, the time of a motion through --xyz, a --panel."""
+    outputs = outputs_of(output, KINDS, force=force, json=json)
     targets = typed_targets(xyz or (), rpy or (), direction or (), None, rad)
     if len(targets) == 1:
         raise InputError("a motion leads from one --xyz to another: give two or more, or none")
-    found = compare_designs([load_arm(each, **load) for each in (source, *others)], targets)
+    asked = None if panel is None else load_panel(panel)
+    found = compare_designs([load_arm(each, **load) for each in (source, *others)], targets, asked)
     against = [each.against(found[0]) for each in found[1:]]
     for name, why in ((each.name, why) for each in found for why in each.notes):
         note(f"{name}: {why}")
+    heads = ["design", *(title for title, _ in NUMBERS)]
+    lines = [[each.name, *(getattr(each, field) for _, field in NUMBERS)] for each in found]
+    written = outputs.write({"csv": lambda: csv_text(heads, lines), "png": lambda: picture_of(found, dict(NUMBERS))})
     if json:
         told = [vars(each) | {"arm": info_json(each.arm)["joints"]} for each in found]
-        print_json({"designs": told, "against": against})
+        print_json({"designs": told, "against": against, "written": written})
         return
     rows = [[title, *(number(getattr(each, field), 3) for each in found)] for title, field in NUMBERS]
     ends = [[shown(each.arm, x, rad, 1) for x in (each.arm.limits.lower, each.arm.limits.upper)] for each in found]
     ranges = zip_longest(*([f"{low} … {high}" for low, high in zip(*each, strict=True)] for each in ends), fillvalue="")
     rows += [[f"joint {i} [{'rad' if rad else '°'}, m]", *row] for i, row in enumerate(ranges, 1)]
-    console().print(table("", ["", *(each.name for each in found)], rows))
-    say(*against)
+    console(outputs.words).print(table("", ["", *(each.name for each in found)], rows))
+    say(*against, file=outputs.words)
+    outputs.say(written)

@@ -29,10 +29,11 @@ from ...support.errors import InputError
 from ...viewer import Viewer
 from ..asked_motion import motion_of_file
 from ..options import CONFIGURATION, Json, Radians, takes_arm
-from ..output import console, print_json, progress_bar, say
+from ..output import print_json, progress_bar, say
 from ..robot import Hertz, Robot, Tolerance, require_inside, require_positive, takes_robot
-from ..servo_report import follow_json, follow_table
+from ..servo_report import follow_json
 from ..typed import parse_theta
+from ..wording import in_options
 from .motion import Rate
 from .viewing import Browser, Host, Port, show_address
 
@@ -117,7 +118,7 @@ def follow(
     if json:
         print_json(follow_json(arm, report))
     else:
-        console().print(follow_table(arm, report))
+        say(*in_options(report.explain()).splitlines())
     return 0 if report.ok else 1
 
 

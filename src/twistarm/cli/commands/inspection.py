@@ -98,8 +98,10 @@ def info_view(arm: Arm, radians: bool) -> Group:
             f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
             f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random configurations"
         )
-    parts.append(literal(engine_view(arm)))
-    parts.append(literal(all_view(arm)))
+    why_not, report = arm._why_not_compiled, closed_form_of(arm)
+    parts.append(literal(f"engine: {engine_of(arm)}" + (f"; no compiled core: {why_not}" if why_not else "")))
+    a = "an" if report.target[0] in "AEIO" else "a"
+    parts.append(literal(f"all configurations of {a} {report.target} (ik --all): {report}"))
     if arm.actuators is not None:
         for motors in (_actuators(arm.actuators), *_motor_limits(arm, arm.actuators, radians)):
             parts += ["", motors]
@@ -113,19 +115,6 @@ def engine_of(arm: Arm) -> str:
     if arm._compiled is not None:
         return f"compiled core ({arm._compiled.instruction_set})"
     return "product of exponentials" if arm.description is None else "Pinocchio"
-
-
-def engine_view(arm: Arm) -> str:
-    """The engine, and why it is not the compiled core."""
-    why_not = arm._why_not_compiled
-    return f"engine: {engine_of(arm)}" + (f"; no compiled core: {why_not}" if why_not else "")
-
-
-def all_view(arm: Arm) -> str:
-    """How all configurations are found."""
-    report = closed_form_of(arm)
-    a = "an" if report.target[0] in "AEIO" else "a"
-    return f"all configurations of {a} {report.target} (ik --all): {report}"
 
 
 def _joints(arm: Arm, radians: bool) -> Any:

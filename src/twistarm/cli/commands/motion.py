@@ -14,7 +14,7 @@ from ...arm.arm import Arm
 from ...arm.configurations import named_ready
 from ...arm.usual_limits import defaults_line, with_defaults
 from ...limits.joint_limits import JointLimits
-from ...planning import ActiveLimit, Trajectory, active_limits, load_motion, plan_joint
+from ...planning import ActiveLimit, Trajectory, active_limits, load_motion
 from ...planning.files.c_header import SUFFIXES, header_text
 from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text, yaml_text
@@ -24,13 +24,16 @@ from ..asked_motion import Typed, capped, typed_targets
 from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units
-from ..outputs import STDOUT, Force, Format, outputs_of
+from ..outputs import STDOUT, Force, Format, Outputs, outputs_of
 from ..targets import Axis, OrientationTol, PositionTol, typed_tolerances
 from ..typed import POSE, RPY, XYZ
 from ..wording import in_options
 
 MOST_STRETCHES = 8
 """So many rows of active limits are shown; --json has them all."""
+
+MOTION_KINDS = {"csv": (".csv",), "json": (".json",), "yaml": (".yaml", ".yml"), "header": SUFFIXES}
+"""The kinds of files that hold a motion."""
 
 COUNTED = ("csv", "header")
 """The kinds of files that may hold what drives count in place of the joints."""
@@ -183,13 +186,7 @@ def plan(
     asked = replace(asked, scene=scene)
     given = capped(arm, {"velocity": velocity, "acceleration": acceleration}, {} if file is None else file.limits)
     limits = with_defaults(arm, given)
-    outputs = outputs_of(
-        output,
-        {"csv": (".csv",), "json": (".json",), "yaml": (".yaml", ".yml"), "header": SUFFIXES},
-        form,
-        force=force,
-        json=json,
-    )
+    outputs = outputs_of(output, MOTION_KINDS, form, force=force, json=json)
     if counts and any(kind not in COUNTED for kind, _ in outputs.files):
         raise InputError("--counts goes with *.csv and *.h: a JointTrajectory is in rad and m")
     with progress_bar("planning") as progress:
@@ -198,27 +195,13 @@ def plan(
         elif xyz or line or scene:
             planned, segments = asked.through(targets or asked.poses(to)[1:], limits, progress)
         else:
-            how: Any = asked.kind or "cubic"
-            through: dict[str, Any] = {"kind": how, "limits": limits, "stop_at_waypoints": stop, "unwrap": unwrap}
-            if smooth is not None:
-                angle = as_positive(smooth, "--smooth")
-                through["smooth"] = angle if rad else float(np.radians(angle))
-            planned = plan_joint(arm, asked.poses(to), **through, progress=progress)
-            segments = []
+            planned, segments = asked.by_waypoints(to, smooth, limits, progress)
     origin = asked.origin(file)
     if origin is None:
         note(_start(arm, rad))
     for each in planned.notes:
         note(each)
-    header = next((name for kind, name in outputs.files if kind == "header" and name != STDOUT), "motion.h")
-    written = outputs.write(
-        {
-            "csv": lambda: csv_text(planned, dt, counts=counts),
-            "json": lambda: json_text(planned, dt),
-            "yaml": lambda: yaml_text(planned, dt),
-            "header": lambda: header_text(planned, header, counts=counts),
-        }
-    )
+    written = outputs.write(motion_texts(planned, outputs, dt, counts=counts))
     active = active_limits(arm, planned, limits=limits, segments=segments)
     nearest = None if scene is None else scene.clearance(planned.breakpoints, planned.coefficients)
     if json:
@@ -234,6 +217,17 @@ def plan(
     if nearest is not None:
         say(f"nearest: {nearest}", file=outputs.words)
     outputs.say(written)
+
+
+def motion_texts(planned: Trajectory, outputs: Outputs, dt: float, *, counts: bool = False) -> dict[str, Any]:
+    """What writes a motion, by the kind of file."""
+    header = next((name for kind, name in outputs.files if kind == "header" and name != STDOUT), "motion.h")
+    return {
+        "csv": lambda: csv_text(planned, dt, counts=counts),
+        "json": lambda: json_text(planned, dt),
+        "yaml": lambda: yaml_text(planned, dt),
+        "header": lambda: header_text(planned, header, counts=counts),
+    }
 
 
 def _start(arm: Arm, radians: bool) -> str:

@@ -23,10 +23,11 @@ from ...viewer import Viewer
 from ..asked_motion import capped
 from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, Theta, takes_arm
-from ..output import console, print_json
+from ..output import print_json, say
 from ..robot import Hertz, Robot, Tolerance, address, require_inside, require_positive, takes_robot
-from ..servo_report import report_json, report_table
+from ..servo_report import report_json
 from ..typed import parse_theta
+from ..wording import in_options
 from .motion import Rate
 from .viewing import Browser, Host, Port, show_address
 
@@ -91,7 +92,7 @@ def servo(
     if json:
         print_json(report_json(arm, report))
     else:
-        console().print(report_table(arm, report))
+        say(*in_options(report.explain()).splitlines())
     return 0 if report.ok else 1
 
 

@@ -15,6 +15,7 @@ import typer
 from ...arm.loading.load import load_arm
 from ...collision import Scene
 from ...support.errors import InputError
+from ...sweeps import ReachMap
 from ...viewer import Viewer, page_html
 from ...viewer.files.scene_snapshot import of_arm
 from ...viewer.files.screenshot import png_of
@@ -48,6 +49,7 @@ Play = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Play a motion that `twistarm plan` wrote, or that of a motion.toml."),
 ]
+Reach = Annotated[Path | None, typer.Option(metavar="FILE.npz", help="Draw a map that `twistarm reach` wrote.")]
 Watch = Annotated[bool, typer.Option("--watch", help="Load the arm again whenever one of its files changes.")]
 Browser = Annotated[
     bool,
@@ -64,6 +66,7 @@ FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
 def view(
     source: str,
     load: dict[str, Any],
+    beside: Annotated[str | None, typer.Argument(metavar="[ARM]", help="Another arm, as rods beside it.")] = None,
     theta: Annotated[str | None, CONFIGURATION] = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
@@ -71,6 +74,7 @@ def view(
     watch: Watch = False,
     play: Play = None,
     scene: SceneFile = None,
+    reach: Reach = None,
     output: Output = None,
     form: Format = None,
     force: Force = False,
@@ -88,10 +92,12 @@ def view(
     if x is not None:
         warn_outside(arm, x, rad)
     motion = None if play is None else motion_of_file(arm, play, {})[1]
-    if outputs.files and scene is not None:
-        raise InputError("--scene is for a page that is served: it does not go with -o FILE")
-    if outputs.files and watch:
-        raise InputError("--watch is for a page that is served: it does not go with -o FILE")
+    m = None if reach is None else ReachMap.load(reach).require(arm)
+    for name, given in {"--scene": scene, "--reach": reach, "--watch": watch or None}.items():
+        if outputs.files and given is not None:
+            raise InputError(f"{name} is for a page that is served: it does not go with -o FILE")
+    if beside is not None and (outputs.files or watch):
+        raise InputError("a second ARM is for a page that is served: it does not go with -o FILE or --watch")
     if outputs.files:
         start = x if motion is None else motion(0.0)
         contents: dict[str, Callable[[], str | bytes]] = {
@@ -101,12 +107,15 @@ def view(
         outputs.say(outputs.write(contents))
         return
     obstacles = None if scene is None else Scene.load(arm, scene)
+    other = None if beside is None else load_arm(beside, **load)
     with ExitStack() as stack:
-        viewer = Viewer(arm, x, host=host, port=port, open_browser=False, keep=port != 0, scene=obstacles)
+        viewer = Viewer(arm, x, host=host, port=port, open_browser=False, keep=port != 0, scene=obstacles, beside=other)
         stack.enter_context(viewer)
         if motion is not None:
             viewer.show_path(motion)
             viewer.play(motion)
+        if m is not None:
+            viewer.show_reach(m)
         if watch:
             viewer.watch(load_again, files, lambda words: say(words, file=sys.stderr))
         show_address(viewer, browser, instead=FILE_INSTEAD)

@@ -146,14 +146,10 @@ def _clean(arm: Arm, state: ServoState) -> ServoState:
     held = None if state.held is None else frozen(as_pose(state.held, "held"))
     if held is not None and held.shape != (4, 4):
         raise InputError(f"held must be one pose, shape (4, 4); got {held.shape}")
-    return ServoState(plain.theta, plain.theta_dot, held, state.holding, _period(state))
-
-
-def _period(state: ServoState) -> float:
     period = _seconds(state.period)
     if not 0.0 <= period <= MAX_VALUE:
         raise InputError(f"period must be a time from 0 to {MAX_VALUE:g} s; got {shown(state.period)}")
-    return period
+    return ServoState(plain.theta, plain.theta_dot, held, state.holding, period)
 
 
 def _holding(command: AnyCommand | None) -> int | None:

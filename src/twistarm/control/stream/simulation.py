@@ -147,9 +147,6 @@ class SimulatedJoints:
         there = (np.abs(self._goal - self._theta) < ARRIVED) & (np.abs(self._theta_dot) < ARRIVED / SUBSTEP)
         if there.all() and not self._rate.any():
             self._theta, self._theta_dot = self._goal.copy(), np.zeros_like(self._rate)
-        self._stop_at_limits()
-
-    def _stop_at_limits(self) -> None:
         inside = np.clip(self._theta, self._lower, self._upper)
         self._theta_dot[inside != self._theta] = 0.0
         self._theta = inside

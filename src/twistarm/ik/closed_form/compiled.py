@@ -1,22 +1,18 @@
-"""An arm's family in the compiled core, which solves it in a microsecond."""
+"""An arm's family as numbers for the compiled core, which solves it in a microsecond."""
 
 from __future__ import annotations
 
 from collections.abc import Set
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ...arm import engine
 from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory.screws import inverse
 from .chain import Chain
 from .families import Family
 from .joint_axis import JointAxis, Plane, Point
-
-if TYPE_CHECKING:
-    from ..._core import ClosedForm
 
 SAMPLE = 0.3
 """Value [rad, m] of held joints in the search for their family. Almost every value shows it."""
@@ -60,14 +56,6 @@ def family_numbers(
         kept, np.array(held, dtype=np.float64), _numbers([chain.axes[i] for i in held]),
         np.array(chain.rates), np.array(arm.home), np.array([float(i in idle) for i in range(arm.n)]),
     )  # fmt: skip
-
-
-def compiled(arm: Arm, kind: int, numbers: ClosedFormParameters) -> ClosedForm | None:
-    """The family for targets of a `kind` in the core. None where the arm is not in the core."""
-    found: ClosedForm | None = None
-    if arm._compiled is not None:
-        found = engine.asked("ClosedForm", arm._compiled, kind, *numbers)
-    return found
 
 
 def _kept(kept: Point | Plane | None) -> tuple[int, Array]:

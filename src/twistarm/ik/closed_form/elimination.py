@@ -28,8 +28,7 @@ import numpy as np
 
 from ...support.checks import Array
 from ...theory.screws import exp, inverse
-from .joint_axis import JointAxis, Point, across, product
-from .placing import settle
+from .joint_axis import JointAxis, Point, across, product, settle
 
 SIX = 6
 
@@ -226,4 +225,4 @@ def _completed(
     left_over = inverse(product(chain[:5], five)) @ G
     u = across(chain[5].w)[0]
     axis = replace(chain[5], o=np.zeros(3))
-    return np.append(five, settle(axis, Point(u), Point(left_over[:3, :3] @ u), 0.0)[0])
+    return np.append(five, settle(axis, Point(u), Point(left_over[:3, :3] @ u))[0])

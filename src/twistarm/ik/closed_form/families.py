@@ -2,7 +2,7 @@
 
 Consecutive joints are a *group* if together they keep something in place. Axes that meet in a point keep the point (a
 spherical group). Parallel axes, and slides across them, keep every plane across the axes (a planar group). At most
-three joints beside the group place its point or plane for the target (`placing`). The group does the rest. That covers
+three joints beside the group place its point or plane for the target. The group does the rest. That covers
 a spherical wrist or shoulder with three other joints, three parallel axes, and all four-joint arms. A slide along
 parallel axes commutes with them, so another order is possible too.
 
@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -81,12 +80,6 @@ class FittedFamily:
     axes: tuple[JointAxis, ...]
     kept: Point | Plane | None
     off: float
-
-    @cached_property
-    def parts(self) -> tuple[tuple[JointAxis, ...], tuple[JointAxis, ...], tuple[JointAxis, ...]]:
-        """The axes before the group, of it, and behind it."""
-        first, last = self.family.first, self.family.last
-        return self.axes[:first], self.axes[first:last], self.axes[last:]
 
     def off_share(self, reach: float) -> float:
         """`off` in shares of the arm's reach [m], or in rad."""

@@ -31,7 +31,7 @@ def family_in_words(arm: Arm, fitted: FittedFamily, joints: Joints) -> str:
         return f"the other joints place a point of the axis of {names}"
     if fitted.family.kind == SPHERICAL:
         return f"the axes of {names} meet in a point"
-    slides = any(axis.slides for axis in fitted.parts[1])
+    slides = any(axis.slides for axis in fitted.axes[fitted.family.first : fitted.family.last])
     return f"{names} turn and slide in parallel planes" if slides else f"the axes of {names} are parallel"
 
 

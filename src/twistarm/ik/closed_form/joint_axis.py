@@ -18,6 +18,10 @@ NO_TURN = 1e-12
 """A twist with less rotation than this is a slide."""
 
 
+ON_AXIS = 1e-7
+"""A point nearer to an axis than this [m], or a direction this close to it, hardly moves when turned about it."""
+
+
 @dataclass(frozen=True, eq=False)
 class JointAxis:
     """A line along the unit vector w (3,) through the point o (3,) [m]. The joint turns about it, or slides along it.
@@ -96,12 +100,23 @@ def product(axes: tuple[JointAxis, ...], x: Array) -> Array:
     return g
 
 
-def along(axis: JointAxis, value: Callable[[Array], Array], sense: float = 1.0) -> tuple[Array, Array, Array]:
-    """value(E(sense · x)) as k₀ + k₁ cos x + k₂ sin x, or k₀ + k₁ x + k₂ x² where the joint slides: (k₀, k₁, k₂)."""
+def settle(axis: JointAxis, X: Point, Y: Point) -> tuple[float, bool]:
+    """The x that brings E(x) X nearest to Y, and whether all do: Paden–Kahan subproblem 1, MLS §3.3.2."""
     if axis.slides:
-        back, here, on = (value(axis.motion(sense * x)) for x in (-1.0, 0.0, 1.0))
+        return float(axis.w @ (Y.p - X.p)), False
+    a, b = (Z.p - axis.o for Z in (X, Y))
+    a, b = a - axis.w * (axis.w @ a), b - axis.w * (axis.w @ b)
+    if np.linalg.norm(a) < ON_AXIS or np.linalg.norm(b) < ON_AXIS:
+        return 0.0, True
+    return math.atan2(float(axis.w @ np.cross(a, b)), float(a @ b)), False
+
+
+def along(axis: JointAxis, value: Callable[[Array], Array]) -> tuple[Array, Array, Array]:
+    """value(E(x)) as k₀ + k₁ cos x + k₂ sin x, or k₀ + k₁ x + k₂ x² where the joint slides: (k₀, k₁, k₂)."""
+    if axis.slides:
+        back, here, on = (value(axis.motion(x)) for x in (-1.0, 0.0, 1.0))
         return here, 0.5 * (on - back), 0.5 * (on + back) - here
-    start, quarter, half = (value(axis.motion(sense * x)) for x in (0.0, math.pi / 2, math.pi))
+    start, quarter, half = (value(axis.motion(x)) for x in (0.0, math.pi / 2, math.pi))
     centre = 0.5 * (start + half)
     return centre, start - centre, quarter - centre
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -15,19 +15,18 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from ...arm import engine
 from ...arm.arm import Arm
 from ...support.checks import Array
 from ...support.errors import InputError
 from ..ranges import standing
 from ..targets import AnyTarget, Approach, Pose, Position
 from . import elimination
-from .candidates import candidates
 from .chain import MOST_JOINTS, Chain, chain_for, goal
-from .compiled import SAMPLE, ClosedFormParameters, compiled, family_numbers
+from .compiled import SAMPLE, ClosedFormParameters, family_numbers
 from .elimination import Rooted, eliminated
-from .families import EXACT, Family, FittedFamily, closest_miss, families
+from .families import EXACT, Family, closest_miss, families
 from .in_words import family_in_words, missed_in_words, off_in_words
-from .joint_axis import JointAxis
 
 if TYPE_CHECKING:
     from ..._core import ClosedForm
@@ -50,7 +49,7 @@ class Method:
 
     `held`: joints of the arm that are `given` or sampled, because the target does not determine them. `idle`: held
     joints that move only free parts of the target, so one value is enough. `numbers` and `compiled`: the family for the
-    core and in it, where it is exact.
+    core and in it, where it is exact. `proposing`: the family in the core that proposes candidates.
     """
 
     chain: Chain
@@ -63,6 +62,7 @@ class Method:
     reason: str = ""
     numbers: ClosedFormParameters | None = None
     compiled: ClosedForm | None = None
+    proposing: ClosedForm | None = None
 
     @property
     def there(self) -> bool:
@@ -95,40 +95,34 @@ class Method:
         """Held joints, beside those given, that give other configurations for each value."""
         return tuple(i for i in self.held if i not in self.idle and i not in self.given)
 
-    @cached_property
-    def fitted(self) -> FittedFamily | None:
-        """The family with its axes, where no joint is held."""
-        return self.family.fitted(self.chain.axes) if self.family is not None and not self.held else None
-
-    def candidates(self, arm: Arm, target: AnyTarget, near: Array, values: Array, exact: bool) -> Iterator[list[Array]]:
-        """Lists of candidates theta (n,), held joints at `values`. In the first list free joints are at `near`.
+    def candidates(self, arm: Arm, target: AnyTarget, near: Array, values: Array, exact: bool) -> Array:
+        """Candidates theta (k, n), held joints at `values`. Free joints are at `near` (n,) first, then elsewhere.
 
         `exact`: whether only rounding of numbers, not of axes, makes candidates miss a subproblem.
         """
-        chain = self.chain
-        rates = chain.rates[list(self.held)]
-        axes, behind = chain.held(self.held, rates * values)
-        G = goal(arm, target) @ behind
-        solved = [i for i in range(chain.n) if i not in self.held]
-        start = np.append((near * chain.rates)[solved], np.zeros(len(axes) - len(solved)))
-        for found in self._solved(axes, G, start, SLACK if exact else SLACK_NEARLY):
-            theta = np.empty((len(found), chain.n))
-            theta[:, list(self.held)] = values
-            for row, x in zip(theta, found, strict=True):
-                row[solved] = x[: len(solved)] / chain.rates[solved]
-            yield [*theta]
+        if self.rooted is not None:
+            return self._eliminated(goal(arm, target), self.rooted, values)
+        if len(self.held) == arm.n:
+            return values[None]
+        assert self.proposing is not None, "the solvers ask for the core"
+        found = self.proposing.candidates(target.numbers, near, values, SLACK if exact else SLACK_NEARLY)
+        assert found is not None, "what was checked is plain"
+        return found
+
+    def _eliminated(self, G: Array, rooted: Rooted, values: Array) -> Array:
+        """The candidates (k, n) of elimination."""
+        rates, held = self.chain.rates, list(self.held)
+        axes, behind = self.chain.held(self.held, rates[held] * values)
+        solved = [i for i in range(self.chain.n) if i not in held]
+        found = eliminated(axes, rooted, G @ behind)
+        theta = np.empty((len(found), self.chain.n))
+        theta[:, held] = values
+        for row, x in zip(theta, found, strict=True):
+            row[solved] = x[: len(solved)] / rates[solved]
+        return theta
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "compiled": None}  # what is compiled belongs to this process
-
-    def _solved(self, axes: tuple[JointAxis, ...], G: Array, near: Array, slack: float) -> Iterator[list[Array]]:
-        if self.family is not None:
-            fitted = self.fitted or self.family.fitted(axes)
-            for found in candidates(fitted, G, near, slack):
-                yield [candidate.x for candidate in found]
-            return
-        assert self.rooted is not None
-        yield eliminated(axes, self.rooted, G)
+        return {**self.__dict__, "compiled": None, "proposing": None}  # what is compiled belongs to this process
 
 
 _KEPT: WeakKeyDictionary[Arm, dict[object, Method]] = WeakKeyDictionary()
@@ -179,8 +173,9 @@ def _nearest_family(arm: Arm, target: AnyTarget) -> Method:
 
 
 def _with_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
-    """The method with its family in the core, if the axes are exact."""
-    return _in_core(arm, target, method) if method.exact else method
+    """The method with its family in the core; if the axes are not exact, only to propose candidates."""
+    made = _in_core(arm, target, method)
+    return made if method.exact else replace(made, numbers=None, compiled=None)
 
 
 def _in_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
@@ -188,7 +183,8 @@ def _in_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
     if method.family is None or not method.family.order:  # with every joint given nothing is solved
         return method
     numbers = family_numbers(arm, method.chain, method.family, method.held, {*method.held} - {*method.given})
-    return replace(method, numbers=numbers, compiled=compiled(arm, target.kind, numbers))
+    made = None if arm._compiled is None else engine.asked("ClosedForm", arm._compiled, target.kind, *numbers)
+    return replace(method, numbers=numbers, compiled=made, proposing=made)
 
 
 def _find_method(arm: Arm, target: AnyTarget, given: tuple[int, ...], *, families_alone: bool = False) -> Method:

@@ -10,13 +10,12 @@ import numpy as np
 from ...support.checks import Array
 from ..bernstein import bernstein
 from ..joint_path import JointPath
-from ..piecewise import derivative
+from ..piecewise import derivative, evaluate
 from .bounds import PathBounds
-from .interval_limits import LimitedPath
 from .law import TimeLaw
 from .pace import at_full_pace
+from .path_velocity import LimitedPath
 from .smoothing import roughly_smoothed, smoothed
-from .tightening import Needs, widened
 from .time_optimal import first_grid, on_grid
 
 WINDOWS = (0.7, 1.0, 1.4, 2.0, 2.8, 4.0)
@@ -40,6 +39,9 @@ NEAR_CEILING = 1.05
 NEARLY_KEPT = 1.002
 """A law nearly keeps its limits if it exceeds them by less than this factor."""
 
+SAMPLES = np.array([[0.0], [0.5], [1.0 - 1e-9]])
+"""Where in each of its pieces a law is looked at."""
+
 ROUNDS = 6
 GAIN = 5e-3
 """Greatest number of laws with ever lower ceilings, and the least share by which each must be shorter."""
@@ -58,7 +60,7 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
         return TimeLaw.at_once()
     fine, piece = path.in_pieces(path.length / PIECES)
     bounds = replace(bounds, ceiling=bounds.ceiling_of(path)[piece])
-    search = _Search(fine, Needs(fine, bounds), LimitedPath.of(fine, bounds), first_grid(fine.breakpoints))
+    search = _Search(fine, _Needs(fine, bounds), LimitedPath.of(fine, bounds), first_grid(fine.breakpoints))
     ceiling, rise = _ceiling(fine, bounds), _slowest_rise(bounds)
     fastest = search.fastest(ceiling)
 
@@ -104,7 +106,7 @@ class _Search:
     """A path in fine pieces, the needs of laws along it, and their grid."""
 
     path: JointPath
-    needs: Needs
+    needs: _Needs
     limited: LimitedPath
     grid: Array
 
@@ -120,7 +122,7 @@ class _Search:
     def slow_in_bends(self, at: _Tried) -> _Tried:
         """The ceiling held for a window about each piece where it counts."""
         counts = np.where(at.ceiling < at.speed * NEAR_CEILING, at.ceiling, np.inf)
-        return self.tried(np.minimum(at.ceiling, widened(counts, self.path.breakpoints, at.window)), at.window)
+        return self.tried(np.minimum(at.ceiling, _widened(counts, self.path.breakpoints, at.window)), at.window)
 
     def tightened(self, at: _Tried) -> Iterator[_Tried]:
         """It, and laws of ever lower ceilings about the pieces that ask too much."""
@@ -132,7 +134,7 @@ class _Search:
             shortest = at.duration()
             with np.errstate(divide="ignore", invalid="ignore"):
                 low = np.where(at.factor > 1.0, np.minimum(at.ceiling, at.speed / at.factor), np.inf)
-            at = self.tried(np.minimum(at.ceiling, widened(low, self.path.breakpoints, at.window)), at.window)
+            at = self.tried(np.minimum(at.ceiling, _widened(low, self.path.breakpoints, at.window)), at.window)
 
 
 def _ceiling(path: JointPath, bounds: PathBounds) -> Array:
@@ -147,3 +149,42 @@ def _slowest_rise(bounds: PathBounds) -> float:
     """The longest time [s] in which a rate comes to its acceleration limit."""
     limited = np.isfinite(bounds.acceleration)
     return float((bounds.acceleration[limited] / bounds.jerk[limited]).max())
+
+
+class _Needs:
+    """Needs of a time law along a path with derivatives p', p'', p''' of the rows p = C q."""
+
+    def __init__(self, path: JointPath, bounds: PathBounds) -> None:
+        self.path, self.bounds, self.ceiling = path, bounds, bounds.ceiling_of(path)
+        rows = path.coefficients @ bounds.C.T
+        self.derivatives = [np.moveaxis(derivative(rows, k), 2, 1).copy() for k in (1, 2, 3)]
+
+    def of(self, law: TimeLaw) -> tuple[Array, Array]:
+        """By what factor each piece of the path must be slowed (m,), and ṡ (m,).
+
+        The rates are p' ṡ, p'' ṡ² + p' s̈ and p''' ṡ³ + 3 p'' ṡ s̈ + p' s⃛. Each piece of the law is sampled at three
+        instants. It may span several pieces of the path.
+        """
+        tau = SAMPLES * np.diff(law.breakpoints)
+        s, s1, s2, s3 = (evaluate(derivative(law.coefficients[:, :, None], k)[..., 0], tau).ravel() for k in range(4))
+        piece = self.path.piece_at(s)
+        sigma = s - self.path.breakpoints[piece]
+        p1, p2, p3 = (evaluate(rows[:, :, piece], sigma) for rows in self.derivatives)
+        rates = (p1 * s1, p2 * s1**2 + p1 * s2, (p3 * s1**2 + 3.0 * p2 * s2) * s1 + p1 * s3)
+        limits = (self.bounds.velocity, self.bounds.acceleration, self.bounds.jerk)
+        shares = (np.abs(rate / limit[:, None]).max(axis=0) for rate, limit in zip(rates, limits, strict=True))
+        factors = [share ** (1.0 / order) for order, share in enumerate(shares, start=1)]
+        factor, fastest = np.zeros((2, len(self.path.breakpoints) - 1))
+        np.maximum.at(factor, piece, np.max(factors, axis=0))
+        np.maximum.at(fastest, piece, s1)
+        return np.maximum(factor, fastest / self.ceiling), fastest
+
+
+def _widened(ceiling: Array, breakpoints: Array, window: float) -> Array:
+    """The ceiling (m,), held for half a window [s] around each piece, so that its average keeps it."""
+    slow = np.flatnonzero(np.isfinite(ceiling))
+    reach = 0.5 * window * ceiling[slow, None]
+    before, after = breakpoints[slow, None] - reach, breakpoints[slow + 1, None] + reach
+    near = (breakpoints[:-1] < after) & (breakpoints[1:] > before)
+    wide: Array = np.where(near, ceiling[slow, None], np.inf).min(axis=0, initial=np.inf)
+    return wide

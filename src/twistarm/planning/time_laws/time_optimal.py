@@ -8,9 +8,8 @@ from ...support.checks import Array
 from ..joint_path import JointPath
 from ..spans import Progress, require_span
 from .bounds import PathBounds
-from .interval_limits import LimitedPath
 from .law import TimeLaw
-from .path_velocity import Profile, path_velocity
+from .path_velocity import LimitedPath, Profile, path_velocity
 
 FIRST_INTERVALS = 150
 """Intervals to begin with, about."""
@@ -38,7 +37,7 @@ def time_optimal(path: JointPath, bounds: PathBounds, progress: Progress | None 
     """The shortest law from rest to rest that keeps velocity, acceleration, motors and ceiling.
 
     s̈ is constant on each interval of a grid, so s is a parabola on each. No limit is exceeded between the grid's
-    points either (`interval_limits`). Intervals are halved until the gain is below 0.1 %, or there are 5,000. Where p'
+    points either. Intervals are halved until the gain is below 0.1 %, or there are 5,000. Where p'
     = 0, curvature alone limits the acceleration. Where the path does not move, nothing does. Jerk is not limited. A
     path that stays where it is takes no time. Raises InputError for a motion of less than 1e-9 s or more than 1e9 s.
     """

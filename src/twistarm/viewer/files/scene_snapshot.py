@@ -37,7 +37,8 @@ class SceneSnapshot:
     """`arm` at theta (n,) [rad, m] with its other joints, drawn as `scene`, and the visible layers.
 
     `playback` is the motion that the page plays and its start time, or None. `findings` is their message, or None
-    before the doctor has run. `recorded` holds poses by name, and `obstacles` and `shapes` what is drawn of a scene.
+    before the doctor has run. `recorded` holds poses by name, `obstacles` and `shapes` what is drawn of a scene, and
+    `reach` what is drawn of a map.
     """
 
     arm: Arm
@@ -51,6 +52,7 @@ class SceneSnapshot:
     recorded: Mapping[str, Array] = field(default_factory=dict)
     obstacles: Sequence[Mapping[str, Any]] = ()
     shapes: Sequence[Mapping[str, Any]] = ()
+    reach: Message | None = None
 
     def playing(self, trajectory: Trajectory) -> SceneSnapshot:
         """A copy with `trajectory` and its path, playing from the start.
@@ -70,6 +72,7 @@ class SceneSnapshot:
         needed.
         """
         at, scene = self.playback, self.scene.whole()
+        skipped = scene.live | {b""}
         still = {"times": [0.0], "theta": [self.theta.tolist()]}
         return {
             "arm": describe_arm(self.arm),
@@ -83,9 +86,10 @@ class SceneSnapshot:
             "aside": None if at is None or self._on(at) else self.theta.tolist(),
             "plots": plots(self.arm, at),
             "player": None if at is None else {name: getattr(at, name) for name in PLAYED},
-            "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects if part],
+            "objects": [base64.b64encode(part).decode("ascii") for part in scene.objects if part not in skipped],
             "obstacles": self.obstacles,
             "shapes": self.shapes,
+            "reach": self.reach,
             "notes": scene.notes,
             "theory": recorded(self.arm, self.theta, None if at is None else at.trajectory),
             "findings": examined(self.arm, scene.reader) if self.findings is None else self.findings,
@@ -132,4 +136,5 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
         stage.poses.named(),
         stage.collisions.drawn,
         stage.collisions.shapes,
+        stage.reach.drawn if stage.visible["reach"] else None,
     )

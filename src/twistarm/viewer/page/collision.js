@@ -1,9 +1,8 @@
 // Collisions: the shapes that are checked, the obstacles, the links in collision in red, and the nearest pair.
 
 import { coloured } from "./arm_copy.js";
-import { bytes } from "./cloud.js";
 import { dispose } from "./disposal.js";
-import { $, element } from "./element.js";
+import { $, bytes, element } from "./element.js";
 import { Pins } from "./pins.js";
 import { THREE } from "./view.js";
 

@@ -19,6 +19,11 @@ export function button(className, text, title, press) {
   return made;
 }
 
+// What is packed in base64.
+export function bytes(text) {
+  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+}
+
 // A variable of the style sheet, such as a colour.
 export function styled(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();

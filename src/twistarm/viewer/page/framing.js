@@ -6,7 +6,7 @@ const { Box3, Vector3 } = MeshCat.THREE;
 
 const MARGIN = 1.06;
 const MOST = 0.3; // of the view's height that is left free for what stands over it, above and below
-export const OVER = "#switches, #player, #plots"; // what stands over the view
+export const OVER = "#switches, #reach-legend, #player, #plots"; // what stands over the view
 
 // The corners (world) of the boxes around all that is drawn below a node; `seen`: only of what is shown.
 export function corners(node, seen = false) {

@@ -3,7 +3,7 @@
 import { hang, made, stand } from "./collision.js";
 import { copyTheta } from "./copying.js";
 import { Cube } from "./cube.js";
-import { $, $$ } from "./element.js";
+import { $, $$, bytes } from "./element.js";
 import { Findings } from "./findings.js";
 import { Highlight } from "./highlight.js";
 import { History } from "./history.js";
@@ -144,7 +144,7 @@ panel.showVisible(data.visible);
 panel.showPath(data.path.points.length + data.path.ideal.length > 0);
 plots.show(data.plots);
 showPlayer();
-for (const object of data.objects ?? globalThis.twistarmObjects) view.draw(Uint8Array.from(atob(object), (letter) => letter.charCodeAt(0)));
+for (const object of data.objects ?? globalThis.twistarmObjects) view.draw(bytes(object));
 path.show(data.path);
 for (const [layer, on] of Object.entries(data.visible)) view.setVisible(layer, on);
 show();

@@ -1,11 +1,11 @@
 // Screw theory drawn, and the numbers behind it. Every number comes from the process.
 
-import { Cloud } from "./cloud.js";
 import { $ } from "./element.js";
 import { Ellipsoid } from "./ellipsoids.js";
 import { Instant } from "./instant.js";
 import { Labels } from "./labels.js";
 import { Numbers } from "./numbers.js";
+import { Reach } from "./reach.js";
 import { ANGULAR, LINEAR, column } from "./solids.js";
 import { Switches } from "./theory_switches.js";
 import { Trace } from "./trace.js";
@@ -28,7 +28,7 @@ export class Theory {
     this.linear = new Ellipsoid(view, LINEAR);
     this.angular = new Ellipsoid(view, ANGULAR);
     this.trace = new Trace(view);
-    this.cloud = new Cloud(view);
+    this.reach = new Reach(view);
     this.switches = new Switches({
       visible: (what, visible) => ask({ type: "visible", what, visible }),
       trace: (on) => this.traceFrom(on),
@@ -37,7 +37,7 @@ export class Theory {
     });
     this.tables = new Numbers();
     this.layers = {
-      labels: this.labels.layer, screw: this.instant.group, workspace: this.cloud.group,
+      labels: this.labels.layer, screw: this.instant.group,
       spatial_columns: this.spatial.group, body_columns: this.body.group,
       linear_ellipsoid: this.linear.group, angular_ellipsoid: this.angular.group,
     };
@@ -45,14 +45,14 @@ export class Theory {
       visible: (message) => this.show(message),
       axes: (message) => this.build(message),
       theory: (message) => this.take(message),
-      workspace: (message) => this.scatter(message),
+      reach: (message) => this.reach.draw(message),
     };
     addEventListener("panel", () => this.visible && this.look());
   }
 
   hello() {
     this.numbers = this.axes = null;
-    this.cloud.clear();
+    this.reach.clear();
   }
 
   build(axes) {
@@ -72,8 +72,9 @@ export class Theory {
     this.visible = layers;
     for (const [layer, drawn] of Object.entries(this.layers)) {
       if (drawn instanceof HTMLElement) drawn.hidden = !layers[layer];
-      else drawn.visible = layers[layer] && (layer === "workspace" || this.numbers !== null);
+      else drawn.visible = layers[layer] && this.numbers !== null;
     }
+    this.reach.show(layers.reach);
     this.switches.show(layers);
     this.look();
     this.view.viewer.set_dirty();
@@ -115,6 +116,7 @@ export class Theory {
     const tool = this.view.node("/frames/tool");
     for (const drawing of [this.body, this.linear, this.angular]) drawing.stand(tool);
     this.trace.follow(tool.position);
+    this.reach.follow(tool.position);
     if (this.numbers && this.layers.screw.visible) this.drawScrew();
   }
 
@@ -147,11 +149,6 @@ export class Theory {
     const velocity = i === null ? motion.velocity : column(hybrid, i).toArray();
     const counted = i !== null && this.slides[i] ? this.axes.length : 1;
     this.instant.show(screw, velocity, counted, this.view.node("/frames/tool").position);
-  }
-
-  scatter(cloud) {
-    this.cloud.draw(cloud, this.axes.size);
-    this.switches.showCloud(cloud);
   }
 
   traceFrom(on) {

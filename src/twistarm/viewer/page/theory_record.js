@@ -20,6 +20,8 @@ export class TheoryRecord {
     this.words = element("p", "", MOVED);
     $("theory-numbers").before(this.words);
     this.theory.build(data.theory.axes);
+    if (data.reach) this.theory.reach.draw(data.reach);
+    this.theory.switches.boxes.get("reach").hidden = !data.reach; // there is nobody to map it
     this.theory.show(data.visible);
   }
 

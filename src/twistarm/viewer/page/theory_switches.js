@@ -1,6 +1,5 @@
 // What of screw theory is drawn, for which joint, and at which scale.
 
-import { COLOURS } from "./cloud.js";
 import { $, button, element } from "./element.js";
 import { short } from "./figures.js";
 import { cut } from "./names.js";
@@ -15,7 +14,7 @@ const LAYERS = {
   body_columns: ["Columns of Jᵇ", "Each column as v and ω, drawn at the tool frame T, in its axes"],
   linear_ellipsoid: ["Linear ellipsoid", "Velocities of the tool's origin for joint rates of 1 rad/s in all"],
   angular_ellipsoid: ["Angular ellipsoid", "Angular velocities of the tool for joint rates of 1 rad/s in all"],
-  workspace: ["Workspace", "Where the tool comes to inside the limits, coloured by dexterity"],
+  reach: ["Reach", "Where the tool comes to inside the limits, coloured by the share of directions reached"],
 };
 
 export class Switches {
@@ -27,14 +26,12 @@ export class Switches {
     clear.setAttribute("aria-label", "Clear the trace");
     const traced = element("span", "traced");
     traced.append(this.trace, clear);
-    if (!$("dexterity")) this.boxes.delete("workspace"); // where there is nobody to sample it
     $("theory-layers").replaceChildren(...this.boxes.values(), traced);
     for (const [layer, label] of this.boxes) {
       label.firstChild.addEventListener("change", (event) => act.visible(layer, event.target.checked));
     }
     this.trace.firstChild.addEventListener("change", (event) => act.trace(event.target.checked));
     for (const id of ["theory-joint", "theory-all"]) $(id).addEventListener("change", () => act.chosen());
-    this.cloud = null;
   }
 
   // The coordinate chosen; null: the one that moved last, or the motion that plays.
@@ -63,7 +60,6 @@ export class Switches {
     const { linear, angular, length } = axes;
     $("theory-scale").textContent = `Drawn: 1 m/s is ${short(linear)} m long, 1 rad/s ${short(angular)} m; `
       + `joints at 1 rad/s, slides at ${short(length)} m/s (the reach).`;
-    this.cloud = null;
   }
 
   // Which joint "last moved" stands for; null: none, the whole motion is shown.
@@ -75,17 +71,7 @@ export class Switches {
   show(layers) {
     for (const [layer, label] of this.boxes) label.firstChild.checked = layers[layer];
     const drawn = Object.keys(LAYERS).filter((layer) => layers[layer]);
-    $("theory-legend").hidden = !drawn.some((layer) => !["labels", "workspace"].includes(layer));
-    if ($("dexterity")) $("dexterity").hidden = !layers.workspace || this.cloud === null;
-  }
-
-  showCloud({ count, best, directions }) {
-    this.cloud = { count };
-    $("dexterity").hidden = !this.boxes.get("workspace").firstChild.checked;
-    $("dexterity-bar").style.background = `linear-gradient(to right, ${COLOURS.join(", ")})`;
-    $("dexterity-best").textContent = short(best);
-    $("dexterity-words").textContent = `Dexterity of ${count.toLocaleString("en")} random configurations: 1/condition of Jᵇ, metres in the `
-      + `reach, in the ${directions} direction${directions === 1 ? "" : "s"} this arm has. 1 would move alike in all, 0 lacks one.`;
+    $("theory-legend").hidden = !drawn.some((layer) => !["labels", "reach"].includes(layer));
   }
 }
 

@@ -2,7 +2,7 @@
 
 import { $, element } from "./element.js";
 
-const WORDS = { plan: "planning", workspace: "sampling the workspace", collision: "preparing collision checks", band: "checking the motion" };
+const WORDS = { plan: "planning", reach: "mapping the reach", collision: "preparing collision checks", band: "checking the motion" };
 
 export class Work {
   constructor() {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
@@ -17,7 +16,7 @@ from ...support.checks import as_vector
 from ...support.errors import InputError
 from ...theory.rotations import from_xyzw
 from ..protocol.jobs import Job, Progress
-from ..protocol.messages import Message, Request
+from ..protocol.messages import Message, Request, packed
 from ..scene.drawing import columns
 from ..scene.nodes import link_path
 from .part import Part, Show
@@ -183,13 +182,9 @@ def drawing(body: Body) -> dict[str, Any]:
     """A body as the page draws it: kind, size, the node of its link, its matrix there, and packed triangles."""
     made = outline(body.shape)
     if made["kind"] == "mesh":
-        made |= {"points": _packed(made["points"], "<f4"), "faces": _packed(made["faces"], "<u4")}
+        made |= {"points": packed(made["points"], "<f4"), "faces": packed(made["faces"], "<u4")}
         made["size"] = list(body.size)
     return {**made, "node": link_path(body.carrier), "matrix": columns(body.pose)}
-
-
-def _packed(values: Any, kind: str) -> str:
-    return base64.b64encode(np.asarray(values).astype(kind).tobytes()).decode("ascii")
 
 
 def _prepared(

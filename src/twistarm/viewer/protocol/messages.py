@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import base64
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
+
+import numpy as np
 
 from ...support.errors import InputError
 from ...support.path_redaction import without_places
@@ -59,6 +62,11 @@ def number_of(message: str | bytes) -> int | None:
 def failure(error: Exception) -> Message:
     """The message that tells of an error."""
     return {"type": "error", "message": without_places(str(error)) or type(error).__name__}
+
+
+def packed(values: Any, kind: str) -> str:
+    """Numbers in base64, as `kind`, such as "<f4"."""
+    return base64.b64encode(np.asarray(values).astype(kind).tobytes()).decode("ascii")
 
 
 def _name(value: Any, name: str) -> str:

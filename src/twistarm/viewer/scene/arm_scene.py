@@ -32,6 +32,7 @@ class Scene:
         self.objects = [*draw_screws(arm), *_frames(self._size)]
         self.links: dict[str, str] = {}
         self.notes: tuple[str, ...] = ()
+        self.live: frozenset[bytes] = frozenset()
         self._laid = ""
         self._pieces: dict[str, Drawn] = {}  # by node
         self._places: dict[str, range] = {}  # in `objects`, of each mesh drawn
@@ -92,6 +93,11 @@ class Scene:
         self.objects.append(drawn)
         self.notes = (*(each for each in self.notes if each != self._laid), note)
         self._laid = note
+
+    def draw_live(self, drawn: list[bytes]) -> None:
+        """Draw objects that only live pages move. Saved pages leave them out."""
+        self.objects += drawn
+        self.live = frozenset(drawn)
 
     def close(self) -> None:
         """Stop drawing, and stop reading the current mesh. From any thread."""

@@ -14,14 +14,15 @@ from ...ik import IKResult
 from ...support.checks import Array
 from ...theory.rotations import GIMBAL_LOCK_TOL
 from ...theory.screws import exp, inverse
+from .beside import Beside
 from .nodes import link_path, rod_path, screw_path
 
 
 class Placement:
     """What all frames of one arm share: node names and link poses at rest."""
 
-    def __init__(self, arm: Arm) -> None:
-        self.arm = arm
+    def __init__(self, arm: Arm, beside: Beside | None = None) -> None:
+        self.arm, self._beside = arm, beside
         self._links = () if arm.description is None else tuple(arm.description.links)
         m = arm.screws.shape[1]
         rods = [rod_path(i) for i in range(m)] if arm.description is None else []
@@ -46,11 +47,12 @@ class Placement:
         carried = self.carried(theta, poses)
         rods = carried if self.arm.description is None else carried[:0]
         stacked = np.array([*(poses[name] for name in self._links), *carried, *rods, g_st])
+        beside = {} if self._beside is None else self._beside.transforms(theta)
         columns = stacked.transpose(0, 2, 1).reshape(-1, 16).tolist()
         return {
             "theta": theta.tolist(),
             "others": dict(others),
-            "transforms": dict(zip(self._paths, columns, strict=True)),
+            "transforms": dict(zip(self._paths, columns, strict=True)) | beside,
             "tool": {"position": g_st[:3, 3].tolist(), "rpy": rpy(g_st)},
         }
 

@@ -188,7 +188,7 @@ class Server:
         self._adopt(stage, scene)
         self._start_examination()
         self._draw_meshes()
-        if (job := stage.workspace.switched("workspace", stage)) is not None:
+        if (job := stage.reach.switched("reach", stage)) is not None:
             self._workers.submit(job)
         texts = self.state()
         for client in self.clients:

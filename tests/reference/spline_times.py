@@ -1,4 +1,4 @@
-"""Times between a spline's waypoints, as short as limits of velocity, acceleration and jerk allow.
+"""The time of a spline between waypoints and its gradient, in NumPy and SciPy: the core's search, written again.
 
 A motion f times as slow meets its limits. There f is the largest share of a limit in use, to the power 1/order of the
 rate. One factor of all durations d does not change Σ d · f. L-BFGS minimizes it in x = log d, with a p-norm for the
@@ -10,12 +10,11 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+from scipy.linalg import cho_solve_banded, cholesky_banded
+from scipy.optimize import minimize
 
-from ..arm import engine
-from ..limits.joint_limits import JointLimits
-from ..support.checks import Array, frozen
-from .optional import scipy
-from .piecewise import derivative, evaluate, through
+from twistarm.planning.piecewise import derivative, evaluate, through
+from twistarm.support.checks import Array, frozen
 
 SAMPLES = 17
 """Places in each segment at which rates are looked at."""
@@ -30,19 +29,8 @@ STEPS, GAIN = 60, 3e-6
 """Greatest number of steps for each norm, and the least gain of a step."""
 
 
-def shortest_spline(way: Array, degree: int, rates: JointLimits, durations: Array) -> Array:
-    """Durations (s,), up to one factor, of the shortest motion found near the given ones.
-
-    The cubic or quintic spline goes `way` (s, r) on each segment, each row within its `rates`.
-    """
-    limits = (rates.velocity, rates.acceleration, rates.jerk)
-    found: Array | None = engine.asked("shortest_spline", way, *limits, durations, degree)
-    return in_numpy(way, degree, limits, durations) if found is None else found
-
-
 def in_numpy(way: Array, degree: int, limits: tuple[Array, ...], durations: Array) -> Array:
-    """The same search, by SciPy."""
-    minimize = scipy("optimize").minimize
+    """Durations (s,), up to one factor, of the shortest motion found near the given ones, by SciPy."""
     x, least = np.log(durations), (np.inf, np.log(durations))
     for power in NORMS:
 
@@ -108,8 +96,7 @@ def duration(way: Array, degree: int, limits: tuple[Array, ...], x: Array, power
 
 def solved(bands: Array, right: Array) -> Array:
     """The unknowns (N, r) of a positive definite system, in SciPy's upper form (2 R, N)."""
-    linalg = scipy("linalg")
-    return np.asarray(linalg.cho_solve_banded((linalg.cholesky_banded(bands), False), right)) if right.size else right
+    return np.asarray(cho_solve_banded((cholesky_banded(bands), False), right)) if right.size else right
 
 
 @cache

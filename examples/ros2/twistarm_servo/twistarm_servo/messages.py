@@ -1,4 +1,4 @@
-"""ROS 2's messages as plain data, without ROS, for any object with their fields (examples/ros2/twistarm_servo)."""
+"""ROS 2's messages as plain data, without ROS, for any object with their fields."""
 
 from __future__ import annotations
 
@@ -6,15 +6,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...arm.arm import Arm
-from ...arm.usual_limits import usually_limited
-from ...support.checks import Array
-from ...support.errors import InputError, listed
-from ..servo import AnyCommand, ServoStatus
-from .cycles import Cycle
-from .links.messages import command_of, values_by_name
-from .protocols import Setpoint
-from .report import Ending, Tally
+from twistarm import Arm, InputError
+from twistarm.arm.usual_limits import usually_limited
+from twistarm.control.servo import AnyCommand, ServoStatus
+from twistarm.control.stream import Cycle, Ending, Setpoint, command_of
+from twistarm.control.stream.links.messages import values_by_name
+from twistarm.control.stream.report import Tally
+from twistarm.support.checks import Array
+from twistarm.support.errors import listed
 
 NANOSECONDS = 10**9
 

@@ -1,4 +1,7 @@
-"""Limits on the intervals of a grid along a path, linear in x = ṡ² at both ends.
+"""The largest ṡ² along a path within limits, on a grid, in NumPy: reachability analysis in two passes.
+
+Source: Pham & Pham, A new approach to time-optimal path parameterization based on reachability analysis, IEEE T-RO
+34(3), 2018.
 
 On an interval of length h where x is linear in s from x0 to x1, s̈ = (x1 − x0)/(2 h) is constant. A row p = C q, a
 polynomial of degree d in s, has the acceleration p' s̈ + p'' x and the velocity p' ṡ. The acceleration has degree d −
@@ -8,49 +11,31 @@ of them keep a limit, so do the polynomials on the whole interval.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import comb, factorial
 
 import numpy as np
 
-from ...support.checks import Array
-from ..bernstein import bernstein
-from ..joint_path import JointPath
-from ..piecewise import derivative, evaluate
-from ..spans import MARGIN
-from .bounds import PathBounds
+from twistarm.planning.bernstein import bernstein
+from twistarm.planning.piecewise import derivative, evaluate
+from twistarm.planning.time_laws.path_velocity import LimitedPath, Profile, greatest_rate
+from twistarm.support.checks import Array
 
-LEAST_DEGREE = 2
-"""A straight line counts as a parabola: its curvature is a polynomial too."""
+CORRECTIONS = 64
+"""Newton's steps to a corner of a convex region; a handful are needed."""
+
+LONGEST_STEP = 1e-10
+"""Least share of the value after a step down. Less would be rounding of a start that is much too large."""
+
+SHORTEST_STEP = 1.0 - 1e-13
+"""Greatest share of the value after a step down. Newton's step for a nearly vertical row is lost in rounding."""
 
 
-@dataclass(frozen=True, eq=False)
-class LimitedPath:
-    """A path for its limits: the rows C q of joints and motors, (d + 1, m, r), d ≥ 2, and their limits.
-
-    `velocity` and `acceleration` are (r,), `ceiling` of ṡ (m,); all less by what rounding may add.
-    """
-
-    breakpoints: Array
-    coefficients: Array
-    velocity: Array
-    acceleration: Array
-    ceiling: Array
-
-    @classmethod
-    def of(cls, path: JointPath, bounds: PathBounds) -> LimitedPath:
-        """The path with its bounds."""
-        coefficients = path.coefficients @ bounds.C.T
-        missing = max(0, LEAST_DEGREE + 1 - len(coefficients))
-        padded = np.concatenate([np.zeros((missing, *coefficients.shape[1:])), coefficients])
-        less = 1.0 - MARGIN
-        return cls(
-            path.breakpoints,
-            np.ascontiguousarray(padded),
-            less * bounds.velocity,
-            less * bounds.acceleration,
-            less * bounds.ceiling_of(path),
-        )
+def in_numpy(path: LimitedPath, grid: Array) -> Profile:
+    """What `path_velocity` finds."""
+    tangent, bend, ceiling = derivatives(path, grid)
+    steps = np.diff(grid)
+    x = passes(*rows(path, tangent, bend, ceiling, steps), greatest_rate(path))
+    return Profile(x, used(path, tangent, bend, ceiling, steps, x))
 
 
 def derivatives(path: LimitedPath, grid: Array) -> tuple[Array, Array, Array]:
@@ -104,3 +89,46 @@ def _squared(polynomial: Array) -> Array:
             for k in range(2 * d + 1)
         ]
     )
+
+
+def passes(A: Array, B: Array, most: float) -> Array:
+    """x (N + 1,) from 0 to 0, at most `most`, with A x_i + B x_(i+1) ≤ 1 on every interval (N, q)."""
+    count = len(A)
+    controllable, x = np.zeros(count + 1), np.zeros(count + 1)
+    for i in range(count - 1, 0, -1):
+        controllable[i] = _largest_start(A[i], B[i], controllable[i + 1], most)
+    for i in range(count):
+        above = B[i] > 0
+        reached = ((1.0 - A[i, above] * x[i]) / B[i, above]).min(initial=controllable[i + 1])
+        x[i + 1] = max(reached, 0.0)
+    return x
+
+
+def _largest_start(a: Array, b: Array, end: float, most: float) -> float:
+    """The largest x0 ≥ 0 for which an x1 in [0, end] has a x0 + b x1 ≤ 1.
+
+    The room for x1 is the least upper bound minus the greatest lower one. It is concave in x0 and not negative at 0.
+    From too large a start, Newton's method reaches its zero along finitely many lines.
+    """
+    level = (b == 0) & (a > 0)
+    start = (1.0 / a[level]).min(initial=most)
+    uppers, lowers = b > 0, b < 0
+    for _ in range(CORRECTIONS):
+        upper, rise = _tightest(a[uppers], b[uppers], start, end, -1.0)
+        lower, fall = _tightest(a[lowers], b[lowers], start, 0.0, 1.0)
+        if upper >= lower or rise >= fall:
+            break
+        newton = start + (upper - lower) / (fall - rise)
+        start = min(max(newton, LONGEST_STEP * start), SHORTEST_STEP * start)
+    return max(float(start), 0.0)
+
+
+def _tightest(a: Array, b: Array, start: float, otherwise: float, sign: float) -> tuple[float, float]:
+    """The tightest bound of x1 at x0 = start, and its slope. sign −1: the least, 1: the greatest."""
+    if not len(b):
+        return otherwise, 0.0
+    bound = (1.0 - a * start) / b
+    tightest = int(np.argmax(sign * bound))
+    if sign * bound[tightest] <= sign * otherwise:
+        return otherwise, 0.0
+    return float(bound[tightest]), float(-a[tightest] / b[tightest])

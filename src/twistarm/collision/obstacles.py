@@ -1,0 +1,299 @@
+"""Obstacles beside an arm's robot: boxes, meshes, planes, and objects that links hold."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arm.arm import Arm, require_arm
+from ..arm.bodies import Body, Pair, Shapes, Triangles, sorted_pair
+from ..arm.pinocchio_model import import_pinocchio
+from ..support.checks import Array, Given, Row, as_flag, as_number, as_pose, as_positive, as_vector, require_names
+from ..support.errors import InputError, listed, shown, unknown_name
+from ..support.files import as_path
+
+Placed = tuple[Mapping[str, Body], Mapping[str, frozenset[str]]]
+"""Obstacles by name, and what those that a link holds may touch."""
+
+NUMBERS = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "plane": 0, "mesh": 3}
+"""How many numbers the size of an obstacle has."""
+
+LARGEST = 100.0
+"""The largest size of an obstacle [m]; a larger one is in millimetres, or a plane."""
+
+MOST_OBSTACLES = 2000
+"""The most obstacles. The time to make a checker grows with the cube of their number: 2,000 take 1 s."""
+
+
+class Obstacles:
+    """The obstacles of a scene, by name, and the objects that links of its arm hold."""
+
+    def __init__(self, arm: Arm, exact: bool) -> None:
+        description = require_arm(arm).description
+        if description is None:
+            raise InputError(f"{arm.name} has no description, so no shapes: load it from its URDF or xacro file")
+        self.arm = arm
+        self._description, self._model = description, arm.pinocchio
+        self.exact = as_flag(exact, "exact")
+        self._obstacles: dict[str, Body] = {}
+        self._touching: dict[str, frozenset[str]] = {}
+        self._allowed_too: dict[Pair, str] = {}
+        self._known_obstacles: set[str] = set()
+        self._made: dict[str, Any] = {}  # the checker and the sweep of the present bodies
+
+    @property
+    def obstacles(self) -> Mapping[str, Body]:
+        """The obstacles and attached objects by name."""
+        return dict(self._obstacles)
+
+    def add_box(self, name: str, size: Row, pose: Given | None = None) -> None:
+        """Add a box of `size` (3,) [m], its centre at `pose` (4, 4) or at a position (3,) in the base frame.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            size: The sides along x, y, z [m].
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+        """
+        self._add(name, "box", as_vector(size, "size"), pose)
+
+    def add_sphere(self, name: str, radius: float, pose: Given | None = None) -> None:
+        """Add a sphere [m] with its centre at `pose` (4, 4) or at a position (3,).
+
+        Args:
+            name: A name that no link and no obstacle has.
+            radius: Its radius [m].
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+        """
+        self._add(name, "sphere", [radius], pose)
+
+    def add_cylinder(self, name: str, radius: float, length: float, pose: Given | None = None) -> None:
+        """Add a cylinder [m] along the z axis of `pose` (4, 4), its centre at the origin of `pose`.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            radius: Its radius [m].
+            length: Its length [m].
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+        """
+        self._add(name, "cylinder", [radius, length], pose)
+
+    def add_capsule(self, name: str, radius: float, length: float, pose: Given | None = None) -> None:
+        """Add a capsule [m] along the z axis of `pose` (4, 4). `length` is the distance of its two centres.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            radius: Its radius [m].
+            length: The distance of its two centres [m].
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+        """
+        self._add(name, "capsule", [radius, length], pose)
+
+    def add_plane(self, name: str = "ground", pose: Given | None = None) -> None:
+        """Add everything below the plane z = 0 of `pose` (4, 4); by default the plane of the base.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            pose: Pose (4, 4) or position (3,) in the base frame.
+        """
+        self._add(name, "plane", [], pose)
+
+    def add_mesh(
+        self, name: str, path: str | os.PathLike[str], pose: Given | None = None, *, scale: float | Row = 1.0
+    ) -> None:
+        """Add a mesh file (STL, DAE, OBJ) with its frame at `pose` (4, 4): its hull, or its triangles if `exact`.
+
+        Args:
+            name: A name that no link and no obstacle has.
+            path: The file.
+            pose: Pose (4, 4) or position (3,) in the base frame; by default its origin.
+            scale: A factor, or one for each axis.
+        """
+        factors = [as_number(scale, "scale")] * 3 if np.ndim(scale) == 0 else as_vector(scale, "scale")
+        self._add(name, "mesh", factors, pose, as_path(path))
+
+    def allow(self, first: str, second: str, reason: str = "User") -> None:
+        """Do not check a pair of links or obstacles any more.
+
+        Args:
+            first: A link or obstacle.
+            second: Another one.
+            reason: What `allowed` and files tell of it.
+        """
+        for name in require_names((first, second, reason), "first, second and reason")[:2]:
+            if name not in self._obstacles:
+                self._description.require_link(name, "link or obstacle")
+        self._allowed_too[sorted_pair(first, second)] = reason
+        self._changed()
+
+    def move(self, name: str, pose: Given) -> None:
+        """Put an obstacle at another pose (4, 4) or position (3,) in the base frame.
+
+        Args:
+            name: An obstacle that no link holds.
+            pose: Its pose, or its position without a rotation.
+        """
+        body = self._require_obstacle(name)
+        if name in self._touching:
+            raise InputError(f"{body.carrier} holds {name!r}: detach it before you move it")
+        self._obstacles[name] = replace(body, carrier=self.arm.base, pose=_as_place(pose))
+        self._changed()
+
+    @property
+    def placed(self) -> Placed:
+        """The obstacles as they are now, for `put_back`. Equal as long as none changes."""
+        return dict(self._obstacles), dict(self._touching)
+
+    def put_back(self, placed: Placed) -> None:
+        """Have the obstacles of an earlier `placed` again, and no others."""
+        self._obstacles, self._touching = dict(placed[0]), dict(placed[1])
+        self._changed()
+
+    def resize(self, name: str, size: Row) -> None:
+        """Give an obstacle another size.
+
+        Args:
+            name: The obstacle.
+            size: The numbers of its kind [m], in the order of the `add_…` method; of a mesh its scale.
+        """
+        body = self._require_obstacle(name)
+        shape, sizes = self._shaped(body.kind, size, body.mesh)
+        self._obstacles[name] = replace(body, shape=shape, size=sizes)
+        self._changed()
+
+    def remove(self, name: str) -> None:
+        """Remove an obstacle or attached object."""
+        self._require_obstacle(name)
+        del self._obstacles[name]
+        self._touching.pop(name, None)
+        self._allowed_too = {pair: why for pair, why in self._allowed_too.items() if name not in pair}
+        self._changed()
+
+    def attach(self, name: str, link: str | None = None, *, theta: ArrayLike, touching: Iterable[str] = ()) -> None:
+        """Let `link`, by default the tip, carry an obstacle that it holds at theta (n,).
+
+        The links of the same body and of its children may touch the object, and so may those in `touching`.
+
+        Args:
+            name: The obstacle.
+            link: The link that carries it; by default that of the tip.
+            theta: The configuration (n,) at which the link takes it.
+            touching: Further links that may touch it.
+        """
+        body = self._require_obstacle(name)
+        carrier = self._description.require_link(link or self.arm.tip_link, "link")
+        self._hold(name, carrier, self._relative(theta, carrier, body.carrier) @ body.pose, touching)
+
+    def detach(self, name: str, *, theta: ArrayLike) -> None:
+        """Put an attached object down where it is at theta (n,).
+
+        Args:
+            name: The object.
+            theta: The configuration (n,) at which it is put down.
+        """
+        body = self._require_obstacle(name)
+        g = self._relative(theta, self.arm.base, body.carrier)
+        self._obstacles[name] = replace(body, carrier=self.arm.base, pose=g @ body.pose)
+        self._touching.pop(name, None)
+        self._changed()
+
+    def _add(
+        self,
+        name: str,
+        kind: str,
+        size: Row,
+        pose: Given | None,
+        mesh: Path | Triangles | None = None,
+        frame: str = "",
+    ) -> None:
+        if not isinstance(name, str) or not name or not name.isprintable():
+            raise InputError(f"name must be a text on one line that is not empty; got {shown(name)}")
+        if len(self._obstacles) >= MOST_OBSTACLES:
+            raise InputError(
+                f"the scene has {MOST_OBSTACLES} obstacles, the most that it takes; join some in one mesh for add_mesh"
+            )
+        if name in self._obstacles or name in self._description.links:
+            what = "an obstacle" if name in self._obstacles else "a link"
+            raise InputError(f"name: {what} is already called {name!r}; choose another name, or remove it first")
+        shape, sizes = self._shaped(kind, size, mesh)
+        self._obstacles[name] = Body(name, frame or self.arm.base, shape, _as_place(pose), kind, True, sizes, mesh)
+        self._known_obstacles.add(name)
+        self._changed()
+
+    def _shaped(self, kind: str, size: Row, mesh: Path | Triangles | None) -> tuple[Any, tuple[float, ...]]:
+        """The shape of an obstacle, and the numbers of its size."""
+        what = "scale" if kind == "mesh" else "size"
+        numbers = as_vector(size, what, NUMBERS[kind])
+        if numbers.ndim != 1:
+            raise InputError(f"{what} must be {NUMBERS[kind]} numbers in a row; got shape {numbers.shape}")
+        sizes = tuple(as_positive(number, what) for number in numbers.tolist())
+        if max(sizes, default=0.0) > LARGEST:
+            raise InputError(f"{what} must be at most {LARGEST:g} m; got {max(sizes):g}: lengths are in metres")
+        with Shapes(import_pinocchio().coal, exact=self.exact) as shapes:
+            if kind == "plane":
+                return shapes.half_space(), sizes
+            if isinstance(mesh, Triangles):
+                return shapes.solid(mesh, sizes), sizes
+            return (shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)), sizes
+
+    def _hold(self, name: str, carrier: str, pose: Array, touching: Iterable[str]) -> None:
+        """Put an obstacle on a link, at `pose` (4, 4) in its frame."""
+        if self._obstacles[name].kind == "plane":
+            raise InputError(f"{name!r} is a plane without end, which no link can carry; attach a box instead")
+        touched = require_names(touching, "touching")
+        for other in touched:
+            self._description.require_link(other, "touching")
+        self._obstacles[name] = replace(self._obstacles[name], carrier=carrier, pose=pose)
+        body = {link for link in self._description.links if self._joint_of(link) == self._joint_of(carrier)}
+        children = [joint.name for joint in self._description.joints.values() if joint.parent in body and joint.moving]
+        beyond = (
+            {link for joint in children for link in self._description.beyond(joint)} if self._joint_of(carrier) else ()
+        )
+        self._touching[name] = frozenset({*body, *beyond, *touched})
+        self._changed()
+
+    def _changed(self) -> None:
+        # Another thread may still be making a checker of the bodies before: it goes into the mapping before.
+        self._made = {}
+
+    def _require_obstacle(self, name: str) -> Body:
+        if not isinstance(name, str) or name not in self._obstacles:
+            raise unknown_name(
+                "obstacle",
+                name,
+                self._obstacles,
+                within="the scene",
+                listing=f"obstacles: {listed(self._obstacles) or 'none'}",
+            )
+        return self._obstacles[name]
+
+    def _one(self, theta: ArrayLike) -> Array:
+        """One configuration (n,), from numbers or a name."""
+        x = self.arm.theta_from(theta)
+        if x.ndim != 1:
+            raise InputError(f"theta must be one configuration ({self.arm.n},); got {x.shape}")
+        return x
+
+    def _relative(self, theta: ArrayLike, frame: str, link: str) -> Array:
+        return self._model.link_pose(self._model.q(self._one(theta)), frame, link)
+
+    def _joint_of(self, link: str) -> int:
+        """The joint that carries a link, by Pinocchio's number; 0 for the world."""
+        return int(self._model.model.frames[self._model.frame_id(link)].parentJoint)
+
+
+def _as_place(pose: Given | None) -> Array:
+    """A pose (4, 4) from a pose, a position (3,) or None."""
+    if pose is None:
+        return np.eye(4)
+    array = np.asarray(pose, dtype=object)
+    if array.shape == (3,):
+        g = np.eye(4)
+        g[:3, 3] = as_vector(pose, "pose")  # type: ignore[arg-type]
+        return g
+    return as_pose(pose)

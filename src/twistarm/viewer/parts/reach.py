@@ -1,0 +1,70 @@
+"""The reach on show: a map that the program gave, or a quick one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from ...arm.arm import Arm
+from ...sweeps import ReachMap, reach_map
+from ...sweeps.grid import sphere
+from ...sweeps.hull import hull
+from ..protocol.jobs import Job, Progress
+from ..protocol.messages import Message, packed
+from .part import Part, Show
+
+ACROSS = 12
+"""Cubes of a quick map from the middle to the end of the reach. With more, its samples leave holes."""
+
+MOST_CUBES = 80
+"""Cubes along an axis that pages draw, 3 MB at most. Finer maps are drawn coarser."""
+
+
+class Reach(Part):
+    """A map as it is `drawn`, made when its layer is first switched on without one."""
+
+    def __init__(self) -> None:
+        self.drawn: Message | None = None
+
+    def switched(self, what: str, show: Show) -> Job | None:
+        """A job that makes a quick map when the layer is first switched on."""
+        if what != "reach" or self.drawn is not None or not show.visible["reach"]:
+            return None
+        return Job("reach", "mapping the reach", partial(quick, show.arm), self._finish)
+
+    def messages(self, show: Show) -> Iterator[Message]:
+        """The map, once it is there."""
+        if self.drawn is not None:
+            yield self.drawn
+
+    def _finish(self, made: Message) -> None:
+        self.drawn = self.drawn or made  # the program may have given one meanwhile
+
+
+def quick(arm: Arm, progress: Progress) -> Message:
+    """A map by random configurations, made in a second or two, as it is drawn."""
+    voxel = float(f"{max(sphere(arm)[1] / ACROSS, 1e-6):.1g}")
+    return drawing(reach_map(arm, voxel, 26, method="fk", workers=1, progress=progress))
+
+
+def drawing(m: ReachMap) -> Message:
+    """A map as pages draw it: `shares` of its cubes, and its surface by `points`, `faces` and `values` at the points.
+
+    Shares and values are 0 for nothing to 255 for `best`. The cube of index i (3,) has its centre at first + i voxel.
+    """
+    step = -(-max(m.grid.shape) // MOST_CUBES)
+    padded = np.pad(m.counts, [(0, -size % step) for size in m.grid.shape])
+    counts = padded.reshape([part for size in padded.shape for part in (size // step, step)]).max(axis=(1, 3, 5))
+    first, voxel, n = m.grid.voxel * (np.array(m.grid.lower) + (step - 1) / 2), step * m.grid.voxel, len(m.directions)
+    best, how = int(counts.max(initial=0)), "sampled" if m.settings.get("method") == "fk" else "by IK"
+    which = f"Reached along {np.round(m.directions[0], 2) + 0.0}" if n else "Reached in any orientation"
+    which = f"Share of {n} directions" if n > 1 else which
+    shares = np.ceil(255.0 * counts / max(best, 1))
+    points, faces, values = hull(shares)
+    words = f"{which}, {how}; cubes of {voxel:.3g} m"
+    cubes = {"first": first.tolist(), "voxel": voxel, "shape": list(shares.shape), "shares": packed(shares, "u1")}
+    surface = {"points": packed(first + voxel * points, "<f4"), "faces": packed(faces, "<u4")}
+    surface["values"] = packed(values, "u1")
+    return {"type": "reach", "best": best / max(n, 1), "words": words, **cubes, **surface}

@@ -1,0 +1,163 @@
+"""The reach on the pages: what they are told agrees with the map. Without one a quick one is made."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from numpy.typing import NDArray
+
+from catalogue import load
+from recorded_poses import ask, done
+from twistarm import Arm, InputError, ReachMap, Viewer, reach_map
+from twistarm.cli.application import run
+from twistarm.support.strict_json import encode
+from twistarm.sweeps.grid import Grid, sphere
+from twistarm.viewer.files.scene_snapshot import on_show
+from twistarm.viewer.parts.reach import drawing, quick
+from twistarm.viewer.protocol.jobs import ReplacedError
+from twistarm.viewer.scene.arm_scene import build_scene
+from twistarm.viewer.stage import Stage
+from twistarm.viewer.state_transfer import carry
+from viewer_page import Page, stored
+
+ROVER = load("rover_arm")
+
+
+@pytest.fixture(scope="module")
+def m() -> ReachMap:
+    return reach_map(ROVER, 0.2, 26, method="fk", samples=100_000)
+
+
+def shares_at(drawn: dict[str, Any], p: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The share that pages draw at points (k, 3), by the nearest centre of a cube."""
+    bytes_ = np.frombuffer(base64.b64decode(drawn["shares"]), np.uint8).reshape(drawn["shape"])
+    centres = [first + drawn["voxel"] * np.arange(n) for first, n in zip(drawn["first"], drawn["shape"], strict=True)]
+    nearest = [np.abs(axis - each[:, None]).argmin(axis=1) for axis, each in zip(centres, p.T, strict=True)]
+    return bytes_[tuple(nearest)] / 255 * drawn["best"]
+
+
+def drawn_on(stage: Stage) -> list[dict[str, Any]]:
+    return [message for message in stage.messages() if message["type"] == "reach"]
+
+
+def test_pages_are_told_the_shares_of_the_map(m: ReachMap) -> None:
+    drawn = drawing(m)
+    p = ROVER.fk(ROVER.random_theta(3, 500))[:, :3, 3]
+    assert m.at(p).max() > 0.1
+    assert_allclose(shares_at(drawn, p), m.at(p), atol=drawn["best"] / 255)
+    assert_array_equal(shares_at(drawn, p) > 0, m.at(p) > 0)
+    assert drawn["best"] == m.share.max()
+    corners = np.frombuffer(base64.b64decode(drawn["points"]), "<f4").reshape(-1, 3)
+    ends = m.grid.centres(np.flatnonzero(m.counts))
+    assert_allclose([corners.min(axis=0), corners.max(axis=0)], [ends.min(axis=0), ends.max(axis=0)], atol=0.11)
+    faces = np.frombuffer(base64.b64decode(drawn["faces"]), "<u4")
+    assert faces.max() == len(corners) - 1 == len(base64.b64decode(drawn["values"])) - 1
+
+
+def test_fine_maps_are_drawn_coarser_by_the_best_of_their_cubes(m: ReachMap) -> None:
+    counts = np.zeros((161, 5, 4), dtype=np.uint16)
+    counts[0, 1, 2], counts[160, 4, 3] = 3, 26
+    fine = replace(m, grid=Grid(0.01, (-80, 2, 7), counts.shape), counts=counts)
+    drawn = drawing(fine)
+    assert drawn["shape"] == [54, 2, 2]
+    assert_allclose(drawn["first"], [-0.79, 0.03, 0.08])
+    p = fine.grid.centres(np.array([0, np.ravel_multi_index((160, 4, 3), counts.shape)]))
+    assert_allclose(shares_at(drawn, p), [3 / 26, 1.0], atol=1 / 255)
+    ur5 = load("ur5")
+    assert len(encode(drawing(reach_map(ur5, 0.05, 26, method="fk", samples=300_000)))) < 2e6
+
+
+def test_nothing_reached_is_drawn_as_nothing(m: ReachMap) -> None:
+    drawn = drawing(replace(m, counts=np.zeros_like(m.counts)))
+    assert (drawn["best"], drawn["points"], drawn["faces"]) == (0.0, "", "")
+
+
+def test_a_quick_map_is_made_when_it_is_first_switched_on() -> None:
+    stage = Stage(ROVER)
+    assert ask(stage, "visible", what="frames", visible=True) is None
+    assert ask(stage, "visible", what="reach", visible=False) is None
+    job = ask(stage, "visible", what="reach", visible=True)
+    assert job is not None
+    assert job.key == "reach"
+    assert drawn_on(stage) == []
+    shares: list[float] = []
+    job.finish(job.work(shares.append))
+    assert shares == sorted(shares)
+    assert len(shares) > 10
+    (first,), (second,) = drawn_on(stage), drawn_on(stage)
+    assert first is second  # encoded once
+    assert 20 * first["voxel"] < 2 * sphere(ROVER)[1] < 40 * first["voxel"]
+    p = ROVER.fk(ROVER.random_theta(3, 500))[:, :3, 3]
+    assert (shares_at(first, p) > 0).mean() > 0.99
+    assert ask(stage, "visible", what="reach", visible=False) is None
+    assert ask(stage, "visible", what="reach", visible=True) is None
+
+
+def test_it_ends_where_a_later_job_waits() -> None:
+    def replaced(share: float) -> None:
+        raise ReplacedError
+
+    with pytest.raises(ReplacedError):
+        quick(ROVER, replaced)
+
+
+def test_a_map_of_the_program_stays_before_a_quick_one(m: ReachMap) -> None:
+    stage, drawn = Stage(ROVER), drawing(m)
+    job = ask(stage, "visible", what="reach", visible=True)
+    stage.show_reach(drawn)
+    done(job)
+    assert drawn_on(stage) == [drawn]
+    stage.show_reach(None)
+    assert not stage.visible["reach"]
+
+
+def test_a_map_stays_with_an_arm_that_reaches_the_same(m: ReachMap) -> None:
+    stage = Stage(ROVER)
+    stage.show_reach(drawing(m))
+    same, other = Stage(load("rover_arm")), Stage(load("scara"))
+    for new in (same, other):
+        carry(stage, new)
+    assert (len(drawn_on(same)), len(drawn_on(other))) == (1, 0)
+    assert other.visible["reach"]
+
+
+def test_it_is_saved_while_it_is_seen(m: ReachMap) -> None:
+    stage, scene = Stage(ROVER), build_scene(ROVER)
+    assert on_show(stage, scene).reach is None
+    stage.show_reach(drawing(m))
+    assert on_show(stage, scene).reach == drawing(m)
+    stage.show_reach(None)
+    assert on_show(stage, scene).reach is None
+
+
+def test_a_map_of_another_arm_is_refused(arm: Arm, viewer: Viewer, m: ReachMap) -> None:
+    with pytest.raises(InputError, match=f"another arm \\(rover_arm\\) than {arm.name}"):
+        viewer.show_reach(m)
+    own = reach_map(arm, 0.3, "position", method="fk", samples=1000)
+    viewer.show_reach(own)
+    with Page(viewer) as page:
+        page.until(lambda: page.latest.get("visible", {}).get("reach"))
+        assert page.latest["reach"] == drawing(own)
+        viewer.show_reach(None)
+        page.until(lambda: not page.latest["visible"]["reach"])
+
+
+def test_the_command_shows_a_map(
+    m: ReachMap, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, shown = str(m.save(tmp_path / "map.npz")), []
+    monkeypatch.setattr(Viewer, "open_page", lambda view: True)
+    monkeypatch.setattr(Viewer, "wait", lambda view: shown.append(view.save_html(tmp_path / "page.html")))
+    assert run(["view", "rover_arm", "--reach", file]) in (0, None)
+    assert stored(shown[0].read_text("utf-8"))["reach"] == drawing(m)
+    capsys.readouterr()
+    for refused in (["scara", "--reach", file], ["rover_arm", "--reach", file, "-o", str(tmp_path / "a.html")]):
+        assert run(["view", *refused]) == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1
+    assert len(shown) == 1
