@@ -149,6 +149,8 @@ def main() -> None:
     save_png(arm, PICTURES / "motion.png", trajectory=motion, size=(720, 480))
     gallery()
     run(["payload", "rover_arm_6dof", "-o", str(PICTURES / "payload.png"), "--force"])
+    file = str(DOCS.parent / "examples" / "urc_panel.toml")
+    run(["panel", "rover_arm", file, "-o", str(PICTURES / "panel.png"), "--force"])
     reach(load_arm("rover_arm_6dof"))
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_browser(), args=list(FLAGS))

@@ -30,7 +30,10 @@ from .control.servo import ServoStatus as ServoStatus
 from .control.servo import TwistCommand as TwistCommand
 from .control.servo import servo_step as servo_step
 from .description.findings import Finding as Finding
+from .design import best_parking as best_parking
+from .design import check_panel as check_panel
 from .design import compare_designs as compare_designs
+from .design import load_panel as load_panel
 from .design import payload as payload
 from .ik import AllSolutions as AllSolutions
 from .ik import AllSolutionsBatch as AllSolutionsBatch

@@ -97,6 +97,67 @@ def test_designs(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert "-0.5 … 0.5" in shown
 
 
+PANEL = """
+degrees = true
+[panel]
+xyz = [0.95, 0.0, 0.8]
+[parking]
+x = [-0.1, 0.1]
+[[task]]
+name = "key"
+kind = "press"
+xyz = [0.0, 0.0, 0.0]
+travel = 0.004
+[[task]]
+name = "far knob"
+kind = "turn"
+xyz = [0.0, 3.0, 0.0]
+angle = 90
+"""
+
+
+def test_a_panel_as_table_json_and_files(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+    Path("panel.toml").write_text(PANEL, "utf-8")
+    shown = printed(capsys, "panel", "rover_arm", "panel.toml", "-o", "p.png", "-o", "p.csv", code=1)
+    *table, why, sentence, png, motion = shown.splitlines()
+    assert max(map(len, table)) <= 80
+    (row,) = (line.split() for line in table if line.startswith("key "))
+    assert row[:3] == ["key", "press", "done"]
+    assert why.startswith("far knob, out_of_reach: in front of it: ")
+    assert sentence.startswith("1 of 2 tasks")
+    assert (png, motion) == ("written: p.png", "written: p.csv")
+    assert Path("p.png").read_bytes().startswith(b"\x89PNG")
+    moved = twistarm.load_trajectory(twistarm.load_arm("rover_arm"), "p.csv")
+    place = sentence.split('"')[1]
+    assert run(["panel", "rover_arm", "panel.toml", "--base-pose", place, "--json"]) == 1
+    content = json.loads(capsys.readouterr().out)
+    assert (content["done"], content["share"]) == (1, 0.5)
+    assert np.isclose(content["base"]["x"], float(place.split()[0]), atol=1e-4)
+    key, knob = content["tasks"]
+    assert (key["code"], knob["code"]) == ("done", "out_of_reach")
+    assert row[3] == key["joint"]
+    unit = {"slide": 1.0}.get(key["joint"], np.pi / 180)
+    assert np.isclose(float(row[4].rstrip("°")) * unit, key["margin"], atol=0.006 * unit)
+    assert knob["margin"] is None
+    assert key["clearance"] is None
+    # The deepest point of the motion is 4 mm into the panel, which stands 0.95 m from the world's origin.
+    tip = moved(np.linspace(0.0, moved.duration, 2000))
+    reached = twistarm.load_arm("rover_arm").fk(tip)[:, 0, 3].max()
+    assert np.isclose(reached + float(place.split()[0]), 0.954, atol=2e-4)
+
+
+def test_no_task_done_writes_no_motion(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("panel.toml").write_text(PANEL.replace("0.95, 0.0, 0.8", "5.0, 0.0, 0.8"), "utf-8")
+    assert run(["panel", "rover_arm", "panel.toml", "-o", "p.csv", "-o", "p.png"]) == 1
+    out, err = capsys.readouterr()
+    assert "0 of 2 tasks" in out
+    assert "no motion is written" in err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["p.png", "panel.toml"]
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -106,6 +167,8 @@ def test_designs(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         (["payload", "rover_arm", "--voxel", "0"], "--voxel must be"),
         (["payload", "rover_arm", "-o", "x.pdf"], "-o takes *.csv or *.png"),
         (["designs", "rover_arm"], "Missing argument"),
+        (["panel", "rover_arm", "nowhere.toml"], "nowhere.toml"),
+        (["panel", "rover_arm", "nowhere.toml", "-o", "x.pdf"], "-o takes *.png or *.csv"),
         (["designs", "rover_arm", "ur5", "--xyz", "0.5 0 0.5"], "give two or more, or none"),
     ],
 )

@@ -17,6 +17,7 @@ import twistarm
 from catalogue import load
 from stream_stand_ins import Says
 from twistarm import calibration, stream
+from twistarm.design import Panel, PanelTask
 
 ARM, OTHER = load("rover_arm"), load("ur5")
 N, G = ARM.n, ARM.fk(ARM.ready)
@@ -112,7 +113,13 @@ CALIBRATION = calibration.calibrate(ARM, MEASURED)
 MAP = twistarm.reach_map(ARM, 0.5, method="fk", samples=1000)
 DESIGNS = twistarm.sweep({"a": ARM}, None, lambda arm: {"n": arm.n})
 
+PRESSED = PanelTask("key", "press", np.array([0.95, 0.0, 0.8]), np.eye(3)[0], 0.004 * np.eye(6)[0], "approach", True)
+PANEL = {"panel": Panel((PRESSED,), np.eye(4)), "base": np.eye(4), "scene": None}
+
 BY_CALL: dict[str, dict[str, Any]] = {
+    "check_panel": PANEL,
+    "best_parking": PANEL,
+    "load_panel": {"path": "panel.toml"},
     "reach_map": {"voxel": 0.5, "directions": "down", "method": "fk", "samples": 10, "folder": "chunks"},
     "ReachMap.slice": {"axis": "z", "at": 0.5},
     "ReachMap.base_poses": {"targets": [[1.0, 0.0, 0.2]], "yaws": 2},

@@ -16,11 +16,11 @@ from .output import as_written, note
 
 VALUES = "VALUES"
 POSE = "POSE"
-XYZ = "'X Y Z'"
+XYZ, PLACE = "'X Y Z'", "'X Y YAW'"
 RPY = "'R P Y'"
 WXYZ, XYZW = "'W X Y Z'", "'X Y Z W'"
 AXIS = "AXIS"
-NUMBERS = (VALUES, POSE, XYZ, RPY, WXYZ, XYZW, AXIS)
+NUMBERS = (VALUES, POSE, XYZ, PLACE, RPY, WXYZ, XYZW, AXIS)
 """The values in the help of options that take several numbers."""
 
 ROUNDING = 1e-6

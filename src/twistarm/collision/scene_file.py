@@ -17,7 +17,8 @@ from ..description.companions.toml_entries import parse_toml, toml_key, toml_tex
 from ..description.document import read_text
 from ..description.yaml_reading import parse_yaml
 from ..support.checks import Array, Given, as_flag, as_floats, as_number, as_vector, require_mapping, require_names
-from ..support.errors import InputError, TwistarmError, closest, listed
+from ..support.entries import only
+from ..support.errors import InputError, TwistarmError, listed
 from ..support.files import read_bounded
 from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw, to_rpy
 
@@ -84,27 +85,27 @@ def read_scene(path: Path) -> SceneFile:
 def _toml(path: Path) -> SceneFile:
     content = parse_toml(path, "a scene.toml")
     with _at(path, "at the top"):
-        _only(content, TOP)
+        only(content, TOP)
         angle = np.pi / 180.0 if as_flag(content.get("degrees", False), "degrees") else 1.0
         margin = content.get("margin")
         allowed = tuple(_pair(pair) for pair in content.get("allow", ()))
         arm = content.get("arm", "")
         if not isinstance(arm, str):
             raise InputError(f"arm must be the name of an arm; got {arm!r}")
-        only = as_flag(content.get("allow_only", False), "allow_only")
+        matrix = as_flag(content.get("allow_only", False), "allow_only")
     entries = [Entry("ground", "plane", (), np.eye(4))] if as_flag(content.get("ground", False), "ground") else []
     for kind in (*SIZES, "plane", "mesh"):
         tables = content.get(kind, [])
         for i, table in enumerate(tables if isinstance(tables, list) else [tables]):
             with _at(path, f"{kind} {i + 1}"):
                 entries.append(_entry(kind, table, angle, path.parent))
-    return SceneFile(arm, tuple(entries), allowed, margin, only)
+    return SceneFile(arm, tuple(entries), allowed, margin, matrix)
 
 
 def _entry(kind: str, value: Any, angle: float, folder: Path) -> Entry:
     table = require_mapping(value, kind, '{ name = "table" }')
     own = MESHES["vertices" in table] if kind == "mesh" else SIZES.get(kind, ())
-    _only(table, (*PLACE, *own, *(["scale"] if kind == "mesh" else [])))
+    only(table, (*PLACE, *own, *(["scale"] if kind == "mesh" else [])))
     missing = [name for name in ("name", *own) if name not in table]
     if missing:
         raise InputError(f"it needs {listed(missing)}")
@@ -374,9 +375,3 @@ def _at(path: Path, place: str) -> Iterator[None]:
         raise InputError(f"{path}, {place}: {error}") from error
     except (KeyError, TypeError, ValueError, IndexError, AttributeError, StopIteration, RuntimeError) as error:
         raise InputError(f"{path}, {place}: an entry is missing or of the wrong kind ({error})") from error
-
-
-def _only(table: Mapping[str, Any], allowed: tuple[str, ...]) -> None:
-    for key in table:
-        if key not in allowed:
-            raise InputError(f"unknown entry {key!r}{closest(key, allowed)}; allowed: {listed(allowed, 20)}")

@@ -12,12 +12,14 @@ from ..checking.doctor.postures import POOR
 from ..ik import reachable, solve_ik
 from ..ik.targets import Target
 from ..planning import JointMove, PathError, plan
-from ..support.checks import Array
+from ..support.checks import Array, require
 from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, shown
 from ..sweeps.grid import Grid, sphere
 from ..theory.manipulability import Manipulability, scaled_jacobian
 from .extremes import with_extremes
+from .panel import Panel
+from .parking import best_parking
 from .payload import payload
 
 SAMPLES, CUBES = 2000, 40
@@ -36,6 +38,7 @@ class Design(Brief):
     `condition` is the median condition number in the directions that the arm has, and `singular` the share of
     configurations where it is above 100. `payload` [kg] is the least and `median_payload` the median, at rest.
     `mass` [kg] is that of the moving links. `duration` [s] is that of the motion.
+    `panel` is the share of a panel's tasks that the arm does, parked where it does most.
     """
 
     name: str
@@ -50,6 +53,7 @@ class Design(Brief):
     mass: float
     duration: float
     notes: tuple[str, ...]
+    panel: float = np.nan
 
     def against(self, other: Design) -> str:
         """What this design does better and worse than another, in a sentence."""
@@ -65,17 +69,22 @@ class Design(Brief):
             if ALIKE * its < abs(mine - its) < np.inf and (its or unit != "%"):  # nor NaN
                 size = float(f"{abs(mine - its) * (100.0 / its if unit == '%' else 1.0):.2g}")
                 said.append(f"{verb} {size:g} {unit} {'more' if mine > its else 'less'}")
+        if (more := 100.0 * (self.panel - other.panel)) and np.isfinite(more):
+            said.append(f"does {abs(more):.2g} % {'more' if more > 0.0 else 'less'} of the panel")
         words = " and ".join(filter(None, [", ".join(said[:-1]), *said[-1:]]))
         return f"{self.name} {words} than {other.name}" if said else f"{self.name} does the same as {other.name}"
 
 
-def compare_designs(arms: Sequence[Arm], poses: Sequence[Target | Array] = ()) -> tuple[Design, ...]:
+def compare_designs(
+    arms: Sequence[Arm], poses: Sequence[Target | Array] = (), panel: Panel | None = None
+) -> tuple[Design, ...]:
     """Each arm in the same numbers, estimated by samples to about 1 %.
 
     Args:
         arms: Two arms or more. Equal names get numbers.
         poses: Two targets or more for the tool; each arm plans joint moves through them, at rest at each. () for no
             motion. An arm that misses a pose has the duration NaN, and a note.
+        panel: Tasks that `best_parking` tries with each arm, or None.
 
     Raises:
         InputError: There are fewer than two arms, or a single pose.
@@ -84,13 +93,15 @@ def compare_designs(arms: Sequence[Arm], poses: Sequence[Target | Array] = ()) -
         raise InputError(f"arms must be a list of two or more; got {shown(arms)}")
     if not isinstance(poses, Sequence) or len(poses) == 1:
         raise InputError(f"poses must be a list of two targets or more, or (); got {shown(poses)}")
+    if panel is not None:
+        require(panel, Panel, "panel", "which load_panel reads")
     names = [require_arm(arm).name for arm in arms]
     names = [f"{name} ({i + 1})" if names.count(name) > 1 else name for i, name in enumerate(names)]
-    return tuple(_design(name, arm, poses) for name, arm in zip(names, arms, strict=True))
+    return tuple(_design(name, arm, poses, panel) for name, arm in zip(names, arms, strict=True))
 
 
-def _design(name: str, arm: Arm, poses: Sequence[Target | Array]) -> Design:
-    volume = least = median = mass = duration = np.nan
+def _design(name: str, arm: Arm, poses: Sequence[Target | Array], panel: Panel | None) -> Design:
+    volume = least = median = mass = duration = share = np.nan
     notes: list[str] = []
     try:
         if len(poses):
@@ -108,13 +119,17 @@ def _design(name: str, arm: Arm, poses: Sequence[Target | Array]) -> Design:
         volume = _volume(arm)
     except TwistarmError as error:  # not in the compiled core
         notes.append(f"no volume: {error}")
+    try:
+        share = np.nan if panel is None else len(best_parking(arm, panel).done) / len(panel.tasks)
+    except TwistarmError as error:  # not in the compiled core, or no shapes
+        notes.append(f"no panel: {error}")
     # As `arm.manipulability`, whose axes take long.
     J = scaled_jacobian(arm.body_jacobian(arm.random_theta(0, SAMPLES)), arm._prismatic, arm.reach)
     measured = Manipulability(np.asarray(np.linalg.svd(J, compute_uv=False), np.float64), np.empty(0), arm.reach)
     condition = measured.condition_in(max(int(measured.rank.max()), 1))
     dexterity = float(np.median(condition)), float((condition > POOR).mean())
     numbers = arm.reach, _farthest(arm), volume, *dexterity, least, median, mass, duration
-    return Design(name, arm, *numbers, tuple(notes))
+    return Design(name, arm, *numbers, tuple(notes), share)
 
 
 def _farthest(arm: Arm) -> float:

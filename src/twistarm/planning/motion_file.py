@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,16 +16,15 @@ from ..ik.targets import Approach, Pose, Position, TolerancedPose
 from ..support.checks import (
     Array,
     as_flag,
-    as_floats,
     as_not_negative,
-    as_number,
     as_positive,
     as_reals,
     as_theta,
     require_choice,
     require_mapping,
 )
-from ..support.errors import InputError, TwistarmError, closest, listed, shown
+from ..support.entries import at, only, real, three
+from ..support.errors import InputError, listed, shown
 from ..support.files import as_path
 from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
@@ -87,8 +85,8 @@ class _Reader:
         self.angle = 1.0
 
     def motion(self) -> MotionFile:
-        with self._at("at the top"):
-            _only(self.content, TOP_LEVEL)
+        with at(self.file, "at the top"):
+            only(self.content, TOP_LEVEL)
             if as_flag(self.content.get("degrees", False), "degrees"):
                 self.angle = np.pi / 180.0
             limits = require_mapping(self.content.get("limits", {}), "limits", "{ acceleration = 3.0 }")
@@ -105,20 +103,13 @@ class _Reader:
                 raise InputError(f"there is no segment: write [[segment]] and under it one of {', '.join(KINDS)}")
         segments = []
         for i, entry in enumerate(entries):
-            with self._at(f"segment {i + 1}"):
+            with at(self.file, f"segment {i + 1}"):
                 segments.append(self._segment(entry))
         return MotionFile(tuple(segments), start, kind, limits, **whole, unwrap=unwrap, scene=scene)
 
-    @contextmanager
-    def _at(self, place: str) -> Iterator[None]:
-        try:
-            yield
-        except TwistarmError as error:
-            raise InputError(f"{self.file}, {place}: {error}") from error
-
     def _segment(self, entry: Any) -> Segment:
         table = require_mapping(entry, "a segment", '{ line = "ready" }')
-        _only(table, (*KINDS, *OPTIONS))
+        only(table, (*KINDS, *OPTIONS))
         kinds = [kind for kind in KINDS if kind in table]
         if len(kinds) != 1:
             raise InputError(f"it needs one of {', '.join(KINDS)}; got {listed(kinds) or 'none of them'}")
@@ -136,30 +127,30 @@ class _Reader:
 
     def _line(self, value: Any, options: dict[str, Any]) -> Segment:
         if table := _described(value, ("by",), ("frame", "constrain")):
-            return LineMove.by(_three(table, "by"), **_present(table, "frame", "constrain"), **options)
+            return LineMove.by(three(table, "by"), **_present(table, "frame", "constrain"), **options)
         return LineMove(self._goal(value), **options)
 
     def _screw(self, value: Any, options: dict[str, Any]) -> Segment:
         if table := _described(value, ("axis", "point", "angle"), ("pitch", "constrain")):
-            axis, point, angle = _three(table, "axis"), _three(table, "point"), self._number(table, "angle")
+            axis, point, angle = three(table, "axis"), three(table, "point"), self._number(table, "angle")
             pitch = self._number(table, "pitch") if "pitch" in table else 0.0
             return ScrewMove.about(axis, point, angle, pitch, **_present(table, "constrain"), **options)
         return ScrewMove(self._goal(value), **options)
 
     def _arc(self, value: Any, options: dict[str, Any]) -> Segment:
         if table := _described(value, ("axis", "centre", "angle"), ("turn", "constrain")):
-            axis, centre, angle = _three(table, "axis"), _three(table, "centre"), self._number(table, "angle")
+            axis, centre, angle = three(table, "axis"), three(table, "centre"), self._number(table, "angle")
             return ArcMove.about(axis, centre, angle, **_present(table, "turn", "constrain"), **options)
         through = _described(value, ("via", "to"), ())
         if through is None:
             raise InputError(f"arc takes via and to, or axis, centre and angle; got {shown(value)}")
         via = through["via"]
         return ArcMove(
-            self._target(via) if isinstance(via, dict) else _three(through, "via"), self._goal(through["to"]), **options
+            self._target(via) if isinstance(via, dict) else three(through, "via"), self._goal(through["to"]), **options
         )
 
     def _dwell(self, value: Any, options: dict[str, Any]) -> Segment:
-        _only(options, ("label",))
+        only(options, ("label",))
         return Dwell(as_not_negative(self._number({"dwell": value}, "dwell"), "dwell"), **options)
 
     def _scene(self, value: Any) -> Path:
@@ -186,20 +177,20 @@ class _Reader:
             return theta
         if not isinstance(value, dict) or not value:
             raise InputError(f'a goal is "ready", {{ elbow = 0.5 }} or {{ xyz = [0.5, 0.0, 0.6] }}; got {shown(value)}')
-        _only(value, (*self.arm.joint_names, *GOAL))
+        only(value, (*self.arm.joint_names, *GOAL))
         joints = [name for name in value if name in self.arm.joint_names]
         if not joints:
             return self._target(value)
         if len(joints) < len(value):
             raise InputError(f"a goal is a target or values of joints, not both; got {listed(value)}")
         factors = dict(zip(self.arm.joint_names, per_joint.tolist(), strict=True))
-        return {joint: _real(each, joint) * factors[joint] for joint, each in value.items()}
+        return {joint: real(each, joint) * factors[joint] for joint, each in value.items()}
 
     def _target(self, table: Mapping[str, Any]) -> Pose | Position | Approach | TolerancedPose:
-        _only(table, GOAL)
+        only(table, GOAL)
         if "xyz" not in table:
             raise InputError(f"xyz is missing beside {listed(table)}: a target says where the tool is to be")
-        p = _three(table, "xyz")
+        p = three(table, "xyz")
         turned = [name for name in ("rpy", "quaternion_wxyz", "direction") if name in table]
         if len(turned) > 1:
             which = " or ".join(turned)
@@ -208,13 +199,13 @@ class _Reader:
         _needs(table, "tolerance", ("rpy", "quaternion_wxyz"))
         _needs(table, "frame", ("tolerance",))
         if "direction" in table:
-            return Approach(p, _three(table, "direction"), _three(table, "tool_axis") if "tool_axis" in table else None)
+            return Approach(p, three(table, "direction"), three(table, "tool_axis") if "tool_axis" in table else None)
         if not turned:
             return Position(p)
         g = np.eye(4)
         g[:3, 3] = p
         if "rpy" in table:
-            g[:3, :3] = from_rpy(self.angle * _three(table, "rpy"))
+            g[:3, :3] = from_rpy(self.angle * three(table, "rpy"))
         else:
             g[:3, :3] = from_quaternion_wxyz(table["quaternion_wxyz"])
         if "tolerance" not in table:
@@ -228,14 +219,14 @@ class _Reader:
         return TolerancedPose(g, tolerance * np.repeat([1.0, self.angle], 3), table.get("frame", "target"))
 
     def _number(self, table: Mapping[str, Any], name: str) -> float:
-        return _real(table[name], name) * (self.angle if name in ANGLES else 1.0)
+        return real(table[name], name) * (self.angle if name in ANGLES else 1.0)
 
 
 def _described(value: Any, needed: Sequence[str], others: Sequence[str]) -> Mapping[str, Any] | None:
     """The table of a move without a goal: all of `needed`, and any of `others`."""
     if not isinstance(value, dict) or not set(value) & {*needed, *others}:
         return None
-    _only(value, (*needed, *others))
+    only(value, (*needed, *others))
     if missing := [name for name in needed if name not in value]:
         raise InputError(
             f"{' and '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing beside {listed(value)}"
@@ -251,24 +242,3 @@ def _needs(table: Mapping[str, Any], name: str, others: Sequence[str]) -> None:
     """Refuse an entry that has no meaning without one of the `others`."""
     if name in table and not set(others) & set(table):
         raise InputError(f"{name} goes with {' or '.join(others)}, and it is missing beside it")
-
-
-def _real(value: Any, name: str) -> float:
-    """Return a finite number. Booleans are refused."""
-    if isinstance(value, bool):
-        raise InputError(f"{name} must be a number; got {str(value).lower()}")
-    return as_number(value, name)
-
-
-def _three(table: Mapping[str, Any], name: str) -> Array:
-    """Three numbers [x, y, z]."""
-    numbers = as_floats(table[name], name)
-    if numbers.shape != (3,):
-        raise InputError(f"{name} must be three numbers, as in [0.5, 0.0, 0.6]; got {shown(table[name])}")
-    return numbers
-
-
-def _only(table: Mapping[str, Any], allowed: Sequence[str]) -> None:
-    for key in table:
-        if key not in allowed:
-            raise InputError(f"unknown entry {key!r}{closest(key, allowed)} (allowed: {listed(allowed, 20)})")

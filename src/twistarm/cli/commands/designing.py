@@ -12,7 +12,7 @@ import typer
 
 from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
-from ...design import Cubes, Needs, Payload, compare_designs
+from ...design import Cubes, Needs, Payload, compare_designs, load_panel
 from ...design import payload as payload_of
 from ...support.checks import Array, as_not_negative, as_positive
 from ...support.csv_lines import csv_text
@@ -29,6 +29,7 @@ from .kinematics import warn_outside
 from .motion import Directions, Positions, Rpys
 
 Motion = Annotated[Path | None, typer.Option(metavar="FILE", help="Along a motion: *.csv, *.json, *.yaml or *.toml.")]
+Panel = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]
 Mass = Annotated[float, typer.Option(metavar="KG", help="A wanted payload: what each joint and motor needs for it.")]
 Voxel = Annotated[
     float | None, typer.Option(metavar="M", help="-o writes the payload over space, in cubes of this side.")
@@ -176,7 +177,7 @@ def _cubes_picture(name: str, cubes: Cubes, voxel: float) -> bytes:
 NUMBERS = (
     ("reach [m]", "reach"), ("farthest [m]", "farthest"), ("volume [m³]", "volume"), ("condition, median", "condition"),
     ("near-singular, share", "singular"), ("least payload [kg]", "payload"), ("median payload [kg]", "median_payload"),
-    ("moving mass [kg]", "mass"), ("motion [s]", "duration"),
+    ("moving mass [kg]", "mass"), ("motion [s]", "duration"), ("panel, share done", "panel"),
 )  # fmt: skip
 """The rows of the table of designs."""
 
@@ -189,17 +190,19 @@ def designs(
     xyz: Positions = None,
     rpy: Rpys = None,
     direction: Directions = None,
+    panel: Panel = None,
     output: Tables = None,
     force: Force = False,
     rad: Radians = False,
     json: Json = False,
 ) -> None:
-    """Compare arms: reach, dexterity, payload, mass, joint ranges, and the time of a motion through --xyz."""
+    """Compare arms: reach, dexterity, payload, mass, joint ranges, the time of a motion through --xyz, a --panel."""
     outputs = outputs_of(output, KINDS, force=force, json=json)
     targets = typed_targets(xyz or (), rpy or (), direction or (), None, rad)
     if len(targets) == 1:
         raise InputError("a motion leads from one --xyz to another: give two or more, or none")
-    found = compare_designs([load_arm(each, **load) for each in (source, *others)], targets)
+    asked = None if panel is None else load_panel(panel)
+    found = compare_designs([load_arm(each, **load) for each in (source, *others)], targets, asked)
     against = [each.against(found[0]) for each in found[1:]]
     for name, why in ((each.name, why) for each in found for why in each.notes):
         note(f"{name}: {why}")

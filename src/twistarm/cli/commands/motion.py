@@ -32,8 +32,8 @@ from ..wording import in_options
 MOST_STRETCHES = 8
 """So many rows of active limits are shown; --json has them all."""
 
-FILES = {"csv": (".csv",), "json": (".json",), "yaml": (".yaml", ".yml"), "header": SUFFIXES}
-"""The kinds of files, with their endings."""
+MOTION_KINDS = {"csv": (".csv",), "json": (".json",), "yaml": (".yaml", ".yml"), "header": SUFFIXES}
+"""The kinds of files that hold a motion."""
 
 COUNTED = ("csv", "header")
 """The kinds of files that may hold what drives count in place of the joints."""
@@ -186,7 +186,7 @@ def plan(
     asked = replace(asked, scene=scene)
     given = capped(arm, {"velocity": velocity, "acceleration": acceleration}, {} if file is None else file.limits)
     limits = with_defaults(arm, given)
-    outputs = outputs_of(output, FILES, form, force=force, json=json)
+    outputs = outputs_of(output, MOTION_KINDS, form, force=force, json=json)
     if counts and any(kind not in COUNTED for kind, _ in outputs.files):
         raise InputError("--counts goes with *.csv and *.h: a JointTrajectory is in rad and m")
     with progress_bar("planning") as progress:
@@ -201,7 +201,7 @@ def plan(
         note(_start(arm, rad))
     for each in planned.notes:
         note(each)
-    written = _write(outputs, planned, dt, counts)
+    written = outputs.write(motion_texts(planned, outputs, dt, counts=counts))
     active = active_limits(arm, planned, limits=limits, segments=segments)
     nearest = None if scene is None else scene.clearance(planned.breakpoints, planned.coefficients)
     if json:
@@ -219,17 +219,15 @@ def plan(
     outputs.say(written)
 
 
-def _write(outputs: Outputs, planned: Trajectory, dt: float, counts: bool) -> list[str]:
-    """Write the files of a motion, and return their names."""
+def motion_texts(planned: Trajectory, outputs: Outputs, dt: float, *, counts: bool = False) -> dict[str, Any]:
+    """What writes a motion, by the kind of file."""
     header = next((name for kind, name in outputs.files if kind == "header" and name != STDOUT), "motion.h")
-    return outputs.write(
-        {
-            "csv": lambda: csv_text(planned, dt, counts=counts),
-            "json": lambda: json_text(planned, dt),
-            "yaml": lambda: yaml_text(planned, dt),
-            "header": lambda: header_text(planned, header, counts=counts),
-        }
-    )
+    return {
+        "csv": lambda: csv_text(planned, dt, counts=counts),
+        "json": lambda: json_text(planned, dt),
+        "yaml": lambda: yaml_text(planned, dt),
+        "header": lambda: header_text(planned, header, counts=counts),
+    }
 
 
 def _start(arm: Arm, radians: bool) -> str:

@@ -1,0 +1,124 @@
+"""`panel`: the tasks of a panel, where the rover parks for them, and the motions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from ...arm.arm import Arm
+from ...design import PanelReport, best_parking, check_panel, load_panel
+from ...design.panel_picture import panel_picture
+from ...support.checks import as_positive
+from ...theory.rotations import to_rpy
+from ..avoiding import Avoid, avoided
+from ..options import Json, Radians, takes_arm
+from ..output import console, note, number, print_json, progress_bar, say, table
+from ..outputs import Force, Outputs, outputs_of
+from ..typed import PLACE, parse_numbers
+from .motion import MOTION_KINDS, Step, motion_texts
+
+PanelFile = Annotated[Path, typer.Argument(metavar="PANEL", help="A panel.toml with tasks, and where to park.")]
+BasePose = Annotated[
+    str | None,
+    typer.Option(
+        "--base-pose", metavar=PLACE, help="Check x, y [m] and yaw [°, or rad with --rad] instead of a search."
+    ),
+]
+Speed = Annotated[
+    float | None, typer.Option("--linear-speed", metavar="M/S", help="The tool goes no faster in the motion of -o.")
+]
+Files = Annotated[
+    list[str] | None,
+    typer.Option("--output", "-o", metavar="FILE", help="A picture to *.png, the motion as plan does; repeat it."),
+]
+
+
+@takes_arm
+def panel(
+    arm: Arm,
+    file: PanelFile,
+    base_pose: BasePose = None,
+    avoid: Avoid = None,
+    linear_speed: Speed = None,
+    output: Files = None,
+    force: Force = False,
+    dt: Step = 0.01,
+    rad: Radians = False,
+    json: Json = False,
+) -> int:
+    """Tell which tasks of a panel the arm does, why it fails at others, and where the rover parks best."""
+    outputs = outputs_of(output, {"png": (".png",), **MOTION_KINDS}, force=force, json=json)
+    as_positive(dt, "--dt")
+    asked = load_panel(file)
+    place = None if base_pose is None else parse_numbers(base_pose, 3, "--base-pose")
+    scene = avoided(arm, avoid)
+    with progress_bar("tasks") as progress:
+        if place is None:
+            found = best_parking(arm, asked, scene, progress)
+        else:
+            x, y, yaw = place.tolist()
+            base = asked.base_at(x, y, yaw if rad else np.radians(yaw))
+            found = check_panel(arm, asked, base, scene, progress)
+    if not json:
+        console(outputs.words).print(_table(found, rad))
+        missed = [f"{each.task.name}, {each.code}: {each.why}" for each in found.results if each.code != "done"]
+        say(*missed, _sentence(found, rad), file=outputs.words)
+    written = _write(found, outputs, dt, linear_speed)
+    if json:
+        print_json(_as_json(found) | {"written": written})
+    outputs.say(written if not json else ())
+    return int(len(found.done) < len(found.results))
+
+
+def _write(found: PanelReport, outputs: Outputs, dt: float, speed: float | None) -> list[str]:
+    texts: dict[str, Any] = {"png": lambda: panel_picture(found)}
+    pictures = tuple(each for each in outputs.files if each[0] == "png")
+    if not found.done and len(pictures) < len(outputs.files):
+        note("no task is done, so no motion is written")
+        outputs = replace(outputs, files=pictures)
+    if len(pictures) < len(outputs.files):
+        with progress_bar("planning") as progress:
+            motion = found.motion(linear_speed=speed, progress=progress)
+        for each in motion.notes:
+            note(each)
+        texts |= motion_texts(motion, outputs, dt)
+    return outputs.write(texts)
+
+
+def _table(found: PanelReport, radians: bool) -> Any:
+    rows = []
+    for each in found.results:
+        nearest = ""
+        if each.code == "done":
+            unit = found.arm.units[found.arm.joint_names.index(each.joint)]
+            turns = unit == "rad" and not radians
+            margin = number(np.degrees(each.margin) if turns else each.margin, 2)
+            nearest = f"{each.joint} {margin}{'°' if turns else f' {unit}'}"
+        measured = [number(value, 1) if nearest else "" for value in (each.condition, 1e3 * each.clearance)]
+        rows.append([each.task.name, each.task.kind, each.code, nearest, *measured])
+    heads = ["task", "kind", "verdict", "nearest limit", "condition", "clearance [mm]"]
+    return table(f"{found.arm.name}: tasks of the panel", heads, rows, heads[1:4])
+
+
+def _base(found: PanelReport) -> dict[str, float]:
+    x, y, z = found.base[:3, 3]
+    return {"x": x, "y": y, "z": z, "yaw": to_rpy(found.base[:3, :3])[2]}
+
+
+def _sentence(found: PanelReport, radians: bool) -> str:
+    x, y, _, yaw = _base(found).values()
+    typed = " ".join(number(value, 4) for value in (x, y, yaw if radians else np.degrees(yaw)))
+    done = f"{len(found.done)} of {len(found.results)} tasks are done"
+    return f'{done} with the arm\'s base at --base-pose "{typed}"' + " --rad" * radians
+
+
+def _as_json(found: PanelReport) -> dict[str, Any]:
+    tasks = [
+        vars(one) | {"task": one.task.name, "kind": one.task.kind, "theta": one.theta[:1]} for one in found.results
+    ]
+    share = {"done": len(found.done), "share": len(found.done) / len(tasks)}
+    return {"arm": found.arm.name, **share, "base": _base(found), "tasks": tasks}
