@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.directions import nearest_axes
-from .targets import AnyTarget
+from .targets import AnyTarget, Approach, Pose
 
 RANK_SAMPLES = 16
 """Random configurations among which a rank is the largest; almost every one has it."""
@@ -32,8 +33,20 @@ SETTLED = 1e-7
 ROTATION_MET = 1e-3
 """Rotation error [rad] that an unreachable position may cause in a rotation held by `HELD_WEIGHT`."""
 
+SIDESTEP = 0.2
+"""Distance [rad, m] along the arm's freedom at which a plane is checked again."""
+
 MISSED = 1e-9
 """A position error [m] above this is more than rounding."""
+
+HELD = 1e-10
+"""Precision [m] of the held position on the way there."""
+
+STEPS = 20
+"""Newton steps on that way. Without singularities four suffice."""
+
+SAME_PLANE = 1e-6
+"""Greatest difference of two unit normals of one plane."""
 
 
 class Split(NamedTuple):
@@ -109,3 +122,65 @@ def out_of_surface(arm: Arm, target: AnyTarget, theta: Array) -> Array:
     immovable = nearest_axes(across @ across.T, across.shape[1]).T
     missed: Array = immovable[np.abs(immovable @ offset) > MISSED]
     return missed
+
+
+def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, float] | None:
+    """The plane in which the approach axis can turn with the position held, or None.
+
+    The answer is its unit normal (3,) in base axes, and the wanted approach's angle to it [rad]. In such a plane the
+    arm's free motions turn the axis a, ȧ = ω × a of rank 1. The plane is the same a good way along them.
+    """
+    wanted = _approach(arm, target)
+    if wanted is None:
+        return None
+    tool_axis, direction = wanted
+    normal = _approach_normal(arm, target, theta, tool_axis)
+    if normal is None:
+        return None
+    g, J_b = arm._fk_and_body_jacobian(theta)
+    for motion in _holding_position(target, g, J_b).T:
+        moved = _moved_to(arm, g[:3, 3], theta + SIDESTEP * motion)
+        there = _approach_normal(arm, target, moved, tool_axis)
+        if there is None or np.linalg.norm(np.cross(there, normal)) > SAME_PLANE:
+            return None
+    return normal, math.asin(min(abs(float(normal @ direction)), 1.0))
+
+
+def _moved_to(arm: Arm, p: Array, theta: Array) -> Array:
+    """A theta nearby with the tool's origin at p (3,), limits aside, by Newton's shortest steps."""
+    for _ in range(STEPS):
+        g, J_b = arm._fk_and_body_jacobian(theta)
+        offset = g[:3, :3].T @ (p - g[:3, 3])
+        if np.linalg.norm(offset) <= HELD:
+            break
+        theta = theta + np.linalg.pinv(J_b[:3], rcond=RANK_TOL) @ offset
+    return theta
+
+
+def _approach_normal(arm: Arm, target: AnyTarget, theta: Array, tool_axis: Array) -> Array | None:
+    """The normal of the plane of the approach axis at theta, in base axes, or None."""
+    g, J_b = arm._fk_and_body_jacobian(theta)
+    turning = np.cross((J_b[3:] @ _holding_position(target, g, J_b)).T, tool_axis)
+    _, size, directions = np.linalg.svd(turning)
+    if not len(turning) or size[0] <= RANK_TOL or (size[1:] > RANK_TOL * size[0]).any():
+        return None
+    normal: Array = g[:3, :3] @ np.cross(tool_axis, directions[0])
+    return normal
+
+
+def _approach(arm: Arm, target: AnyTarget) -> tuple[Array, Array] | None:
+    """The tool axis and its wanted direction (base axes), for targets with both."""
+    if isinstance(target, Approach):
+        return target.axis, target.direction
+    if isinstance(target, Pose):
+        return arm.tool_axis, target.g[:3, :3] @ arm.tool_axis
+    return None
+
+
+def _holding_position(target: AnyTarget, g: Array, J_b: Array) -> Array:
+    """Joint velocities (n, k) that keep the target's position error."""
+    rows = target._position_rows(g, J_b)[1]
+    _, size, Vt = np.linalg.svd(rows)
+    rank = int((size > RANK_TOL * size.max(initial=0.0)).sum())
+    motions: Array = Vt[rank:].T
+    return motions

@@ -10,10 +10,10 @@ import numpy as np
 from ..arm.inability import cannot_move, cannot_turn, position_limit
 from ..support.caller_words import argument, quantity
 from ..support.checks import Array
-from ..support.directions import value_in_words
+from ..support.directions import axis_in_words, value_in_words
 from ..support.errors import printable
 from ..support.unit_hints import length_hint
-from .abilities import out_of_surface, short_of, split_rotation
+from .abilities import approach_plane, out_of_surface, short_of, split_rotation
 from .answer import NEAREST, StopReason
 from .ranges import joint_ranges
 from .targets import Approach, Pose, TolerancedPose
@@ -181,14 +181,19 @@ def _missing(solution: IKResult) -> list[str]:
 
 
 def _impossible(solution: IKResult, theta: Array) -> list[str]:
-    """The rotation beyond all joints at theta (n,)."""
+    """The rotation beyond all joints at theta (n,), and the plane of the approach."""
     arm, target = solution.arm, solution.target
     split = split_rotation(arm, target, theta)
     lacks = solution.stop is StopReason.IMPOSSIBLE_DIRECTION
     if split.impossible <= (0.0 if lacks else NEGLIGIBLE):
         return []
     held = "the position" if len(target._position_tolerance) else ""
-    return [f"{cannot_turn(split.axis, 'tool', held)}; {_degrees(split.impossible)} of the rotation are missing"]
+    lines = [f"{cannot_turn(split.axis, 'tool', held)}; {_degrees(split.impossible)} of the rotation are missing"]
+    plane = approach_plane(arm, target, theta)
+    if plane is not None and plane[1] > NEGLIGIBLE:
+        normal = axis_in_words(plane[0], "base")
+        lines.append(f"the approach is {_degrees(plane[1])} out of the arm's plane, whose normal is {normal}")
+    return lines
 
 
 def _missing_rotation(solution: IKResult) -> list[str]:
