@@ -142,7 +142,7 @@ def told(arm: Arm) -> Iterator[dict[str, Any]]:
     yield from stage.messages()
     stage.take_commands()
     stage.set_servo_status(servo_words(ServoOutput.stale(np.zeros(3), "the link is lost")))
-    Draw(lambda drawn: stage.drawings.drawn.update({drawn["node"]: drawn})).text("note", "here", [0, 0, 1])
+    Draw(lambda drawn: stage.drawings.update({drawn["node"]: drawn})).text("note", "here", [0, 0, 1])
     yield from stage.messages()
 
 

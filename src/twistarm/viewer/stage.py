@@ -17,7 +17,6 @@ from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
 from .parts.collisions import Collisions
 from .parts.controls import Controls
-from .parts.drawings import Drawings
 from .parts.findings import loaded
 from .parts.gauge import Gauge
 from .parts.history import History
@@ -67,7 +66,8 @@ class Stage(Show):
         self.solutions = Solutions()
         self.collisions = Collisions(scene, self.solutions)
         self.history = History()
-        self.controls, self.drawings = Controls(), Drawings()
+        self.controls = Controls()
+        self.drawings: dict[str, Message] = {}  # by node
         self.parts: tuple[Part, ...] = (
             Player(),
             TargetPart(),
@@ -80,7 +80,6 @@ class Stage(Show):
             self.solutions,
             self.collisions,
             self.controls,
-            self.drawings,
         )
         self.left: tuple[LeftOut, ...] = ()
         self.jogging = False
@@ -230,6 +229,7 @@ class Stage(Show):
             lambda: [{"type": "visible", **self.visible}, self.path],
             *(partial(part.messages, self) for part in self.parts),
             lambda: [self.drive, self.servo(), self.findings],
+            self.drawings.values,
             lambda: [self.frame()],
         ]
 

@@ -386,7 +386,7 @@ class Viewer(Closeable):
 
     def _put_drawing(self, drawn: Message) -> None:
         self._require_open()
-        self._server.post(drawn["node"], lambda stage: stage.drawings.drawn.update({drawn["node"]: drawn}))
+        self._server.post(drawn["node"], lambda stage: stage.drawings.update({drawn["node"]: drawn}))
 
     def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
         """Write a saved page of the present state: joints, layers, findings and the loaded trajectory.

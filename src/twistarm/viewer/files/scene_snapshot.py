@@ -139,5 +139,5 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
         stage.collisions.drawn,
         stage.collisions.shapes,
         stage.reach.drawn if stage.visible["reach"] else None,
-        [*stage.drawings.drawn.values()],
+        [*stage.drawings.values()],
     )

@@ -84,6 +84,10 @@ class Controls(Part):
         self.shown: dict[str, Control[Any]] = {}
         self.waiting: deque[Control[Any]] = deque()
 
+    def take_over(self, other: Controls) -> None:
+        """Show the controls of another arm's view."""
+        self.shown, self.waiting = other.shown, other.waiting
+
     def drop(self, control: Control[Any]) -> None:
         """Remove a control, unless another has replaced it."""
         if self.shown.get(control.name) is control:
