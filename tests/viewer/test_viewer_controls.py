@@ -42,7 +42,7 @@ def test_pages_and_program_share_a_slider_and_call_in_order(viewer: Viewer) -> N
     assert len(called) == 3
 
 
-def test_an_error_of_the_program_is_one_line_and_the_next_call_comes(viewer: Viewer, capfd) -> None:
+def test_an_error_of_the_program_is_one_line_and_the_next_call_comes(viewer: Viewer, caplog) -> None:
     text = viewer.text("answer", "none")
 
     def divide(value: float) -> None:
@@ -62,7 +62,7 @@ def test_an_error_of_the_program_is_one_line_and_the_next_call_comes(viewer: Vie
         text.value = "gone"
         page.until(lambda: entries(page).get("answer", {}).get("value") == "gone")
         assert list(entries(page)) == ["answer"]
-    (line,) = capfd.readouterr().err.splitlines()
+    (line,) = caplog.messages
     assert line.startswith("divisor: ZeroDivisionError")
 
 

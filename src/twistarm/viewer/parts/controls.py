@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import logging
 from collections import deque
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,6 +15,9 @@ from ..protocol.messages import Message, Request
 from .part import Part, Show
 
 V = TypeVar("V")
+
+LOG = logging.getLogger("twistarm")
+"""Without other settings, Python prints errors of it in the terminal."""
 
 
 class Control(Generic[V]):
@@ -68,7 +71,7 @@ class Control(Generic[V]):
                 f" ({Path(each.filename).name}, line {each.lineno})" for each in extract_tb(error.__traceback__)[1:2]
             )
             self.error = one_line(f"{type(error).__name__}: {error}{at}")
-            print(f"{self.name}: {self.error}", file=sys.stderr)
+            LOG.error("%s", one_line(f"{self.name}: {self.error}"))
 
     def entry(self) -> dict[str, Any]:
         """The control for the pages. A button has no value."""
