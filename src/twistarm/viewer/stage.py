@@ -15,6 +15,7 @@ from ..collision import Scene
 from ..limits.joint_limits import unit_of
 from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
+from .files.page_kinematics import kinematics
 from .parts.collisions import Collisions
 from .parts.findings import loaded
 from .parts.gauge import Gauge
@@ -212,8 +213,9 @@ class Stage(Show):
     # messages -----------------------------------------------------------------------------------------
 
     def hello(self, links: Mapping[str, str]) -> Message:
-        """Constant data: names, joints with units and slider ranges, poses, the node of each link."""
-        return {"type": "hello", "arm": describe_arm(self.arm), "links": dict(links)}
+        """Constant data: names, joints with units and slider ranges, poses, the node of each link, what moves it."""
+        moved = kinematics(self.arm, list(self.others))
+        return {"type": "hello", "arm": describe_arm(self.arm), "links": dict(links), "kinematics": moved}
 
     def messages(self) -> list[Message]:
         """Messages of the whole state, the frame last."""
