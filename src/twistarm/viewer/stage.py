@@ -15,7 +15,6 @@ from ..collision import Scene
 from ..limits.joint_limits import unit_of
 from ..support.checks import Array
 from ..support.errors import InputError, unknown_name
-from .files.page_kinematics import kinematics
 from .parts.collisions import Collisions
 from .parts.findings import loaded
 from .parts.gauge import Gauge
@@ -36,6 +35,7 @@ from .protocol.change_publisher import Source
 from .protocol.jobs import Job
 from .protocol.messages import Message, Request
 from .scene.beside import Beside
+from .scene.kinematics import kinematics
 from .scene.placement import Placement
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")

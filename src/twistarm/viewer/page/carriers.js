@@ -5,7 +5,7 @@ import { THREE } from "./view.js";
 const { Matrix4, Vector3 } = THREE;
 
 export class Carriers {
-  // `kinematics` as page_kinematics.py describes it.
+  // `kinematics` as kinematics.py describes it.
   constructor({ arm, kinematics: { base, joints, nodes } }) {
     this.coordinates = [...arm.joints, ...arm.others];
     this.joints = joints;
