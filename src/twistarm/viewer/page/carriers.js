@@ -14,11 +14,6 @@ export class Carriers {
     for (let i = base; i !== null; i = joints[i].parent) this.below.add(i);
   }
 
-  // Paths of the links, or of the rods of an arm without links.
-  get paths() {
-    return Object.keys(this.nodes).filter((path) => path.startsWith("/arm/"));
-  }
-
   // The joint, its place among the coordinates, its rad or m for one of the screw (`factor`), whether that turns, and
   // the node to point at; null: nothing moves it.
   of(path) {

@@ -48,7 +48,7 @@ export class Findings {
     const key = JSON.stringify(finding);
     button.type = "button";
     button.title = `Point at ${finding.name}; Escape takes it back`;
-    button.addEventListener("click", () => this.toggle(key, finding));
+    button.addEventListener("click", () => this.choose(this.chosen === key ? null : key, finding));
     this.buttons.set(key, button);
   }
 
@@ -58,11 +58,6 @@ export class Findings {
     $("findings").open = true;
     this.choose(key, this.taken);
     this.buttons.get(key).scrollIntoView({ block: "nearest" });
-  }
-
-  // `finding` names a node; a second time takes it back.
-  toggle(key, finding) {
-    this.choose(this.chosen === key ? null : key, finding);
   }
 
   choose(key, finding) {

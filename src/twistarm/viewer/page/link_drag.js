@@ -8,8 +8,7 @@ const END_ON = 0.97; // cosine to the eye from which a slide is seen from its en
 const NEAREST = 0.05; // of the arm's radius: seen from the edge, a link nearer to its axis turns no faster
 
 export class LinkDrag {
-  // `names` finds the link under the pointer. Made after the handles of the tool and of obstacles, which take the pointer
-  // first.
+  // `page.names` finds the link under the pointer. Handles that were made before take the pointer first.
   constructor(page) {
     this.page = page; // view, panel, names, findings, theory
     this.held = null;
@@ -72,14 +71,15 @@ export class LinkDrag {
     const { moved, joint, place, node } = this.held;
     this.drop();
     if (moved || event.type !== "pointerup") return;
-    this.page.findings.toggle(`joint ${joint.name}`, { node, name: joint.name });
-    this.page.theory.choose(place);
+    const { findings, theory } = this.page;
+    const key = `joint ${joint.name}`;
+    findings.choose(findings.chosen === key ? null : key, { node, name: joint.name });
+    if (theory.looking && place < theory.names.length) theory.recall({ joint: place, all: theory.switches.all });
   }
 
   escape(event) {
     if (!this.held || event.key !== "Escape") return;
-    event.preventDefault();
-    event.stopPropagation();
+    event.stopPropagation(); // what is selected stays so
     const { moved, row, from } = this.held;
     this.drop();
     if (moved) row.move(from);

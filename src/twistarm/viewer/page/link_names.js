@@ -32,7 +32,8 @@ export class LinkNames {
     this.carriers = new Carriers({ arm, kinematics });
     const names = new Map(Object.entries(links).map(([name, path]) => [path, name]));
     const words = (path) => [names.get(path), this.carriers.of(path)?.joint.name].filter(Boolean).join(" · ");
-    this.words = this.carriers.paths.map((path) => [path, words(path)]);
+    const paths = Object.keys(kinematics.nodes).filter((path) => path.startsWith("/arm/")); // rods where there are no links
+    this.words = paths.map((path) => [path, words(path)]);
     this.clear();
   }
 
@@ -69,6 +70,8 @@ export class LinkNames {
     const { left, top, width } = this.view.viewer.renderer.domElement.getBoundingClientRect();
     const [x, y] = [event.clientX - left, event.clientY - top];
     const found = this.at(event);
+    const { style } = this.view.viewer.dom_element;
+    if (style.cursor !== "grab") style.cursor = found && this.carriers.of(found.path) ? "pointer" : "";
     this.label.hidden = found === null;
     if (found === null) return;
     this.label.textContent = found.words;

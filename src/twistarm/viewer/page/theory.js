@@ -127,12 +127,6 @@ export class Theory {
     return this.numbers.motion ? null : this.numbers.moved;
   }
 
-  // Of the coordinate `i`, where it is looked at.
-  choose(i) {
-    if (!this.looking || i >= this.names.length) return;
-    this.recall({ joint: i, all: this.switches.all });
-  }
-
   draw() {
     if (!this.numbers || !this.axes) return;
     const { numbers } = this;
