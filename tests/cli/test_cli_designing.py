@@ -193,6 +193,8 @@ def test_no_task_done_writes_no_motion(capsys: Capture, tmp_path: Path, monkeypa
         (["payload", "rover_arm", "--theta", "ready", "--motion", "m.csv"], "leave out --theta"),
         (["payload", "rover_arm", "--theta", "ready", "--voxel", "0.2"], "--voxel maps random configurations"),
         (["payload", "rover_arm", "--voxel", "0"], "--voxel must be"),
+        (["payload", "rover_arm", "--voxel", "100", "-o", "x.csv"], "lengths are in metres"),
+        (["payload", "rover_arm", "--voxel", "1e-6", "-o", "x.png"], "lengths are in metres"),
         (["payload", "rover_arm", "-o", "x.pdf"], "-o takes *.csv or *.png"),
         (["reach", "rover_arm", "--directions", "up"], "down, position, 26 or three numbers"),
         (["designs", "rover_arm"], "Missing argument"),

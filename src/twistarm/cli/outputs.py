@@ -74,7 +74,8 @@ def outputs_of(
 ) -> Outputs:
     """The outputs of a command as typed. InputError for one that cannot be written or would replace a file.
 
-    The ending gives the kind, else `form`, "" without `--format`, else the only one of `kinds`. Standard output takes the first of `kinds`.
+    The ending gives the kind, else `form`, else the only one of `kinds`. Standard output takes the first of `kinds`.
+    `form` is "" in a command without `--format`.
     """
     names = [typed] if isinstance(typed, str) else list(typed or ())
     if form and form not in kinds:

@@ -94,7 +94,9 @@ class ReachMap:
     def require(self, arm: Arm) -> ReachMap:
         """The map, or InputError if it is one of another arm: other axes, coupling, tool or limits."""
         if digest_of(require_arm(arm)) != self.digest:
-            raise InputError(f"the map is one of another arm ({self.name}) than {arm.name}; make one by reach_map")
+            raise InputError(
+                f"the map is one of another arm ({self.name}) than {arm.name}; reach_map or twistarm reach makes one"
+            )
         return self
 
     def base_poses(self, targets: ArrayLike, *, z: float = 0.0, yaws: int = 24, count: int = 5) -> BasePoses:
