@@ -77,7 +77,9 @@ def test_an_unknown_payload_is_no_good_answer(capsys: Capture, tmp_path: Path) -
     assert content["unknown"] == content["configurations"]
     assert "no effort limit of 'a', 'b'" in err
     assert "no link that moves has a mass" in err
-    assert "the payload is unknown" in printed(capsys, "payload", arm, code=1)
+    shown = printed(capsys, "payload", arm, code=1)
+    assert shown.splitlines()[-1] == "the payload is unknown", "without a weakest configuration"
+    assert "0 %" not in shown.partition("limits in")[2].splitlines()[2].split("−")[1], "no share of no limit"
 
 
 def test_designs(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -94,7 +96,8 @@ def test_designs(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert f"reaches out {100 * (other['farthest'] / ours['farthest'] - 1):.2g} % more" in content["against"][0]
     shown = printed(capsys, "designs", "rover_arm", "rover_arm_6dof")
     assert content["against"][0] in shown
-    assert "-0.5 … 0.5" in shown
+    assert "-0.5 … 0.5 m" in shown
+    assert "-90 … 90 °" in shown
 
 
 PANEL = """
@@ -148,6 +151,31 @@ def test_a_panel_as_table_json_and_files(capsys: Capture, tmp_path: Path, monkey
     assert np.isclose(reached + float(place.split()[0]), 0.954, atol=2e-4)
 
 
+def test_a_picture_outlives_a_motion_that_fails(
+    capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("panel.toml").write_text(PANEL, "utf-8")
+    place = ["--base-pose", "0 0 0", "--dt", "1e-12"]
+    assert run(["panel", "rover_arm", "panel.toml", *place, "-o", "p.csv", "-o", "p.png"]) == 2
+    assert "1e-12" in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["p.png", "panel.toml"]
+
+
+def test_reach_as_a_table_with_units_and_every_file(
+    capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["reach", "rover_arm", "--voxel", "0.5"]
+    shown = printed(capsys, *words, *["-o", "m.npz", "-o", "m.png", "-o", "m.ply"])
+    m = twistarm.ReachMap.load("m.npz")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["m.npz", "m.ply", "m.png"]
+    (volume,) = (line.split() for line in shown.splitlines() if line.startswith("volume"))
+    assert volume == ["volume", f"{m.volume:g}", "m³"]
+    around = answer(capsys, *words, "--directions", "26")
+    assert around["volume_in_all_directions"] <= around["volume"]
+
+
 def test_no_task_done_writes_no_motion(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("panel.toml").write_text(PANEL.replace("0.95, 0.0, 0.8", "5.0, 0.0, 0.8"), "utf-8")
@@ -165,8 +193,12 @@ def test_no_task_done_writes_no_motion(capsys: Capture, tmp_path: Path, monkeypa
         (["payload", "rover_arm", "--theta", "ready", "--motion", "m.csv"], "leave out --theta"),
         (["payload", "rover_arm", "--theta", "ready", "--voxel", "0.2"], "--voxel maps random configurations"),
         (["payload", "rover_arm", "--voxel", "0"], "--voxel must be"),
+        (["payload", "rover_arm", "--voxel", "100", "-o", "x.csv"], "lengths are in metres"),
+        (["payload", "rover_arm", "--voxel", "1e-6", "-o", "x.png"], "lengths are in metres"),
         (["payload", "rover_arm", "-o", "x.pdf"], "-o takes *.csv or *.png"),
+        (["reach", "rover_arm", "--directions", "up"], "down, position, 26 or three numbers"),
         (["designs", "rover_arm"], "Missing argument"),
+        (["panel", "rover_arm", "nowhere.toml", "--linear-speed", "nan"], "--linear-speed must be"),
         (["panel", "rover_arm", "nowhere.toml"], "nowhere.toml"),
         (["panel", "rover_arm", "nowhere.toml", "-o", "x.pdf"], "-o takes *.png or *.csv"),
         (["designs", "rover_arm", "ur5", "--xyz", "0.5 0 0.5"], "give two or more, or none"),

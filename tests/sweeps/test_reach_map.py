@@ -160,7 +160,14 @@ def test_files(around, rover, tmp_path):
     other = io.BytesIO()
     np.savez(other, head=np.array('{"format": "a log"}'), counts=np.zeros(3))
     flat = replace(around, counts=around.counts.ravel()).save(tmp_path / "flat.npz")
-    for content in (b"", b"PK\x03\x04", path.read_bytes()[:500], other.getvalue(), flat.read_bytes()):
+    small = replace(around, margin=around.margin[1:]).save(tmp_path / "small.npz")
+    above = replace(around, counts=around.counts + np.uint16(27)).save(tmp_path / "above.npz")
+    whole, headless = path.read_bytes(), io.BytesIO()
+    np.savez(headless, head=np.array("null"), counts=np.zeros(3))
+    method = whole.index(b"PK\x01\x02") + 10
+    unknown = whole[:method] + b"\x63" + whole[method + 1 :]  # a compression that zipfile does not have
+    files = (each.read_bytes() for each in (flat, small, above))
+    for content in (b"", b"PK\x03\x04", whole[:500], other.getvalue(), headless.getvalue(), unknown, *files):
         (tmp_path / "bad.npz").write_bytes(content)
         with pytest.raises(InputError, match="bad.npz"):
             ReachMap.load(tmp_path / "bad.npz")

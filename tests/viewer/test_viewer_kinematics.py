@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from twistarm import Arm, arm_from_screws, joints, load_arm
-from twistarm.viewer.files.page_kinematics import kinematics
 from twistarm.viewer.parts.summary import extra_joints
+from twistarm.viewer.scene.kinematics import kinematics
 from twistarm.viewer.scene.nodes import link_path
 from viewer_page import matrix
 

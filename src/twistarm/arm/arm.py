@@ -207,7 +207,7 @@ class Arm:
     def pinocchio(self) -> PinocchioModel:
         """Pinocchio's model of the whole description, with data per thread. Without a description: TwistarmError."""
         if self.description is None:
-            raise TwistarmError(f"{self.name} was {self._whence}: it has no Pinocchio model")
+            raise TwistarmError(f"{self.name} was {self._whence}: it has no Pinocchio model; load its description")
         return PinocchioModel(self.description, self.couplings, self.joint_names, self.moving_names)
 
     @cached_property

@@ -66,7 +66,7 @@ def _to_stdout(content: str | bytes) -> None:
 def outputs_of(
     typed: str | Sequence[str] | None,
     kinds: Kinds,
-    form: str | None = None,
+    form: str | None = "",
     *,
     force: bool,
     json: bool = False,
@@ -75,9 +75,10 @@ def outputs_of(
     """The outputs of a command as typed. InputError for one that cannot be written or would replace a file.
 
     The ending gives the kind, else `form`, else the only one of `kinds`. Standard output takes the first of `kinds`.
+    `form` is "" in a command without `--format`.
     """
     names = [typed] if isinstance(typed, str) else list(typed or ())
-    if form is not None and form not in kinds:
+    if form and form not in kinds:
         raise InputError(f"--format is one of {', '.join(kinds)}; got {form!r}")
     if names.count(STDOUT) + json > 1:
         raise InputError("-o - gives standard output to one file: leave out --json or the other -o -")
@@ -95,5 +96,6 @@ def _kind(name: str, kinds: Kinds, form: str | None) -> str:
     kind = said or form or (next(iter(kinds)) if name == STDOUT or len(kinds) == 1 else None)
     if kind is None:
         endings = " or ".join(f"*{endings[0]}" for endings in kinds.values())
-        raise InputError(f"-o takes {endings}; got {name}: another name, or --format {'|'.join(kinds)}, says the kind")
+        option = f", or --format {'|'.join(kinds)}," if form is None else ""
+        raise InputError(f"-o takes {endings}; got {name}: another name{option} says the kind")
     return kind

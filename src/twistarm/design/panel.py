@@ -212,6 +212,6 @@ def _lengths(table: Mapping[str, Any], name: str) -> Array:
 def _angle(value: Any, name: str, unit: float, turns: float = 1.0) -> float:
     angle = real(value, name) * unit
     if abs(angle) > turns * 2.0 * np.pi * (1.0 + 1e-9):
-        help_ = "" if unit != 1.0 else "; for degrees write degrees = true at the top"
-        raise InputError(f"{name} is {angle:g} rad, and at most {turns:g} turns are allowed{help_}")
+        said, help_ = ("°", "") if unit != 1.0 else (" radians", "; for degrees write degrees = true at the top")
+        raise InputError(f"{name} is {value:g}{said}, and at most {turns:g} turns are allowed{help_}")
     return angle

@@ -90,10 +90,13 @@ class Payload(Brief):
     def in_cubes(self, voxel: float) -> Cubes:
         """The payload over space: the least and the greatest of the states in each cube of side `voxel` [m].
 
-        Centres are multiples of `voxel` in base axes, as in `reach_map`. NaN is unknown. InputError for a side of 0.
+        Centres are multiples of `voxel` in base axes, as in `reach_map`. NaN is unknown. InputError for a side
+        beyond the farthest coordinate of the tool, or below a thousandth of it.
         """
         side = as_positive(voxel, "voxel")
         p = self.arm.fk(self.theta)[..., :3, 3].reshape(-1, 3)
+        if not 1e-3 * (far := float(np.abs(p).max())) <= side <= (far or np.inf):
+            raise InputError(f"voxel must be from {1e-3 * far:.2g} to {far:.2g}; got {side:g}: lengths are in metres")
         index, which, count = np.unique(np.floor(p / side + 0.5), axis=0, return_inverse=True, return_counts=True)
         least, greatest = np.full(len(index), np.nan), np.full(len(index), np.nan)
         np.fmin.at(least, which.ravel(), self.mass.ravel())

@@ -166,6 +166,8 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False) ->
         raise InputError(f"the path of a file to write must be a string or a Path; got {shown(path)}") from error
     except OSError as error:
         raise InputError(f"cannot write {str(path)[:60]}…: {error.strerror or error}") from error
+    if target.parent.is_file():
+        raise InputError(f"cannot write {target}: {target.parent} is a file; give a folder")
     if not target.parent.is_dir():
         raise InputError(f"cannot write {target}: the folder {target.parent} does not exist; create it first")
     if target.is_dir():

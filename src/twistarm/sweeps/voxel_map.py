@@ -6,8 +6,6 @@ import hashlib
 import io
 import json
 import os
-import zipfile
-import zlib
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -96,7 +94,9 @@ class ReachMap:
     def require(self, arm: Arm) -> ReachMap:
         """The map, or InputError if it is one of another arm: other axes, coupling, tool or limits."""
         if digest_of(require_arm(arm)) != self.digest:
-            raise InputError(f"the map is one of another arm ({self.name}) than {arm.name}; make one by reach_map")
+            raise InputError(
+                f"the map is one of another arm ({self.name}) than {arm.name}; reach_map or twistarm reach makes one"
+            )
         return self
 
     def base_poses(self, targets: ArrayLike, *, z: float = 0.0, yaws: int = 24, count: int = 5) -> BasePoses:
@@ -150,13 +150,16 @@ class ReachMap:
             if head.pop("format") != FORMAT:
                 raise ValueError(f"its format is not {FORMAT!r}")
             grid = Grid(float(head.pop("voxel")), tuple(map(int, head.pop("lower"))), arrays["counts"].shape)
+            most = max(len(arrays["directions"]), 1)
             fits = arrays["counts"].dtype == np.uint16 and arrays["directions"].shape[1:] == (3,)
-            if not (fits and 0.0 < grid.voxel < FARTHEST and len(grid.lower) == len(grid.shape) == 3 and grid.count):
+            fits &= all(arrays[each].shape == grid.shape and arrays[each].dtype == np.float32 for each in ARRAYS[2:])
+            fits &= 0.0 < grid.voxel < FARTHEST and len(grid.lower) == len(grid.shape) == 3 and grid.count > 0
+            if not (fits and arrays["counts"].max() <= most):
                 raise ValueError("its arrays do not fit each other")
             return cls(grid=grid, **head, **arrays)
         except OSError as error:
             raise InputError(f"cannot read {name}: {error.strerror or error}") from error
-        except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        except Exception as error:  # of zipfile, zlib, NumPy and its tokenizer, json: of any kind in a damaged file
             raise InputError(f"{name} is no reach map ({one_line(str(error), 80)}); save writes one") from error
 
     def to_ply(self, path: str | os.PathLike[str]) -> Path:

@@ -36,6 +36,7 @@ from .protocol.change_publisher import Source
 from .protocol.jobs import Job
 from .protocol.messages import Message, Request
 from .scene.beside import Beside
+from .scene.kinematics import kinematics
 from .scene.placement import Placement
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")
@@ -216,8 +217,9 @@ class Stage(Show):
     # messages -----------------------------------------------------------------------------------------
 
     def hello(self, links: Mapping[str, str]) -> Message:
-        """Constant data: names, joints with units and slider ranges, poses, the node of each link."""
-        return {"type": "hello", "arm": describe_arm(self.arm), "links": dict(links)}
+        """Constant data: names, joints with units and slider ranges, poses, the node of each link, what moves it."""
+        moved = kinematics(self.arm, list(self.others))
+        return {"type": "hello", "arm": describe_arm(self.arm), "links": dict(links), "kinematics": moved}
 
     def messages(self) -> list[Message]:
         """Messages of the whole state, the frame last."""

@@ -21,7 +21,7 @@ from ...support.pictures import empty_figure, png_of
 from ..asked_motion import motion_of_file, typed_targets
 from ..design_picture import picture_of
 from ..options import CONFIGURATION, Json, Radians, takes_arm, takes_source
-from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_typed
+from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_typed, units
 from ..outputs import Force, outputs_of
 from ..typed import parse_theta
 from .inspection import info_json
@@ -86,20 +86,22 @@ def payload(
         print_json(asked | unknown | worst | {"median_payload": np.median(found.mass)} | told)
     else:
         console(outputs.words).print(_needs_table(found, needs, mass))
-        say(_sentence(found, by[found.worst]), theta_typed(arm, x[found.worst], rad), file=outputs.words)
+        say(*_sentences(found, by[found.worst], rad), file=outputs.words)
         outputs.say(written)
     return int(np.isnan(found.mass).any() or (needs.share > 1.0).any())
 
 
-def _sentence(found: Payload, by: str) -> str:
+def _sentences(found: Payload, by: str, radians: bool) -> tuple[str, ...]:
+    """What the arm holds, and the weakest configuration as it can be typed if there is one."""
     least = found.mass.ravel()[found.worst]
     if not least < np.inf:
-        return "the payload is unknown" if np.isnan(found.mass).any() else "no joint or motor carries the payload"
+        return ("the payload is unknown" if np.isnan(found.mass).any() else "no joint or motor carries the payload",)
+    typed = theta_typed(found.arm, found.theta.reshape(-1, found.arm.n)[found.worst], radians)
     at = "here" if found.t is None else f"at {number(found.t[found.worst], 3)} s, here"
     if least == 0.0:
-        return f"{by} cannot hold the arm itself {at}:"
+        return f"{by} cannot hold the arm itself {at}:", typed
     median = f", {number(float(np.median(found.mass)), 2)} kg in the median" if found.mass.size > 1 else ""
-    return f"holds {number(least, 2)} kg at {found.arm.tip}{median}; {by} limits it {at}:"
+    return f"holds {number(least, 2)} kg at {found.arm.tip}{median}; {by} limits it {at}:", typed
 
 
 def _needs_table(found: Payload, needs: Needs, mass: float) -> Any:
@@ -109,7 +111,9 @@ def _needs_table(found: Payload, needs: Needs, mass: float) -> Any:
         "unit": ["N" if unit == "m" else "N m" for unit in units],
         "effort": [number(x, 3) for x in needs.effort],
         "limit": [number(x, 3) for x in found.limits],
-        "used": [f"{100 * x:.0f} %" for x in needs.share],
+        "used": [
+            "−" if np.isinf(most) else f"{100 * x:.0f} %" for x, most in zip(needs.share, found.limits, strict=True)
+        ],
         "limits in": [f"{100 * x:.0f} %" for x in limiting],
     }
     if needs.speed.any():
@@ -174,6 +178,13 @@ def _cubes_picture(name: str, cubes: Cubes, voxel: float) -> bytes:
     return png_of(figure)
 
 
+def _ranges(arm: Arm, radians: bool) -> list[str]:
+    """The range of each joint with its unit, or that it has no limits."""
+    ends = (shown(arm, x, radians, 1 + radians) for x in (arm.limits.lower, arm.limits.upper))
+    rows = zip(*ends, units(arm, radians), strict=True)
+    return ["no limits" if low == high == "−" else f"{low} … {high} {unit}" for low, high, unit in rows]
+
+
 NUMBERS = (
     ("reach [m]", "reach"), ("farthest [m]", "farthest"), ("volume [m³]", "volume"), ("condition, median", "condition"),
     ("near-singular, share", "singular"), ("least payload [kg]", "payload"), ("median payload [kg]", "median_payload"),
@@ -216,9 +227,10 @@ def designs(
         print_json({"designs": told, "against": against, "written": written})
         return
     rows = [[title, *(number(getattr(each, field), 3) for each in found)] for title, field in NUMBERS]
-    ends = [[shown(each.arm, x, rad, 1) for x in (each.arm.limits.lower, each.arm.limits.upper)] for each in found]
-    ranges = zip_longest(*([f"{low} … {high}" for low, high in zip(*each, strict=True)] for each in ends), fillvalue="")
-    rows += [[f"joint {i} [{'rad' if rad else '°'}, m]", *row] for i, row in enumerate(ranges, 1)]
+    rows += [
+        [f"joint {i}", *row]
+        for i, row in enumerate(zip_longest(*(_ranges(each.arm, rad) for each in found), fillvalue=""), 1)
+    ]
     console(outputs.words).print(table("", ["", *(each.name for each in found)], rows))
     say(*against, file=outputs.words)
     outputs.say(written)

@@ -19,7 +19,7 @@ from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, table
 from ..outputs import Force, Outputs, outputs_of
 from ..typed import PLACE, parse_numbers
-from .motion import MOTION_KINDS, Step, motion_texts
+from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_texts
 
 PanelFile = Annotated[Path, typer.Argument(metavar="PANEL", help="A panel.toml with tasks, and where to park.")]
 BasePose = Annotated[
@@ -44,6 +44,8 @@ def panel(
     base_pose: BasePose = None,
     avoid: Avoid = None,
     linear_speed: Speed = None,
+    unwrap: Unwrap = False,
+    max_time: MaxTime = 5.0,
     output: Files = None,
     force: Force = False,
     dt: Step = 0.01,
@@ -53,6 +55,9 @@ def panel(
     """Tell which tasks of a panel the arm does, why it fails at others, and where the rover parks best."""
     outputs = outputs_of(output, {"png": (".png",), **MOTION_KINDS}, force=force, json=json)
     as_positive(dt, "--dt")
+    if linear_speed is not None:
+        as_positive(linear_speed, "--linear-speed")
+    how = {"linear_speed": linear_speed, "unwrap": unwrap, "max_time": as_positive(max_time, "--max-time")}
     asked = load_panel(file)
     place = None if base_pose is None else parse_numbers(base_pose, 3, "--base-pose")
     scene = avoided(arm, avoid)
@@ -67,26 +72,27 @@ def panel(
         console(outputs.words).print(_table(found, rad))
         missed = [f"{each.task.name}, {each.code}: {each.why}" for each in found.results if each.code != "done"]
         say(*missed, _sentence(found, rad), file=outputs.words)
-    written = _write(found, outputs, dt, linear_speed)
+    written = _write(found, outputs, dt, how)
     if json:
         print_json(_as_json(found) | {"written": written})
     outputs.say(written if not json else ())
     return int(len(found.done) < len(found.results))
 
 
-def _write(found: PanelReport, outputs: Outputs, dt: float, speed: float | None) -> list[str]:
-    texts: dict[str, Any] = {"png": lambda: panel_picture(found)}
-    pictures = tuple(each for each in outputs.files if each[0] == "png")
-    if not found.done and len(pictures) < len(outputs.files):
+def _write(found: PanelReport, outputs: Outputs, dt: float, how: dict[str, Any]) -> list[str]:
+    """Write the pictures, then the motion, which may fail."""
+    pictures = replace(outputs, files=tuple(each for each in outputs.files if each[0] == "png"))
+    motions = replace(outputs, files=tuple(each for each in outputs.files if each[0] != "png"))
+    written = pictures.write({"png": lambda: panel_picture(found)})
+    if motions.files and not found.done:
         note("no task is done, so no motion is written")
-        outputs = replace(outputs, files=pictures)
-    if len(pictures) < len(outputs.files):
+    elif motions.files:
         with progress_bar("planning") as progress:
-            motion = found.motion(linear_speed=speed, progress=progress)
+            motion = found.motion(**how, progress=progress)
         for each in motion.notes:
             note(each)
-        texts |= motion_texts(motion, outputs, dt)
-    return outputs.write(texts)
+        written += motions.write(motion_texts(motion, motions, dt))
+    return written
 
 
 def _table(found: PanelReport, radians: bool) -> Any:

@@ -14,13 +14,22 @@ from ...sweeps import ReachMap, reach_map
 from ..avoiding import Avoid, avoided
 from ..options import Json, takes_arm
 from ..output import console, number, print_json, progress_bar, say, table
-from ..outputs import STDOUT, Force, Output, outputs_of
+from ..outputs import STDOUT, Force, outputs_of
 from ..typed import parse_numbers
 
 KINDS = {"npz": (".npz",), "png": (".png",), "ply": (".ply",)}
 
 WORDS: dict[str, Any] = {"down": "down", "position": "position", "26": 26}
 
+UNITS = {"volume": "m³", "lowest": "m", "highest": "m", "best at": "m", "best margin": "rad or m"}
+"""Units of the figures, by how their names begin."""
+
+Files = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--output", "-o", metavar="FILE", help="The map to *.npz, slices to *.png, a cloud to *.ply; repeat it."
+    ),
+]
 Voxel = Annotated[float, typer.Option(metavar="M", help="Side of a cube, in metres.")]
 Directions = Annotated[
     str, typer.Option(metavar="WHICH", help="down, position (in any orientation), 26 (all around) or 'X Y Z'.")
@@ -39,7 +48,7 @@ def reach(
     method: Method = "ik",
     resume: Resume = None,
     workers: Workers = None,
-    output: Output = None,
+    output: Files = None,
     force: Force = False,
     json: Json = False,
 ) -> int:
@@ -47,7 +56,7 @@ def reach(
     outputs = outputs_of(output, KINDS, force=force, json=json)
     if any(name == STDOUT for _, name in outputs.files):
         raise InputError("a map is no text for standard output: -o takes a file that ends in .npz, .png or .ply")
-    towards = WORDS[directions] if directions in WORDS else parse_numbers(directions, 3, "--directions")
+    towards = WORDS[directions] if directions in WORDS else _direction(directions)
     how: dict[str, Any] = {"method": method, "scene": avoided(arm, avoid), "workers": workers, "folder": resume}
     with progress_bar("reach") as progress:
         found = reach_map(arm, voxel, towards, **how, progress=progress)
@@ -58,12 +67,22 @@ def reach(
         print_json({"arm": arm.name, "frame": found.frame, "voxel": voxel, "directions": found.directions} | figures)
         return 0 if found.counts.any() else 1
     rows = [[name.replace("_", " "), " ".join(map(number, np.ravel(value)))] for name, value in figures.items()]
+    rows = [[*row, next((unit for begin, unit in UNITS.items() if row[0].startswith(begin)), "")] for row in rows]
     title = f"{arm.name}: reach in the frame {found.frame}, cubes of {voxel:g} m"
-    console().print(table(title, ["", "m, m³, rad"], rows))
+    console().print(table(title, ["", "", "unit"], rows, ["unit"]))
     if not found.counts.any():
         say("nothing is reached in these directions; --directions position leaves them free")
     outputs.say([name for _, name in outputs.files])
     return 0 if found.counts.any() else 1
+
+
+def _direction(typed: str) -> Any:
+    try:
+        return parse_numbers(typed, 3, "--directions")
+    except InputError as error:
+        raise InputError(
+            f"--directions takes {', '.join(WORDS)} or three numbers, as in '0 0 -1'; got {typed!r}"
+        ) from error
 
 
 def _figures(found: ReachMap) -> dict[str, Any]:
@@ -75,8 +94,9 @@ def _figures(found: ReachMap) -> dict[str, Any]:
         return figures
     centres = np.round(grid.centres(cells), 9)
     i = np.lexsort((found.manipulability.reshape(-1)[cells], counts[cells]))[-1]
+    if len(found.directions) > 1:
+        figures["volume_in_all_directions"] = np.count_nonzero(found.share == 1.0) * grid.voxel**3
     return figures | {
-        "volume_in_all_directions": np.count_nonzero(found.share == 1.0) * grid.voxel**3,
         "lowest_x_y_z": centres.min(axis=0),
         "highest_x_y_z": centres.max(axis=0),
         "best_at_x_y_z": centres[i],

@@ -21,9 +21,9 @@ from ..parts.summary import describe_arm, named_poses
 from ..parts.tool_path import tool_path
 from ..protocol.messages import Message
 from ..scene.arm_scene import Scene, build_scene
+from ..scene.kinematics import kinematics
 from ..stage import Stage
 from .motion_samples import moving, recorded
-from .page_kinematics import kinematics
 
 PLAYED = ("time", "running", "speed", "loop")
 """State of a playback that the page continues."""

@@ -130,7 +130,7 @@ export class Gizmo {
     this.light(handle);
     this.motion = new Motion({
       kind: handle.kind, axis: this.direction(handle), frame: this.frame(), pose: this.pose,
-      ray: this.ray(event), eye: this.eye(camera), radius: RING.radius * this.unit,
+      ray: this.view.ray(event), eye: this.eye(camera), radius: RING.radius * this.unit,
     });
     this.act.begin();
   }
@@ -139,7 +139,7 @@ export class Gizmo {
     if (!this.motion) {
       if (event.buttons === 0 && event.pointerType !== "touch") this.light(this.hit(event));
     } else if (event.pointerId === this.pointer) {
-      const pose = this.motion.at(this.ray(event), this.act.snap() !== event.shiftKey);
+      const pose = this.motion.at(this.view.ray(event), this.act.snap() !== event.shiftKey);
       if (pose) this.act.move(pose);
     }
   }
@@ -179,7 +179,7 @@ export class Gizmo {
   // where nothing is, the ball is taken too: a grab that just misses a handle must not turn the view.
   hit(event) {
     if (!this.group.visible) return null;
-    this.aim(event);
+    this.caster.setFromCamera(this.view.onScreen(event), this.view.viewer.camera);
     const shown = this.handles.filter(({ group }) => group.visible);
     const hits = this.caster.intersectObjects(shown.map(({ grip }) => grip));
     const found = hits.map(({ object }) => shown.find(({ grip }) => grip === object));
@@ -191,15 +191,5 @@ export class Gizmo {
   within(ray) {
     const { scene } = this.view.viewer;
     return ray.distanceToPoint(scene.localToWorld(this.pose.position.clone())) < RING.radius * this.unit;
-  }
-
-  // The pointer's ray in base axes.
-  ray(event) {
-    this.aim(event);
-    return this.caster.ray.clone().applyMatrix4(this.view.viewer.scene.matrixWorld.clone().invert());
-  }
-
-  aim(event) {
-    this.caster.setFromCamera(this.view.onScreen(event), this.view.viewer.camera);
   }
 }

@@ -38,6 +38,13 @@ export class Motion {
     return this.kind === "turn" ? this.turned(rounded(this.angle(to), step)) : this.moved(to.sub(this.from), step);
   }
 
+  // How far the pointer's ray turns [rad] or slides [m] along the axis; null where it misses the plane.
+  amount(ray) {
+    const to = ray.intersectPlane(this.plane, new THREE.Vector3());
+    if (this.from === null || to === null) return null;
+    return this.kind === "turn" ? this.angle(to) : to.sub(this.from).dot(this.axis);
+  }
+
   moved(by, step) {
     const { kind, axis, frame, pose } = this;
     const shift = kind === "move" ? axis.clone().multiplyScalar(rounded(by.dot(axis), step)) : inSteps(by, frame, step);

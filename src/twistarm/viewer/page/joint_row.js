@@ -13,14 +13,15 @@ export class JointRow {
   // `act` holds send(value) in rad or m, and complain(text).
   constructor(joint, act) {
     this.joint = joint;
+    this.act = act;
     this.number = 0;
     this.row = element("div", "joint");
     this.row.setAttribute("role", "group");
     this.row.setAttribute("aria-label", joint.name);
     this.standing = element("span", "standing");
     this.ends = element("span", "ends");
-    this.slider = this.makeSlider(act);
-    this.box = new NumberBox(joint, { ...act, send: (value) => this.move(value, act) });
+    this.slider = this.makeSlider();
+    this.box = new NumberBox(joint, { ...act, send: (value) => this.move(value) });
     this.unit = element("span", "unit");
     this.row.append(this.head(), this.slider, this.box.input, this.unit);
     this.label();
@@ -34,20 +35,20 @@ export class JointRow {
     return head;
   }
 
-  makeSlider(act) {
+  makeSlider() {
     const { name, range } = this.joint;
     const slider = element("input");
     Object.assign(slider, { type: "range", min: range[0], max: range[1], step: "any" });
     slider.dataset.joint = name;
     slider.setAttribute("aria-label", name);
     slider.title = this.joint.type;
-    slider.addEventListener("input", () => this.move(Number(slider.value), act));
+    slider.addEventListener("input", () => this.move(Number(slider.value)));
     return slider;
   }
 
-  move(value, act) {
+  move(value) {
     this.show(value);
-    act.send(value);
+    this.act.send(value);
   }
 
   // The unit on the page is another.

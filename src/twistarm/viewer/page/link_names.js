@@ -1,5 +1,6 @@
-// The name of the link under the pointer, beside it; of one that a finger touches, for a while.
+// The names of the link under the pointer and of its joint, beside it; of one that a finger touches, for a while.
 
+import { Carriers } from "./carriers.js";
 import { element } from "./element.js";
 import { THREE } from "./view.js";
 
@@ -11,7 +12,8 @@ const ASIDE = 14; // px
 export class LinkNames {
   constructor(view) {
     this.view = view;
-    this.links = {};
+    this.carriers = null;
+    this.words = [];
     this.caster = new THREE.Raycaster();
     this.last = 0;
     this.pressed = null;
@@ -26,8 +28,12 @@ export class LinkNames {
     pane.addEventListener("wheel", () => this.clear(), { passive: true });
   }
 
-  hello({ links }) {
-    this.links = links;
+  hello({ arm, links, kinematics }) {
+    this.carriers = new Carriers({ arm, kinematics });
+    const names = new Map(Object.entries(links).map(([name, path]) => [path, name]));
+    const words = (path) => [names.get(path), this.carriers.of(path)?.joint.name].filter(Boolean).join(" · ");
+    const paths = Object.keys(kinematics.nodes).filter((path) => path.startsWith("/arm/")); // rods where there are no links
+    this.words = paths.map((path) => [path, words(path)]);
     this.clear();
   }
 
@@ -63,26 +69,29 @@ export class LinkNames {
     this.last = performance.now();
     const { left, top, width } = this.view.viewer.renderer.domElement.getBoundingClientRect();
     const [x, y] = [event.clientX - left, event.clientY - top];
-    const name = this.at(this.view.onScreen(event));
-    this.label.hidden = name === null;
-    if (name === null) return;
-    this.label.textContent = name;
+    const found = this.at(event);
+    const { style } = this.view.viewer.dom_element;
+    if (style.cursor !== "grab") style.cursor = found && this.carriers.of(found.path) ? "pointer" : "";
+    this.label.hidden = found === null;
+    if (found === null) return;
+    this.label.textContent = found.words;
     const beside = x + ASIDE + this.label.offsetWidth < width ? x + ASIDE : x - ASIDE - this.label.offsetWidth;
     this.label.style.transform = `translate(${Math.max(0, beside)}px, ${Math.max(0, y - ASIDE - this.label.offsetHeight)}px)`;
   }
 
-  // Of the link nearest to the eye there; null where there is none, or a handle of the tool lies before it.
-  at(point) {
+  // {path, words, point} of the link nearest to the eye there, the point in the world; null where there is none, or a
+  // handle of the tool lies before it.
+  at(event) {
     const { viewer } = this.view;
     if (viewer.dom_element.style.cursor === "grab") return null;
-    this.caster.setFromCamera(point, viewer.camera);
-    let nearest = { distance: Infinity, name: null };
-    for (const [name, path] of Object.entries(this.links)) {
+    this.caster.setFromCamera(this.view.onScreen(event), viewer.camera);
+    let nearest = null;
+    for (const [path, words] of this.words) {
       const node = this.view.node(path);
       if (!node.visible || !this.view.node("/arm").visible) continue;
       const [hit] = this.caster.intersectObject(node, true);
-      if (hit && hit.distance < nearest.distance) nearest = { distance: hit.distance, name };
+      if (hit && !(hit.distance > nearest?.distance)) nearest = { path, words, point: hit.point, distance: hit.distance };
     }
-    return nearest.name;
+    return nearest;
   }
 }

@@ -18,6 +18,7 @@ import { History } from "./history.js";
 import { Jog } from "./jog.js";
 import { JogPanel } from "./jog_panel.js";
 import { Link } from "./link.js";
+import { LinkDrag } from "./link_drag.js";
 import { LinkList } from "./link_list.js";
 import { LinkNames } from "./link_names.js";
 import { Notice } from "./notice.js";
@@ -63,7 +64,10 @@ const panel = new Panel({
 const presets = new Presets(view);
 const cube = new Cube(view, (side) => presets.go(side));
 const highlight = new Highlight(view);
-const findings = new Findings((node, name) => highlight.point(node, name));
+const findings = new Findings((node, name) => {
+  highlight.point(node, name);
+  panel.mark(name);
+});
 
 const jog = new Jog({
   jog: (twist, frame) => ask({ type: "jog", twist, frame }),
@@ -106,6 +110,7 @@ const parts = {
   work: new Work(),
   progress: new Progress((text) => panel.showStatus(text), look),
 };
+Object.assign(parts, { drag: new LinkDrag({ view, panel, findings, names: parts.linkNames, theory: parts.theory }) });
 
 /**
  * @typedef {object} Part

@@ -48,6 +48,7 @@ export class Numbers {
 class Table {
   constructor(name, title, meaning, columns, titles, rows, read) {
     this.read = read;
+    this.ofJoints = titles.length > 0;
     this.cells = rows.map(() => columns.map(() => element("td")));
     const table = element("table", columns.length > MANY ? "matrix wide" : "matrix");
     table.setAttribute("aria-label", `${title}: ${meaning}`);
@@ -71,9 +72,12 @@ class Table {
     this.section = section(title, meaning, around, () => copyText(pythonRows(this.matrix), name, UNITS));
   }
 
-  show(all) {
+  show(all, chosen) {
     this.matrix = this.read(all);
-    this.cells.forEach((line, r) => line.forEach((cell, c) => set(cell, short(this.matrix[r][c]))));
+    this.cells.forEach((line, r) => line.forEach((cell, c) => {
+      set(cell, short(this.matrix[r][c]));
+      cell.classList.toggle("chosen", this.ofJoints && c === chosen);
+    }));
   }
 }
 

@@ -102,6 +102,12 @@ export class Panel {
     if (this.held !== name) this.rows.get(name).show(number);
   }
 
+  // The row of a joint stands out; null: none.
+  mark(name) {
+    for (const [each, { row }] of this.rows) row.setAttribute("aria-current", String(each === name));
+    this.rows.get(name)?.row.scrollIntoView({ block: "nearest" });
+  }
+
   // The hand is off, and what it asked for has arrived.
   release() {
     this.held = null;

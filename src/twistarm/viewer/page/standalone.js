@@ -8,6 +8,7 @@ import { $, $$, bytes } from "./element.js";
 import { Findings } from "./findings.js";
 import { Highlight } from "./highlight.js";
 import { History } from "./history.js";
+import { LinkDrag } from "./link_drag.js";
 import { LinkList } from "./link_list.js";
 import { LinkNames } from "./link_names.js";
 import { LocalArm } from "./local_arm.js";
@@ -37,7 +38,10 @@ const sight = new Sight((side) => presets.go(side), null);
 const links = new LinkList(view);
 const linkNames = new LinkNames(view);
 const highlight = new Highlight(view);
-const findings = new Findings((node, name) => highlight.point(node, name));
+const findings = new Findings((node, name) => {
+  highlight.point(node, name);
+  panel.mark(name);
+});
 const share = new Share({ view });
 const path = new Path(view);
 const theory = new TheoryRecord(view, data);
@@ -90,6 +94,7 @@ const player = new Player({
   },
 });
 const plots = new Plots(seek);
+new LinkDrag({ view, panel, findings, names: linkNames, theory: theory.theory });
 const history = new History({ undo: () => arm.back("undo"), redo: () => arm.back("redo") });
 
 function seek(time) {

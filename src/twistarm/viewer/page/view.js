@@ -103,6 +103,13 @@ export class View {
     return new THREE.Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
   }
 
+  // The ray of the pointer, in base axes.
+  ray(event) {
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(this.onScreen(event), this.viewer.camera);
+    return caster.ray.applyMatrix4(this.viewer.scene.matrixWorld.clone().invert());
+  }
+
   setVisible(layer, visible) {
     this.viewer.set_property([layer], "visible", visible);
     this.viewer.set_dirty();

@@ -1,4 +1,4 @@
-"""Kinematics for the saved page: products of exponentials for each node."""
+"""Kinematics for the page: products of exponentials for each node."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ...arm.arm import Arm
 from ...description.tree import Description
 from ...support.checks import Array
 from ...theory.screws import transform_twist
-from ..scene.nodes import link_path, rod_path, screw_path
+from .nodes import link_path, rod_path, screw_path
 
 TOOL = "/frames/tool"
 
 
 def kinematics(arm: Arm, others: Sequence[str]) -> dict[str, Any]:
-    """Joints and nodes in base coordinates at theta = 0, for kinematics.js.
+    """Joints and nodes in base coordinates at theta = 0, for kinematics.js and carriers.js.
 
     Coordinates x are theta, then the joints beside the chain named `others`. Joint j has the next joint toward the root
     as `parent` (or null). It maps to space E_j = E_parent · exp(ξ_j c·x). `terms` [i, c_i] hold the nonzero c, and the
