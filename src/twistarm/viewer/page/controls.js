@@ -54,10 +54,8 @@ export class Controls {
       if (this.ask({ type: "slide", name, value })) box.value = figure(value);
     };
     slider.addEventListener("input", () => send(Number(slider.value)));
-    box.addEventListener("change", () => {
-      if (box.value === "") this.write();
-      else send(Math.max(lower, Math.min(upper, Number(box.value))));
-    });
+    const clip = (value) => Math.max(lower, Math.min(upper, value));
+    box.addEventListener("change", () => (box.value === "" ? this.write() : send(clip(Number(box.value)))));
     row.dataset.limit = "";
     row.append(head, slider, box);
     const show = (value) => {
