@@ -11,6 +11,8 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, TypeVar
 
+from tornado.httpserver import HTTPServer
+
 from ...support.errors import InputError, TwistarmError
 from ...support.strict_json import encode
 from ..parts.commands import COMMANDS, PageCommands
@@ -24,7 +26,7 @@ from ..state_transfer import carry
 from .authentication import Authentication
 from .driver import Driver
 from .handlers import SocketHandler, application
-from .listening import Listener, bind
+from .listening import bind
 from .memory import Memory
 
 FRAME_TIME = 1.0 / 60.0
@@ -32,6 +34,7 @@ START_TIME = 10.0
 STOP_TIME = 5.0
 PATIENCE = 0.1
 CALM_TIME = 0.5
+IDLE_TIME, LARGEST_HEAD = 30.0, 16 * 1024
 
 Change = Callable[[Stage], None]
 Answer = TypeVar("Answer")
@@ -60,7 +63,6 @@ class Server:
         self._pages = 0
         self._jobs: dict[str, float] = {}
         self._adopt(stage, scene)
-        self.writing, self.files = asyncio.Lock(), 0  # of downloads: one is made at a time, so many are under way
         self._workers = Workers(self._deliver, self._show_job)
         self._player: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name="twistarm viewer", daemon=True)
@@ -161,7 +163,9 @@ class Server:
 
     async def _main(self) -> None:
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
-        listener = Listener(application(self), pages=self.clients)
+        listener = HTTPServer(
+            application(self), idle_connection_timeout=IDLE_TIME, max_header_size=LARGEST_HEAD, max_body_size=0
+        )
         listener.add_sockets(self._sockets)
         self._start_examination()
         self._started.set()
