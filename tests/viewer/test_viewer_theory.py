@@ -138,7 +138,7 @@ def test_flat_ellipsoids() -> None:
 def test_a_singular_posture_has_no_condition_and_says_what_is_lost() -> None:
     told = numbers(STRETCHED, np.array([0.7, 0.0, 0.0]))  # stretched along the tool's x
     assert (told["rank"], told["condition"]) == (2, None)
-    assert told["standing"] == "Rank 2 of 3, singular: the tool cannot move along its x."
+    assert told["standing"] == "Rank 2 of 3, singular: the tool cannot move along its x axis."
     near = numbers(STRETCHED, np.array([0.7, 0.02, -0.01]))
     assert (near["rank"], near["smallest"] < near["below"]) == (3, True)
     assert near["standing"].startswith("Rank 3 of 3, nearly singular: the tool can hardly move along its ")
@@ -265,8 +265,8 @@ def test_the_lengths_to_which_rates_are_drawn() -> None:
 
 
 @pytest.mark.parametrize(("sigma", "words"), [
-    (0.039, "Rank 2 of 2, nearly singular: the tool can hardly move along its y."), (0.041, "Rank 2 of 2."),
-    (0.06, "Rank 2 of 2."), (0.0201, "Rank 2 of 2, nearly singular: the tool can hardly move along its y."),
+    (0.039, "Rank 2 of 2, nearly singular: the tool can hardly move along its y axis."), (0.041, "Rank 2 of 2."),
+    (0.06, "Rank 2 of 2."), (0.0201, "Rank 2 of 2, nearly singular: the tool can hardly move along its y axis."),
 ])  # fmt: skip
 def test_nearly_singular_begins_at_a_singular_value_of_a_25th(sigma: float, words: str) -> None:
     """Two slides at an angle of 2 a to each other, about x: singular values √2 cos a and √2 sin a, along x and y."""

@@ -136,4 +136,4 @@ def test_it_is_the_same_with_another_lapack(name: str, who: Callable[[Arm], list
 def test_what_is_lost_is_what_the_arm_has_beside(name: str, lost: str) -> None:
     """A stretched arm lacks the way along itself; it also lacks what it has nowhere, and that is no news."""
     said = numbers(ARMS[name](), np.zeros(ARMS[name]().n))["standing"]
-    assert said.endswith(f", singular: the tool cannot move along its {lost}.")
+    assert said.endswith(f", singular: the tool cannot move along its {lost} axis.")

@@ -8,9 +8,8 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...control.servo.settings import ServoSettings
-from ...limits.joint_limits import slides
 from ...support.checks import Array
-from ...support.directions import leading
+from ...support.vector_words import axis_in_words
 from ...theory import poe
 from ...theory.manipulability import Manipulability, scaled_jacobian
 from ...theory.screws import to_screw
@@ -33,7 +32,6 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
     g, J_b = arm._fk_and_body_jacobian(theta)
     J_s = arm.spatial_jacobian(theta)
     hybrid = (g[:3, :3] @ J_b.reshape(2, 3, -1)).reshape(6, -1)
-    prismatic = np.array([slides(kind) for kind in arm.joint_types], dtype=bool)
     return {
         "g": g.tolist(),
         "spatial": J_s.tolist(),
@@ -43,7 +41,7 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
         "columns": _screws(J_s),
         "motion": None if rates is None or not np.any(rates) else _motion(J_s @ rates, hybrid[:3] @ rates),
         **_singularity(arm, theta),
-        **_ellipsoids(hybrid, prismatic, arm.reach),
+        **_ellipsoids(hybrid, arm._prismatic, arm.reach),
     }
 
 
@@ -117,18 +115,7 @@ def standing(found: Manipulability, rank: int, below: float) -> str:
 def _in_words(direction: Array) -> str:
     """A tool twist (v, w), v in units of the length, in words."""
     v, w = direction[:3], direction[3:]
+    along, about = (axis_in_words(half / max(float(np.linalg.norm(half)), SLIGHT), "tool") for half in (v, w))
     if np.linalg.norm(w) < SLIGHT:
-        return f"move along {_direction(v)}"
-    if np.linalg.norm(v) < SLIGHT:
-        return f"turn about {_direction(w)}"
-    return f"move along {_direction(v)} while it turns about {_direction(w)}"
-
-
-def _direction(vector: Array) -> str:
-    """`its x`, or three numbers."""
-    unit = vector / np.linalg.norm(vector)
-    largest = leading(np.abs(unit))
-    if abs(unit[largest]) > 1.0 - SLIGHT**2:
-        return f"its {'xyz'[largest]}"
-    x, y, z = np.round(unit, 2) + 0.0  # no minus before 0
-    return f"its ({x:.2f}, {y:.2f}, {z:.2f})"
+        return f"move along {along}"
+    return f"turn about {about}" if np.linalg.norm(v) < SLIGHT else f"move along {along} while it turns about {about}"
