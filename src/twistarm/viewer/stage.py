@@ -34,8 +34,7 @@ from .parts.theory import SHOWN, Theory
 from .protocol.change_publisher import Source
 from .protocol.jobs import Job
 from .protocol.messages import Message, Request
-from .scene.beside import Beside
-from .scene.placement import Placement
+from .scene.placement import Beside, Placement
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")
 """Requests that move the arm, refused while a servo drives it."""
@@ -169,19 +168,11 @@ class Stage(Show):
         self.jogging = self.jogging and self.driven
         self.report = SILENT if report is None else dict(report)
 
-    def show_findings(self, findings: Message) -> None:
-        """Show what the doctor has found."""
-        self.findings = findings
-
     def set_visible(self, what: str, visible: bool) -> None:
         """Switch a layer on or off."""
         if what not in self.visible:
             raise unknown_name("layer", what, self.visible, within="the scene", listing=", ".join(self.visible))
         self.visible = {**self.visible, what: visible}
-
-    def unwatch(self) -> None:
-        """No page is left, so the theory numbers stop."""
-        self.set_visible("numbers", False)
 
     def _drives(self, request: Request) -> bool:
         """Whether the request moves the arm. A gripper's joint is not part of it."""

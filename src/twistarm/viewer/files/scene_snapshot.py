@@ -20,7 +20,7 @@ from ..parts.plots import plots
 from ..parts.summary import describe_arm, named_poses
 from ..parts.tool_path import tool_path
 from ..protocol.messages import Message
-from ..scene.arm_scene import Scene, build_scene
+from ..scene.arm_scene import Scene
 from ..stage import Stage
 from .motion_samples import moving, recorded
 from .page_kinematics import kinematics
@@ -111,7 +111,7 @@ def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | No
     stage = Stage(arm, theta)
     if trajectory is not None:
         check_trajectory(arm, trajectory)  # before the meshes are read
-    shown = on_show(stage, build_scene(arm))
+    shown = on_show(stage, Scene(arm).whole())
     return shown if trajectory is None else shown.playing(trajectory)
 
 

@@ -1,10 +1,9 @@
-"""Poses of all moving nodes at a configuration: one matrix for each node."""
+"""Poses of all moving nodes at a configuration: one matrix for each node. Another arm beside it follows."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import accumulate
-from math import atan2, cos, hypot, sin
 from typing import Any
 
 import numpy as np
@@ -12,10 +11,40 @@ import numpy as np
 from ...arm.arm import Arm
 from ...ik import IKResult
 from ...support.checks import Array
-from ...theory.rotations import GIMBAL_LOCK_TOL
+from ...theory.rotations import to_rpy
 from ...theory.screws import exp, inverse
-from .beside import Beside
+from .axes import draw_rods
+from .drawing import BLUE, Colour
 from .nodes import link_path, rod_path, screw_path
+
+ROOT = "/beside"
+FAINT: Colour = (*BLUE[:3], 0.35)
+
+
+class Beside:
+    """The other arm's rods, and where they are.
+
+    Its turning joints follow the turning joints of `leader` in order, and its slides the slides, inside its limits. Its
+    other joints keep its ready pose.
+    """
+
+    def __init__(self, arm: Arm, leader: Arm) -> None:
+        self.arm, self.objects = arm, draw_rods(arm, ROOT, FAINT)
+        pairs = [
+            pair
+            for unit in ("rad", "m")
+            for pair in zip(*(np.flatnonzero(np.array(each.units) == unit) for each in (arm, leader)), strict=False)
+        ]
+        self._own, self._its = np.array(pairs, dtype=int).reshape(-1, 2).T
+
+    def transforms(self, theta: Array) -> dict[str, list[float]]:
+        """The matrix of each node by columns, where the leader is at theta."""
+        x = self.arm.ready.copy()
+        x[self._own] = theta[self._its]
+        x = np.clip(x, self.arm.limits.lower, self.arm.limits.upper)
+        steps = exp(self.arm.screws.T, self.arm.coupling.A @ x)
+        moved = accumulate(steps, np.matmul)
+        return {rod_path(i, ROOT): g.T.ravel().tolist() for i, g in enumerate(moved)}
 
 
 class Placement:
@@ -53,7 +82,7 @@ class Placement:
             "theta": theta.tolist(),
             "others": dict(others),
             "transforms": dict(zip(self._paths, columns, strict=True)) | beside,
-            "tool": {"position": g_st[:3, 3].tolist(), "rpy": rpy(g_st)},
+            "tool": {"position": g_st[:3, 3].tolist(), "rpy": to_rpy(g_st[:3, :3]).tolist()},
         }
 
     def carried(self, theta: Array, poses: Mapping[str, Array]) -> Array:
@@ -91,12 +120,3 @@ def standing_at(placement: Placement, theta: Array, others: Mapping[str, float])
     """Where each link stands at theta (n,), {node: matrix by columns}."""
     transforms = placement.at(theta, others)["transforms"]
     return {path: matrix for path, matrix in transforms.items() if path.startswith("/arm/")}
-
-
-def rpy(g: Array) -> list[float]:
-    """`rotations.to_rpy` of one pose (4, 4) without its checks, which cost a tenth of a frame."""
-    (r00, r01, r02, _), (r10, r11, r12, _), (r20, _, _, _), _ = g.tolist()
-    radius = hypot(r00, r10)
-    yaw = 0.0 if radius <= GIMBAL_LOCK_TOL else atan2(r10, r00)
-    c, s = cos(yaw), sin(yaw)
-    return [atan2(s * r02 - c * r12, c * r11 - s * r01), atan2(-r20, radius), yaw]

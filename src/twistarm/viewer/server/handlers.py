@@ -168,7 +168,7 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
         self._waiting = asyncio.Event()
         self._sender: asyncio.Task[None] | None = None
         self._sent = 0
-        self.name = server.name_page()
+        self.name = next(server.names)
 
     def check_origin(self, origin: str) -> bool:
         """Ask `authentication`, which knows forwarded ports."""

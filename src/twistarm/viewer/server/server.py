@@ -9,6 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import Future, wait
 from contextlib import suppress
 from functools import partial
+from itertools import count
 from typing import Any, TypeVar
 
 from tornado.httpserver import HTTPServer
@@ -60,8 +61,8 @@ class Server:
         self._lock = threading.Lock()
         self._changes: dict[str, Change] = {}
         self._applied = 0.0
-        self._pages = 0
-        self._jobs: dict[str, float] = {}
+        self.names = (f"page {number}" for number in count(1))  # each page is a separate sender of commands
+        self._jobs: dict[str, float | None] = {}
         self._adopt(stage, scene)
         self._workers = Workers(self._deliver, self._show_job)
         self._player: asyncio.Task[None] | None = None
@@ -121,20 +122,20 @@ class Server:
 
     def _draw_meshes(self) -> None:
         """Read the meshes in a thread while pages are served. Each progress report updates the pages."""
-        scene, count = self.scene, self.scene.left
+        scene, meshes = self.scene, self.scene.left
 
         def draw(progress: Progress) -> None:
             while scene.draw():
-                progress(max(0.0, 1.0 - scene.left / count))
+                progress(max(0.0, 1.0 - scene.left / meshes))
 
-        if count:
+        if meshes:
             self._workers.submit(Job("scene", "reading the meshes", draw, lambda result: None))
 
     def examine(self) -> None:
         """Have the doctor examine the arm in a thread."""
         stage, reader = self.stage, self.scene.reader
-        job = Job("doctor", "examining the arm", lambda progress: examined(stage.arm, reader), stage.show_findings)
-        self._workers.submit(job)
+        show = partial(setattr, stage, "findings")
+        self._workers.submit(Job("doctor", "examining the arm", lambda progress: examined(stage.arm, reader), show))
 
     def _deliver(self, action: Callable[[], None]) -> None:
         """Finish a job: run `action` in the loop at once, then update the pages."""
@@ -143,7 +144,7 @@ class Server:
                 self._loop.call_soon_threadsafe(self._try, step)
 
     def _show_job(self, key: str, share: float | None) -> None:
-        self.post(f"job {key}", lambda stage: self._note_job(key, share))
+        self.post(f"job {key}", lambda stage: self._jobs.update({key: share}))
 
     def ask(self, question: Callable[[Stage], Answer]) -> Answer:
         """The answer of `question(stage)`, after every change posted so far. A closed view answers as it stands.
@@ -211,11 +212,6 @@ class Server:
     def _is_calm(self) -> bool:
         return bool(self.clients) and not self.stage.driven and not self.scene.left
 
-    def name_page(self) -> str:
-        """A name for the next page; each is a separate sender of commands."""
-        self._pages += 1
-        return f"page {self._pages}"
-
     def state(self) -> dict[str, str]:
         """The messages of the whole view, by type. Other pages get the recent changes too."""
         self._send_changes()
@@ -227,7 +223,7 @@ class Server:
             self._tell(kind, text)
 
     def _own_messages(self) -> list[Message]:
-        jobs = [{"key": key, "share": share} for key, share in self._jobs.items()]
+        jobs = [{"key": key, "share": share} for key, share in self._jobs.items() if share is not None]
         return [{"type": "work", "jobs": jobs}, self.scene.message(), self.notice]
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
@@ -259,7 +255,9 @@ class Server:
             self.commands.on_unreachable = request.fields["what"]
             self.show_choice()
         elif request.kind == "exact":
-            self._draw_exactly(request.fields["on"])
+            if request.fields["on"] != self.scene.exact:
+                self.scene.draw_again(request.fields["on"])
+                self._draw_meshes()
         elif (job := self.stage.handle(request, time.monotonic())) is not None:
             self._workers.submit(job)
         self.publish()
@@ -268,23 +266,12 @@ class Server:
         """Show the servo's behaviour where the arm cannot follow, and whether pages may choose it."""
         self.stage.show_choice(self.commands.on_unreachable, self.commands.free)
 
-    def _draw_exactly(self, exact: bool) -> None:
-        if exact != self.scene.exact:
-            self.scene.draw_again(exact)
-            self._draw_meshes()
-
-    def _note_job(self, key: str, share: float | None) -> None:
-        if share is None:
-            self._jobs.pop(key, None)
-        else:
-            self._jobs[key] = share
-
     def leave(self, sender: str) -> None:
         """Forget a page that has gone. After the last page, end Drive and stop computing the numbers."""
         self.commands.refuse(sender, "its page has gone")
         if not self.clients:
             self.driver.stop()
-            self.stage.unwatch()
+            self.stage.set_visible("numbers", False)
 
     def publish(self) -> None:
         """Send the latest changes to every page, and keep a motion going."""
