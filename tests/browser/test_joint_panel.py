@@ -140,7 +140,7 @@ def test_looking_into_a_box_sends_nothing_and_escape_restores(page: Any) -> None
     assert sent(page) == before
 
 
-@pytest.mark.parametrize("text", ["12x", "", "1,5,5", "1e999", "0x10", "NaN", "--1", "1 rad"])
+@pytest.mark.parametrize("text", ["12x", "", "1,5,5", "1e999", "0x10", "NaN", "--1", "1 m"])
 def test_nonsense_is_marked_and_nothing_is_sent(page: Any, text: str) -> None:
     before = sent(page)
     type_into(page, "shoulder", text)
@@ -235,13 +235,13 @@ def test_radians_everywhere_and_after_a_reload(page: Any, viewer: Viewer) -> Non
 
 
 def test_limits_are_told_in_words_and_by_a_colour_one_can_read(page: Any, viewer: Viewer) -> None:
-    # Within 10 % of 1.57 - -1.57 of the upper; 0.14 beyond the lower; 0.3 from both, which is not near.
-    viewer.show(at(shoulder=1.57 - 0.31, elbow=-2.5, wrist_pitch=1.75 - 0.36))
+    # Within 5 % of 1.57 - -1.57 of the upper; 0.14 beyond the lower; more than 5 % of 3.5 from both, which is not near.
+    viewer.show(at(shoulder=1.57 - 0.15, elbow=-2.5, wrist_pitch=1.75 - 0.18))
     until(page, "document.querySelector('[data-limit=outside]')")
     rows = {name: page.get_by_role("group", name=name) for name in ARM.joint_names}
     states = {name: row.get_attribute("data-limit") for name, row in rows.items()}
     assert states == {"slide": "", "shoulder": "near", "elbow": "outside", "wrist_pitch": "", "wrist_roll": ""}
-    for name, words in (("shoulder", "72.2°, near its upper limit"), ("elbow", "−143.2°, outside its lower limit")):
+    for name, words in (("shoulder", "81.4°, near its upper limit"), ("elbow", "−143.2°, outside its lower limit")):
         assert rows[name].get_attribute("title") == words
         for control in (rows[name].get_by_role("slider"), rows[name].get_by_role("spinbutton")):
             assert control.get_attribute("aria-valuetext") == words
@@ -255,6 +255,26 @@ def test_limits_are_told_in_words_and_by_a_colour_one_can_read(page: Any, viewer
         near, outside = page.evaluate(CONTRAST)
         assert near[0] != outside[0]
         assert min(contrast(*pair) for pair in (*near, *outside)) > 4.5, scheme  # WCAG 2.2, 1.4.3
+
+
+EXPRESSIONS: dict[str, float | None] = {
+    "30+15": 45.0, "2*(10 - 4) / 3": 4.0, "−7.5 deg": -7.5, "1e1": 10.0, ".5°": 0.5, "0.5 rad": np.degrees(0.5),
+    "pi/4": 45.0, "π/4 rad": 45.0, "10 deg + 0.1 rad": 10 + np.degrees(0.1), "(3": None, "3)": None, "1 2": None,
+    "1,5": None, "3 m": None, "5 deg rad": None, "1/0": None, "": None, "alert(1)": None,
+}  # fmt: skip
+"""In degrees."""
+
+
+def test_numbers_are_typed_as_expressions_with_units(page: Any) -> None:
+    read = """async ([texts, unit]) => {
+      const { typed } = await import(new URL("units.js", location.href));
+      return texts.map((text) => typed(text, unit));
+    }"""
+    found = page.evaluate(read, [list(EXPRESSIONS), "rad"])
+    expected = [None if value is None else np.radians(value) for value in EXPRESSIONS.values()]
+    assert found == [None if value is None else pytest.approx(value, abs=1e-12) for value in expected]
+    lengths = {"300 mm": 0.3, "12 in": 0.3048, "1 m - 20 cm": 0.8, "0.25": 0.25, "2*150mm": 0.3, "3 deg": None}
+    assert page.evaluate(read, [list(lengths), "m"]) == [v and pytest.approx(v, abs=1e-12) for v in lengths.values()]
 
 
 ROW = """async ([limits, unit, beside, numbers]) => {

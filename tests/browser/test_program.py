@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -251,6 +252,24 @@ def assert_at_hand_on_a_phone(page: Any) -> None:
     assert len(boxes) > 5
     assert all(min(box.bounding_box()[side] for side in ("width", "height")) >= 24 for box in boxes)
     assert page.evaluate("document.documentElement.scrollWidth <= 390 && panel.scrollWidth <= panel.clientWidth")
+
+
+def test_a_joint_that_stands_still_is_a_flat_line_without_limits(page: Any, arm: Arm, viewer: Viewer) -> None:
+    """Its velocity of 3 µrad/s is rounding of a file."""
+    goal = arm.ready.copy()
+    goal[1] += 0.4
+    motion = plan_joint(arm, [arm.ready, goal], limits=with_defaults(arm))
+    coefficients = motion.coefficients.copy()
+    coefficients[-2, :, 3] = 3e-6 * (-1.0) ** np.arange(coefficients.shape[1])
+    inf = np.full(arm.n, np.inf)
+    bare = replace(arm.limits, velocity=inf, acceleration=inf)
+    viewer.play(replace(motion, coefficients=coefficients, limits=bare))
+    open_poses(page, viewer)
+    heights = page.evaluate(
+        "[...document.querySelectorAll('.plot')[1].querySelectorAll('polyline')].map((line) => line.getBBox().height)"
+    )
+    assert heights[1] == max(heights) > 20.0
+    assert heights[3] < 1.0
 
 
 def assert_read_off(plot: Any, motion: Trajectory, joint: int) -> None:

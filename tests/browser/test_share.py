@@ -229,7 +229,10 @@ def test_a_picture_has_the_size_asked_for_and_shows_what_is_seen(page: Any, tmp_
         before = page.evaluate("[twistarm.view.viewer.camera.zoom, twistarm.view.viewer.camera.aspect]")
         draw(page)
         page.evaluate("document.getElementById('cube').hidden = true")
+        page.evaluate("twistarm.view.handles.group.visible = false")  # a picture is without them
+        draw(page)
         seen = np.asarray(Image.open(io.BytesIO(page.locator("#pane").screenshot())).convert("RGB")).astype(int)
+        page.evaluate("twistarm.view.handles.group.visible = true")
         page.get_by_text("Share", exact=True).click()
         button = page.get_by_role("button", name="Picture")
         own = image(saved(page, tmp_path, button.click))

@@ -9,7 +9,7 @@ import pytest
 from twistarm import InputError, guide
 from twistarm.guide.teaching import outlet
 from twistarm.guide.teaching.markup import block, formula
-from twistarm.guide.teaching.tex import rough, tex
+from twistarm.guide.teaching.saying import rough, tex
 
 
 def test_formulae_are_mathml_that_says_itself_in_tex() -> None:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from test_export import LABELS, plain, with_motors
 from twistarm import Actuators, ArmBuilder, load_arm, load_trajectory, plan_joint
@@ -43,6 +43,8 @@ def test_what_was_written_is_read_back(rover, motion, tmp_path, kind, ending):
         assert_allclose(read(read.times[1:-1], order), planned(read.times[1:-1], order), atol=atol)
         if ending == ".csv":
             assert np.array_equal(read(read.times[:-1], order), planned(read.times[:-1], order))
+            for rate, limit in RATES.items():
+                assert_array_equal(getattr(read.limits, rate), np.minimum(limit, getattr(planned.limits, rate)))
     between = np.linspace(0.0, planned.duration, 2001)
     jump = 2.0 * rover.limits.acceleration.max() if kind == "trapezoid" else 2.0 * planned.peak(3).max() * 0.02
     assert np.abs(read(between) - planned(between)).max() <= jump * 0.02**2 / 32
@@ -140,11 +142,15 @@ def line(number, change):
 BAD_CSV = {
     "no header": (lambda lines: lines[1:], "line 1: a motion of rover_arm has 'time \\[s\\]' once; here it is not"),
     "degrees": (line(1, lambda text: text.replace("elbow.position [rad]", "elbow.position [deg]")), "closest: 'elbow"),
-    "short": (line(7, lambda text: text.rsplit(",", 1)[0]), "line 7: 15 values"),
+    "short": (line(7, lambda text: text.rsplit(",", 1)[0]), "line 7: 25 values"),
     "word": (line(7, lambda text: "soon" + text[text.index(",") :]), "line 7: 'soon' is no number"),
     "a picosecond": (line(7, lambda text: "0.080000000001" + text[text.index(",") :]), "line 7: time must increase"),
-    "so fast": (line(7, lambda text: text.rsplit(",", 1)[0] + ",1e300"), "line 7: no arm moves so far or so fast; got"),
+    "so fast": (
+        line(7, lambda text: ",".join([*text.split(",")[:15], "1e300", *text.split(",")[16:]])),
+        "line 7: no arm moves so far or so fast; got",
+    ),
     "beyond": (line(7, lambda text: ",".join([text.split(",")[0], "9", *text.split(",")[2:]])), "joint 'slide' at 9 m"),
+    "a limit of 0": (line(2, lambda text: text.rsplit(",", 1)[0] + ",0"), "line 2: a limit must be a positive number"),
     "no line": (lambda lines: lines[:1], "holds no point of a motion"),
 }
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from test_hard_motions import arm_of, judge
 from twistarm import (
@@ -172,6 +175,57 @@ def test_a_blend_stays_in_its_ball_and_does_not_stop():
     assert np.abs(jumps).max() <= 1e-4 * ARM.limits.acceleration.max()
 
 
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "elbow", "scara", "stanford"])
+def test_a_blend_of_any_size_plans_where_a_stop_does(name):
+    """Through random poses, of which one only turns the tool. The way leaves that of the stopping motion near poses."""
+    arm, rng = load_arm(name, limits=RATES), np.random.default_rng(7)
+    for kinds in ((ScrewMove, JointMove, LineMove, JointMove), (JointMove, JointMove, JointMove, ScrewMove)):
+        way = [arm.ready]
+        for turn in (False, True, False, False):
+            theta = arm.ready + 0.15 * (arm.random_theta(rng) - arm.ready)
+            way.append(np.append(way[-1][:-1], theta[-1]) if turn else theta)
+
+        def motion(blend, way=way, kinds=kinds):
+            blends = [blend, blend, blend, 0.0]
+            moves = [make(theta, blend=b) for make, theta, b in zip(kinds, way[1:], blends, strict=True)]
+            return plan(arm, moves, start=way[0])
+
+        stops = motion(0.0)
+        ideal = cKDTree(arm.fk(stops(np.linspace(0.0, stops.duration, 2000)))[:, :3, 3])
+        poses = cKDTree(arm.fk(way)[:, :3, 3])
+        for blend in (1e-3, 0.02, 1.0):
+            rounded = motion(blend)
+            judge(rounded, arm.limits, jerk=True)
+            assert rounded.duration <= stops.duration * (1 + 1e-9)
+            p = arm.fk(rounded(np.linspace(0.0, rounded.duration, 5000)))[:, :3, 3]
+            off, near = ideal.query(p)[0], poses.query(p)[0]
+            assert off[near > blend].max(initial=0.0) <= 2e-3  # the ideal has 2000 points
+
+
+def test_a_motion_says_at_which_corners_it_stops_though_they_were_to_be_rounded():
+    """By its own velocity there, and only where one was asked for. To round one of them alone is no faster."""
+    kinds = (JointMove, JointMove, JointMove, LineMove, JointMove)
+    goals = ARM.ready + 0.2 * np.random.default_rng(2).uniform(-1.0, 1.0, (5, ARM.n))
+    for blend in (0.01, 0.1):
+        motion = plan(
+            ARM, [make(q, blend=blend * (i < 4)) for i, (make, q) in enumerate(zip(kinds, goals, strict=True))]
+        )
+        rests = np.flatnonzero(np.abs(motion(motion.times[1:-1], 1)).max(axis=1) < 1e-9) + 1
+        said = [note for note in motion.notes if note.startswith("stops at")]
+        assert len(said) == bool(len(rests))
+        if len(rests) not in (0, 4):
+            assert [int(number) for number in re.findall(r"segment (\d+)", said[0])] == rests.tolist()
+        elif said:
+            assert "every corner" in said[0]
+        for only in rests:
+            others = {*range(1, 5)} - {*rests.tolist()} | {int(only)}
+            moves = [
+                make(q, blend=blend * (i in others)) for i, (make, q) in enumerate(zip(kinds, goals, strict=True), 1)
+            ]
+            assert plan(ARM, moves).duration >= motion.duration * (1 - 1e-9)
+    assert not plan(ARM, [JointMove(q) for q in goals]).notes
+
+
 def test_what_a_target_leaves_free_an_arm_of_five_joints_uses():
     arm = load_arm("rover_arm", limits=RATES)
     g = arm.fk(arm.ready)
@@ -255,7 +309,6 @@ def test_what_lies_beyond_the_end_of_a_path_says_why_it_ends():
     [
         ([], {}, InputError, "one or more of JointMove"),
         ([JointMove(np.zeros(6)), 3], {}, InputError, "segment 2 must be"),
-        ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2), LineMove(moved([0.0, 0.1, 0.0]))], {}, InputError, "blend of"),
         ([LineMove(moved([0.0, 0.0, 0.01]), blend=0.2)], {}, InputError, "segment 1 .*cannot blend"),
         ([JointMove(np.full(6, 50.0))], {}, LimitError, "segment 1 .JointMove. puts joint"),
         ([JointMove(Position([9.0, 0.0, 0.0]))], {}, NotConvergedError, "segment 1 .JointMove."),

@@ -1,11 +1,8 @@
-"""What objects show of themselves: a line or three at a prompt, and an arm as a table in a notebook."""
+"""What objects show of themselves: a line or three at a prompt."""
 
 from __future__ import annotations
 
-from html.parser import HTMLParser
-
 import numpy as np
-import pytest
 
 from catalogue import load
 from twistarm import (
@@ -79,40 +76,3 @@ def test_long_arms_are_told_in_brief() -> None:
     arm = arm_from_screws(np.tile([[0.0], [0], [0], [0], [0], [1]], (1, 32)), np.eye(4), name="long")
     for thing in (arm, arm.limits, plan(arm)):
         assert len(repr(thing)) <= LONGEST
-
-
-class Cells(HTMLParser):
-    """The texts of the cells, row by row, and the names of all tags."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.rows: list[list[str]] = []
-        self.tags: set[str] = set()
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: object) -> None:
-        self.tags.add(tag)
-        if tag == "tr":
-            self.rows.append([])
-
-    def handle_data(self, data: str) -> None:
-        if self.rows:
-            self.rows[-1].append(data)
-
-
-def test_a_notebook_shows_an_arm_as_a_table_of_its_joints() -> None:
-    arm = load("rover_arm")
-    head, *rows = Cells(arm._repr_html_()).rows
-    assert head == ["joint", "type", "unit", "lower", "upper", "velocity (per s)", "ready"]
-    assert [row[0] for row in rows] == list(arm.joint_names)
-    assert rows[0][1:6] == ["prismatic", "m", "-0.5", "0.5", "0.5"]
-    assert rows[4][3:5] == ["–", "–"], "a continuous joint has no limits"
-    assert [float(row[6]) for row in rows] == pytest.approx(arm.ready.tolist(), rel=1e-3)
-
-
-def test_names_do_not_become_markup() -> None:
-    name = "<script>alert(1)</script>"
-    arm = arm_from_screws(np.array([[0.0, 0, 0, 0, 0, 1]]).T, np.eye(4), joints=[name], name="<b>&")
-    shown = Cells(arm._repr_html_())
-    assert shown.tags <= {"table", "caption", "thead", "tbody", "tr", "th", "td"}
-    assert shown.rows[1][0] == name

@@ -10,12 +10,13 @@ import pytest
 
 from twistarm import Arm, ArmBuilder, load_arm
 from twistarm.arm.usual_limits import with_defaults
-from twistarm.control.servo import ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
+from twistarm.control.servo import JogCommand, ServoSettings, ServoState, ServoStatus, TwistCommand, servo_step
 from twistarm.limits.actuators import Actuators
 from twistarm.limits.joint_limits import JointLimits
 from twistarm.support.checks import Array
 from twistarm.viewer.parts.gauge import SILENT, Gauge
 from twistarm.viewer.parts.servo_words import SILENT as WORDLESS
+from twistarm.viewer.parts.servo_words import servo_words
 from twistarm.viewer.stage import Stage
 
 BELOW = ServoSettings().singularity_threshold
@@ -118,7 +119,26 @@ def test_the_nearest_limit_is_the_joint_with_least_room_for_its_kind() -> None:
         message = gauge(arm, theta)
         assert (message["joint"], message["unit"], message["end"]) == (joint, "rad", end)
         assert message["room"] == pytest.approx(room, abs=1e-6)
-        assert message["near"] == pytest.approx(0.1 * {"a": 6.0, "b": 3.0}[joint])
+        assert message["near"] == pytest.approx(0.05 * {"a": 6.0, "b": 3.0}[joint])
+
+
+def test_a_joint_that_the_servo_calls_limited_is_the_one_of_the_gauge() -> None:
+    """The other is nearer to its end, but moves away from it."""
+    arm = replace(planar(0.3), limits=with_defaults(planar(0.3)))
+    state = ServoState.at(arm, [2.0, 0.95])
+    for _ in range(200):
+        state, output = servo_step(arm, state, JogCommand([1.0, -0.01]), 0.01)
+        if output.joint:
+            break
+    assert (output.status.name, output.joint) == ("SLOWED_LIMIT", "a")
+    theta = state.theta
+    assert 3.0 - theta[0] > 1.5 * (1.0 - theta[1])
+    stage, part = Stage(arm, theta), Gauge(arm)
+    for report, joint in ((WORDLESS, "b"), (servo_words(output), "a"), (WORDLESS, "b")):
+        stage.set_servo_status(report)
+        (message,) = part.messages(stage)
+        assert (message["joint"], message["end"]) == (joint, "upper")
+        assert message["room"] == pytest.approx({"a": 3.0, "b": 1.0}[joint] - theta["ab".index(joint)], abs=1e-6)
 
 
 def test_a_slide_in_metres_and_joints_without_limits() -> None:
@@ -135,14 +155,14 @@ def test_a_slide_in_metres_and_joints_without_limits() -> None:
     assert [message[name] for name in ("joint", "unit", "room", "near", "end")] == [None] * 5
 
 
-def test_near_is_a_tenth_of_the_range_or_five_degrees() -> None:
-    """5° are 0.08727 rad: a tenth of the range from ±0.436 rad on."""
+def test_near_is_a_twentieth_of_the_range_or_five_degrees() -> None:
+    """5° are 0.08727 rad: a twentieth of the range from ±0.873 rad on."""
     home = np.eye(4)
     home[0, 3] = 0.5
-    for half, turn, slide in [(0.1, 0.0872665, 0.02), (0.02, 0.0872665, 0.01), (1.0, 0.2, 0.2)]:
+    for half, turn, slide in [(0.2, 0.0872665, 0.02), (0.02, 0.0872665, 0.01), (1.0, 0.1, 0.1)]:
         builder = ArmBuilder("short").revolute("turn", [0, 0, 1], [0, 0, 0], lower=-half, upper=half)
         arm = builder.prismatic("slide", [1, 0, 0], lower=-half, upper=half).tool(home).build()
-        for theta, joint, near in [([0.9 * half, 0.0], "turn", turn), ([0.0, 0.999 * half], "slide", slide)]:
+        for theta, joint, near in [([0.99 * half, 0.0], "turn", turn), ([0.0, 0.999 * half], "slide", slide)]:
             message = gauge(arm, theta)
             assert (message["joint"], message["near"]) == (joint, pytest.approx(near, abs=1e-6))
     free = replace(planar(0.3), limits=replace(JointLimits.unbounded(2), upper=np.array([1.0, np.inf])))

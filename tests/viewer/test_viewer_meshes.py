@@ -12,8 +12,7 @@ from numpy.testing import assert_allclose
 
 from test_viewer_scene import drawn_by
 from twistarm import load_arm
-from twistarm.description.meshes.shading import shaded
-from twistarm.description.meshes.simplifying import simplified
+from twistarm.description.meshes.shading import shaded, simplified
 from twistarm.viewer.scene import links
 from twistarm.viewer.scene.arm_scene import Scene
 

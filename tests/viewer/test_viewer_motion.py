@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields
+from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import ArrayLike, NDArray
 
 from recorded_poses import HOME, LEFT, REACH, ask, done, said
-from twistarm import Arm, ArmBuilder, Viewer, plan_joint
+from twistarm import Arm, ArmBuilder, Viewer, load_trajectory, plan_joint
 from twistarm.arm.usual_limits import with_defaults
-from twistarm.limits.joint_limits import JointLimits
 from twistarm.planning.trajectory import Trajectory
 from twistarm.support.errors import InputError
 from twistarm.viewer.parts.playback import Playback
@@ -32,7 +32,7 @@ LINE = Trajectory(ARM.joint_names, ARM.units, [[0.0], [2.0]], [0, 2], [0, 2], [[
 def standing() -> Stage:
     """The line is loaded and waits at its start."""
     stage = Stage(ARM)
-    stage.stand_by(LINE, JointLimits.unbounded(1))
+    stage.stand_by(LINE)
     return stage
 
 
@@ -152,13 +152,20 @@ def test_a_jump_is_plotted_as_a_jump(arm: Arm) -> None:
     assert np.diff(times)[jumps].max() < 1e-8
 
 
-def test_a_trajectory_of_python_is_plotted_against_the_arm_s_own_limits(arm: Arm) -> None:
-    stage = Stage(arm)
-    stage.load(swing(arm), 1.0, False, 0.0)
-    joints = said(stage, "plots")["joints"]
-    assert [joint["limits"]["velocity"] for joint in joints] == [None, 2.0, 0.5]
-    assert [joint["limits"]["acceleration"] for joint in joints] == [None] * 3
-    assert all(joint["usual"] == [] for joint in joints)
+def test_a_trajectory_of_python_is_plotted_against_its_own_limits_or_the_arm_s(arm: Arm, tmp_path: Path) -> None:
+    motion = plan_joint(arm, [HOME, REACH], limits={"velocity": 0.4, "acceleration": 1.7})
+    read = load_trajectory(arm, motion.to_csv(tmp_path / "m.csv"))
+    for each, velocity, acceleration in (
+        (motion, [0.4] * 3, [1.7] * 3),
+        (read, [0.4] * 3, [1.7] * 3),
+        (replace(motion, limits=None), [None, 2.0, 0.5], [None] * 3),
+    ):
+        stage = Stage(arm)
+        stage.load(each, 1.0, False, 0.0)
+        joints = said(stage, "plots")["joints"]
+        assert [joint["limits"]["velocity"] for joint in joints] == velocity
+        assert [joint["limits"]["acceleration"] for joint in joints] == acceleration
+        assert all(joint["usual"] == [] for joint in joints)
 
 
 def test_a_motion_of_many_pieces_and_one_of_none(arm: Arm) -> None:

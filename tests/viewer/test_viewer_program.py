@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -296,6 +297,21 @@ def test_lines_are_straight_and_corners_round_within_their_radius() -> None:
     ideal = np.array(path["ideal"])
     assert np.minimum(off_line(ideal, a, b), off_line(ideal, b, c)).max() < 1e-6
     assert np.linalg.norm(ideal - b, axis=1).min() < 1e-6
+
+
+def test_the_poses_at_which_the_arm_stops_in_place_of_rounding_are_named() -> None:
+    """A line straight on is passed; at the end of an arc, whose turn is sharp, the arm stops."""
+    back = meeting(0.0, 0.3, -0.15)
+    stage = recorded(
+        (ARM.ready, "line"), (meeting(0.0, 0.08, -0.08), "via"), (meeting(0.0, 0.16, 0.0), "line"),
+        (meeting(0.0, 0.16, -0.15), "line"), (back, "line"), (ARM.ready, "joint"),
+    )  # fmt: skip
+    motion = planned(stage, corner=0.03)
+    at_rest = np.abs(motion(motion.times[1:-1], 1)).max(axis=1) < 1e-9
+    assert at_rest.tolist() == [False, False, True]
+    assert re.findall(r"stops at ('.*?'):", said(stage, "program")["note"]) == ["'pose 5'"]
+    planned(stage, stop=True)
+    assert "stops" not in said(stage, "program")["note"]
 
 
 def test_an_arc_leads_through_a_pose_to_the_next() -> None:

@@ -265,7 +265,7 @@ def test_a_target_stops_what_plays_before_its_answer_comes() -> None:
 def test_play_straight_after_a_target_goes_first() -> None:
     """The trajectory runs, and the arm has not left its place yet."""
     stage = Stage(ROVER)
-    stage.stand_by(MOTION, ROVER.limits)
+    stage.stand_by(MOTION)
     job = begin(stage, *near(ROVER))
     ask(stage, "play")
     done(job)

@@ -37,7 +37,7 @@ from ..support.checks import (
     require_one,
     warn_caller,
 )
-from ..support.display import html_table, in_brief, told
+from ..support.display import in_brief, told
 from ..support.errors import InputError, TwistarmError, UnitsWarning, listed, shown, unknown_name
 from ..support.unit_hints import theta_hint
 from ..theory.lower_pairs import lower_pairs
@@ -130,16 +130,6 @@ class Arm:
 
     def __repr__(self) -> str:
         return f"Arm({self.name}: {self._summary}; joints {in_brief(self.joint_names)})"
-
-    def _repr_html_(self) -> str:
-        """A table of the joints, for a notebook."""
-        limits = zip(self.limits.lower, self.limits.upper, self.limits.velocity, self.ready, strict=True)
-        rows = (
-            [name, kind, unit, *(_or_none(value) for value in numbers)]
-            for name, kind, unit, numbers in zip(self.joint_names, self.joint_types, self.units, limits, strict=True)
-        )
-        head = ["joint", "type", "unit", "lower", "upper", "velocity (per s)", "ready"]
-        return html_table(f"{self.name}: {self._summary}", head, rows)
 
     @property
     def _summary(self) -> str:
@@ -611,8 +601,3 @@ class Arm:
 def require_arm(arm: Any) -> Arm:
     """`arm`, or InputError."""
     return require(arm, Arm, "arm", "as load_arm returns it")
-
-
-def _or_none(value: float) -> str:
-    """A limit in a table; a dash if it is not given."""
-    return f"{value:.4g}" if np.isfinite(value) else "–"

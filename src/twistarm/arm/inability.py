@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..support.checks import Array
-from ..support.vector_words import axis_in_words
+from ..support.directions import axis_in_words
 from ..theory.manipulability import scaled_jacobian
 from .arm import Arm
 

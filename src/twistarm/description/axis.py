@@ -7,8 +7,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 
 from ..support.checks import Array
-from .document import Reading
-from .numerals import floats
+from .document import Reading, floats
 
 AXIS_TOL = 1e-3
 """Deviation of an axis's length from 1 that gives a finding. The rounding of CAD exports is finer."""

@@ -7,8 +7,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from .document import Reading
-from .numerals import number
+from .document import Reading, number
 from .tree import Joint
 
 WIDE = 1e300

@@ -1,4 +1,4 @@
-"""XML text to elements with lines, and the context of reading a description."""
+"""XML text to elements with lines, the numbers in it, and the context of reading a description."""
 
 from __future__ import annotations
 
@@ -13,10 +13,18 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.parsers import expat
 
+import numpy as np
+
 from ..support.errors import DescriptionError
 from ..support.files import as_path, read_bounded, why_no_file
 from .findings import Findings, Place, finding, refusal, refused
 from .packages import PackageIndex
+
+LARGEST = 1e9
+"""Far above any length, angle, mass or multiplier of a robot. Products of larger numbers overflow."""
+
+MAX_NUMBER = 400
+"""Characters of a number."""
 
 MAX_BYTES = 20_000_000
 """A whole humanoid's URDF has some 200 kB, a robot cell's a few MB."""
@@ -29,6 +37,22 @@ MAX_NESTING = 100
 
 CHUNK = 1_000_000
 """Bytes for one call of expat. A Ctrl-C waits for its end."""
+
+
+def floats(text: str, count: int) -> list[float]:
+    """Exactly `count` numbers of at most LARGEST in size, or ValueError."""
+    words = text.split(maxsplit=count)
+    values = [number(word) for word in words] if text.isascii() and len(words) == count else []
+    if len(values) != count or not (np.abs(values) <= LARGEST).all():
+        raise ValueError(f"{count} finite numbers expected, none beyond {LARGEST:g}; got {text[:60]!r}")
+    return values
+
+
+def number(word: str) -> float:
+    """A number that every reader of URDF takes. Python's 1_000 and digits of other scripts are refused."""
+    if not word.isascii() or "_" in word or len(word) > MAX_NUMBER:
+        raise ValueError(f"no number: {word[:60]!r}")
+    return float(word)
 
 
 @dataclass

@@ -12,9 +12,8 @@ from ..support.checks import Array
 from ..support.errors import listed
 from ..support.path_redaction import without_places
 from ..theory.rotations import from_rpy, from_xyzw
-from .document import Reading
+from .document import Reading, floats, number
 from .mesh_paths import resolve_uri, why_missing
-from .numerals import floats, number
 from .tree import Geometry
 
 Colour = tuple[float, float, float, float]

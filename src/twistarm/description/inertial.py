@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..support.checks import Array
-from .document import Reading
+from .document import Reading, floats
 from .geometry import read_origin
-from .numerals import floats
 from .tree import Description
 
 

@@ -18,13 +18,12 @@ from ..support.errors import DescriptionError, closest, listed
 from .axis import read_axis
 from .bounds import LIMIT_NAMES, WIDE, limit_numbers, note_softened, rate, read_bounds, softened
 from .catalog import models_share
-from .document import Reading, existing_file, parse_xml, read_text
+from .document import Reading, existing_file, floats, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro
 from .expansion.left_out import blaming, not_used
 from .findings import Place, refusal
 from .geometry import Geometries, read_origin
 from .inertial import INERTIA, drop_unusable_inertials
-from .numerals import floats
 from .packages import package_index
 from .planar import split_planar_joints
 from .spelling import note_unread_words, settle_version

@@ -10,9 +10,9 @@ import numpy as np
 from ..arm.inability import cannot_move, cannot_turn, position_limit
 from ..support.caller_words import argument, quantity
 from ..support.checks import Array
+from ..support.directions import axis_in_words, value_in_words
 from ..support.errors import printable
 from ..support.unit_hints import length_hint
-from ..support.vector_words import axis_in_words, value_in_words
 from .abilities import approach_plane, out_of_surface, short_of, split_rotation
 from .answer import NEAREST, StopReason
 from .ranges import joint_ranges

@@ -10,10 +10,10 @@ import numpy as np
 from ..arm.almost_exact import angle_in_words, length_in_words
 from ..arm.arm import Arm
 from ..support.checks import Array
+from ..support.directions import value_in_words
 from ..support.display import told
 from ..support.errors import NotConvergedError
 from ..support.unit_hints import theta_hint
-from ..support.vector_words import value_in_words
 from .answer import CLOSED_FORM, DAMPED, FIELDS, NEAREST, STOPS, Answer, StopReason
 from .explain import explain, summary
 from .ranges import joint_ranges

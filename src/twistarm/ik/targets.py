@@ -31,10 +31,10 @@ from ..support.checks import (
     frozen,
     require_choice,
 )
+from ..support.directions import direction_in_words, metres, numbers
 from ..support.display import Brief
 from ..support.errors import InputError
 from ..support.unit_hints import angle_hint
-from ..support.vector_words import direction_in_words, metres, numbers
 from ..theory.rotations import from_rpy, from_xyzw
 from . import rotation_errors
 from .task_space import Rows, excess, offset_rows

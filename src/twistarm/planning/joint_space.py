@@ -162,7 +162,9 @@ def plan_joint(
     points, merged = _prepared(points, None if smooth is None else as_positive(smooth, "smooth"), bounds, times is None)
     inside = PathBounds(bounds, arm.actuators)
     timed = _timed(points, kind, stop_at_waypoints, times, inside, progress)
-    motion = Trajectory(arm.joint_names, arm.units, points, *timed, arm.actuators, notes=(*notes, *turned, *merged))
+    motion = Trajectory(
+        arm.joint_names, arm.units, points, *timed, arm.actuators, notes=(*notes, *turned, *merged), limits=bounds
+    )
     if times is not None and kind not in BY_LAW:
         require_rates(motion, bounds)
         if arm.actuators is not None:

@@ -47,7 +47,7 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
 
     - CSV: columns `time [s]`, and for each joint `<joint>.position [rad]` and `<joint>.velocity [rad/s]`, with or
       without `<joint>.acceleration [rad/s^2]` (m for slides), in any order. Counts of the motors' drives may replace
-      them, as `to_csv(counts=True)` writes. Other columns are ignored.
+      them, as `to_csv(counts=True)` writes. Columns of limits are optional. Other columns are ignored.
     - JSON, YAML: a `trajectory_msgs/JointTrajectory` in rad and m, joints in any order, others ignored. YAML may last
       some minutes at most.
 
@@ -80,7 +80,9 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
     else:
         breakpoints, coefficients = t, through(t, theta, points.theta_dot, points.theta_ddot)
     try:
-        return Trajectory(arm.joint_names, arm.units, theta, t, breakpoints, coefficients, arm.actuators, labels)
+        return Trajectory(
+            arm.joint_names, arm.units, theta, t, breakpoints, coefficients, arm.actuators, labels, limits=points.limits
+        )
     except InputError as error:
         raise InputError(f"{file}: {error}") from error
 

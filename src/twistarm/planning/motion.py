@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -22,7 +23,7 @@ from .piecewise import side_by_side
 from .route import Leg, Router
 from .segments import SEGMENTS, Dwell, FreeMove, Move, Segment, place
 from .spans import Progress
-from .stretches import path_along, runs
+from .stretches import Corner, path_along, runs
 from .time_laws.bounds import PathBounds
 from .time_laws.double_s import double_s
 from .time_laws.law import TimeLaw
@@ -65,7 +66,7 @@ def plan(
     Joint moves go straight in joint space. Lines, screws and arcs keep the tool within 0.1 mm and 0.05° of the ideal.
     Wider tolerances replace these. If curves follow a joint move to a target, `plan` chooses the branch. It follows all
     curves with the least joint motion. Between two moves the arm stops, or rounds the corner inside a ball of radius
-    `blend`. It also stops if that takes less time.
+    `blend`. The corner shrinks until it fits. The arm also stops if that takes less time.
 
     - `s_curve`: acceleration is continuous and jerk within its limits. A joint without a jerk limit takes 0.1 s to its
       acceleration limit. A joint move that stops at both ends is the shortest possible.
@@ -100,7 +101,7 @@ def plan(
             collides, or no way round was found.
         LimitError: A goal lies outside the position limits.
         NotConvergedError: The target of a joint move cannot be met; the message says why.
-        InputError: An argument does not fit the arm, or a blend is too large.
+        InputError: An argument does not fit the arm.
         UnknownNameError: No such configuration or joint.
     """
     require_choice(kind, tuple(LAWS), "kind")
@@ -117,8 +118,8 @@ def plan(
 
     def planned_through(segments: Sequence[Segment], numbers: Sequence[int] | None = None) -> Trajectory:
         legs, said = _legs(planned, list(segments), origin, bounds, turning, progress, numbers)
-        timed = [each for run in runs(legs) for each in _fastest(planned, run, bounds, kind)]
-        return _assembled(arm, origin, timed, (*notes, *said))
+        timed = [each for run in runs(planned, legs, bounds) for each in _fastest(planned, *run, bounds, kind)]
+        return _assembled(arm, origin, timed, (*notes, *said, *_unrounded(timed)), bounds)
 
     if scene is not None:
         from ..collision import require_scene
@@ -227,29 +228,48 @@ class Timed:
         return float(self.breakpoints[-1])
 
 
-def _fastest(arm: Arm, run: list[Leg], limits: JointLimits, kind: str) -> list[Timed]:
+def _unrounded(timed: list[Timed]) -> list[str]:
+    """Return a note on the corners that were to be rounded and at which the arm stops."""
+    asked = [
+        leg for leg, on in pairwise(leg for each in timed for leg in each.legs)
+        if leg.index != on.index and leg.path and on.path and leg.move.blend
+    ]  # fmt: skip
+    stops = [leg for each in timed for leg in asked if leg is each.legs[-1]]
+    where = (
+        "every corner" if len(stops) == len(asked) > 1 else ", ".join(place(leg.index, leg.segment) for leg in stops)
+    )
+    return [f"stops at {where}: no rounding there is faster"] if stops else []
+
+
+def _fastest(arm: Arm, run: list[Leg], corners: list[Corner], limits: JointLimits, kind: str) -> list[Timed]:
     """Return the legs of a run in time. Corners are rounded unless stopping there is sooner done."""
-    rounded = [_timed(arm, run, limits, kind)]
-    if len(run) == 1:
-        return rounded
-    stopped = [_timed(arm, [leg], limits, kind) for leg in run]
-    known = np.concatenate([[0.0], rounded[0].ends])
-    alone = np.array([each.duration for each in stopped])
-    slow = np.flatnonzero(known[2:] - known[:-2] > alone[1:] + alone[:-1]) + 1
-    options = [rounded, stopped]
-    if 0 < len(slow) < len(run) - 1:
-        cuts = [0, *slow.tolist(), len(run)]
-        options.append([_timed(arm, run[i:j], limits, kind) for i, j in pairwise(cuts)])
-    return min(options, key=lambda option: sum(each.duration for each in option))
+
+    @cache
+    def timed(i: int, j: int) -> Timed:
+        return _timed(arm, run[i:j], corners[i : j - 1], limits, kind)
+
+    def option(stops: Iterable[int]) -> list[Timed]:
+        return [timed(i, j) for i, j in pairwise([0, *stops, len(run)])]
+
+    def duration(stops: Iterable[int]) -> float:
+        return sum(each.duration for each in option(stops))
+
+    every = tuple(range(1, len(run)))
+    known, alone = np.append(0.0, timed(0, len(run)).ends), np.array([each.duration for each in option(every)])
+    slow = tuple((np.flatnonzero(known[2:] - known[:-2] > alone[1:] + alone[:-1]) + 1).tolist())
+    best = min(((), every, slow), key=duration)
+    for corner in best:
+        best = min(best, tuple(each for each in best if each != corner), key=duration)
+    return option(best)
 
 
-def _timed(arm: Arm, legs: list[Leg], limits: JointLimits, kind: str) -> Timed:
+def _timed(arm: Arm, legs: list[Leg], corners: list[Corner], limits: JointLimits, kind: str) -> Timed:
     """Return the legs in time, all corners between them rounded."""
     segment, theta = legs[0].segment, legs[0].end
     if legs[0].path is None:
         stay = segment.seconds if isinstance(segment, Dwell) else 0.0
         return Timed(legs, np.array([0.0, stay]), theta[None, None], np.array([stay]))
-    path, ends, ceiling = path_along(arm, legs, limits)
+    path, ends, ceiling = path_along(arm, legs, corners, limits)
     bounds = PathBounds(limits, arm.actuators, ceiling)
     # A double-S for each joint would leave the straight line along which the free move was proven.
     straight = isinstance(segment, FreeMove)
@@ -261,7 +281,7 @@ def _timed(arm: Arm, legs: list[Leg], limits: JointLimits, kind: str) -> Timed:
     return Timed(legs, *law.along(path), np.interp(ends, known, law.breakpoints))
 
 
-def _assembled(arm: Arm, origin: Array, timed: list[Timed], notes: tuple[str, ...]) -> Trajectory:
+def _assembled(arm: Arm, origin: Array, timed: list[Timed], notes: tuple[str, ...], limits: JointLimits) -> Trajectory:
     """Join everything in time to one trajectory."""
     legs = [leg for each in timed for leg in each.legs]
     starts = np.cumsum([0.0, *(each.duration for each in timed)])
@@ -285,6 +305,7 @@ def _assembled(arm: Arm, origin: Array, timed: list[Timed], notes: tuple[str, ..
             if leg.segment.label
         ),
         notes,
+        limits,
     )
     rounded = np.array([False, *(isinstance(leg.segment, Move) and leg.segment.blend > 0.0 for leg in legs)])
     return replace(motion, waypoints=np.where(rounded[:, None], motion(times), motion.waypoints))

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arm.arm import Arm
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
-from ..support.errors import InputError
 from .cartesian.nodes import efforts
 from .cartesian.tool_derivatives import greatest_tool_speeds
 from .joint_path import JointPath
 from .piecewise import bisected, derivative, extremes, rescaled, shifted, side_by_side, through
 from .route import Leg
-from .segments import Move, place
+from .segments import Move
 from .within import POSITION_TOL, farthest_outside
 
 BEND_PIECES = 8
@@ -32,41 +33,59 @@ BISECTIONS = 40
 ROUNDING = 1e-12
 """A piece shorter than this part of its path is rounding."""
 
+ROOM = 0.9
+"""Greatest share of a leg's path that rounded corners take together."""
+
+LEAST = 1e-4
+"""Where the tool moves by less [m], it only turns: a rounded corner would skip its orientation there."""
+
 SHRINKS, SMALLER = 20, 0.8
 """How often a corner shrinks that leaves the ball or the position limits, and by what factor."""
 
 
-def runs(legs: list[Leg]) -> Iterator[list[Leg]]:
-    """Yield the legs between requested stops, in order. The arm also stops before and after a leg without a path."""
-    i = 0
-    while i < len(legs):
-        run = [legs[i]]
-        while run[-1].path is not None and run[-1].move.blend and legs[i + len(run)].path is not None:
-            run.append(legs[i + len(run)])
-        yield run
-        i += len(run)
+class Corner(NamedTuple):
+    """Where a leg's path of unit speed is left, the rounding, and where the next leg's is joined."""
+
+    begins: float
+    bend: JointPath
+    ends: float
 
 
-def path_along(arm: Arm, run: list[Leg], limits: JointLimits) -> tuple[JointPath, Array, Array | None]:
+def runs(arm: Arm, legs: list[Leg], limits: JointLimits) -> Iterator[tuple[list[Leg], list[Corner]]]:
+    """Yield the legs between stops in order, and the corners between them.
+
+    The arm stops where that is asked for, where no rounding fits, and before and after a leg without a path.
+    """
+    paths = [None if leg.path is None else _of_unit_speed(leg, limits) for leg in legs]
+    radii = [leg.move.blend if leg.path and on.path else 0.0 for leg, on in pairwise(legs)]
+    shares = [ROOM / 2 if all(ends) else ROOM for ends in pairwise([0.0, *radii, 0.0])]
+    run, corners = list[Leg](), list[Corner]()
+    for i, (leg, radius) in enumerate(zip(legs, [*radii, 0.0], strict=True)):
+        run.append(leg)
+        before, after = paths[i], paths[i + 1] if radius else None
+        corner = _rounded(arm, before, after, radius, shares[i : i + 2], limits) if before and after else None
+        if corner is not None:
+            corners.append(corner)
+            continue
+        yield run, corners
+        run, corners = [], []
+
+
+def path_along(
+    arm: Arm, run: list[Leg], corners: list[Corner], limits: JointLimits
+) -> tuple[JointPath, Array, Array | None]:
     """One path along moving legs, the end of each leg, and the greatest ṡ per piece (m,).
 
-    A rounded leg ends in the middle of its corner. The greatest ṡ is None without a limit. Raises InputError if a blend
-    does not fit.
+    A rounded leg ends in the middle of its corner. The greatest ṡ is None without a limit.
     """
-    paths = [_of_unit_speed(leg, limits) for leg in run]
     at, begins, parts, ends, caps = 0.0, 0.0, list[JointPath](), list[float](), list[Array]()
-    for leg, path, following, on in zip(run, paths, [*run[1:], None], [*paths[1:], None], strict=True):
-        corner, finishes = None, path.length
-        if following is not None and on is not None:
-            corner = _rounded(arm, path, on, leg.move.blend, limits)
-            if corner is None or corner[0] <= begins:
-                raise InputError(_too_large(arm, leg, path, on, begins))
-            finishes = corner[0]
-        parts.append(_part(path, begins, finishes))
+    for leg, following, corner in zip(run, [*run[1:], None], [*corners, None], strict=True):
+        path = _of_unit_speed(leg, limits)
+        parts.append(_part(path, begins, path.length if corner is None else corner.begins))
         caps.append(_caps(arm, parts[-1], leg.move, limits))
         at += parts[-1].length
         if corner is not None and following is not None:
-            bend, begins = corner[1].in_pieces(corner[1].length / BEND_PIECES)[0], corner[2]
+            bend, begins = corner.bend.in_pieces(corner.bend.length / BEND_PIECES)[0], corner.ends
             parts.append(bend)
             caps.append(np.minimum(_caps(arm, bend, leg.move, limits), _caps(arm, bend, following.move, limits)))
             ends.append(at + 0.5 * bend.length)
@@ -76,16 +95,6 @@ def path_along(arm: Arm, run: list[Leg], limits: JointLimits) -> tuple[JointPath
     breakpoints = np.concatenate([[0.0], np.cumsum(steps)])
     whole = JointPath(breakpoints, side_by_side([each.coefficients for each in parts]))
     return whole, np.array(ends), cap if np.isfinite(cap).any() else None
-
-
-def _too_large(arm: Arm, leg: Leg, path: JointPath, following: JointPath, begins: float) -> str:
-    corner = arm.fk(path.end)[:3, 3]
-    room = min(float(np.linalg.norm(arm.fk(each)[:3, 3] - corner)) for each in (path(begins), following.end))
-    return (
-        f"the blend of {place(leg.index, leg.segment)}, {leg.move.blend:g} m, does not fit between its "
-        f"neighbours: the tool is at most {room:.3g} m from that corner on the paths beside it: make it smaller, or 0 "
-        "to stop there"
-    )
 
 
 def _of_unit_speed(leg: Leg, limits: JointLimits) -> JointPath:
@@ -118,38 +127,39 @@ def _caps(arm: Arm, path: JointPath, move: Move, limits: JointLimits) -> Array:
 
 
 def _rounded(
-    arm: Arm, before: JointPath, after: JointPath, radius: float, limits: JointLimits
-) -> tuple[float, JointPath, float] | None:
-    """Return where to leave `before`, the rounding, and where to join `after`. None: the tool does not leave the ball.
+    arm: Arm, before: JointPath, after: JointPath, radius: float, shares: Sequence[float], limits: JointLimits
+) -> Corner | None:
+    """Return the corner inside these shares of two paths. None: no rounding fits, or the tool stays in one place.
 
     The rounding is a quintic with position and two derivatives of both paths (Lynch & Park §9.2.2.1). So the whole is
     C². It shrinks until it stays inside the ball and the position limits.
     """
     centre = arm.fk(before.end)[:3, 3]
-    for shrink in range(SHRINKS):
-        begins = _leaves_ball(arm, before, radius * SMALLER**shrink, at_end=True)
-        ends = _leaves_ball(arm, after, radius * SMALLER**shrink, at_end=False)
-        if begins is None or ends is None:
-            return None
+    if any(
+        _distance(arm, path, np.linspace(0.0, path.length, SAMPLES), centre).max() < LEAST for path in (before, after)
+    ):
+        return None
+    for scale in SMALLER ** np.arange(SHRINKS):
+        left, joined = (before.length * (1.0 - scale * shares[0]), after.length * scale * shares[1])
+        begins = _leaves_ball(arm, before, radius * scale, before.length, left)
+        ends = _leaves_ball(arm, after, radius * scale, 0.0, joined)
         t = np.array([0.0, before.length - begins + ends])
         states = (np.stack([before(begins, order), after(ends, order)]) for order in range(3))
         bend = JointPath(t, through(t, *states))
         _, beyond, _ = farthest_outside(extremes(bend.coefficients, t[1:])[1], limits)
         inside = beyond <= POSITION_TOL
         if inside and _distance(arm, bend, np.linspace(0.0, bend.length, SAMPLES), centre).max() <= radius:
-            return begins, bend, ends
+            return Corner(begins, bend, ends)
     return None
 
 
-def _leaves_ball(arm: Arm, path: JointPath, radius: float, *, at_end: bool) -> float | None:
-    """Where the tool first leaves the ball about one end of `path`, seen from that end. None: nowhere."""
-    centre = arm.fk(path.end if at_end else path.start)[:3, 3]
-    s = np.linspace(0.0, path.length, SAMPLES)
-    if at_end:
-        s = s[::-1]
+def _leaves_ball(arm: Arm, path: JointPath, radius: float, begin: float, end: float) -> float:
+    """Where the tool first leaves the ball about its place at `begin` on the way to `end`; else `end`."""
+    centre = arm.fk(path(begin))[:3, 3]
+    s = np.linspace(begin, end, SAMPLES)
     outside = _distance(arm, path, s, centre) > radius
     if not outside.any():
-        return None
+        return end
     first = int(outside.argmax())
     return float(bisected(lambda at: _distance(arm, path, at, centre) <= radius, s[first - 1], s[first], BISECTIONS)[0])
 

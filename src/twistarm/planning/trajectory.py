@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..limits.actuators import Actuators
+from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, as_floats, as_number, frozen, made_by, require
 from ..support.display import in_brief, told
 from ..support.errors import InputError, listed, shown
@@ -55,7 +56,8 @@ class Trajectory:
     Merged waypoints have equal times. A motion from a point to itself has duration 0 and one piece of no length.
     `actuators` are the arm's motors or None; files hold their values too. `labels` are actions on the way in order of
     time, pairs such as (1.5, "close gripper"). Every file contains them. `notes` say what was assumed, such as limits.
-    No file contains them.
+    No file contains them. `limits` are those that the motion was planned with, or None. CSV has their velocities and
+    accelerations.
     """
 
     joint_names: tuple[str, ...]
@@ -67,6 +69,7 @@ class Trajectory:
     actuators: Actuators | None = None
     labels: tuple[tuple[float, str], ...] = ()
     notes: tuple[str, ...] = ()
+    limits: JointLimits | None = None
 
     def __post_init__(self) -> None:
         for name in ("waypoints", "times", "breakpoints", "coefficients"):
@@ -164,10 +167,11 @@ class Trajectory:
         """Write CSV: a row every `dt` [s] and one at the end.
 
         A row has the time, then position, velocity and acceleration of each joint. The header names column and unit,
-        `slide.position [m]`. Each motor (of `actuators`, else of the arm) adds `left.motor_position [rad]`,
-        `left.motor_velocity [rad/s]`, `left.counts [tick]` and `left.counts_rate [tick/s]`, not rounded. A last column
-        `label` has each label in a row at its time. Numbers read back as the same floats. The file is written whole or
-        not at all. `load_trajectory` reads it.
+        `slide.position [m]`. A planned motion adds its constant limits, `slide.velocity_limit [m/s]` and
+        `slide.acceleration_limit [m/s^2]`. Each motor (of `actuators`, else of the arm) adds
+        `left.motor_position [rad]`, `left.motor_velocity [rad/s]`, `left.counts [tick]` and
+        `left.counts_rate [tick/s]`, not rounded. A last column `label` has each label in a row at its time. Numbers
+        read back as the same floats. The file is written whole or not at all. `load_trajectory` reads it.
 
         Args:
             path: The file to write.

@@ -1,23 +1,18 @@
-"""Displays of objects: short lines at a prompt, a table in a notebook."""
+"""Displays of objects: short lines at a prompt."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from enum import Enum
-from html import escape
 from typing import Any
 
 import numpy as np
 
-from .errors import SHOWN, one_line, shown
+from .errors import shown
 
 LONGEST_ROW = 8
 """Numbers in a row before the shape alone is told."""
-
-CELL = "padding: 0.15em 0.8em; text-align: {}; border-bottom: 1px solid rgba(128, 128, 128, 0.4)"
-"""Colours of the page around it, dark or light, and lines that show on both."""
 
 
 class Brief:
@@ -46,21 +41,6 @@ def in_brief(value: Any) -> str:
         texts = [each if isinstance(each, str) else in_brief(each) for each in value[:LONGEST_ROW]]
         return f"[{', '.join([*texts, *more])}]"
     return repr(value) if isinstance(value, Brief) else shown(value)
-
-
-def html_table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table for a notebook: texts left, numbers right, all escaped."""
-    titles = "".join(f'<th style="{CELL.format("left")}">{escape(title)}</th>' for title in head)
-    lines = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows)
-    return (
-        f'<table style="border-collapse: collapse"><caption style="text-align: left">{escape(caption)}</caption>'
-        f"<thead><tr>{titles}</tr></thead><tbody>{lines}</tbody></table>"
-    )
-
-
-def _cell(text: str) -> str:
-    side = "right" if text.lstrip("−-")[:1].isdigit() else "left"
-    return f'<td style="{CELL.format(side)}">{escape(one_line(text, SHOWN))}</td>'
 
 
 def _array(array: np.ndarray[Any, Any]) -> str:

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike
 
 from ...description.bounds import WIDE
 from ...description.companions.arm_file import ArmSpecification
-from ...description.document import Reading
-from ...description.numerals import LARGEST
+from ...description.document import LARGEST, Reading
 from ...description.packages import PackageIndex
 from ...description.planar import coordinate_names
 from ...description.urdf import build_description

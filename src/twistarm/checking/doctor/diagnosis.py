@@ -18,13 +18,12 @@ from ...support.files import as_path
 from .abilities import Abilities, abilities_of
 from .axes import check_axes, check_closed_form
 from .collisions import check_collisions
-from .idle import check_off_the_chain, check_without_effect
 from .inertia import check_inertias
 from .limits import check_limits, check_mimics, check_reach, check_zero
 from .meshes import check_meshes, has_meshes
 from .postures import check_postures
 from .statements import check_abilities
-from .tool import check_tool
+from .tool import check_off_the_chain, check_tool, check_without_effect
 
 _ORDER = ("error", "warning", "info")
 

@@ -17,10 +17,9 @@ from urllib.parse import unquote
 import numpy as np
 
 from ...arm.pinocchio_model import model_of
-from ...description.document import Reading
+from ...description.document import Reading, floats
 from ...description.inertial import inertial_problem
 from ...description.mesh_paths import plain
-from ...description.numerals import floats
 from ...description.packages import package_index, package_name
 from ...description.source_text import SourceText
 from ...description.tree import Description, Joint

@@ -9,7 +9,7 @@ import numpy as np
 from ...arm.arm import Arm
 from ...description.findings import Finding, finding
 from ...support.checks import Array
-from ...support.vector_words import axis_in_words, direction_in_words
+from ...support.directions import axis_in_words, direction_in_words
 from .abilities import TOL, Abilities
 from .wording import place_of
 

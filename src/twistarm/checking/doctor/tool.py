@@ -1,4 +1,4 @@
-"""The tool frame: whether there is one beyond the last joint."""
+"""The tool frame beyond the last joint, and joints that do not move the tool: off the chain, or without effect."""
 
 from __future__ import annotations
 
@@ -11,11 +11,49 @@ from ...description.findings import Finding, finding
 from ...description.tips.link_names import tool_rank
 from ...description.tree import Description
 from ...limits.joint_limits import slides
+from ...support.caller_words import argument
+from ...support.directions import direction_in_words
 from ...support.errors import one_line
-from ...support.vector_words import direction_in_words
+from .abilities import Abilities
+from .wording import grouped, place_of
+
+NO_MOTION = 1e-9
+"""A column of the Jacobian this small [m/reach, rad] is zero but for rounding."""
 
 OUT = 0.1
 """How far out [m] the tool of the snippet is."""
+
+
+def check_off_the_chain(arm: Arm, description: Description) -> Iterator[Finding]:
+    """Independent joints that no coordinate of the arm moves: fingers, wheels, a second arm."""
+    moved = {name for name, affine in arm.couplings.items() if affine.master in arm.joint_names}
+    idle = [
+        joint
+        for joint in description.joints.values()
+        if joint.moving and joint.name not in moved and joint.name not in arm.moving_names and joint.mimic is None
+    ]
+    if idle:
+        yield grouped(
+            "joint-off-the-chain",
+            description,
+            idle,
+            f"{'they are' if len(idle) > 1 else 'it is'} not between {arm.base} and {arm.tip_link} and "
+            f"{'do' if len(idle) > 1 else 'does'} not move the tool",
+            f"nothing, if that is meant; else pass {argument('tip')}",
+        )
+
+
+def check_without_effect(arm: Arm, able: Abilities) -> Iterator[Finding]:
+    """Coordinates with a zero column of the Jacobian everywhere."""
+    sizes = np.abs(able.body).max(axis=(0, 1))
+    for name, size in zip(arm.joint_names, sizes, strict=True):
+        if size <= NO_MOTION:
+            yield finding(
+                "joint-without-effect",
+                place_of(arm.description, arm.name),
+                f"joint {name!r} does not move the tool at any configuration: what it turns is turned back",
+                "look at the mimics behind it, or lock it",
+            )
 
 
 def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:

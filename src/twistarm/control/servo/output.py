@@ -12,8 +12,8 @@ import numpy as np
 from ...arm.arm import Arm
 from ...arm.inability import ANGULAR, LINEAR, cannot_move, cannot_turn, lacks, must_turn, position_limit, singular
 from ...support.checks import Array, frozen
+from ...support.directions import ALONG_AXIS, direction_in_words
 from ...support.display import Brief
-from ...support.vector_words import ALONG_AXIS, direction_in_words
 from .answer import Answer, Cause
 from .bounds import Bounds
 from .command import BASE, AnyCommand, TwistCommand

@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 
 from ...support.errors import DescriptionError, closest, listed
-from ..document import read_text
+from ..document import LARGEST, read_text
 from ..findings import Place, refusal
-from ..numerals import LARGEST
 
 MAX_BYTES, MAX_LINE = 64_000, 2_000
 """An arm.toml has some 5 kB. TOML's reader takes seconds for a dotted key that fills a longer line."""

@@ -1,4 +1,4 @@
-"""CSV of a motion, written and read: joints, motors and labels."""
+"""CSV of a motion, written and read: joints, limits, motors and labels."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ import numpy as np
 
 from ...arm.arm import Arm
 from ...limits.actuators import Actuators
+from ...limits.joint_limits import JointLimits
 from ...support.checks import Array, as_flag
-from ...support.csv_lines import Bounds, csv_lines, csv_rows
+from ...support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_number
 from ...support.csv_lines import csv_text as lines_of
 from ...support.errors import InputError, closest, listed
 from .motor_values import motor_values, motors_of, require_motors
@@ -26,6 +27,8 @@ TIME = "time [s]"
 LABEL = "label"
 
 JOINTS = {"position": "", "velocity": "/s", "acceleration": "/s^2"}
+LIMITS = {"velocity_limit": "/s", "acceleration_limit": "/s^2"}
+"""Constant columns: every reader of tables takes them, and a line of comment would stop many."""
 MOTORS = {"motor_position": "", "motor_velocity": "/s"}
 COUNTS = {"counts": "", "counts_rate": "/s"}
 """Rates and what follows their unit. The names are ASCII because spreadsheets guess at anything else."""
@@ -56,7 +59,7 @@ def csv_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = No
 def _tables(
     trajectory: Trajectory, t: Array, motors: Actuators | None, counts: bool
 ) -> Iterator[tuple[list[list[str]], list[Array]]]:
-    """Yield column names and values: positions and rates of the joints, then of the motors."""
+    """Yield column names and values: positions and rates of the joints, then of the motors; limits."""
     if counts:
         motors = require_motors(motors)
     else:
@@ -66,6 +69,10 @@ def _tables(
         names, first = _columns(COUNTS, motors.names, motors.units), 2 if counts else 0
         names = names if counts else [*_columns(MOTORS, motors.names, motors.motor_units), *names]
         yield names, motor_values(trajectory, motors, t)[first:]
+    if trajectory.limits is not None and not counts:
+        planned = [getattr(trajectory.limits, rate.removesuffix("_limit")) for rate in LIMITS]
+        names = _columns(LIMITS, trajectory.joint_names, trajectory.units)
+        yield names, [np.broadcast_to(each, (len(t), each.size)) for each in planned]
 
 
 def _columns(rates: Mapping[str, str], names: Sequence[str], units: Sequence[str]) -> list[list[str]]:
@@ -106,8 +113,10 @@ def read_csv(arm: Arm, path: Path) -> Points:
     groups, counted = _groups(arm, header, file)
     places = [header.index(name) for name in (TIME, *(name for group in groups for name in group))]
     labelled = [k for k, name in enumerate(header) if name == LABEL]
-    lines, values, labels = array("q"), array("d"), list[tuple[float, str]]()
+    lines, values, labels, limits = array("q"), array("d"), list[tuple[float, str]](), None
     for row in rows:
+        if not lines:
+            limits = _limits(arm, header, row, file)
         values.extend(numbers := row.numbers(places, len(header), file))
         lines.append(row.line)
         labels.extend((numbers[0], row.cells[k]) for k in labelled if row.cells[k])
@@ -119,7 +128,19 @@ def read_csv(arm: Arm, path: Path) -> Points:
     if counted and arm.actuators is not None:
         motor, motor_dot = map(arm.actuators.from_counts, states)
         states = [arm.actuators.to_theta(motor), arm.actuators.velocity_to_theta(motor_dot)]
-    return Points(table[:, 0], labels, lambda k: f"{file}, line {lines[k]}", *states)
+    return Points(table[:, 0], labels, lambda k: f"{file}, line {lines[k]}", limits, *states)
+
+
+def _limits(arm: Arm, header: list[str], row: Row, file: str) -> JointLimits | None:
+    """Return the limits of the arm with those in a row, or None. Raises InputError for one that is no number."""
+    found = {}
+    for rate, names in zip(LIMITS, _columns(LIMITS, arm.joint_names, arm.units), strict=True):
+        if _has_columns([names], header) and len(row.cells) == len(header):
+            cells = [row.cells[header.index(name)] for name in names]
+            if not all(is_number(cell) and float(cell) > 0.0 for cell in cells):
+                raise InputError(f"{file}, line {row.line}: a limit must be a positive number or inf")
+            found[rate.removesuffix("_limit")] = list(map(float, cells))
+    return arm.limits.with_(found, arm.joint_names) if found else None
 
 
 def _groups(arm: Arm, header: list[str], file: str) -> tuple[list[list[str]], bool]:

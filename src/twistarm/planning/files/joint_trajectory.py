@@ -118,7 +118,7 @@ def _points(arm: Arm, message: Any, file: str) -> Points:
             for k, point in enumerate(points)
         ]
         states.append(np.reshape(rows, (len(points), len(names)))[:, order])
-    return Points(t, _labels(message, file), place, *states)
+    return Points(t, _labels(message, file), place, None, *states)
 
 
 def _entry(mapping: Any, name: str, place: str) -> Any:

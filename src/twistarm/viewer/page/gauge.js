@@ -1,16 +1,16 @@
-// Two bars: how far the driven arm is from a singularity, and from the nearest position limit.
+// Two bars: how near the driven arm is to a singularity, and to a position limit. They fill with danger.
 
 import { element } from "./element.js";
 import { writeName } from "./names.js";
 import { shown } from "./units.js";
 
-const FULL = 5; // a full bar, in what counts as near
+const FAR = 5; // an empty bar, in what counts as near
 const AT = 0.01; // of that: at the limit
 
 export class Gauge {
   constructor(root) {
-    this.singularity = new Bar(root, "Singularity", "Distance from a singularity");
-    this.limit = new Bar(root, "Limit", "Nearest limit");
+    this.singularity = new Bar(root, "Singularity", "Nearness to a singularity");
+    this.limit = new Bar(root, "Limit", "Nearness to a limit");
     this.message = null;
   }
 
@@ -50,7 +50,7 @@ class Bar {
     this.meter = element("div", "meter");
     this.fill = element("span");
     this.meter.append(this.fill);
-    for (const [key, value] of Object.entries({ role: "meter", "aria-label": label, "aria-valuemin": 0, "aria-valuemax": FULL })) {
+    for (const [key, value] of Object.entries({ role: "meter", "aria-label": label, "aria-valuemin": 0, "aria-valuemax": 1 })) {
       this.meter.setAttribute(key, value);
     }
     this.row.append(element("span", "name", name), this.words, this.figure, this.meter);
@@ -60,11 +60,11 @@ class Bar {
 
   // `share` 1: what lies below is near. `spoken`: what `words` and `figure` say, in full.
   show(share, standing, { figure, words, spoken }) {
-    const value = Math.min(Math.max(share, 0), FULL);
+    const danger = 1 - Math.min(Math.max(share, 0), FAR) / FAR;
     this.row.dataset.standing = standing;
-    this.fill.style.width = `${(100 * value) / FULL}%`;
+    this.fill.style.width = `${100 * danger}%`;
     this.write(figure, words, spoken);
-    this.meter.setAttribute("aria-valuenow", value.toFixed(2));
+    this.meter.setAttribute("aria-valuenow", danger.toFixed(2));
   }
 
   clear(words) {

@@ -5,7 +5,7 @@ import { writeName } from "./names.js";
 import { NumberBox } from "./number_box.js";
 import { shown, span, unitShown } from "./units.js";
 
-const NEAR = 0.1; // of the range between two limits
+const NEAR = 0.05; // of the range between two limits
 const LEAST = { rad: Math.PI / 36, m: 0.01 }; // near a limit in any case: 5°, 1 cm
 const ROUNDING = 1e-6; // rad, m: the process lets a value lie this far beyond
 

@@ -7,7 +7,7 @@
 import { Collision } from "./collision.js";
 import { copyTheta } from "./copying.js";
 import { Cube } from "./cube.js";
-import { $ } from "./element.js";
+import { $, $$ } from "./element.js";
 import { Findings } from "./findings.js";
 import { Ghost } from "./ghost.js";
 import { eases } from "./glide.js";
@@ -39,7 +39,7 @@ import { View } from "./view.js";
 import { Work } from "./work.js";
 
 const QUIET = ["jog", "jog_joints", "visible"]; // asked again and again, or unseen: an error stays to be read
-const SILENCE = "The process does not answer: nothing was sent.";
+const SILENCE = "The process has gone or does not answer: the panel rests until it does.";
 const STRANGER = "The view was started anew: open the address that it printed.";
 
 const schema = await (await fetch("schema.json")).json();
@@ -199,11 +199,12 @@ const link = new Link({
     parts.progress.add(bytes.length);
   },
   status(status) {
+    const gone = status === "offline";
     panel.showStatus(status);
-    if (status !== "offline") {
-      silence = SILENCE;
-      return;
-    }
+    for (const each of $$("#panel > :not(header, #told), #verdict")) each.inert = gone;
+    if (!gone) silence = SILENCE;
+    panel.showError(gone ? silence : "");
+    if (!gone) return;
     jog.lose();
     for (const part of allParts()) part.offline?.();
   },

@@ -16,7 +16,7 @@ export class NumberBox {
     this.held = false; // under somebody's hand: not written from outside
     this.edited = false; // and not sent
     this.input = element("input", "number");
-    Object.assign(this.input, { type: "text", inputMode: "decimal", autocomplete: "off", maxLength: 30 });
+    Object.assign(this.input, { type: "text", inputMode: "decimal", autocomplete: "off", maxLength: 60 });
     this.input.setAttribute("role", "spinbutton");
     this.listen();
     this.label();

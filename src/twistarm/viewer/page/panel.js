@@ -2,6 +2,7 @@
 
 import { $, button, element } from "./element.js";
 import { JointRow } from "./joint_row.js";
+import { steady } from "./kinematics.js";
 import { cut, writeName } from "./names.js";
 import { inRadians, setRadians, shown, signed } from "./units.js";
 
@@ -16,6 +17,7 @@ export class Panel {
     this.names = [];
     this.movers = []; // buttons that move the arm
     this.frame = null;
+    this.rpy = null; // as shown, or typed
     this.wrong = null; // the box that the error is about
     this.held = null; // the joint under somebody's hand: its row is not moved from outside
     for (const what of ["screws", "frames", "path"]) {
@@ -90,9 +92,10 @@ export class Panel {
     this.frame = frame;
     this.names.forEach((name, i) => this.showJoint(name, frame.theta[i]));
     for (const [name, value] of Object.entries(frame.others)) this.showJoint(name, value);
-    const { position, rpy } = frame.tool;
+    const { position } = frame.tool;
+    this.rpy = steady(frame.tool.rpy, this.rpy);
     ["x", "y", "z"].forEach((axis, i) => { $(`tool-${axis}`).textContent = `${signed(position[i], 3)} m`; });
-    ["roll", "pitch", "yaw"].forEach((angle, i) => { $(`tool-${angle}`).textContent = shown(rpy[i], "rad"); });
+    ["roll", "pitch", "yaw"].forEach((angle, i) => { $(`tool-${angle}`).textContent = shown(this.rpy[i], "rad"); });
   }
 
   showJoint(name, number) {

@@ -4,14 +4,16 @@ import { styled } from "./element.js";
 
 const PIECE = 2048; // pixels
 
-// A canvas of `width` x `height` pixels with all that the view shows, and more where the shape is another.
+// A canvas of `width` x `height` pixels with all that the view shows but the handles, and more where the shape is another.
 export function painted(view, width, height) {
   const canvas = Object.assign(document.createElement("canvas"), { width, height });
   const context = canvas.getContext("2d");
   paintSky(context, width, height);
   const { renderer, camera } = view.viewer;
-  const before = { ratio: renderer.getPixelRatio(), zoom: camera.zoom };
+  const handles = view.handles?.group ?? {};
+  const before = { ratio: renderer.getPixelRatio(), zoom: camera.zoom, handles: handles.visible };
   try {
+    handles.visible = false;
     renderer.setPixelRatio(1);
     renderer.setSize(Math.min(width, PIECE), Math.min(height, PIECE), false);
     camera.zoom *= Math.min(1, width / height / camera.aspect); // what was seen at the sides stays in
@@ -21,6 +23,7 @@ export function painted(view, width, height) {
   } finally {
     camera.clearViewOffset();
     camera.zoom = before.zoom;
+    handles.visible = before.handles;
     renderer.setPixelRatio(before.ratio);
     view.viewer.set_3d_pane_size();
     view.viewer.render();

@@ -8,6 +8,8 @@ const TITLES = { position: "Position", velocity: "Velocity", acceleration: "Acce
 const PER = { position: "", velocity: "/s", acceleration: "/s²" };
 const FAR = 3; // a limit farther off than this many times what moves is told, not drawn
 const AIR = 0.12; // of the height, above and below
+const LEAST = 1e-3; // rad, m, and per s and s²: less is rounding, and fills no plot
+const STILL = 0.05; // of the largest peak: likewise
 
 // {title, low, high, marks: [{at, label, limit}], lines: [{joint, values}]} of the plots' message for a rate. `chosen`
 // is a joint's place; null: all.
@@ -18,7 +20,7 @@ export function scaled(plots, rate, chosen) {
 // The same of the tool: the speed of its origin, and how fast it turns at most.
 export function toolScaled({ tool }) {
   const lines = [{ joint: 0, values: tool.linear }];
-  const { low, high } = reach([0], lines);
+  const { low, high } = reach([0, LEAST], lines);
   const digits = decimals(high - low);
   const marks = ticks(low, high).filter((at) => at >= 0).map((at) => ({ at, limit: false, label: signed(at, digits) }));
   return { title: "Tool, m/s", low, high, marks, lines };
@@ -29,16 +31,20 @@ export function worded(value, { unit }, rate) {
   return `${figure(value, unit)} ${unitShown(unit)}${PER[rate]}`;
 }
 
-// By what a joint's values are divided, after `middle` is taken off: ±1 are its limits.
-export function share({ limits, range, peak }, rate) {
-  if (rate !== "position") return { middle: 0, half: limits[rate] ?? (peak[rate] || 1) };
+// By what a joint's values are divided, after `middle` is taken off: ±1 are its limits. Without a limit its peak, or a
+// part of the largest among its `others`: what stands still is drawn so.
+export function share({ limits, range, peak, unit }, rate, others) {
+  if (rate !== "position") {
+    const most = Math.max(...others.filter((other) => other.unit === unit).map((other) => other.peak[rate]));
+    return { middle: 0, half: limits[rate] ?? Math.max(peak[rate], STILL * most, LEAST) };
+  }
   const [low, high] = range;
   return { middle: (low + high) / 2, half: (high - low) / 2 || 1 };
 }
 
 function shares(plots, rate) {
   const lines = plots.joints.map((joint, i) => {
-    const { middle, half } = share(joint, rate);
+    const { middle, half } = share(joint, rate, plots.joints);
     return { joint: i, values: plots[rate][i].map((value) => (value - middle) / half) };
   });
   const limited = plots.joints.some((joint) => ends(joint, rate).some((limit) => limit !== null));
@@ -64,7 +70,8 @@ function alone(plots, rate, chosen) {
   const [least, most] = extremes(lines);
   const room = FAR * Math.max(most - least, Math.abs(most), Math.abs(least));
   const drawn = limits.filter((limit) => limit !== null && limit >= least - room && limit <= most + room);
-  const { low, high } = reach(drawn, lines);
+  const middle = (least + most) / 2;
+  const { low, high } = reach([middle - LEAST * scale, middle + LEAST * scale, ...drawn], lines);
   const round = ticks(low, high).filter((at) => drawn.every((limit) => Math.abs(at - limit) > AIR * (high - low)));
   const marks = [...round.map((at) => ({ at, limit: false })), ...drawn.map((at) => ({ at, limit: true }))];
   const digits = decimals(high - low);

@@ -133,7 +133,7 @@ export class Plots {
   row(i, rate, time) {
     const joint = this.data.joints[i];
     const value = interpolated(this.data.times, this.data[rate][i], time);
-    const of = rate === "position" || joint.limits[rate] === null ? "" : ` · ${percent(value / share(joint, rate).half)}`;
+    const of = rate === "position" || joint.limits[rate] === null ? "" : ` · ${percent(value / share(joint, rate, this.data.joints).half)}`;
     return { joint: i, name: joint.name, value: worded(value, joint, rate) + of };
   }
 }

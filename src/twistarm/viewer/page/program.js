@@ -5,6 +5,7 @@ import { eases } from "./glide.js";
 import { PoseList } from "./pose_list.js";
 import { read, written } from "./pose_file.js";
 import { fileName, save } from "./saving.js";
+import { typed } from "./units.js";
 
 const OUTDATED = "The motion was planned with other settings: plan again.";
 const SETTINGS = ["plan-kind", "plan-stop", "plan-corner", "plan-linear-speed"];
@@ -82,7 +83,7 @@ export class Program {
 
   // What the boxes ask for.
   get settings() {
-    const [corner, linear_speed] = ["plan-corner", "plan-linear-speed"].map((id) => ($(id).value ? $(id).valueAsNumber : 0));
+    const [corner, linear_speed] = ["plan-corner", "plan-linear-speed"].map((id) => typed($(id).value.replace(/\/s\s*$/, "") || "0", "m"));
     return { kind: $("plan-kind").value, stop: $("plan-stop").checked, corner, linear_speed };
   }
 

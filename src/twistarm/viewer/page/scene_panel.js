@@ -87,6 +87,7 @@ export class ScenePanel {
   // Which obstacle has handles and numbers; one that is about to come may be chosen.
   choose(name) {
     this.chosen = name;
+    this.last = undefined; // numbers shown, or typed
     const obstacle = this.find();
     const boxes = obstacle ? [...(SIZES[obstacle.kind] ?? []).map((text) => [text, "m"]), ...PLACE] : [];
     this.boxes = boxes.map(([text, unit], i) => this.box(text, unit, i));
@@ -128,7 +129,7 @@ export class ScenePanel {
 
   numbers() {
     const { kind, size } = this.find();
-    return [...(SIZES[kind] ? size : []), ...numbersOf(this.pose())];
+    return [...(SIZES[kind] ? size : []), ...numbersOf(this.pose(), this.last)];
   }
 
   // Handles and numbers where the obstacle stands; one that a link holds goes along and is not dragged.
@@ -138,7 +139,8 @@ export class ScenePanel {
     if (on) this.gizmo.place(this.pose(), this.pose(), "base");
     this.gizmo.show(on, false, () => true);
     if (!obstacle) return;
-    this.numbers().forEach((number, i) => this.boxes[i].show(number, ""));
+    this.last = this.numbers();
+    this.last.forEach((number, i) => this.boxes[i].show(number, ""));
     for (const box of this.boxes) box.disable(obstacle.held || !this.ready);
   }
 
@@ -146,6 +148,7 @@ export class ScenePanel {
     const numbers = this.numbers();
     numbers[i] = value;
     const sizes = numbers.length - PLACE.length;
+    this.last = numbers;
     this.put(turned(numbers.slice(sizes)), sizes > 0 ? numbers.slice(0, sizes) : undefined);
   }
 

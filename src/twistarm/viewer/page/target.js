@@ -4,7 +4,8 @@ import { $ } from "./element.js";
 import { Gizmo } from "./gizmo.js";
 import { bare } from "./keys.js";
 import { PoseBoxes } from "./pose_boxes.js";
-import { describes, numbersOf, poseOf, same, standing, turned } from "./target_pose.js";
+import { numbersOf, poseOf, same, standing, turned } from "./target_pose.js";
+import { keep, kept } from "./storage.js";
 import { Tolerances } from "./tolerances.js";
 import { Verdict } from "./verdict.js";
 import { THREE } from "./view.js";
@@ -14,6 +15,8 @@ const HINTS = {
   approach: "5 joints: not every pose is in reach, so the axis about which the tool rolls is pointed, and its turn about that is free.",
   position: "Fewer than 5 joints: the tool's position is met, and its orientation is free.",
 };
+const FIRST = "Drag an arrow or a ring at the tool; G hides them.";
+const DRAGGED = "twistarm dragged"; // whether somebody has, on any page
 const PARALLEL = 0.999; // cosine from which a ring is about the axis that an approach points
 const LATE = 60; // ms that an answer takes at most where nothing is slow
 const LOST = 2000; // ms after which no answer is expected any more: the arm was moved by another hand
@@ -25,7 +28,6 @@ export class Target {
     this.given = null;
     this.tool = null;
     this.asked = null;
-    this.typed = null;
     this.start = null;
     this.driven = false;
     this.waiting = null; // the picture before which nothing more is sent
@@ -51,6 +53,7 @@ export class Target {
       servo: ({ driven }) => this.drive(driven),
       error: () => this.settle(),
     };
+    $("drag-tool").checked = matchMedia("(hover: hover) and (pointer: fine)").matches; // with a mouse
     this.listen();
   }
 
@@ -82,7 +85,6 @@ export class Target {
     this.given = null;
     this.tool = null;
     this.asked = null;
-    this.typed = null;
     this.newer = false;
     this.begun = this.kind;
     this.verdict.show(null);
@@ -102,7 +104,6 @@ export class Target {
 
   placed(frame) {
     this.tool = poseOf(frame.transforms["/frames/tool"]);
-    this.rpy = frame.tool.rpy;
     this.arrange();
   }
 
@@ -129,6 +130,7 @@ export class Target {
   begin() {
     this.start = { theta: this.page.state.frame.theta, given: this.given };
     this.verdict.busy(true);
+    keep(DRAGGED, "true");
   }
 
   // At most one request for each picture, at once where none was sent since the last one.
@@ -184,7 +186,8 @@ export class Target {
   }
 
   type(numbers) {
-    this.typed = numbers;
+    this.boxes.numbers = numbers;
+    this.page.panel.rpy = numbers.slice(3);
     this.ask(turned(numbers));
   }
 
@@ -206,7 +209,8 @@ export class Target {
   arrange() {
     for (const id of ["drag-tool", "target-kind", "target-axes", "target-snap"]) $(id).disabled = this.driven;
     $("target-release").hidden = !this.given || this.driven;
-    $("target-hint").textContent = $("drag-tool").checked && this.kind === this.begun ? (HINTS[this.kind] ?? "") : "";
+    const hints = [kept(DRAGGED) ? "" : FIRST, this.kind === this.begun ? HINTS[this.kind] : ""];
+    $("target-hint").textContent = $("drag-tool").checked && !this.driven ? hints.filter(Boolean).join(" ") : "";
     this.tolerances.disable(this.driven);
     this.boxes.disable(this.driven, this.kind === "position");
     if (this.tool !== null) this.put();
@@ -214,15 +218,10 @@ export class Target {
 
   put() {
     const pose = standing(this.given, this.tool);
-    this.boxes.show(this.given ? this.numbers(pose) : [...this.tool.position.toArray(), ...this.rpy]);
+    this.boxes.show(numbersOf(pose, this.boxes.numbers));
     this.gizmo.place(this.asked ?? (this.given?.met ? this.tool : pose), this.tool, $("target-axes").value);
     const on = $("drag-tool").checked && !this.driven;
     this.gizmo.show(on, this.given?.met === false, (handle, direction) => this.allows(handle, direction));
-  }
-
-  // As they were typed, as long as they say the same: at a pitch of 90° roll and yaw can stand for each other.
-  numbers(pose) {
-    return this.typed && describes(this.typed, pose) ? this.typed : numbersOf(pose);
   }
 
   // A position has no turns, and an approach none about the axis that it points.

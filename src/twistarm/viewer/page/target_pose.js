@@ -1,5 +1,6 @@
 // Poses of the tool as the page holds them, {position, quaternion} in base axes [m], and as six numbers x y z roll pitch yaw.
 
+import { steady } from "./kinematics.js";
 import { THREE } from "./view.js";
 
 // Of a node's matrix, sixteen numbers column by column.
@@ -19,22 +20,15 @@ export function standing(given, tool) {
   };
 }
 
-// Roll, pitch and yaw about fixed axes are yaw, pitch and roll about the turned ones.
-export function numbersOf({ position, quaternion }) {
+// Roll, pitch and yaw about fixed axes are yaw, pitch and roll about the turned ones; see `steady` for `last`.
+export function numbersOf({ position, quaternion }, last) {
   const { x, y, z } = new THREE.Euler().setFromQuaternion(quaternion, "ZYX");
-  return [...position.toArray(), x, y, z];
+  return [...position.toArray(), ...steady([x, y, z], last?.slice(-3))];
 }
 
 export function turned(numbers) {
   const [x, y, z, roll, pitch, yaw] = numbers;
   return { position: new THREE.Vector3(x, y, z), quaternion: new THREE.Quaternion().setFromEuler(new THREE.Euler(roll, pitch, yaw, "ZYX")) };
-}
-
-// Whether six numbers say this pose, up to the rounding of a quaternion.
-export function describes(numbers, { position, quaternion }) {
-  const said = turned(numbers);
-  const near = said.position.distanceTo(position) < 1e-9;
-  return near && said.quaternion.angleTo(quaternion) < 1e-6;
 }
 
 // Whether the process answers what was asked.

@@ -18,7 +18,7 @@ export class Tolerances {
 
   send() {
     const [millimetres, angle] = this.boxes.map((box) => box.value);
-    const position = (typed(millimetres, "m") ?? 0) * MILLIMETRE;
+    const position = typed(millimetres, "m", 1 / MILLIMETRE) ?? 0;
     const orientation = typed(angle, "rad") ?? 0;
     if (position < 0 || orientation < 0) return this.write();
     this.page.ask({ type: "tolerances", position, orientation });

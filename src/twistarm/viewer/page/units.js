@@ -1,13 +1,13 @@
 // Numbers as people read and type them: angles in degrees, or in radians where that is switched on; lengths in metres.
 
+import { evaluated } from "./expression.js";
 import { keep, kept } from "./storage.js";
 
 const DEGREES = 180 / Math.PI;
 const KEPT = "twistarm radians";
 const NARROW = { "°": 10, rad: 0.1, m: 0.1 }; // ranges whose ends need a digit more
 const STEPS = { "°": 1, rad: 0.01, m: 0.001 };
-const WRITTEN = { "°": /\s*(°|deg)$/i, rad: /\s*rad$/i, m: /\s*m$/i }; // a unit that may follow a typed number
-const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
+const WRITTEN = { m: { m: 1, cm: 100, mm: 1000, in: 1 / 0.0254 }, rad: { rad: 1, deg: DEGREES, "°": DEGREES } }; // typed units
 
 let radians = kept(KEPT) === "true";
 
@@ -49,11 +49,11 @@ export function limitDigits(unit, digits) {
   return unitShown(unit) === "°" ? digits : Math.max(2, digits);
 }
 
-// What was typed, in rad or m; null where it is no number.
-export function typed(text, unit) {
-  const bare = text.trim().replaceAll("−", "-").replace(WRITTEN[unitShown(unit)], "");
-  const value = Number(bare) / scale(unit);
-  return NUMBER.test(bare) && Number.isFinite(value) ? value : null;
+// What was typed, in rad or m; null where it is no number. `bare`: how many of a number without a unit are 1 rad or m,
+// those of the page unless given; angles with pi are radians.
+export function typed(text, unit, bare = scale(unit)) {
+  const value = evaluated(text, WRITTEN[unit], unit === "rad" && /pi|π/i.test(text) ? 1 : bare);
+  return Number.isFinite(value) ? value : null;
 }
 
 // What an arrow key adds, rad or m.

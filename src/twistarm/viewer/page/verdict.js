@@ -1,4 +1,4 @@
-// Whether the target is met, in a word and a colour, and the words of its solution, line by line.
+// Whether the target is met, in a word and a colour, with the reason; the words of its solution are folded.
 
 import { $, element } from "./element.js";
 
@@ -34,9 +34,12 @@ function inShort({ words }) {
   return reason ? `${reason.slice(REASON.length)} · ${asked}` : asked;
 }
 
-function lines({ met, words }) {
-  const [first, ...rest] = words.split("\n");
+function lines(message) {
   const head = element("p", "first");
-  head.append(element("span", "met", met ? "✓ met" : "✕ not met"), " ", first);
-  return [head, ...rest.map((line) => element("p", line.startsWith(" ") ? "why" : "", line.trim()))];
+  head.title = inShort(message);
+  head.append(element("span", "met", message.met ? "✓ met" : "✕ not met"), ` ${head.title}`);
+  const fold = element("details");
+  const all = message.words.split("\n").map((line) => element("p", line.startsWith(" ") ? "why" : "", line.trim()));
+  fold.append(element("summary", "", "How it was found"), ...all);
+  return [head, fold];
 }

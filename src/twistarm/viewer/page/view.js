@@ -23,7 +23,7 @@ export class View {
     this.segments = new Map();
     this.soon = null;
     this.rim = new Rim();
-    this.onDrawn = [() => this.rim.give(this.node("/arm"))]; // done with what is new
+    this.onDrawn = [() => this.rim.give(this.node("/arm")), () => this.layer()]; // done with what is new
     this.fixtures = new THREE.Group();
     this.viewer.scene.add(this.fixtures);
     for (const name of ["Lights", "Grid", "Axes"]) this.viewer.delete_path([name]);
@@ -61,6 +61,14 @@ export class View {
       for (const act of this.onDrawn) act();
       this.viewer.set_dirty();
     }, SOON);
+  }
+
+  // Faces of two shapes in one plane would flicker: each shape lies by a hair before the one drawn before it.
+  layer() {
+    let shape = 0;
+    this.node("/arm").traverse(({ isMesh, material }) => {
+      if (isMesh) Object.assign(material, { polygonOffset: true, polygonOffsetUnits: -16 * (shape++ % 4) });
+    });
   }
 
   // Take away what was drawn: another process may answer after a reconnection.

@@ -17,7 +17,7 @@ from ...support.directions import leading, nearest_axes
 from ..protocol.messages import Message
 from .part import Part, Show
 
-NEAR = 0.1
+NEAR = 0.05
 """Share of the range between two limits that counts as near a limit, as in the joints' rows."""
 
 LEAST = {"rad": np.pi / 36, "m": 0.01}
@@ -41,7 +41,7 @@ class Gauge(Part):
     def __init__(self, arm: Arm) -> None:
         self._arm = arm
         self._measure: Measure | None = None
-        self._at: Array | None = None
+        self._at: tuple[Array, str | None] | None = None
         self._words = SILENT
 
     def messages(self, show: Show) -> Iterator[Message]:
@@ -49,14 +49,15 @@ class Gauge(Part):
 
         sigma: smallest singular value [rad per rad], singular below `below`. lacks: its direction in base axes.
 
-        joint: the joint or motor nearest to a position limit. It has `room` [unit] to its `end`, and the warning
-        distance `near`. All are null without a servo or without a limit.
+        joint: the joint or motor that the servo says is limited, else the one nearest to a position limit. It has
+        `room` [unit] to its `end`, and the warning distance `near`. All are null without a servo or without a limit.
         """
+        limited = show.report["joint"] if str(show.report["status"]).endswith("_LIMIT") else None
         if not show.driven:
             self._at, self._words = None, SILENT
-        elif show.theta is not self._at:
+        elif self._at is None or show.theta is not self._at[0] or limited != self._at[1]:
             self._measure = self._measure or Measure(self._arm)
-            self._at, self._words = show.theta, self._measure.words(show.theta)
+            self._at, self._words = (show.theta, limited), self._measure.words(show.theta, limited)
         yield {"type": "gauge", **self._words}
 
 
@@ -69,15 +70,15 @@ class Measure:
         motors = arm.actuators.motor_units[: len(self.bounds.motion.names) - arm.n] if arm.actuators else ()
         self.units = (*motors, *arm.units)
 
-    def words(self, theta: Array) -> dict[str, Any]:
-        """The fields of the message at theta (n,)."""
+    def words(self, theta: Array, limited: str | None) -> dict[str, Any]:
+        """The fields of the message at theta (n,), where the servo says that joint `limited` is."""
         sigma, u = self.least(theta)
         lacks = DIRECTIONS[leading(np.abs(u))] if u.any() else None
         return {
             "sigma": round(sigma, 5),
             "below": self.bounds.singularity_threshold,
             "lacks": lacks,
-            **self.room(theta),
+            **self.room(theta, limited),
         }
 
     def least(self, theta: Array) -> tuple[float, Array]:
@@ -99,14 +100,14 @@ class Measure:
                 u[list(components)] = nearest_axes(equal @ equal.T, 1)[:, 0]
         return least, u
 
-    def room(self, theta: Array) -> dict[str, Any]:
-        """The joint or motor nearest to a limit, relative to its warning distance."""
+    def room(self, theta: Array, limited: str | None) -> dict[str, Any]:
+        """The joint or motor `limited`, else the one nearest to a limit relative to its warning distance."""
         motion = self.bounds.motion
         x, lower, upper = motion.C @ theta + motion.c, motion.limits.lower, motion.limits.upper
         room = np.minimum(x - lower, upper - x)
         near = np.array([LEAST[unit] for unit in self.units])
         near = np.where(np.isfinite(upper - lower), np.maximum(NEAR * (upper - lower), near), near)
-        row = int(np.argmin(room / near))
+        row = motion.names.index(limited) if limited in motion.names else int(np.argmin(room / near))
         if not np.isfinite(room[row]):
             return dict.fromkeys(("joint", "unit", "room", "near", "end"))
         return {

@@ -12,7 +12,6 @@ from ...arm.arm import Arm, require_arm
 from ...collision import Scene
 from ...collision.scene import Placed
 from ...control.servo.settings import SLIDE
-from ...limits.joint_limits import JointLimits
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ...support.errors import InputError
@@ -21,6 +20,7 @@ from ..protocol.messages import Message, Request
 from .limit_checks import checked_theta
 from .playback import Glide, Playback
 from .pose_list import PoseList, RecordedPose
+from .servo_words import SILENT
 from .summary import extra_joints, rest
 from .tool_path import NO_PATH
 
@@ -52,6 +52,7 @@ class Show:
         self.playback: Playback | None = None
         self.scene: Scene | None = None  # what motions and the servo collide with
         self.driven = False
+        self.report: Mapping[str, Any] = SILENT  # of the servo
         self.drive: Message = NO_DRIVE
         self._glide: Glide | None = None
 
@@ -79,12 +80,12 @@ class Show:
         self.playback.play(now)
         self.theta = self.playback.theta()
 
-    def stand_by(self, trajectory: Trajectory, limits: JointLimits) -> None:
-        """Stand at the start of `trajectory`, planned by `limits`, for a page to play. Speed and loop stay."""
+    def stand_by(self, trajectory: Trajectory) -> None:
+        """Stand at the start of `trajectory` for a page to play. Speed and loop stay."""
         self.stop()
         at = self.playback
         speed, loop = (1.0, False) if at is None else (at.speed, at.loop)
-        self.playback = Playback(trajectory, speed, loop, limits=limits)
+        self.playback = Playback(trajectory, speed, loop)
         self.theta = self.playback.theta()
 
     def advance(self, now: float) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...limits.joint_limits import JointLimits
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array, as_theta
 
@@ -14,17 +13,13 @@ GLIDE_TIME = 0.5
 
 @dataclass
 class Playback:
-    """The clock of one trajectory.
-
-    `limits` are the limits of the plan, None where they are unknown.
-    """
+    """The clock of one trajectory."""
 
     trajectory: Trajectory
     speed: float = 1.0
     loop: bool = False
     time: float = 0.0
     running: bool = False
-    limits: JointLimits | None = None
     _last: float = 0.0
 
     @property

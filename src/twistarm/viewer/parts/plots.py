@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...arm.arm import Arm
+from ...arm.usual_limits import with_defaults
 from ...limits.joint_limits import JointLimits, usual_range
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
@@ -49,11 +50,12 @@ class Plots(Part):
 def plots(arm: Arm, playback: Playback | None) -> Message:
     """Times [s], the values of each joint for each derivative [rad, m, per s, s²], and the plotted joints.
 
-    The limits are those of the plan, or the arm's. Infinite or missing values give no plot.
+    The limits are those of the motion, or the arm's. Infinite or missing values give no plot.
     """
     if playback is None:
         return NO_PLOTS
-    trajectory, limits = playback.trajectory, playback.limits or arm.limits
+    trajectory = playback.trajectory
+    limits = trajectory.limits or arm.limits
     times = _times(trajectory)
     values = [np.round(trajectory(times, order), DECIMALS).T for order in range(len(RATES))]
     peaks = [trajectory.peak(order) for order in range(len(RATES))]
@@ -86,6 +88,8 @@ def _times(trajectory: Trajectory) -> Array:
 
 def _joints(arm: Arm, limits: JointLimits, peaks: list[Array]) -> list[dict[str, Any]]:
     """Name and unit. `range`: the range of positions; `usual`: assumed limits; `peak`: largest values."""
+    rates = ((rate, [getattr(each, rate) for each in (arm.limits, limits, with_defaults(arm))]) for rate in RATES[1:])
+    usual = {rate: np.isinf(own) & (ours == assumed) for rate, (own, ours, assumed) in rates}
     lower, upper = usual_range(limits.lower, limits.upper, arm.usual_half)
     return [
         {
@@ -96,7 +100,7 @@ def _joints(arm: Arm, limits: JointLimits, peaks: list[Array]) -> list[dict[str,
                 "position": [_or_null(limits.lower[i]), _or_null(limits.upper[i])],
                 **{rate: _or_null(getattr(limits, rate)[i]) for rate in RATES[1:]},
             },
-            "usual": [rate for rate in RATES[1:] if getattr(limits, rate)[i] < np.inf == getattr(arm.limits, rate)[i]],
+            "usual": [rate for rate, flags in usual.items() if flags[i]],
             "peak": {rate: float(peak[i]) for rate, peak in zip(RATES, peaks, strict=True)},
         }
         for i, (name, unit) in enumerate(zip(arm.joint_names, arm.units, strict=True))

@@ -16,24 +16,18 @@ from ...theory import screws
 from .pose_list import RecordedPose
 from .tool_path import drawn
 
-ROOM = 0.45
-"""Greatest radius of a rounded corner, as a share of the tool's distance to the neighbouring poses."""
-
-LEAST_CORNER = 1e-4
-"""A smaller radius [m] is a stop."""
-
 POINTS = 60
 """Points of the ideal path from a pose to the next."""
 
 
 def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[Segment]:
-    """The segments through all poses, with corners rounded within `corner` [m] or less.
+    """The segments through all poses, with corners rounded within `corner` [m].
 
     Raises InputError for an arc's via pose without the arc's end.
     """
     made: list[Segment] = []
     for i, pose in enumerate(poses[1:], start=1):
-        blend = _corner(arm, poses, i, corner)
+        blend = corner if i + 1 < len(poses) else 0.0
         if poses[i - 1].by == "via" and i > 1:
             made.append(ArcMove(Position(arm.fk(poses[i - 1].theta)[:3, 3]), pose.theta, blend=blend))
         elif pose.by in ("joint", "free"):
@@ -45,16 +39,6 @@ def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[Seg
                 f"an arc leads through '{pose.name}' to the pose after it: that must be there, and be an end itself"
             )
     return made
-
-
-def _corner(arm: Arm, poses: Sequence[RecordedPose], i: int, corner: float) -> float:
-    """The corner radius at pose i: at most the available room, 0 at the end."""
-    if i + 1 == len(poses) or corner <= 0.0:
-        return 0.0
-    before, here, after = arm.fk([pose.theta for pose in poses[i - 1 : i + 2]])[:, :3, 3]
-    room = ROOM * min(np.linalg.norm(here - before), np.linalg.norm(after - here))
-    blend = min(corner, float(room))
-    return blend if blend >= LEAST_CORNER else 0.0
 
 
 def ideal_way(arm: Arm, poses: Sequence[RecordedPose]) -> list[list[float]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from functools import partial
@@ -115,9 +116,11 @@ class Program:
         asked = self._asked if ours else NO_REQUEST
         through_joints = asked.through_joints(self.list.poses)
         straight = STRAIGHT if through_joints and (asked.stop or asked.kind == "trapezoid") else ""
-        note = ("; ".join(filter(None, (straight, self._usual))) if current else STALE) if ours else ""
-        said = {**asked._asdict(), "kind": asked.kind or None}
-        return {"type": "program", "poses": poses, "planned": current, **said, "note": note}
+        said = self._motion.notes if current and self._motion else ()
+        words = [straight, *(_of_poses(each, self.list.poses) for each in said), self._usual]
+        note = ("; ".join(filter(None, words)) if current else STALE) if ours else ""
+        settings = {**asked._asdict(), "kind": asked.kind or None}
+        return {"type": "program", "poses": poses, "planned": current, **settings, "note": note}
 
     def _plan(self, asked: MotionRequest, show: Show) -> Job:
         poses = self.list.poses
@@ -148,13 +151,12 @@ class Program:
         planned, path = result
         if isinstance(planned, PathError):
             show.draw_path(path)
-            to = [pose for pose in poses[1:] if pose.by != "via"][planned.segment or 0]
-            raise InputError(f"on the way to '{to.name}' {planned.detail}")
+            raise InputError(f"on the way to '{_ends(poses)[planned.segment or 0].name}' {planned.detail}")
         if show.driven:
             raise InputError("the motion was planned and not loaded: a servo drives the arm meanwhile")
         self._motion = planned
         self._through, self._asked = _listed(poses), asked
-        show.stand_by(self._motion, self.limits)
+        show.stand_by(self._motion)
         show.draw_path(path)
 
 
@@ -226,6 +228,16 @@ def _ghosts(arm: Arm, poses: Sequence[RecordedPose], others: Mapping[str, float]
     placement = Placement(arm)
     standing = [standing_at(placement, poses[i].theta, others) for i in chosen]
     return {"waypoints": standing, "ids": [poses[i].id for i in chosen]}
+
+
+def _ends(poses: Sequence[RecordedPose]) -> list[RecordedPose]:
+    """The poses at which the segments end."""
+    return [pose for pose in poses[1:] if pose.by != "via"]
+
+
+def _of_poses(note: str, poses: Sequence[RecordedPose]) -> str:
+    """The planner's note with poses in place of segments."""
+    return re.sub(r"segment (\d+) \(\w+\)", lambda found: f"'{_ends(poses)[int(found[1]) - 1].name}'", note)
 
 
 def _listed(poses: Sequence[RecordedPose]) -> tuple[tuple[int, str], ...]:

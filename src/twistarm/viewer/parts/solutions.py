@@ -11,8 +11,8 @@ import numpy as np
 from ...arm.arm import Arm
 from ...ik import AllSolutions, AnyTarget, closed_form_of, solve_ik_all
 from ...support.checks import Array
+from ...support.directions import value_in_words
 from ...support.errors import InputError
-from ...support.vector_words import value_in_words
 from ..protocol.jobs import Job
 from ..protocol.messages import Message, Request
 from ..scene.placement import Placement, standing_at
