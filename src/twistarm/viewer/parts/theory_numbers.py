@@ -9,7 +9,7 @@ import numpy as np
 from ...arm.arm import Arm
 from ...control.servo.settings import ServoSettings
 from ...support.checks import Array
-from ...support.vector_words import axis_in_words
+from ...support.directions import axis_in_words
 from ...theory import poe
 from ...theory.manipulability import Manipulability, scaled_jacobian
 from ...theory.screws import to_screw

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...description.meshes import LIGHTER, REMEDY, MeshReader, Part, UnreadableMeshError, size_of
+from ...description.meshes import REMEDY, MeshReader, Part, size_of
 from ...description.tree import Description, Geometry, Link
 from ...support.errors import TwistarmError, listed, one_line
 from ...support.files import stamp
@@ -22,9 +22,6 @@ TRIANGLES = 80_000
 
 FEWEST = 500
 """Least triangles of a mesh, so that a bolt beside a heavy base keeps its shape."""
-
-MOST_TRIANGLES, MOST_OBJECTS = 5_000_000, 20_000
-"""Most triangles and objects of a drawing with all triangles, within a browser's memory."""
 
 
 Source = tuple[object, ...]
@@ -79,7 +76,7 @@ def draw_meshes(
     """
     most = {} if exact else _shares(description)
     read: dict[Path, list[Part] | str] = {}
-    told, room = {""}, _Room()
+    told = {""}
     for link in description.links.values():
         undrawn = _is_only_meshes(link)
         found = _found(link)
@@ -92,7 +89,7 @@ def draw_meshes(
             if path not in read:
                 read[path] = _parts_or_reason(reader, path, most.get(path, inf))
             parts = read[path]
-            objects, note = _mesh_or_reason(node, visual, path, parts, room)
+            objects, note = ([], parts) if isinstance(parts, str) else (_mesh(node, visual, parts), "")
             drawn = bool(objects)
             undrawn = undrawn and not drawn
             if k == len(found) and _is_only_meshes(link):
@@ -127,45 +124,14 @@ def _shares(description: Description) -> Mapping[Path, int]:
 def _parts_or_reason(reader: MeshReader, path: Path, most: float) -> list[Part] | str:
     try:
         return reader.parts(path, most)
+    except TwistarmError as error:
+        return str(error)
     except Exception as error:  # a fault of one mesh does not stop the others
-        return str(error) if isinstance(error, TwistarmError) else _reason(path, error)
+        return one_line(f"cannot draw mesh {path.name}: {str(error) or type(error).__name__}; {REMEDY}")
 
 
 def _all_exact(parts: list[Part] | str) -> bool:
     return isinstance(parts, str) or all(part.exact for part in parts)
-
-
-class _Room:
-    """How much may still be drawn."""
-
-    def __init__(self) -> None:
-        self._triangles, self._objects = MOST_TRIANGLES, MOST_OBJECTS
-
-    def take(self, path: Path, parts: Sequence[Part]) -> None:
-        """UnreadableMeshError where there is no room for `parts`."""
-        triangles, objects = self._triangles - sum(len(part.faces) for part in parts), self._objects - len(parts)
-        if triangles < 0 or objects < 0:
-            most = f"{MOST_TRIANGLES:,} triangles and {MOST_OBJECTS:,} parts"
-            raise UnreadableMeshError(path, f"with it the arm would have more than {most}", LIGHTER)
-        self._triangles, self._objects = triangles, objects
-
-
-def _mesh_or_reason(
-    node: str, visual: Geometry, path: Path, parts: list[Part] | str, room: _Room
-) -> tuple[list[bytes], str]:
-    if isinstance(parts, str):
-        return [], parts
-    try:
-        room.take(path, parts)
-        return _mesh(node, visual, parts), ""
-    except TwistarmError as error:
-        return [], str(error)
-    except Exception as error:
-        return [], _reason(path, error)
-
-
-def _reason(path: Path, error: Exception) -> str:
-    return one_line(f"cannot draw mesh {path.name}: {str(error) or type(error).__name__}; {REMEDY}")
 
 
 def _plain(description: Description, link: Link, size: float) -> list[bytes]:
