@@ -14,9 +14,9 @@ from numpy.testing import assert_array_equal
 from twistarm import Arm
 from twistarm.support.errors import InputError, TwistarmError
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts.commands import PageCommands
 from twistarm.viewer.server import driver, server
 from twistarm.viewer.server.downloads import DOWNLOADS
+from twistarm.viewer.server.driver import PageCommands
 from twistarm.viewer.stage import Stage
 from viewer_page import THETA, WAIT, get, swing
 

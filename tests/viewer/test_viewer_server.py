@@ -21,7 +21,7 @@ from twistarm.description.meshes import MeshReader
 from twistarm.support.errors import InputError, MissingExtraError
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.server import server
-from twistarm.viewer.server.authentication import Authentication
+from twistarm.viewer.server.access import Authentication
 from viewer_page import WAIT, Page, get, port_of, swing, target, visit
 
 # who may come in --------------------------------------------------------------------------------------

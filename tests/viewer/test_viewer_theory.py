@@ -17,8 +17,7 @@ from twistarm import Arm, ArmBuilder, load_arm, plan_joint
 from twistarm.planning.trajectory import Trajectory
 from twistarm.support.strict_json import encode
 from twistarm.viewer.files.motion_samples import recorded
-from twistarm.viewer.parts.theory import axes
-from twistarm.viewer.parts.theory_numbers import numbers
+from twistarm.viewer.parts.theory import axes, numbers
 from twistarm.viewer.scene.placement import Placement
 from twistarm.viewer.stage import Stage
 

@@ -13,7 +13,7 @@ from catalogue import load
 from twistarm import Arm, ArmBuilder, Position, diagnose, solve_ik
 from twistarm.control.servo import ServoState, TwistCommand, servo_step
 from twistarm.viewer.parts.gauge import Measure
-from twistarm.viewer.parts.theory_numbers import numbers
+from twistarm.viewer.parts.theory import numbers
 
 SVD, EIGH = np.linalg.svd, np.linalg.eigh
 

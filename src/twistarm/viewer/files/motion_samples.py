@@ -10,8 +10,7 @@ from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
 from ..parts.limit_checks import checked_theta
-from ..parts.theory import axes
-from ..parts.theory_numbers import numbers
+from ..parts.theory import axes, numbers
 
 SAMPLE_TIME = 1.0 / 30.0
 """Time between samples [s]. The page interpolates between them."""

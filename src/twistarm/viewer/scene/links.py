@@ -89,7 +89,7 @@ def draw_meshes(
             if path not in read:
                 read[path] = _parts_or_reason(reader, path, most.get(path, inf))
             parts = read[path]
-            objects, note = ([], parts) if isinstance(parts, str) else (_mesh(node, visual, parts), "")
+            objects, note = _mesh_or_reason(node, visual, path, parts)
             drawn = bool(objects)
             undrawn = undrawn and not drawn
             if k == len(found) and _is_only_meshes(link):
@@ -124,10 +124,21 @@ def _shares(description: Description) -> Mapping[Path, int]:
 def _parts_or_reason(reader: MeshReader, path: Path, most: float) -> list[Part] | str:
     try:
         return reader.parts(path, most)
-    except TwistarmError as error:
-        return str(error)
     except Exception as error:  # a fault of one mesh does not stop the others
-        return one_line(f"cannot draw mesh {path.name}: {str(error) or type(error).__name__}; {REMEDY}")
+        return _reason(path, error)
+
+
+def _mesh_or_reason(node: str, visual: Geometry, path: Path, parts: list[Part] | str) -> tuple[list[bytes], str]:
+    try:
+        return ([], parts) if isinstance(parts, str) else (_mesh(node, visual, parts), "")
+    except Exception as error:
+        return [], _reason(path, error)
+
+
+def _reason(path: Path, error: Exception) -> str:
+    if isinstance(error, TwistarmError):
+        return str(error)
+    return one_line(f"cannot draw mesh {path.name}: {str(error) or type(error).__name__}; {REMEDY}")
 
 
 def _all_exact(parts: list[Part] | str) -> bool:

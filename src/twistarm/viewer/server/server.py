@@ -16,7 +16,6 @@ from tornado.httpserver import HTTPServer
 
 from ...support.errors import InputError, TwistarmError
 from ...support.strict_json import encode
-from ..parts.commands import COMMANDS, PageCommands
 from ..parts.findings import examined
 from ..protocol.change_publisher import ChangePublisher, Source
 from ..protocol.jobs import Job, Progress, Workers
@@ -24,10 +23,9 @@ from ..protocol.messages import Message, Request, failure, number_of, parse
 from ..scene.arm_scene import Scene
 from ..stage import Stage
 from ..state_transfer import carry
-from .authentication import Authentication
-from .driver import Driver
+from .access import Authentication, bind
+from .driver import COMMANDS, Driver, PageCommands
 from .handlers import SocketHandler, application
-from .listening import bind
 from .memory import Memory
 
 FRAME_TIME = 1.0 / 60.0
