@@ -24,7 +24,7 @@ from twistarm.viewer.parts.theory import axes
 from twistarm.viewer.scene import links
 from twistarm.viewer.scene.arm_scene import Scene
 from twistarm.viewer.scene.axes import anchors
-from twistarm.viewer.scene.placement import Placement
+from twistarm.viewer.scene.placement import carried
 from twistarm.viewer.stage import Stage
 from urdf_text import joint, write
 from viewer_page import ARM, ROUNDING, THETA, matrix, visit
@@ -75,9 +75,9 @@ def test_a_new_page_is_told_the_arm_the_scene_and_where_everything_stands(arm: A
 
 def test_the_last_screw_carries_home_to_the_tool(arm: Arm) -> None:
     for drawn in (arm, arm_from_screws(arm.screws, arm.home)):
-        carried = Placement(drawn).carried(np.array(THETA), drawn.poses(THETA))
-        assert_allclose(carried[-1] @ arm.home, arm.fk(THETA), atol=ROUNDING)
-        for i, g in enumerate(carried):
+        moved = carried(drawn, np.array(THETA))
+        assert_allclose(moved[-1] @ arm.home, arm.fk(THETA), atol=ROUNDING)
+        for i, g in enumerate(moved):
             assert_allclose(g, poe.fk(arm.screws[:, : i + 1], np.eye(4), THETA[: i + 1]), atol=ROUNDING)
 
 

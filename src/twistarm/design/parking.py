@@ -193,11 +193,8 @@ def _scene(arm: Arm, panel: Panel, scene: Scene | None) -> Scene | None:
 
 def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | None) -> TaskResult:
     """The task of the panel at g (4, 4), from the first start with room in all joints, or with the most room."""
-    here, met, found = (
-        task.seen_from(g),
-        dict[str, Any](panel.tolerances),
-        TaskResult(task, "", "", np.empty((0, arm.n))),
-    )
+    here, met = task.seen_from(g), dict[str, Any](panel.tolerances)
+    found = TaskResult(task, "", "", np.empty((0, arm.n)))
     places, directions = here.checkpoints(panel.clearance)
     targets = [Approach(p, d).of(arm) for p, d in zip(places, directions, strict=True)]
     for point, target in zip(POINTS, targets, strict=True):

@@ -9,7 +9,6 @@ import numpy as np
 from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
 from ...support.checks import Array
-from ..parts.limit_checks import checked_theta
 from ..parts.theory import axes, numbers
 
 SAMPLE_TIME = 1.0 / 30.0
@@ -29,11 +28,10 @@ NUMBERS_PER_SECOND = 15.0
 NUMBER_DECIMALS = 6
 
 
-def moving(arm: Arm, trajectory: Trajectory) -> dict[str, Any]:
+def moving(trajectory: Trajectory) -> dict[str, Any]:
     """times (k,) [s] and theta (k, n): `trajectory` from its start to its end."""
     times = _times(float(trajectory.duration))
-    theta = [np.round(checked_theta(arm, trajectory(t)), DECIMALS).tolist() for t in times]
-    return {"times": times.tolist(), "theta": theta}
+    return {"times": times.tolist(), "theta": np.round(trajectory(times), DECIMALS).tolist()}
 
 
 def _times(duration: float) -> Array:

@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
-from ...support.errors import InputError
 from ...support.files import writable, write_whole
 from ...support.strict_json import encode
 from ..page_files import meshcat_bundle, page_text
@@ -125,10 +124,7 @@ def _page(name: str, data: Mapping[str, Any], policy: str, meshcat: str, program
             f'<script type="application/json" id="data">{literal}</script>\n{STATE}\n{program}',
         ),
     ):
-        head, found, tail = page.partition(old)
-        if not found:
-            raise InputError(f"the page's index.html lacks {old!r}; reinstall twistarm")
-        page = head + new + tail
+        page = page.replace(old, new, 1)
     return page
 
 

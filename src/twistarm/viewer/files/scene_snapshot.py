@@ -82,7 +82,7 @@ class SceneSnapshot:
             "kinematics": kinematics(self.arm, list(self.others)),
             "others": dict(self.others),
             "poses": self._poses(),
-            "samples": still if at is None else moving(self.arm, at.trajectory),
+            "samples": still if at is None else moving(at.trajectory),
             "aside": None if at is None or self._on(at) else self.theta.tolist(),
             "plots": plots(self.arm, at),
             "player": None if at is None else {name: getattr(at, name) for name in PLAYED},
@@ -108,10 +108,7 @@ class SceneSnapshot:
 
 def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> SceneSnapshot:
     """`arm` at theta (n,), by default ready, with all layers and `trajectory` playing."""
-    stage = Stage(arm, theta)
-    if trajectory is not None:
-        check_trajectory(arm, trajectory)  # before the meshes are read
-    shown = on_show(stage, Scene(arm).whole())
+    shown = on_show(Stage(arm, theta), Scene(arm))
     return shown if trajectory is None else shown.playing(trajectory)
 
 

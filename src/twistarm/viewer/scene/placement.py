@@ -12,7 +12,7 @@ from ...arm.arm import Arm
 from ...ik import IKResult
 from ...support.checks import Array
 from ...theory.rotations import to_rpy
-from ...theory.screws import exp, inverse
+from ...theory.screws import exp
 from .axes import draw_rods
 from .drawing import BLUE, Colour
 from .nodes import link_path, rod_path, screw_path
@@ -42,9 +42,7 @@ class Beside:
         x = self.arm.ready.copy()
         x[self._own] = theta[self._its]
         x = np.clip(x, self.arm.limits.lower, self.arm.limits.upper)
-        steps = exp(self.arm.screws.T, self.arm.coupling.A @ x)
-        moved = accumulate(steps, np.matmul)
-        return {rod_path(i, ROOT): g.T.ravel().tolist() for i, g in enumerate(moved)}
+        return {rod_path(i, ROOT): g.T.ravel().tolist() for i, g in enumerate(carried(self.arm, x))}
 
 
 class Placement:
@@ -57,7 +55,6 @@ class Placement:
         rods = [rod_path(i) for i in range(m)] if arm.description is None else []
         self._paths = [*map(link_path, self._links), *map(screw_path, range(m)), *rods, "/frames/tool"]
         self._placed: tuple[Array | None, Mapping[str, float], dict[str, Any]] = (None, {}, {})
-        self._children, self._at_rest = _moving_links(arm)
 
     def at(self, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
         """Joint values [rad, m], the matrix of each moving node by columns, and the tool's position [m] and rpy [rad].
@@ -73,9 +70,9 @@ class Placement:
     def _place(self, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
         poses = self.arm.poses(theta, others)
         g_st = poses[self.arm.tip]
-        carried = self.carried(theta, poses)
-        rods = carried if self.arm.description is None else carried[:0]
-        stacked = np.array([*(poses[name] for name in self._links), *carried, *rods, g_st])
+        moved = carried(self.arm, theta)
+        rods = moved if self.arm.description is None else moved[:0]
+        stacked = np.array([*(poses[name] for name in self._links), *moved, *rods, g_st])
         beside = {} if self._beside is None else self._beside.transforms(theta)
         columns = stacked.transpose(0, 2, 1).reshape(-1, 16).tolist()
         return {
@@ -85,25 +82,14 @@ class Placement:
             "tool": {"position": g_st[:3, 3].tolist(), "rpy": to_rpy(g_st[:3, :3]).tolist()},
         }
 
-    def carried(self, theta: Array, poses: Mapping[str, Array]) -> Array:
-        """The motion of space due to the joints up to i, (m, 4, 4): Π_{j≤i} exp(ξ_j (A θ)_j) (MLS §3.2).
 
-        The pose g_i of a joint's link is that product times g_i(0). Without links the product is computed.
-        """
-        if self._children:
-            moved: Array = np.array([poses[name] for name in self._children]) @ self._at_rest
-            return moved
-        steps = exp(self.arm.screws.T, self.arm.coupling.A @ theta)
-        return np.array(list(accumulate(steps, np.matmul)))
+def carried(arm: Arm, theta: Array) -> Array:
+    """The motion of space due to the joints up to i, (m, 4, 4): Π_{j≤i} exp(ξ_j (A θ)_j) (MLS §3.2).
 
-
-def _moving_links(arm: Arm) -> tuple[list[str], Array]:
-    """The link of each moving joint and its g_i(0)⁻¹, (m, 4, 4); none without a description."""
-    if arm.description is None:
-        return [], np.empty((0, 4, 4))
-    children = [joint.child for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving]
-    rest = arm.poses(np.zeros(arm.n))
-    return children, inverse(np.array([rest[name] for name in children]))
+    The pose g_i of a joint's link is that product times g_i(0).
+    """
+    steps = exp(arm.screws.T, arm.coupling.A @ theta)
+    return np.array(list(accumulate(steps, np.matmul)))
 
 
 def ghost(solution: IKResult, others: Mapping[str, float]) -> dict[str, list[float]] | None:
