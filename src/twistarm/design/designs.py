@@ -12,14 +12,14 @@ from ..checking.doctor.postures import POOR
 from ..ik import reachable, solve_ik
 from ..ik.targets import Target
 from ..planning import JointMove, PathError, plan
-from ..support.checks import Array, require
+from ..support.checks import Array, require, require_callback
 from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, shown
 from ..sweeps.grid import Grid, sphere
 from ..theory.manipulability import Manipulability, scaled_jacobian
 from .extremes import with_extremes
 from .panel import Panel
-from .parking import best_parking
+from .parking import Progress, best_parking
 from .payload import payload
 
 SAMPLES, CUBES = 2000, 40
@@ -76,7 +76,10 @@ class Design(Brief):
 
 
 def compare_designs(
-    arms: Sequence[Arm], poses: Sequence[Target | Array] = (), panel: Panel | None = None
+    arms: Sequence[Arm],
+    poses: Sequence[Target | Array] = (),
+    panel: Panel | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Design, ...]:
     """Each arm in the same numbers, estimated by samples to about 1 %.
 
@@ -85,6 +88,7 @@ def compare_designs(
         poses: Two targets or more for the tool; each arm plans joint moves through them, at rest at each. () for no
             motion. An arm that misses a pose has the duration NaN, and a note.
         panel: Tasks that `best_parking` tries with each arm, or None.
+        progress: Called with the fraction done, or None.
 
     Raises:
         InputError: There are fewer than two arms, or a single pose.
@@ -97,10 +101,15 @@ def compare_designs(
         require(panel, Panel, "panel", "which load_panel reads")
     names = [require_arm(arm).name for arm in arms]
     names = [f"{name} ({i + 1})" if names.count(name) > 1 else name for i, name in enumerate(names)]
-    return tuple(_design(name, arm, poses, panel) for name, arm in zip(names, arms, strict=True))
+    tell, found = require_callback(progress, "progress", "(fraction)"), list[Design]()
+    for name, arm in zip(names, arms, strict=True):
+        found.append(_design(name, arm, poses, panel))
+        if tell is not None:
+            tell(len(found) / len(arms))
+    return tuple(found)
 
 
-def _design(name: str, arm: Arm, poses: Sequence[Target | Array], panel: Panel | None) -> Design:
+def _design(name: str, arm: Arm, poses: Sequence[Target | Array], panel: Panel | None, tell: Progress) -> Design:
     volume = least = median = mass = duration = share = np.nan
     notes: list[str] = []
     try:

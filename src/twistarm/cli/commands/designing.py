@@ -21,7 +21,7 @@ from ...support.pictures import empty_figure, png_of
 from ...sweeps import reach_map
 from ..asked_motion import motion_of_file, typed_targets
 from ..options import CONFIGURATION, Json, Radians, takes_arm, takes_source
-from ..output import console, note, number, print_json, say, shown, table, theta_typed
+from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_typed
 from ..outputs import Force, outputs_of
 from ..typed import parse_theta
 from .inspection import info_json
@@ -205,7 +205,9 @@ def designs(
     if len(targets) == 1:
         raise InputError("a motion leads from one --xyz to another: give two or more, or none")
     asked = None if panel is None else load_panel(panel)
-    found = compare_designs([load_arm(each, **load) for each in (source, *others)], targets, asked)
+    arms = [load_arm(each, **load) for each in (source, *others)]
+    with progress_bar("comparing") as progress:
+        found = compare_designs(arms, targets, asked, progress)
     against = [each.against(found[0]) for each in found[1:]]
     for name, why in ((each.name, why) for each in found for why in each.notes):
         note(f"{name}: {why}")
