@@ -21,8 +21,7 @@ from .parts.gauge import Gauge
 from .parts.history import History
 from .parts.limit_checks import checked_theta, require_all_inside, require_inside
 from .parts.part import Part, Seen, Show
-from .parts.player import Player
-from .parts.plots import Plots
+from .parts.player import Player, Plots
 from .parts.pose_list import LeftOut
 from .parts.program import Program
 from .parts.reach import Reach

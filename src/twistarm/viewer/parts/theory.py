@@ -55,11 +55,15 @@ class Theory(Part):
             yield self._numbers
 
     def _which_moved(self, show: Show) -> int:
-        """The coordinate that changed most, with metres divided by the arm's reach."""
+        """The coordinate that changed most, the one before where none did."""
         if self._theta is None or np.array_equal(show.theta, self._theta):
             return self._moved
-        length = np.where(np.array(show.arm.units) == "m", show.arm.reach, 1.0)
-        return int(np.argmax(np.abs(show.theta - self._theta) / length))
+        return most_moved(show.arm, show.theta - self._theta)
+
+
+def most_moved(arm: Arm, change: Array) -> int:
+    """The coordinate with the largest change or rate (n,), metres divided by the reach."""
+    return int(np.argmax(np.abs(change) / np.where(np.array(arm.units) == "m", arm.reach, 1.0)))
 
 
 def axes(arm: Arm) -> dict[str, Any]:
