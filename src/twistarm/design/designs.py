@@ -109,7 +109,7 @@ def compare_designs(
     return tuple(found)
 
 
-def _design(name: str, arm: Arm, poses: Sequence[Target | Array], panel: Panel | None, tell: Progress) -> Design:
+def _design(name: str, arm: Arm, poses: Sequence[Target | Array], panel: Panel | None) -> Design:
     volume = least = median = mass = duration = share = np.nan
     notes: list[str] = []
     try:
