@@ -12,7 +12,7 @@ import pytest
 from catalogue import load
 from twistarm import Arm, ArmBuilder, Position, diagnose, solve_ik
 from twistarm.control.servo import ServoState, TwistCommand, servo_step
-from twistarm.viewer.parts.gauge import Measure
+from twistarm.viewer.parts.gauge import Gauge
 from twistarm.viewer.parts.theory import numbers
 
 SVD, EIGH = np.linalg.svd, np.linalg.eigh
@@ -98,8 +98,8 @@ def on_the_page(arm: Arm) -> list[str]:
 
 
 def by_the_gauge(arm: Arm) -> list[object]:
-    measure = Measure(arm)
-    return [measure.words(theta)["lacks"] for theta in (np.zeros(arm.n), np.full(arm.n, 1e-2), arm.ready)]
+    gauge = Gauge(arm)
+    return [gauge.words(theta)["lacks"] for theta in (np.zeros(arm.n), np.full(arm.n, 1e-2), arm.ready)]
 
 
 def by_the_servo(arm: Arm) -> list[str]:

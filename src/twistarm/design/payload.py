@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,7 +16,6 @@ from ..planning import Trajectory
 from ..support.checks import LARGEST_ARRAY, Array, as_not_negative, as_positive, as_whole
 from ..support.display import Brief
 from ..support.errors import InputError, listed
-from .extremes import with_extremes
 
 DT = 0.01
 """Time between states of a motion [s]."""
@@ -26,6 +25,9 @@ UNLOADED = 1e-9
 
 TOLD = ("inertial-unusable", "mass-missing", "mass-implausible", "inertia-placeholder", "centre-of-mass-far")
 """Findings that make torques wrong."""
+
+STARTS, ROUNDS = 4, 24
+"""Samples from which each cost descends, and its steps: they begin at a quarter of the range."""
 
 
 class Needs(NamedTuple):
@@ -164,6 +166,24 @@ def payload(
     speeds = np.broadcast_to(np.zeros(arm.n) if theta_dot is None else np.asarray(theta_dot), x.shape) @ C.T
     found = _greatest(own, per_kg, limits, unlimited)
     return Payload(arm, x, names, own, per_kg, speeds, limits, *found, tuple(_gaps(arm, unlimited)), t)
+
+
+def with_extremes(arm: Arm, costs: Callable[[Array], Array], theta: Array) -> Array:
+    """Theta (s, n), and below it local minima of each of the `costs`, (..., n) to (..., c), to 1e-3 of the range.
+
+    A cost descends from its least samples by the best step along one joint, halved where none helps.
+    """
+    lower, upper = arm.sampling_bounds
+    moves = np.vstack([np.zeros(arm.n), np.eye(arm.n), -np.eye(arm.n)]) * (upper - lower) / 4
+    starts = costs(theta).argsort(axis=0)[:STARTS]
+    x, column = theta[starts.ravel()], np.tile(np.arange(starts.shape[1]), len(starts))
+    size, each = np.ones(len(x)), np.arange(len(x))
+    for _ in range(ROUNDS):
+        tried = np.clip(x[:, None] + size[:, None, None] * moves, lower, upper)
+        best = costs(tried)[each, :, column].argmin(axis=1)
+        x = tried[each, best]
+        size[best == 0] /= 2
+    return np.vstack([theta, x])
 
 
 def _rows(arm: Arm) -> tuple[tuple[str, ...], Array, Array, Array, NDArray[np.bool_]]:

@@ -14,7 +14,7 @@ from ..arm.arm import Arm
 from ..collision import Scene
 from ..limits.joint_limits import unit_of
 from ..support.checks import Array
-from ..support.errors import InputError, unknown_name
+from ..support.errors import unknown_name
 from .parts.collisions import Collisions
 from .parts.findings import loaded
 from .parts.gauge import Gauge
@@ -131,11 +131,9 @@ class Stage(Show):
             self.go(self._pose(fields["name"]), fields["ease"], now)
         elif request.kind == "random":
             self.go(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())), fields["ease"], now)
-        elif request.kind == "visible":
+        else:
             self.set_visible(fields["what"], fields["visible"])
             return self.reach.switched(fields["what"], self)
-        else:
-            raise InputError(f"no such request: {request.kind}")
         return None
 
     def take_commands(self) -> None:

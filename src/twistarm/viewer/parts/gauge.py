@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from ...arm.arm import Arm
 from ...arm.inability import ANGULAR, LINEAR, NO_MOTION, largest_rank, span
 from ...arm.usual_limits import usually_limited
 from ...control.servo import ServoSettings
-from ...control.servo.bounds import bounds_of
+from ...control.servo.bounds import Bounds, bounds_of
 from ...support.checks import Array
 from ...support.directions import leading, nearest_axes
 from ..protocol.messages import Message
@@ -39,8 +40,7 @@ class Gauge(Part):
     """The part that shows how near the arm is to singularities and limits. It is silent without a servo."""
 
     def __init__(self, arm: Arm) -> None:
-        self._arm = arm
-        self._measure: Measure | None = None
+        self.arm = arm
         self._at: tuple[Array, str | None] | None = None
         self._words = SILENT
 
@@ -56,19 +56,13 @@ class Gauge(Part):
         if not show.driven:
             self._at, self._words = None, SILENT
         elif self._at is None or show.theta is not self._at[0] or limited != self._at[1]:
-            self._measure = self._measure or Measure(self._arm)
-            self._at, self._words = (show.theta, limited), self._measure.words(show.theta, limited)
+            self._at, self._words = (show.theta, limited), self.words(show.theta, limited)
         yield {"type": "gauge", **self._words}
 
-
-class Measure:
-    """Measures of an arm as a servo with standard settings computes them."""
-
-    def __init__(self, arm: Arm) -> None:
-        self.arm, settings = arm, ServoSettings()
-        self.bounds = bounds_of(usually_limited(arm), settings)
-        motors = arm.actuators.motor_units[: len(self.bounds.motion.names) - arm.n] if arm.actuators else ()
-        self.units = (*motors, *arm.units)
+    @cached_property
+    def bounds(self) -> Bounds:
+        """Those of a servo with standard settings."""
+        return bounds_of(usually_limited(self.arm), ServoSettings())
 
     def words(self, theta: Array, limited: str | None) -> dict[str, Any]:
         """The fields of the message at theta (n,), where the servo says that joint `limited` is."""
@@ -102,17 +96,19 @@ class Measure:
 
     def room(self, theta: Array, limited: str | None) -> dict[str, Any]:
         """The joint or motor `limited`, else the one nearest to a limit relative to its warning distance."""
-        motion = self.bounds.motion
+        motion, arm = self.bounds.motion, self.arm
+        motors = arm.actuators.motor_units[: len(motion.names) - arm.n] if arm.actuators else ()
+        units = (*motors, *arm.units)
         x, lower, upper = motion.C @ theta + motion.c, motion.limits.lower, motion.limits.upper
         room = np.minimum(x - lower, upper - x)
-        near = np.array([LEAST[unit] for unit in self.units])
+        near = np.array([LEAST[unit] for unit in units])
         near = np.where(np.isfinite(upper - lower), np.maximum(NEAR * (upper - lower), near), near)
         row = motion.names.index(limited) if limited in motion.names else int(np.argmin(room / near))
         if not np.isfinite(room[row]):
             return dict.fromkeys(("joint", "unit", "room", "near", "end"))
         return {
             "joint": motion.names[row],
-            "unit": self.units[row],
+            "unit": units[row],
             "room": round(float(room[row]), 6),
             "near": float(near[row]),
             "end": "lower" if x[row] - lower[row] < upper[row] - x[row] else "upper",
