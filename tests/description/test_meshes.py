@@ -17,7 +17,7 @@ import trimesh
 from hostile.mesh_case import lay
 from hostile.meshes import CASES, fan, instances
 from twistarm import diagnose, load_arm
-from twistarm.description.meshes import MeshReader, UnreadableMeshError, limits, loading, process, reader
+from twistarm.description.meshes import MeshReader, UnreadableMeshError, loading, mesh_file, process, reader
 from twistarm.description.meshes.mesh_file import RefusedError
 from twistarm.support.errors import InputError, TwistarmError
 from twistarm.viewer import Viewer
@@ -171,17 +171,17 @@ def test_processor_time_and_memory_are_limited_by_the_system(tmp_path: Path) -> 
         began = time.monotonic()
         with pytest.raises(UnreadableMeshError, match="takes more than (3 s|1200 MB of memory)"):
             meshes.length(tmp_path / "slow.dae")
-        assert time.monotonic() - began < limits.PATIENCE * 3.0
+        assert time.monotonic() - began < mesh_file.PATIENCE * 3.0
 
 
 LIMITED = """
 import resource, sys
-from twistarm.description.meshes import limits, worker
+from twistarm.description.meshes import mesh_file, worker
 worker._prepare()
-worker.limit_time(limits.SECONDS)
-assert resource.getrlimit(resource.RLIMIT_CPU)[0] <= limits.SECONDS + 10.0
+worker.limit_time(mesh_file.SECONDS)
+assert resource.getrlimit(resource.RLIMIT_CPU)[0] <= mesh_file.SECONDS + 10.0
 assert resource.getrlimit(resource.RLIMIT_FSIZE) == resource.getrlimit(resource.RLIMIT_CORE) == (0, 0)
-assert sys.platform == "darwin" or resource.getrlimit(resource.RLIMIT_AS)[1] == limits.MEMORY
+assert sys.platform == "darwin" or resource.getrlimit(resource.RLIMIT_AS)[1] == mesh_file.MEMORY
 """
 
 
@@ -189,7 +189,7 @@ def test_the_process_is_limited_by_the_system() -> None:
     subprocess.run([sys.executable, "-c", LIMITED], timeout=60, check=True)
 
 
-@pytest.mark.parametrize(("triangles", "parts"), [(0, 0), (limits.TRIANGLES + 1, 1), (6000, limits.PARTS + 1)])
+@pytest.mark.parametrize(("triangles", "parts"), [(0, 0), (mesh_file.TRIANGLES + 1, 1), (6000, mesh_file.PARTS + 1)])
 def test_no_file_has_nothing_or_more_than_can_be_drawn(triangles: int, parts: int) -> None:
     with pytest.raises(RefusedError, match=r"it holds (no triangles|1,000,001 triangles|5,001 parts)"):
         loading._require_few(triangles, parts)

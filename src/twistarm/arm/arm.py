@@ -49,7 +49,7 @@ from .baking import write_baked
 from .configurations import Configurations, named_ready, theta_by_joint
 from .kinematics import ByExponentials, ByPinocchio
 from .pinocchio_model import PinocchioModel
-from .ready_pose import computed_ready
+from .ready_pose.search import computed_ready
 from .roll_axis import roll_axis
 
 

@@ -1,4 +1,4 @@
-"""The limits of one joint in its description: `<limit>`, and the soft limits of a controller inside it."""
+"""One joint in its description: its axis, its `<limit>`, and the soft limits of a controller inside it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,15 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from .document import Reading, number
+from ..support.checks import Array
+from .document import Reading, floats, number
 from .tree import Joint
+
+AXIS_TOL = 1e-3
+"""Deviation of an axis's length from 1 that gives a finding. The rounding of CAD exports is finer."""
+
+SNAP = 2e-12
+"""An axis so near to x, y or z is rounded to it. Pinocchio's parser rounds too, at 1e-12."""
 
 WIDE = 1e300
 """The number for "no limit" in the text for Pinocchio, which refuses infinity. Read as infinity, like any more."""
@@ -21,6 +28,33 @@ MOST_SHOWN = 12
 """Joints in one finding."""
 
 Bounds = tuple[float, float]
+
+
+def read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, float]:
+    """The unit axis and its length as written. The axis is x for a joint that needs none."""
+    default = np.array([1.0, 0.0, 0.0])
+    axis = element.find("axis")
+    if axis is None or kind in ("fixed", "floating"):
+        return default, 1.0
+    try:
+        vector = np.array(floats(axis.get("xyz", "1 0 0"), 3))
+    except ValueError as error:
+        raise reading.error(element, "axis-malformed", f"its <axis> is malformed: {error}") from error
+    norm = float(np.linalg.norm(vector))
+    if norm < 1e-9:
+        remedy = "give the axis it moves along or about"
+        raise reading.error(element, "axis-zero", "a moving joint with a zero axis", remedy)
+    if abs(norm - 1.0) > AXIS_TOL:
+        reading.note(
+            "axis-not-unit",
+            element,
+            f"its axis {axis.get('xyz')} has length {norm:.4g}; only the direction counts",
+            "write a unit vector",
+            repaired=True,
+        )
+    unit = vector / norm
+    nearest = np.round(unit)
+    return (nearest if np.abs(unit - nearest).max() <= SNAP else unit), norm
 
 
 def limit_numbers(element: ET.Element, reading: Reading) -> dict[str, float]:

@@ -148,7 +148,10 @@ class Geometries:
             raise ValueError(shape.tag)
         size = readers[shape.tag]()
         if shape.tag == "mesh":
-            return Geometry("mesh", origin, size, self._mesh(shape.get("filename", "")), colour)
+            uri = shape.get("filename", "")
+            path = resolve_uri(uri, self._reading.packages)
+            self._missing += [uri] * (path is None)
+            return Geometry("mesh", origin, size, path, colour)
         if not self._seen(link, shape.tag, size):
             return None
         return Geometry(shape.tag, origin, tuple(map(abs, size)), None, colour)  # type: ignore[arg-type]
@@ -164,12 +167,6 @@ class Geometries:
             what = f"its <{shape}> has the size {numbers}; {drawn}"
             self._reading.note("bad-geometry", link, what, "give sizes above 0", repaired=True)
         return bool(seen)
-
-    def _mesh(self, uri: str) -> Path | None:
-        path = resolve_uri(uri, self._reading.packages)
-        if path is None:
-            self._missing.append(uri)
-        return path
 
 
 def read_origin(element: ET.Element) -> Array:

@@ -12,7 +12,7 @@ import xml.etree.ElementTree as ET
 from ..support.checks import Array
 from ..support.errors import DescriptionError
 from ..theory.joints import plane_axes
-from .axis import read_axis
+from .bounds import read_axis
 from .document import Reading
 from .structure import end_of
 

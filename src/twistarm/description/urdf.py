@@ -15,8 +15,7 @@ import numpy as np
 from ..support.caller_words import package_folder
 from ..support.checks import Array, frozen
 from ..support.errors import DescriptionError, closest, listed
-from .axis import read_axis
-from .bounds import LIMIT_NAMES, WIDE, limit_numbers, note_softened, rate, read_bounds, softened
+from .bounds import LIMIT_NAMES, WIDE, limit_numbers, note_softened, rate, read_axis, read_bounds, softened
 from .catalog import models_share
 from .document import Reading, existing_file, floats, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro

@@ -1,8 +1,12 @@
-"""The merit of a configuration: a sum of penalties, 0 at best."""
+"""The merit of a configuration: a sum of penalties, 0 at best, of its stance and its conditioning.
+
+The stance is the arm drawn as a line from axis to axis: above its base plane, tool in front, elbow up.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +16,19 @@ from ...theory import poe
 from ...theory.manipulability import scaled_jacobian
 from ...theory.rotations import cross
 from .grid import Grid, Rows
-from .stance import Sketch, Stance, sketched
+
+CLEAR, LIFTED, HANGING, AHEAD, ARCHED = 0.05, 0.15, 0.2, 0.3, 0.1
+"""Shares of the arm's size: corners above the base plane, the tool above it, the tool at most below the shoulder, the
+tool before the first axis, the elbow above the line from shoulder to tool. A lower share has a cost."""
+
+SINKING, DROOPING, CLOSE, TURNED, SIDEWAYS, SAGGING = 8.0, 6.0, 5.0, 0.5, 2.0, 6.0
+"""Costs per arm's size that is missing in these shares, and of facing away from x."""
+
+TOOL_UP, TOOL_BACK, TOOL_ASKEW = 1.0, 1.5, 0.6
+"""Costs of a hand that points straight up, straight back, and neither level nor straight down."""
+
+PARALLEL = 1e-9
+"""The squared length of a unit twist's turn that counts as zero."""
 
 if TYPE_CHECKING:
     from ..arm import Arm
@@ -28,6 +44,106 @@ LOST = 1e-3
 
 HOPELESS = 1e-6
 """The least σ_k/σ_1, so that other costs decide between singular configurations."""
+
+
+@dataclass(frozen=True)
+class Sketch:
+    """Corners at theta = 0, (m + 2, 3): the base, one for each moving joint, the tool.
+
+    A revolute joint's corner is the point of its axis nearest to the corner before. A slide repeats that corner.
+    What is before the corner of the `first` revolute joint is the mount.
+    """
+
+    corners: Array
+    first: int
+
+    def at(self, motions: Array) -> Array:
+        """The corners (..., m + 2, 3) for what each joint has undergone, (..., m + 1, 4, 4), the identity first."""
+        moved = np.concatenate([motions, motions[..., -1:, :, :]], axis=-3)
+        placed: Array = np.einsum("...ij,...j->...i", moved[..., :3, :3], self.corners) + moved[..., :3, 3]
+        return placed
+
+    @cached_property
+    def size(self) -> float:
+        """Length of the stretched arm from its first axis to the tool [m]; 1 m for an arm without length."""
+        return float(np.linalg.norm(np.diff(self.corners[self.first :], axis=0), axis=1).sum()) or 1.0
+
+
+def sketched(screws: Array, tool: Array) -> Sketch:
+    """The sketch of a chain of `screws` (6, m) to a tool with origin `tool` (3,) at theta = 0."""
+    corners = [np.zeros(3)]
+    turning = np.sum(screws[3:] ** 2, axis=0) > PARALLEL
+    for i, (v, w) in enumerate(screws.T.reshape(-1, 2, 3)):
+        corner = corners[-1]
+        if turning[i]:
+            on_axis = np.cross(w, v) / (w @ w)
+            corner = on_axis + w * ((corner - on_axis) @ w) / (w @ w)
+        corners.append(corner)
+    return Sketch(np.array([*corners, tool]), 1 + int(np.argmax(turning)))
+
+
+@dataclass(frozen=True)
+class Stance:
+    """The cost of the corners' places of a sketch. `rising` (k,) marks corners that the arm can lift."""
+
+    sketch: Sketch
+    rising: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+
+    def cost(self, placed: Array) -> Array:
+        """Costs (N,), 0 at best, of corners (N, k, 3) in base axes with z up."""
+        out = (placed - placed[:, self.sketch.first, None])[..., :2]
+        distance = np.linalg.norm(out[:, -1], axis=-1)
+        nowhere = distance < CLEAR * self.sketch.size
+        ahead = np.where(nowhere[:, None], [1.0, 0.0], out[:, -1] / np.maximum(distance, 1e-12)[:, None])
+        out = out[:, self.sketch.first :]
+        aside = np.abs(out[..., 1] * ahead[:, None, 0] - out[..., 0] * ahead[:, None, 1]).max(-1)
+        cost: Array = CLOSE * np.maximum(0.0, AHEAD - distance / self.sketch.size) + TURNED * (1.0 - ahead[:, 0])
+        cost += SIDEWAYS * aside / self.sketch.size + self._hand(placed, ahead)
+        if self.rising.any():
+            cost += self._heights(placed)
+        return cost
+
+    def _heights(self, placed: Array) -> Array:
+        """Costs of the heights of corners and tool above the base plane, and of the elbow above its line."""
+        z = placed[..., 2] / self.sketch.size
+        cost: Array = SINKING * np.maximum(0.0, CLEAR - z[:, self.rising].min(-1))
+        if self.rising[-1]:
+            floor = np.maximum(LIFTED, z[:, self._shoulder] - HANGING)
+            cost += DROOPING * np.maximum(0.0, floor - z[:, -1])
+        between = slice(self._shoulder + 1, -1)
+        if placed.shape[1] > self._shoulder + 2:
+            arch = self._arch(placed, between) / self.sketch.size
+            cost += SAGGING * (np.maximum(0.0, ARCHED - arch.max(-1)) + np.maximum(0.0, -arch.min(-1)))
+        return cost
+
+    def _arch(self, placed: Array, between: slice) -> Array:
+        """Heights (N, j) of corners above the straight line from shoulder to tool."""
+        start, way = placed[:, self._shoulder], placed[:, -1] - placed[:, self._shoulder]
+        square = np.maximum(np.sum(way * way, axis=-1), 1e-12)
+        corners = placed[:, between] - start[:, None]
+        share = np.clip(np.sum(corners * way[:, None], axis=-1) / square[:, None], 0.0, 1.0)
+        heights: Array = corners[..., 2] - share * way[:, None, 2]
+        return heights
+
+    def _hand(self, placed: Array, ahead: Array) -> Array:
+        """Cost of the last stroke. It should point forward, down, or between the two."""
+        hand = placed[:, -1] - placed[:, self._wrist]
+        hand = hand / np.maximum(np.linalg.norm(hand, axis=-1, keepdims=True), 1e-12)
+        up, forward = hand[:, 2], np.sum(hand[:, :2] * ahead, axis=-1)
+        askew = np.minimum(np.abs(up), np.linalg.norm(hand[:, :2], axis=-1))
+        cost: Array = TOOL_UP * np.maximum(0.0, up) + TOOL_BACK * np.maximum(0.0, -forward) + TOOL_ASKEW * askew
+        return cost
+
+    @cached_property
+    def _shoulder(self) -> int:
+        """The corner before the first that rises."""
+        return max(0, int(np.argmax(self.rising)) - 1)
+
+    @cached_property
+    def _wrist(self) -> int:
+        """The last corner that is not at the tool."""
+        far = np.linalg.norm(self.sketch.corners - self.sketch.corners[-1], axis=-1) > 0.03 * self.sketch.size
+        return int(np.flatnonzero(far)[-1]) if far.any() else 0
 
 
 @dataclass(frozen=True)

@@ -102,7 +102,7 @@ def read_srdf(
     index, text = package_index(file, package_dirs), read_text(file, MAX_BYTES)
     if not is_xacro(file):
         return _semantics(text, Reading(file, index))
-    known = declared_arguments([file])
+    known = declared_arguments(file, parse_xml(text, Reading(file, index)))
     given = {name: value for name, value in xacro_args.items() if name in known}
     text = expand_xacro(file, index, given, ignore_packages, env_vars).text
     return _semantics(text, Reading(file, index, show_lines=False))

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-
-from ..document import Reading, parse_xml, read_text
-from ..packages import package_index
 
 _USED = re.compile(r"\$\(arg\s+([^)\s]+)\s*\)")
 _PACKAGE = re.compile(r"\$\(find\s+([^)\s]+)\s*\)|package://([^/\s]+)")
@@ -46,9 +42,8 @@ class Arguments:
         return self.declared | {name: None for name in self.used if name not in self.declared}
 
 
-def declared_arguments(files: Iterable[Path]) -> dict[str, str | None]:
-    """Every argument that `files` declare or use, with its default or None. Includes are not opened."""
+def declared_arguments(file: Path, root: ET.Element) -> dict[str, str | None]:
+    """Every argument that the document of `file` declares or uses, with its default or None, without its includes."""
     arguments = Arguments()
-    for file in files:
-        arguments.look_through(parse_xml(read_text(file), Reading(file, package_index(file))), file)
+    arguments.look_through(root, file)
     return arguments.all()

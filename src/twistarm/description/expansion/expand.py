@@ -53,7 +53,7 @@ def expand_xacro(
     """Expand the file at `path`.
 
     Files outside the packages stay closed (`confinement`). Expressions only compute (`expressions`). They read only the
-    environment variables in `env_vars` (`environment`). The work is counted (`work`). A missing package is an error
+    environment variables in `env_vars` (`evaluation`). The work is counted (`work`). A missing package is an error
     only if an include or a YAML load needs it. Parts of the packages in `ignore_packages` are left out (`left_out`).
     Raises DescriptionError with the file, the cause and the remedy.
     """

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...support.checks import Array
-from .limits import LONGEST, PARTS, TRIANGLES
-from .mesh_file import Colour, MeshFile, Part, RefusedError
+from .mesh_file import LONGEST, PARTS, TRIANGLES, Colour, MeshFile, Part, RefusedError
 from .references import References
 from .shading import shaded, simplified
 

@@ -11,8 +11,19 @@ from typing import Any
 
 from ...support.closeable import Closeable
 from ...support.errors import InputError, TwistarmError, missing_extra, one_line
-from .limits import ARM_SECONDS, ARM_SECONDS_AT_MOST, MEMORY, PATIENCE, SECONDS_PER_MEGABYTE, seconds_for
-from .mesh_file import LIGHTER, Part, UnreadableMeshError, format_of, size_of
+from .mesh_file import (
+    ARM_SECONDS,
+    ARM_SECONDS_AT_MOST,
+    LIGHTER,
+    MEMORY,
+    PATIENCE,
+    SECONDS_PER_MEGABYTE,
+    Part,
+    UnreadableMeshError,
+    format_of,
+    seconds_for,
+    size_of,
+)
 from .process import Process, shared
 
 LONGEST_REASON = 300

@@ -9,8 +9,7 @@ from urllib.parse import unquote
 from ...support.errors import one_line
 from ...support.files import open_regular, opened_path
 from ..packages import is_too_wide, package_name
-from .limits import LARGEST_FILE
-from .mesh_file import MeshFile, RefusedError
+from .mesh_file import LARGEST_FILE, MeshFile, RefusedError
 
 ENDINGS = {"obj": ".mtl", "gltf": ".bin", "glb": ".bin"}
 """Endings of materials and buffers, by format. Images are not drawn, so they are not opened."""

@@ -17,9 +17,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from .limits import MEMORY, seconds_for
 from .loading import length_of, parts_from, pieces_of
-from .mesh_file import RefusedError, mesh_file
+from .mesh_file import MEMORY, RefusedError, mesh_file, seconds_for
 
 LIBRARIES = ("twistarm", "numpy", "trimesh", "collada", "dateutil", "six")
 """All that reading a mesh needs. trimesh would use others to decode images, unpack and tessellate."""
