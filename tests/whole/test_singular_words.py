@@ -99,7 +99,7 @@ def on_the_page(arm: Arm) -> list[str]:
 
 def by_the_gauge(arm: Arm) -> list[object]:
     gauge = Gauge(arm)
-    return [gauge.words(theta)["lacks"] for theta in (np.zeros(arm.n), np.full(arm.n, 1e-2), arm.ready)]
+    return [gauge.words(theta, None)["lacks"] for theta in (np.zeros(arm.n), np.full(arm.n, 1e-2), arm.ready)]
 
 
 def by_the_servo(arm: Arm) -> list[str]:
