@@ -35,8 +35,8 @@ from .parts.servo_words import servo_words
 from .parts.solutions import answer_of
 from .parts.tool_path import NO_PATH, tool_path
 from .scene.arm_scene import Scene as ArmScene
-from .scene.beside import Beside
 from .scene.drawing import require_meshcat
+from .scene.placement import Beside
 from .scene.residuals import draw_residuals
 from .server.memory import Memory
 from .server.watching import Watch
