@@ -13,7 +13,7 @@ from playwright.sync_api import Page, sync_playwright
 
 from twistarm import Approach, Arm, FreeMove, LineMove, Scene, Trajectory, Viewer, load_arm, plan, reach_map, save_png
 from twistarm.cli.application import run
-from twistarm.viewer.files.browsers import find_browser
+from twistarm.viewer.files.headless import find_browser
 
 DOCS = Path(__file__).parent
 PICTURES = DOCS / "pictures"

@@ -266,7 +266,9 @@ def test_numbers_are_written_and_copied_with_all_digits(page: Any, viewer: Viewe
     theta = np.array([0.0, 0.0, 0.0, 0.0, 0.0])  # stretched: the tool cannot move along its z
     viewer.show(theta)
     until(page, "twistarm.parts.theory.numbers.rank === 4")
-    assert page.locator("#theory-standing").inner_text() == "Rank 4 of 5, singular: the tool cannot move along its z."
+    assert (
+        page.locator("#theory-standing").inner_text() == "Rank 4 of 5, singular: the tool cannot move along its z axis."
+    )
     assert page.locator("#theory-numbers").get_by_text("∞", exact=True).first.is_visible()
     viewer.show(ARM.ready)
     until(

@@ -6,21 +6,8 @@ import random
 import socket
 import struct
 from collections.abc import Callable
-from contextlib import suppress
 
 from .target import HANDSHAKE, POSE, Target, asked, flooded, frame
-
-
-def idle(target: Target) -> None:
-    target.crowd(1010, target.open)
-    target.rest()
-
-
-def of_many_peers(target: Target) -> None:
-    for k in range(1000):
-        with suppress(OSError):
-            target.held.append(target.open(source=f"127.0.{1 + k % 4}.{2 + k // 4}"))
-    target.rest()
 
 
 def come_and_reset(target: Target) -> None:
@@ -89,7 +76,7 @@ def frames_before_the_answer(target: Target) -> None:
 STRANGERS: dict[str, Callable[[Target], None]] = {
     attack.__name__: attack
     for attack in (
-        idle, of_many_peers, come_and_reset, slow_head, dripped_head, huge_head, many_chunks, odd_lengths, pipelined,
+        come_and_reset, slow_head, dripped_head, huge_head, many_chunks, odd_lengths, pipelined,
         never_reads_refusals, wrong_tokens, garbage, foreign_host, foreign_origin, frames_before_the_answer,
     )
 }  # fmt: skip

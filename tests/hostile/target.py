@@ -20,14 +20,12 @@ class Target:
     def on(self) -> bool:
         return time.monotonic() < self.end
 
-    def open(self, source: str = "", receive: int = 0) -> socket.socket:
-        """A connection, from `source` where it is given, with a window of `receive` bytes."""
+    def open(self, receive: int = 0) -> socket.socket:
+        """A connection, with a window of `receive` bytes."""
         made = socket.socket()
         made.settimeout(5.0)
         if receive:
             made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive)
-        if source:
-            made.bind((source, 0))
         made.connect((self.host, self.port))
         return made
 
@@ -75,10 +73,6 @@ class Target:
         while self.on():
             with suppress(OSError):
                 once()
-
-    def rest(self) -> None:
-        """Hold what is open, and say nothing."""
-        time.sleep(max(0.0, self.end - time.monotonic()))
 
 
 def frame(text: bytes) -> bytes:

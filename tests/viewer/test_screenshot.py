@@ -17,7 +17,7 @@ from PIL import Image
 from catalogue import load
 from twistarm import InputError, TwistarmError, Viewer, plan_joint, save_png
 from twistarm.cli.application import run
-from twistarm.viewer.files import browsers, headless
+from twistarm.viewer.files import headless
 from viewer_page import stored
 
 ARM = load("rr_planar")
@@ -36,11 +36,11 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The only folder on PATH, in a world without installed browsers."""
+    """The only folder on PATH, in a world without installed headless."""
     folder = tmp_path / "bin"
     folder.mkdir()
     monkeypatch.setenv("PATH", str(folder))
-    monkeypatch.setattr(browsers, "PLACES", ())
+    monkeypatch.setattr(headless, "PLACES", ())
     return folder
 
 
@@ -66,14 +66,14 @@ def drawing(folder: Path, size: tuple[int, int] = SIZE) -> Path:
 def test_the_first_on_path_is_taken_then_the_usual_places(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     chrome = install(path, "", "google-chrome")
     install(path, "", "microsoft-edge")
-    assert browsers.find_browser() == str(chrome)
+    assert headless.find_browser() == str(chrome)
     chromium = install(path, "")
-    assert browsers.find_browser() == str(chromium)
+    assert headless.find_browser() == str(chromium)
     away = path.parent / "Google Chrome.app"
     away.mkdir()
-    monkeypatch.setattr(browsers, "PLACES", ("/nowhere/chrome", str(install(away, "", "Google Chrome"))))
+    monkeypatch.setattr(headless, "PLACES", ("/nowhere/chrome", str(install(away, "", "Google Chrome"))))
     monkeypatch.setenv("PATH", "")
-    assert browsers.find_browser() == str(away / "Google Chrome")
+    assert headless.find_browser() == str(away / "Google Chrome")
 
 
 def test_without_a_browser_it_is_said_what_was_looked_for(path: Path, tmp_path: Path) -> None:
@@ -91,9 +91,9 @@ def test_without_a_browser_it_is_said_what_was_looked_for(path: Path, tmp_path: 
 def test_a_snap_is_known_by_its_link_and_by_its_script(path: Path) -> None:
     snap = install(path, "", "snap")
     (path / "chromium").symlink_to(snap)
-    assert browsers.is_snap(str(path / "chromium"))
-    assert browsers.is_snap(str(install(path, 'exec /snap/bin/chromium "$@"\n', "chromium-browser")))
-    assert not browsers.is_snap(str(install(path, "exec /usr/lib/chromium/chromium\n", "google-chrome")))
+    assert headless.is_snap(str(path / "chromium"))
+    assert headless.is_snap(str(install(path, 'exec /snap/bin/chromium "$@"\n', "chromium-browser")))
+    assert not headless.is_snap(str(install(path, "exec /usr/lib/chromium/chromium\n", "google-chrome")))
 
 
 def test_a_snap_draws_below_the_home_folder(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -255,7 +255,7 @@ def test_the_command(
 def test_a_real_browser_draws_the_whole_arm(tmp_path: Path, scratch: Path, size: tuple[int, int]) -> None:
     """Screws are drawn pink, and in no other place but the legend: they show where the arm is."""
     try:
-        browsers.find_browser()
+        headless.find_browser()
     except TwistarmError as error:
         if os.environ.get("TWISTARM_REQUIRE_ALL") == "1":
             pytest.fail(f"{error}, and TWISTARM_REQUIRE_ALL=1")

@@ -9,7 +9,7 @@ import pytest
 
 from catalogue import load
 from twistarm import InputError, Viewer
-from twistarm.viewer.scene.beside import Beside
+from twistarm.viewer.scene.placement import Beside
 from twistarm.viewer.stage import Stage
 
 pytest.importorskip("meshcat")

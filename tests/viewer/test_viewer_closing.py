@@ -14,9 +14,9 @@ from numpy.testing import assert_array_equal
 from twistarm import Arm
 from twistarm.support.errors import InputError, TwistarmError
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts.commands import PageCommands
 from twistarm.viewer.server import driver, server
 from twistarm.viewer.server.downloads import DOWNLOADS
+from twistarm.viewer.server.driver import PageCommands
 from twistarm.viewer.stage import Stage
 from viewer_page import THETA, WAIT, get, swing
 
@@ -79,16 +79,12 @@ class Writing:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.begun, self.leave = threading.Semaphore(0), threading.Event()
-        self.under_way = self.most = 0
         slow = replace(DOWNLOADS["motion.csv"], prepare=lambda stage, scene: self.write)
         monkeypatch.setitem(DOWNLOADS, "motion.csv", slow)  # type: ignore[arg-type]
 
     def write(self) -> str:
-        self.under_way += 1
-        self.most = max(self.most, self.under_way)
         self.begun.release()
         self.leave.wait(WAIT)
-        self.under_way -= 1
         return "written"
 
 
@@ -117,18 +113,6 @@ def test_a_view_closes_at_once_while_a_file_is_written(arm: Arm, monkeypatch: py
     fetching.join(WAIT)
     assert isinstance(answers[0], OSError)
     writing.leave.set()
-
-
-def test_files_are_written_one_after_the_other(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
-    writing, answers = Writing(monkeypatch), list[Any]()
-    fetching = [fetch(viewer, answers) for _ in range(3)]
-    assert writing.begun.acquire(timeout=WAIT)
-    assert not writing.begun.acquire(timeout=0.3)
-    writing.leave.set()
-    for thread in fetching:
-        thread.join(WAIT)
-    assert answers == 3 * [(200, "written")]
-    assert writing.most == 1
 
 
 def test_what_a_file_fails_by_is_told(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:

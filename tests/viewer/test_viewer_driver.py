@@ -20,9 +20,8 @@ from twistarm.control.servo import ServoOutput, ServoSettings
 from twistarm.control.stream import Cycle, Inbox
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts.commands import PageCommands
 from twistarm.viewer.parts.part import NO_DRIVE
-from twistarm.viewer.server.driver import Drive, Driver
+from twistarm.viewer.server.driver import Drive, Driver, PageCommands
 from twistarm.viewer.stage import Stage
 from viewer_page import WAIT, Page, until
 

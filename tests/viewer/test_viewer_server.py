@@ -1,4 +1,4 @@
-"""The server of the view: who may come in, how it starts, that it leaves nothing; its connections and their cap."""
+"""The server of the view: who may come in, how it starts, that it leaves nothing."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +16,13 @@ import pytest
 from numpy.testing import assert_array_equal
 from tornado.httpclient import HTTPClientError
 
-from hostile.target import HANDSHAKE
-from test_viewer_closing import Writing
 from twistarm import Arm
 from twistarm.description.meshes import MeshReader
 from twistarm.support.errors import InputError, MissingExtraError
 from twistarm.viewer import Viewer, save_html
-from twistarm.viewer.server import listening
-from twistarm.viewer.server.authentication import Authentication
-from twistarm.viewer.server.handlers import MOST_FILES
-from viewer_page import WAIT, Page, get, port_of, swing, target, until, visit
+from twistarm.viewer.server import server
+from twistarm.viewer.server.access import Authentication
+from viewer_page import WAIT, Page, get, port_of, swing, target, visit
 
 # who may come in --------------------------------------------------------------------------------------
 
@@ -302,7 +299,7 @@ def is_closed(one: socket.socket) -> bool:
 
 @pytest.mark.parametrize("sent", [b"", b"GET / HTT", b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: y"])
 def test_who_sends_no_request_in_time_is_closed(arm: Arm, sent: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(listening, "IDLE_TIME", 0.3)
+    monkeypatch.setattr(server, "IDLE_TIME", 0.3)
     with Viewer(arm, open_browser=False) as viewer, target(viewer).open() as one:
         one.sendall(sent)
         assert is_closed(one)
@@ -316,51 +313,3 @@ def test_a_body_is_not_waited_for(viewer: Viewer, method: str, path: str) -> Non
         one.sendall(there.head(path, method, Content_Length="60000") + b"a")
         assert one.recv(12) == b"HTTP/1.1 400"
         assert is_closed(one)
-
-
-def test_who_waits_outside_gives_way_and_pages_stay(viewer: Viewer) -> None:
-    there = target(viewer)
-    with Page(viewer) as page:
-        with ExitStack() as stack:
-            waiting = [stack.enter_context(there.open()) for _ in range(listening.MOST_CONNECTIONS + 5)]
-            assert get(viewer.url)[0] == 200
-            assert all(map(is_closed, waiting[:5]))
-            waiting[-1].sendall(there.head("nothing.js"))
-            assert waiting[-1].recv(12) == b"HTTP/1.1 404"
-        page.ask(type="pose", name="zero", ease=False)
-        assert page.latest["frame"]["theta"] == [0, 0, 0]
-
-
-def test_where_all_are_pages_the_next_is_closed_until_one_goes(viewer: Viewer) -> None:
-    there = target(viewer)
-    pages = there.crowd(listening.MOST_CONNECTIONS, there.upgrade)
-    assert len(pages) == listening.MOST_CONNECTIONS
-    with there.open() as one:
-        one.sendall(there.head("socket", **HANDSHAKE))
-        assert is_closed(one)
-    for page in pages:
-        page.close()
-    end = time.monotonic() + WAIT
-    while get_or_none(viewer.url) != 200:
-        assert time.monotonic() < end
-
-
-def get_or_none(url: str) -> int | None:
-    """The status; None where the connection was closed."""
-    try:
-        return get(url)[0]
-    except OSError:
-        return None
-
-
-def test_files_under_way_are_counted(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
-    writing, there = Writing(monkeypatch), target(viewer)
-    with ExitStack() as stack:
-        waiting = [stack.enter_context(there.open()) for _ in range(MOST_FILES)]
-        for one in waiting:
-            one.sendall(there.head("motion.csv"))
-        until(lambda: viewer._server.files == MOST_FILES)
-        assert get(viewer.url + "motion.csv")[:2] == (503, f"503 {MOST_FILES} files are under way: try again\n")
-        writing.leave.set()
-        assert [one.recv(12) for one in waiting] == [b"HTTP/1.1 200"] * MOST_FILES
-    assert get(viewer.url + "motion.csv")[0] == 200

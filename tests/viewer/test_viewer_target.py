@@ -201,7 +201,7 @@ def test_no_search_holds_up_the_loop(arm: Arm, kind: str) -> None:
 
 def test_an_arm_that_the_core_cannot_hold_is_left_to_the_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     arm = chain(MOST_JOINTS + 1)
-    monkeypatch.setattr("twistarm.viewer.parts.target.solve_ik", None)
+    monkeypatch.setattr("twistarm.viewer.parts.target.solve_ik", pytest.fail)
     p = arm.fk(arm.ready)[:3, 3].tolist()
     assert ask(Stage(arm), "target", kind="position", position=p, xyzw=[0, 0, 0, 1]) is not None
 

@@ -16,9 +16,8 @@ from recorded_poses import ask
 from twistarm import Arm, ArmBuilder, load_arm, plan_joint
 from twistarm.planning.trajectory import Trajectory
 from twistarm.support.strict_json import encode
-from twistarm.viewer.files.motion_samples import recorded
-from twistarm.viewer.parts.theory import axes
-from twistarm.viewer.parts.theory_numbers import numbers
+from twistarm.viewer.files.scene_snapshot import sampled_theory
+from twistarm.viewer.parts.theory import axes, numbers
 from twistarm.viewer.scene.placement import Placement
 from twistarm.viewer.stage import Stage
 
@@ -138,7 +137,7 @@ def test_flat_ellipsoids() -> None:
 def test_a_singular_posture_has_no_condition_and_says_what_is_lost() -> None:
     told = numbers(STRETCHED, np.array([0.7, 0.0, 0.0]))  # stretched along the tool's x
     assert (told["rank"], told["condition"]) == (2, None)
-    assert told["standing"] == "Rank 2 of 3, singular: the tool cannot move along its x."
+    assert told["standing"] == "Rank 2 of 3, singular: the tool cannot move along its x axis."
     near = numbers(STRETCHED, np.array([0.7, 0.02, -0.01]))
     assert (near["rank"], near["smallest"] < near["below"]) == (3, True)
     assert near["standing"].startswith("Rank 3 of 3, nearly singular: the tool can hardly move along its ")
@@ -252,7 +251,7 @@ def test_which_moved_farther_is_measured_in_the_reach(slide: float, turn: float,
     stage.show(np.array([slide, turn]))
     assert told(stage)["moved"] == moved  # type: ignore[index]
     motion = plan_joint(SLEDGE, [[0, 0], [slide, turn]], limits={"velocity": 1.0, "acceleration": 1.0})
-    for record in recorded(SLEDGE, np.zeros(2), motion)["numbers"][1:-1]:
+    for record in sampled_theory(SLEDGE, np.zeros(2), motion)["numbers"][1:-1]:
         assert record["moved"] == moved
 
 
@@ -265,8 +264,8 @@ def test_the_lengths_to_which_rates_are_drawn() -> None:
 
 
 @pytest.mark.parametrize(("sigma", "words"), [
-    (0.039, "Rank 2 of 2, nearly singular: the tool can hardly move along its y."), (0.041, "Rank 2 of 2."),
-    (0.06, "Rank 2 of 2."), (0.0201, "Rank 2 of 2, nearly singular: the tool can hardly move along its y."),
+    (0.039, "Rank 2 of 2, nearly singular: the tool can hardly move along its y axis."), (0.041, "Rank 2 of 2."),
+    (0.06, "Rank 2 of 2."), (0.0201, "Rank 2 of 2, nearly singular: the tool can hardly move along its y axis."),
 ])  # fmt: skip
 def test_nearly_singular_begins_at_a_singular_value_of_a_25th(sigma: float, words: str) -> None:
     """Two slides at an angle of 2 a to each other, about x: singular values √2 cos a and √2 sin a, along x and y."""
@@ -302,7 +301,7 @@ def test_the_screw_of_a_motion() -> None:
 
 def test_a_recorded_motion_has_the_numbers_of_its_moments() -> None:
     arm, trajectory = ARMS["panda"], motion_of(ARMS["panda"])
-    record = recorded(arm, arm.ready, trajectory)
+    record = sampled_theory(arm, arm.ready, trajectory)
     assert record["times"][0] == 0
     assert record["times"][-1] == pytest.approx(trajectory.duration, abs=1e-6)
     k = len(record["times"]) // 2
@@ -310,13 +309,13 @@ def test_a_recorded_motion_has_the_numbers_of_its_moments() -> None:
     assert_allclose(record["numbers"][k]["spatial"], differences(arm, theta)[0], atol=1e-6)
     assert record["numbers"][k]["motion"] is not None
     assert_allclose(record["aside"]["body"], differences(arm, arm.ready)[1], atol=1e-6)
-    assert recorded(arm, arm.ready, None)["numbers"] == [record["aside"]]
+    assert sampled_theory(arm, arm.ready, None)["numbers"] == [record["aside"]]
 
 
 def test_a_long_record_stays_small() -> None:
     arm = ARMS["panda"]
     slow = plan_joint(arm, [posture(arm, 1), posture(arm, 2)], limits={"velocity": 0.05, "acceleration": 0.1})
     assert slow.duration > 20  # 600 samples at 30 a second
-    record = recorded(arm, arm.ready, slow)
+    record = sampled_theory(arm, arm.ready, slow)
     assert len(encode(record)) < 1e6
     assert len(record["times"]) == len(record["numbers"]) >= 200

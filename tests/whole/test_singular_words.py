@@ -12,8 +12,8 @@ import pytest
 from catalogue import load
 from twistarm import Arm, ArmBuilder, Position, diagnose, solve_ik
 from twistarm.control.servo import ServoState, TwistCommand, servo_step
-from twistarm.viewer.parts.gauge import Measure
-from twistarm.viewer.parts.theory_numbers import numbers
+from twistarm.viewer.parts.gauge import Gauge
+from twistarm.viewer.parts.theory import numbers
 
 SVD, EIGH = np.linalg.svd, np.linalg.eigh
 
@@ -98,8 +98,8 @@ def on_the_page(arm: Arm) -> list[str]:
 
 
 def by_the_gauge(arm: Arm) -> list[object]:
-    measure = Measure(arm)
-    return [measure.words(theta)["lacks"] for theta in (np.zeros(arm.n), np.full(arm.n, 1e-2), arm.ready)]
+    gauge = Gauge(arm)
+    return [gauge.words(theta, None)["lacks"] for theta in (np.zeros(arm.n), np.full(arm.n, 1e-2), arm.ready)]
 
 
 def by_the_servo(arm: Arm) -> list[str]:
@@ -136,4 +136,4 @@ def test_it_is_the_same_with_another_lapack(name: str, who: Callable[[Arm], list
 def test_what_is_lost_is_what_the_arm_has_beside(name: str, lost: str) -> None:
     """A stretched arm lacks the way along itself; it also lacks what it has nowhere, and that is no news."""
     said = numbers(ARMS[name](), np.zeros(ARMS[name]().n))["standing"]
-    assert said.endswith(f", singular: the tool cannot move along its {lost}.")
+    assert said.endswith(f", singular: the tool cannot move along its {lost} axis.")

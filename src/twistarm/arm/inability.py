@@ -27,7 +27,7 @@ BESIDE = 0.05
 MOSTLY = 0.5
 """An arm has a direction if it has at least this share of it."""
 
-Half = tuple[int, int, int]
+Half = tuple[int, ...]
 
 LINEAR: Half = (0, 1, 2)
 ANGULAR: Half = (3, 4, 5)
@@ -41,15 +41,15 @@ def lacks(arm: Arm, theta: Array, half: Half, direction: Array, frame: str, befo
     Metres are measured in the reach, in axes of `frame`. An analytic Jacobian has its largest rank almost everywhere.
     If the rank here is less than at random configurations, this configuration lacks some directions.
     """
-    span = _span(arm, theta, half, before, frame)[0]
-    if _holds(span, direction):
+    here = span(arm, theta, half, before, frame)[0]
+    if _holds(here, direction):
         return False
-    less = _rank(arm, half, before, frame) - span.shape[1]
+    less = largest_rank(arm, half, before, frame) - here.shape[1]
     if less <= 0:
         return True
-    U, size = _span(arm, theta + _aside(arm, theta), half, before, frame)
+    U, size = span(arm, theta + _aside(arm, theta), half, before, frame)
     beside = U * size
-    rest = np.linalg.svd(beside - span @ (span.T @ beside))[0]
+    rest = np.linalg.svd(beside - here @ (here.T @ beside))[0]
     return not _holds(rest[:, :less], direction)
 
 
@@ -92,17 +92,20 @@ def _while(held: str) -> str:
 _RANKS: weakref.WeakKeyDictionary[Arm, dict[tuple[object, ...], int]] = weakref.WeakKeyDictionary()
 
 
-def _rank(arm: Arm, half: Half, before: Sequence[int], frame: str) -> int:
-    """The largest rank of `_span` among random configurations, cached with the arm."""
+def largest_rank(arm: Arm, half: Half, before: Sequence[int], frame: str) -> int:
+    """The largest rank of `span` among random configurations, cached with the arm."""
     kept = _RANKS.setdefault(arm, {})
     key = (half, tuple(before), frame)
     if key not in kept:
-        kept[key] = max(_span(arm, theta, half, before, frame)[0].shape[1] for theta in arm.random_theta(0, SAMPLES))
+        kept[key] = max(span(arm, theta, half, before, frame)[0].shape[1] for theta in arm.random_theta(0, SAMPLES))
     return kept[key]
 
 
-def _span(arm: Arm, theta: Array, half: Half, before: Sequence[int], frame: str) -> tuple[Array, Array]:
-    """Orthonormal U (3, k) and σ (k,): the directions of one half in which the tool moves with `before` at rest."""
+def span(arm: Arm, theta: Array, half: Half, before: Sequence[int], frame: str) -> tuple[Array, Array]:
+    """Orthonormal U (m, k) and σ (k,), descending: the directions of m components of a twist in which the tool moves.
+
+    Only motions that leave the components `before` at rest count, as in `lacks`.
+    """
     g, J = arm._fk_and_body_jacobian(theta)
     turned = J if frame == "tool" else np.kron(np.eye(2), g[:3, :3]) @ J
     rows = scaled_jacobian(turned, np.array(arm.units) == "m", arm.reach)

@@ -17,10 +17,9 @@ from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, shown
 from ..sweeps.grid import Grid, sphere
 from ..theory.manipulability import Manipulability, scaled_jacobian
-from .extremes import with_extremes
 from .panel import Panel
 from .parking import Progress, best_parking
-from .payload import payload
+from .payload import payload, with_extremes
 
 SAMPLES, CUBES = 2000, 40
 """Configurations, and cubes along the diameter of the ball that holds the tool."""

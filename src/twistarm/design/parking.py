@@ -129,7 +129,7 @@ def check_panel(
         InputError: An argument cannot be used.
     """
     inside, results = _scene(arm, panel, scene), []
-    tell = require_callback(progress, "progress", "(fraction)")
+    tell = require_callback(progress, "progress", "(fraction)") or float
     origin = as_frame(as_pose(np.eye(4) if base is None else base, "base"), "base")
     g = screws.inverse(origin) @ panel.pose
     if inside is not None and panel.size is not None:
@@ -141,8 +141,7 @@ def check_panel(
         inside.add_box("panel", panel.size, g @ behind)
     for k, task in enumerate(panel.tasks):
         results.append(_result(arm, panel, task, g, inside))
-        if tell is not None:
-            tell((k + 1) / len(panel.tasks))
+        tell((k + 1) / len(panel.tasks))
     return PanelReport(arm, panel, origin, tuple(results), inside, np.empty((0, 4)))
 
 
@@ -164,7 +163,7 @@ def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: P
         TwistarmError: The arm is not in the compiled core. The message says how to get it.
     """
     inside = _scene(arm, panel, scene)
-    tell = require_callback(progress, "progress", "(fraction)") or (lambda _: None)
+    tell = require_callback(progress, "progress", "(fraction)") or float
     around = ranges = _within_reach(arm, panel)
     seen, best, most = np.empty((0, 4)), ranges.mean(axis=1), (-1, 0.0)
     for grid in range(2):
@@ -193,11 +192,8 @@ def _scene(arm: Arm, panel: Panel, scene: Scene | None) -> Scene | None:
 
 def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | None) -> TaskResult:
     """The task of the panel at g (4, 4), from the first start with room in all joints, or with the most room."""
-    here, met, found = (
-        task.seen_from(g),
-        dict[str, Any](panel.tolerances),
-        TaskResult(task, "", "", np.empty((0, arm.n))),
-    )
+    here, met = task.seen_from(g), dict[str, Any](panel.tolerances)
+    found = TaskResult(task, "", "", np.empty((0, arm.n)))
     places, directions = here.checkpoints(panel.clearance)
     targets = [Approach(p, d).of(arm) for p, d in zip(places, directions, strict=True)]
     for point, target in zip(POINTS, targets, strict=True):

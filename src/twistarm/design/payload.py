@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -9,19 +10,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
+from ..checking.doctor.inertia import check_inertias
 from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED
 from ..planning import Trajectory
 from ..support.checks import LARGEST_ARRAY, Array, as_not_negative, as_positive, as_whole
 from ..support.display import Brief
-from ..support.errors import InputError
-from .extremes import with_extremes
-from .gaps import gaps
+from ..support.errors import InputError, listed
 
 DT = 0.01
 """Time between states of a motion [s]."""
 
 UNLOADED = 1e-9
 """An effort per mass [N m/kg, N/kg] below this is the rounding of 0."""
+
+TOLD = ("inertial-unusable", "mass-missing", "mass-implausible", "inertia-placeholder", "centre-of-mass-far")
+"""Findings that make torques wrong."""
+
+STARTS, ROUNDS = 4, 24
+"""Samples from which each cost descends, and its steps: they begin at a quarter of the range."""
 
 
 class Needs(NamedTuple):
@@ -162,7 +168,25 @@ def payload(
     x = np.broadcast_to(arm.theta_from(theta), (*own.shape[:-1], arm.n))
     speeds = np.broadcast_to(np.zeros(arm.n) if theta_dot is None else np.asarray(theta_dot), x.shape) @ C.T
     found = _greatest(own, per_kg, limits, unlimited)
-    return Payload(arm, x, names, own, per_kg, speeds, limits, *found, tuple(gaps(arm, unlimited)), t)
+    return Payload(arm, x, names, own, per_kg, speeds, limits, *found, tuple(_gaps(arm, unlimited)), t)
+
+
+def with_extremes(arm: Arm, costs: Callable[[Array], Array], theta: Array) -> Array:
+    """Theta (s, n), and below it local minima of each of the `costs`, (..., n) to (..., c), to 1e-3 of the range.
+
+    A cost descends from its least samples by the best step along one joint, halved where none helps.
+    """
+    lower, upper = arm.sampling_bounds
+    moves = np.vstack([np.zeros(arm.n), np.eye(arm.n), -np.eye(arm.n)]) * (upper - lower) / 4
+    starts = costs(theta).argsort(axis=0)[:STARTS]
+    x, column = theta[starts.ravel()], np.tile(np.arange(starts.shape[1]), len(starts))
+    size, each = np.ones(len(x)), np.arange(len(x))
+    for _ in range(ROUNDS):
+        tried = np.clip(x[:, None] + size[:, None, None] * moves, lower, upper)
+        best = costs(tried)[each, :, column].argmin(axis=1)
+        x = tried[each, best]
+        size[best == 0] /= 2
+    return np.vstack([theta, x])
 
 
 def _rows(arm: Arm) -> tuple[tuple[str, ...], Array, Array, Array, NDArray[np.bool_]]:
@@ -189,3 +213,21 @@ def _greatest(own: Array, per_kg: Array, limits: Array, unlimited: NDArray[np.bo
     limiting = np.where(np.isinf(least), -1, room.argmin(axis=-1))
     mass = np.where(held, np.where(unknown, np.nan, least), 0.0)
     return mass, np.where(held, limiting, share.argmax(axis=-1))
+
+
+def _gaps(arm: Arm, unlimited: NDArray[np.bool_]) -> Iterator[str]:
+    """A sentence for each gap. `unlimited` (n,) marks joints without an effort limit."""
+    if not arm.pinocchio.moved_mass:
+        yield "no link that moves has a mass: the arm's own weight counts as 0, and a real arm holds less"
+    if arm.description is not None:
+        found = (*arm.findings, *check_inertias(arm.description))
+        yield from (f"{one.place}: {one.what}" for one in found if one.code in TOLD)
+    if unlimited.any():
+        lacking = listed(name for name, lacks in zip(arm.joint_names, unlimited, strict=True) if lacks)
+        so = "the payload is unknown" if unlimited.all() else "what they hold is unknown, and the payload a bound"
+        yield f"no effort limit of {lacking}: {so}; write effort in <limit>, or in [limits] of an arm.toml"
+    turning = arm.limits.effort[np.array(arm.units) == "rad"]
+    if len(turning) > 2 and np.isfinite(turning[0]) and (turning == turning[0]).all():
+        yield f"all turning joints have the effort limit {turning[0]:g} N m: a placeholder?"
+    if arm.actuators is not None and arm.actuators.undriven:
+        yield f"the motors do not determine {listed(arm.actuators.undriven)}: limits of motors do not count"

@@ -14,7 +14,7 @@ from ..arm.arm import Arm
 from ..collision import Scene
 from ..limits.joint_limits import unit_of
 from ..support.checks import Array
-from ..support.errors import InputError, unknown_name
+from ..support.errors import unknown_name
 from .parts.collisions import Collisions
 from .parts.controls import Controls
 from .parts.findings import loaded
@@ -22,8 +22,7 @@ from .parts.gauge import Gauge
 from .parts.history import History
 from .parts.limit_checks import checked_theta, require_all_inside, require_inside
 from .parts.part import Part, Seen, Show
-from .parts.player import Player
-from .parts.plots import Plots
+from .parts.player import Player, Plots
 from .parts.pose_list import LeftOut
 from .parts.program import Program
 from .parts.reach import Reach
@@ -35,9 +34,8 @@ from .parts.theory import SHOWN, Theory
 from .protocol.change_publisher import Source
 from .protocol.jobs import Job
 from .protocol.messages import Message, Request
-from .scene.beside import Beside
 from .scene.kinematics import kinematics
-from .scene.placement import Placement
+from .scene.placement import Beside, Placement
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")
 """Requests that move the arm, refused while a servo drives it."""
@@ -138,11 +136,9 @@ class Stage(Show):
             self.go(self._pose(fields["name"]), fields["ease"], now)
         elif request.kind == "random":
             self.go(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())), fields["ease"], now)
-        elif request.kind == "visible":
+        else:
             self.set_visible(fields["what"], fields["visible"])
             return self.reach.switched(fields["what"], self)
-        else:
-            raise InputError(f"no such request: {request.kind}")
         return None
 
     def take_commands(self) -> None:
@@ -174,19 +170,11 @@ class Stage(Show):
         self.jogging = self.jogging and self.driven
         self.report = SILENT if report is None else dict(report)
 
-    def show_findings(self, findings: Message) -> None:
-        """Show what the doctor has found."""
-        self.findings = findings
-
     def set_visible(self, what: str, visible: bool) -> None:
         """Switch a layer on or off."""
         if what not in self.visible:
             raise unknown_name("layer", what, self.visible, within="the scene", listing=", ".join(self.visible))
         self.visible = {**self.visible, what: visible}
-
-    def unwatch(self) -> None:
-        """No page is left, so the theory numbers stop."""
-        self.set_visible("numbers", False)
 
     def _drives(self, request: Request) -> bool:
         """Whether the request moves the arm. A gripper's joint is not part of it."""

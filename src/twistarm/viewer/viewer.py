@@ -38,8 +38,8 @@ from .parts.solutions import answer_of
 from .parts.tool_path import NO_PATH, tool_path
 from .protocol.messages import LARGEST_VALUE, Message, as_name
 from .scene.arm_scene import Scene as ArmScene
-from .scene.beside import Beside
 from .scene.drawing import require_meshcat
+from .scene.placement import Beside
 from .scene.residuals import draw_residuals
 from .server.memory import Memory
 from .server.watching import Watch

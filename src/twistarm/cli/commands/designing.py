@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,14 +12,14 @@ import typer
 
 from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
-from ...design import Cubes, Needs, Payload, compare_designs, load_panel
+from ...design import Cubes, Design, Needs, Payload, compare_designs, load_panel
 from ...design import payload as payload_of
 from ...support.checks import Array, as_not_negative, as_positive
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...support.pictures import empty_figure, png_of
+from ...sweeps import reach_map
 from ..asked_motion import motion_of_file, typed_targets
-from ..design_picture import picture_of
 from ..options import CONFIGURATION, Json, Radians, takes_arm, takes_source
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_typed, units
 from ..outputs import Force, outputs_of
@@ -44,6 +44,9 @@ Tables = Annotated[
     list[str] | None,
     typer.Option("--output", "-o", metavar="FILE", help="The figures to *.csv, bars and outlines to *.png; repeat it."),
 ]
+LAYERS = 24
+"""Cubes of a map from the base to the farthest place."""
+
 KINDS = {"csv": (".csv",), "png": (".png",)}
 
 
@@ -221,7 +224,7 @@ def designs(
         note(f"{name}: {why}")
     heads = ["design", *(title for title, _ in NUMBERS)]
     lines = [[each.name, *(getattr(each, field) for _, field in NUMBERS)] for each in found]
-    written = outputs.write({"csv": lambda: csv_text(heads, lines), "png": lambda: picture_of(found, dict(NUMBERS))})
+    written = outputs.write({"csv": lambda: csv_text(heads, lines), "png": lambda: _designs_picture(found)})
     if json:
         told = [vars(each) | {"arm": info_json(each.arm)["joints"]} for each in found]
         print_json({"designs": told, "against": against, "written": written})
@@ -234,3 +237,38 @@ def designs(
     console(outputs.words).print(table("", ["", *(each.name for each in found)], rows))
     say(*against, file=outputs.words)
     outputs.say(written)
+
+
+def _designs_picture(designs: Sequence[Design]) -> bytes:
+    """A PNG of the figures as bars, and of slices through y = 0 and through the height at which most is reached.
+
+    A cube counts as in `reach_map`, in any orientation; without the compiled core, by random configurations.
+    """
+    figure = empty_figure("a picture", figsize=(15, 5))
+    bars, side, top = figure.subplots(1, 3)
+    titles, fields = zip(*NUMBERS, strict=True)
+    values = np.array([[getattr(each, field) for field in fields] for each in designs])
+    known = np.isfinite(values) & (values[0] > 0.0) & (values[0] < np.inf)
+    share = np.divide(100.0 * values, values[0], out=np.zeros(values.shape), where=known)
+    voxel, at = max(each.farthest for each in designs) / LAYERS, np.arange(len(NUMBERS))
+    for i, each in enumerate(designs):
+        height = 0.8 / len(designs)
+        bars.barh(at + i * height, share[i], height, color=f"C{i}", label=each.name)
+        m = reach_map(each.arm, voxel, "position", method="fk" if each.arm._why_not_compiled else "ik")
+        x, y, z = (m.grid.along(k) for k in range(3))
+        level = z[m.counts.sum(axis=(0, 1), dtype=np.int64).argmax()]
+        _outline(side, x, z, m.slice("y", float(np.clip(0.0, *y[[0, -1]]))), f"C{i}")
+        _outline(top, x, y, m.slice("z", float(level)), f"C{i}")
+    bars.set(yticks=at + 0.4 - 0.4 / len(designs), yticklabels=titles, xlabel=f"% of {designs[0].name}")
+    bars.invert_yaxis()
+    bars.legend()
+    side.set(title="reach at y = 0", xlabel="x [m]", ylabel="z [m]", aspect="equal")
+    top.set(title="reach at the height of most", xlabel="x [m]", ylabel="y [m]", aspect="equal")
+    return png_of(figure)
+
+
+def _outline(axes: Any, across: Array, up: Array, layer: Array, colour: str) -> None:
+    """Draw the border of what is reached, also where that ends with the map."""
+    step = across[1:2] - across[:1]
+    u, v = (np.concatenate([along[:1] - step, along, along[-1:] + step]) for along in (across, up))
+    axes.contour(u, v, np.pad(layer, 1).T, [0.5], colors=colour)

@@ -1,15 +1,31 @@
-"""A headless browser that draws or prints a page into a file within a time limit."""
+"""An installed browser, run headless: it draws or prints a page into a file within a time limit."""
 
 from __future__ import annotations
 
 import io
 import os
+import shutil
 import signal
 import subprocess
-from contextlib import suppress
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ...support.errors import TwistarmError, one_line
+
+NAMES = (
+    "chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge", "microsoft-edge-stable"
+)  # fmt: skip
+"""Browsers on PATH, in the order in which they are tried."""
+
+PLACES = (
+    "/snap/bin/chromium",
+    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
+    "/Applications/Chromium.app/Contents/MacOS/Chromium",
+    "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
+)
+"""Where they are installed without being on PATH."""
 
 FLAGS = (
     "--headless",
@@ -35,6 +51,44 @@ FLAGS = (
 
 TIMEOUT = 60.0
 """Most seconds for a browser. Software rendering of 4096 × 4096 pixels takes some 12 s."""
+
+
+def find_browser() -> str:
+    """Find the first browser of `NAMES` on PATH, then of `PLACES`. Raises TwistarmError without one."""
+    found = next(filter(None, map(shutil.which, (*NAMES, *PLACES))), None)
+    if found is None:
+        raise TwistarmError(
+            f"a picture or a print needs a browser, and there is none of {', '.join(NAMES)} on PATH, nor Chrome, "
+            "Chromium or Edge in /Applications; install one (on Debian: apt install chromium), or open the page "
+            "yourself (view -o FILE.html, guide -o DIR)"
+        )
+    return found
+
+
+def is_snap(browser: str) -> bool:
+    """Whether this is a snap: a link to `snap`, or Ubuntu's wrapper script."""
+    real = Path(browser).resolve()
+    if real.name == "snap" or real.is_relative_to("/snap"):
+        return True
+    with suppress(OSError), real.open("rb") as file:
+        return b"/snap/bin/" in file.read(4096)
+    return False
+
+
+@contextmanager
+def browser_at_work(doing: str) -> Iterator[tuple[str, Path]]:
+    """An installed browser, and a temporary folder that it can read, for `doing`, such as "draw".
+
+    Raises TwistarmError without a browser, or where the folder cannot be used.
+    """
+    browser = find_browser()
+    # A snap sees neither /tmp nor hidden folders, but what is below the home folder.
+    home = Path.home() if is_snap(browser) else None
+    try:
+        with tempfile.TemporaryDirectory(prefix="twistarm-", dir=home, ignore_cleanup_errors=True) as folder:
+            yield browser, Path(folder)
+    except OSError as error:
+        raise TwistarmError(f"cannot {doing} with {browser}: {error}") from error
 
 
 def draw(browser: str, page: Path, size: tuple[int, int]) -> bytes:

@@ -14,13 +14,11 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from ...arm.arm import Arm, require_arm
+from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
-from ...support.errors import InputError
 from ...support.files import writable, write_whole
 from ...support.strict_json import encode
 from ..page_files import meshcat_bundle, page_text
-from ..scene.drawing import require_meshcat
 from .scene_snapshot import SceneSnapshot, of_arm
 
 EXPORT = r"^export ((?:async )?function|class|const) ([\w$]+)"
@@ -65,8 +63,7 @@ def save_html(
 
 def page_html(arm: Arm, theta: ArrayLike | None = None, *, trajectory: Trajectory | None = None) -> str:
     """The page of `save_html` as text: for a notebook (`twistarm.viewer.Inline.page`) or a web server."""
-    require_meshcat()
-    return stand_alone(of_arm(require_arm(arm), trajectory, theta))
+    return stand_alone(of_arm(arm, trajectory, theta))
 
 
 def stand_alone(shown: SceneSnapshot) -> str:
@@ -127,10 +124,7 @@ def _page(name: str, data: Mapping[str, Any], policy: str, meshcat: str, program
             f'<script type="application/json" id="data">{literal}</script>\n{STATE}\n{program}',
         ),
     ):
-        head, found, tail = page.partition(old)
-        if not found:
-            raise InputError(f"the page's index.html lacks {old!r}; reinstall twistarm")
-        page = head + new + tail
+        page = page.replace(old, new, 1)
     return page
 
 

@@ -16,20 +16,36 @@ from ...support.checks import Array
 from ..parts.findings import PENDING, examined
 from ..parts.limit_checks import check_trajectory
 from ..parts.playback import Playback
-from ..parts.plots import plots
+from ..parts.player import plots
 from ..parts.summary import describe_arm, named_poses
+from ..parts.theory import axes, most_moved, numbers
 from ..parts.tool_path import tool_path
 from ..protocol.messages import Message
-from ..scene.arm_scene import Scene, build_scene
+from ..scene.arm_scene import Scene
 from ..scene.kinematics import kinematics
 from ..stage import Stage
-from .motion_samples import moving, recorded
 
 PLAYED = ("time", "running", "speed", "loop")
 """State of a playback that the page continues."""
 
 SAME = 1e-9
 """An arm within this [rad, m] of a trajectory's theta is on the trajectory."""
+
+SAMPLE_TIME = 1.0 / 30.0
+"""Time between samples [s]. The page interpolates between them."""
+
+MOST_SAMPLES = 2000
+"""Most samples of a motion, which keep the file within a megabyte."""
+
+DECIMALS = 9
+"""Decimals of values in rad and m."""
+
+MOST_NUMBERS = 250
+"""Most samples with numbers of the theory: some 600 kB for seven joints."""
+
+NUMBERS_PER_SECOND = 15.0
+
+NUMBER_DECIMALS = 6
 
 
 @dataclass(frozen=True)
@@ -83,7 +99,7 @@ class SceneSnapshot:
             "kinematics": kinematics(self.arm, list(self.others)),
             "others": dict(self.others),
             "poses": self._poses(),
-            "samples": still if at is None else moving(self.arm, at.trajectory),
+            "samples": still if at is None else _moving(at.trajectory),
             "aside": None if at is None or self._on(at) else self.theta.tolist(),
             "plots": plots(self.arm, at),
             "player": None if at is None else {name: getattr(at, name) for name in PLAYED},
@@ -93,7 +109,7 @@ class SceneSnapshot:
             "reach": self.reach,
             "drawings": self.drawings,
             "notes": scene.notes,
-            "theory": recorded(self.arm, self.theta, None if at is None else at.trajectory),
+            "theory": sampled_theory(self.arm, self.theta, None if at is None else at.trajectory),
             "findings": examined(self.arm, scene.reader) if self.findings is None else self.findings,
         }
 
@@ -110,10 +126,7 @@ class SceneSnapshot:
 
 def of_arm(arm: Arm, trajectory: Trajectory | None = None, theta: ArrayLike | None = None) -> SceneSnapshot:
     """`arm` at theta (n,), by default ready, with all layers and `trajectory` playing."""
-    stage = Stage(arm, theta)
-    if trajectory is not None:
-        check_trajectory(arm, trajectory)  # before the meshes are read
-    shown = on_show(stage, build_scene(arm))
+    shown = on_show(Stage(arm, theta), Scene(arm))
     return shown if trajectory is None else shown.playing(trajectory)
 
 
@@ -141,3 +154,37 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
         stage.reach.drawn if stage.visible["reach"] else None,
         [*stage.drawings.values()],
     )
+
+
+def _moving(trajectory: Trajectory) -> dict[str, Any]:
+    """times (k,) [s] and theta (k, n): `trajectory` from its start to its end."""
+    duration = float(trajectory.duration)
+    count = min(MOST_SAMPLES, max(2, 1 + int(np.ceil(duration / SAMPLE_TIME))))
+    times = np.linspace(0.0, duration, count if duration > 0.0 else 1)
+    return {"times": times.tolist(), "theta": np.round(trajectory(times), DECIMALS).tolist()}
+
+
+def sampled_theory(arm: Arm, theta: Array, trajectory: Trajectory | None) -> dict[str, Any]:
+    """The axes, times (k,) [s], the numbers at each, and `aside`, those at the shown theta (n,).
+
+    `moved`: the joint that is fastest at that moment, metres measured in the reach.
+    """
+    there = _rounded({"moved": 0, **numbers(arm, theta)})
+    if trajectory is None:
+        return {"axes": axes(arm), "times": [0.0], "numbers": [there], "aside": there}
+    duration = float(trajectory.duration)
+    times = np.linspace(0.0, duration, min(MOST_NUMBERS, 2 + int(duration * NUMBERS_PER_SECOND)))
+    found = []
+    for at, rates in zip(trajectory(times), trajectory(times, 1), strict=True):
+        found.append(_rounded({"moved": most_moved(arm, rates), **numbers(arm, at, rates)}))
+    return {"axes": axes(arm), "times": _rounded(times.tolist()), "numbers": found, "aside": there}
+
+
+def _rounded(value: Any) -> Any:
+    """`value` with every float in it to `NUMBER_DECIMALS`; what is whole is written so."""
+    if isinstance(value, float):
+        near = round(value, NUMBER_DECIMALS)
+        return int(near) if near.is_integer() else near
+    if isinstance(value, dict):
+        return {name: _rounded(each) for name, each in value.items()}
+    return [_rounded(each) for each in value] if isinstance(value, list) else value

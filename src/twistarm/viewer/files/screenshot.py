@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import operator
 import os
-import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -13,11 +12,10 @@ from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
 from ...planning.trajectory import Trajectory
-from ...support.errors import InputError, TwistarmError, shown
+from ...support.errors import InputError, shown
 from ...support.files import writable, write_whole
 from ..parts.findings import loaded
-from .browsers import find_browser, is_snap
-from .headless import draw
+from .headless import browser_at_work, draw
 from .page_export import stand_alone
 from .scene_snapshot import SceneSnapshot, of_arm
 
@@ -59,7 +57,6 @@ def save_png(
 
 def write_picture(path: str | os.PathLike[str], size: tuple[int, int], show: Callable[[], SceneSnapshot]) -> Path:
     """`save_png` of what `show` returns. `show` is called after all checks."""
-    _checked_size(size)
     target = writable(path)
     if target.suffix.lower() != ".png":
         raise InputError(f"cannot write {target}: a screenshot is a PNG; give a name that ends in .png")
@@ -69,15 +66,8 @@ def write_picture(path: str | os.PathLike[str], size: tuple[int, int], show: Cal
 def png_of(size: tuple[int, int], show: Callable[[], SceneSnapshot]) -> bytes:
     """The picture that `write_picture` writes."""
     wanted = _checked_size(size)
-    browser = find_browser()
-    # A snap sees neither /tmp nor hidden folders, but what is below the home folder.
-    home = Path.home() if is_snap(browser) else None
-    try:
-        with tempfile.TemporaryDirectory(prefix="twistarm-", dir=home, ignore_cleanup_errors=True) as folder:
-            page = write_whole(Path(folder, "arm.html"), _page(show(), wanted))
-            return draw(browser, page, wanted)
-    except OSError as error:
-        raise TwistarmError(f"cannot draw with {browser}: {error}") from error
+    with browser_at_work("draw") as (browser, folder):
+        return draw(browser, write_whole(folder / "arm.html", _page(show(), wanted)), wanted)
 
 
 def _checked_size(size: tuple[int, int]) -> tuple[int, int]:

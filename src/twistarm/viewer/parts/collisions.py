@@ -31,7 +31,6 @@ SAMPLES = 500
 BATCH = 50
 
 NOWHERE: Message = {"type": "collision", "ready": False, "links": [], "words": [], "nearest": None}
-NO_SHAPES: Message = {"type": "shapes", "bodies": []}
 
 
 class Collisions(Part):
@@ -45,7 +44,7 @@ class Collisions(Part):
         self._asked = self._ready = False
         self._checked: tuple[Any, ...] = (None,)  # what the band is of
         self._band: list[list[float]] = []
-        self._shapes = NO_SHAPES
+        self.shapes: list[Message] = []  # those that are checked, as pages draw them, once the checks are ready
         self._saved = self._bodies  # as the file has them
         self._kept: dict[str, tuple[tuple[Any, ...], Message]] = {}
 
@@ -97,7 +96,7 @@ class Collisions(Part):
     def messages(self, show: Show) -> Iterator[Message]:
         """Shapes and obstacles as they are drawn, what collides now, and what else collides."""
         bodies, layer = self._bodies, show.visible["collision"]
-        yield self._shapes
+        yield {"type": "shapes", "bodies": self.shapes}
         yield self._made("obstacles", (*bodies, self._saved), self._obstacles)
         yield self._made("collision", (*bodies, self._ready, show.theta, layer), partial(self._now, show))
         poses, theta = show.poses.poses, self._solutions.theta
@@ -115,9 +114,8 @@ class Collisions(Part):
         return () if self.scene is None else tuple(self.scene.obstacles.values())
 
     def _begin(self, show: Show, result: tuple[Scene, list[dict[str, Any]]]) -> None:
-        self.scene, bodies = result
-        show.scene = self.scene
-        self._ready, self._shapes = True, {"type": "shapes", "bodies": bodies}
+        self.scene, self.shapes = result
+        show.scene, self._ready = self.scene, True
 
     def _put(self, scene: Scene, name: str, kind: str, size: list[float], position: Any, xyzw: Any) -> None:
         g = np.eye(4)
@@ -140,12 +138,6 @@ class Collisions(Part):
         """The obstacles as pages draw them."""
         held = set() if self.scene is None else {entry.name for entry in self.scene.content().entries if entry.on}
         return [{"name": body.name, "held": body.name in held, **drawing(body)} for body in self._bodies]
-
-    @property
-    def shapes(self) -> list[Message]:
-        """The shapes that are checked as pages draw them; none before the checks are ready."""
-        bodies: list[Message] = self._shapes["bodies"]
-        return bodies
 
     def _obstacles(self) -> Message:
         saved = _same(self._saved, self._bodies)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ...arm.arm import Arm
-from ...arm.inability import NO_MOTION
+from ...arm.inability import ANGULAR, LINEAR, NO_MOTION, largest_rank, span
 from ...arm.usual_limits import usually_limited
 from ...control.servo import ServoSettings
-from ...control.servo.bounds import bounds_of
+from ...control.servo.bounds import Bounds, bounds_of
 from ...support.checks import Array
 from ...support.directions import leading, nearest_axes
-from ...theory.manipulability import scaled_jacobian
 from ..protocol.messages import Message
 from .part import Part, Show
 
@@ -24,12 +24,7 @@ NEAR = 0.05
 LEAST = {"rad": np.pi / 36, "m": 0.01}
 """Least distance [rad, m] that counts as near: 5°, 1 cm."""
 
-SAMPLES = 16
-"""Random configurations, of which one moves the tool in every direction that the arm has."""
-
 DIRECTIONS = ("along x", "along y", "along z", "about x", "about y", "about z")
-
-LEVELS = ((0, 1, 2), (3, 4, 5))
 
 JOINTS_TO_POINT = 5
 """Joints that position and point a tool. With fewer, the position alone can be singular and is examined first."""
@@ -41,22 +36,11 @@ SILENT: dict[str, Any] = {
 """The message without a servo."""
 
 
-class Least(NamedTuple):
-    """The smallest singular value and its direction u (6,) in base axes, metres in `length`.
-
-    For equal values u is the direction in their span nearest to an axis.
-    """
-
-    sigma: float
-    u: Array
-
-
 class Gauge(Part):
     """The part that shows how near the arm is to singularities and limits. It is silent without a servo."""
 
     def __init__(self, arm: Arm) -> None:
-        self._arm = arm
-        self._measure: Measure | None = None
+        self.arm = arm
         self._at: tuple[Array, str | None] | None = None
         self._words = SILENT
 
@@ -72,23 +56,13 @@ class Gauge(Part):
         if not show.driven:
             self._at, self._words = None, SILENT
         elif self._at is None or show.theta is not self._at[0] or limited != self._at[1]:
-            self._measure = self._measure or Measure(self._arm)
-            self._at, self._words = (show.theta, limited), self._measure.words(show.theta, limited)
+            self._at, self._words = (show.theta, limited), self.words(show.theta, limited)
         yield {"type": "gauge", **self._words}
 
-
-class Measure:
-    """Measures of an arm as a servo with standard settings computes them."""
-
-    def __init__(self, arm: Arm) -> None:
-        self.arm, settings = arm, ServoSettings()
-        self.bounds = bounds_of(usually_limited(arm), settings)
-        motors = arm.actuators.motor_units[: len(self.bounds.motion.names) - arm.n] if arm.actuators else ()
-        self.units = (*motors, *arm.units)
-        self._slides = np.array(arm.units) == "m"
-        configurations = [arm.ready, *arm.random_theta(0, SAMPLES)]
-        ranks = [[len(sigma) for sigma, _ in self._levels(theta)] for theta in configurations]
-        self._ranks = np.max(ranks, axis=0)
+    @cached_property
+    def bounds(self) -> Bounds:
+        """Those of a servo with standard settings."""
+        return bounds_of(usually_limited(self.arm), ServoSettings())
 
     def words(self, theta: Array, limited: str | None) -> dict[str, Any]:
         """The fields of the message at theta (n,), where the servo says that joint `limited` is."""
@@ -101,57 +75,41 @@ class Measure:
             **self.room(theta, limited),
         }
 
-    def least(self, theta: Array) -> Least:
-        """The smallest singular value of the directions that the arm has elsewhere. 0 if one is missing here.
+    def least(self, theta: Array) -> tuple[float, Array]:
+        """The least singular value of the directions that the arm has elsewhere, and its direction (6,) in base axes.
 
-        The Jacobian is scaled as the servo damps it. From five joints on it is the whole twist, else the position, then
-        the rotation that keeps it.
+        0 and no direction if one is missing here. Metres are measured in the reach. For equal values it is the
+        direction in their span nearest to an axis. From five joints on the Jacobian is of the whole twist, else of the
+        position, then of the rotation that keeps it.
         """
-        found = Least(np.inf, np.zeros(6))
-        for (sigma, U), rank in zip(self._levels(theta), self._ranks, strict=True):
-            if len(sigma) < rank:
-                return Least(0.0, np.zeros(6))
-            if rank and sigma[-1] < found.sigma:
+        least, u = np.inf, np.zeros(6)
+        levels = [(LINEAR + ANGULAR, ())] if self.arm.n >= JOINTS_TO_POINT else [(LINEAR, ()), (ANGULAR, LINEAR)]
+        for components, before in levels:
+            U, sigma = span(self.arm, theta, components, before, "base")
+            if len(sigma) < largest_rank(self.arm, components, before, "base"):
+                return 0.0, np.zeros(6)
+            if len(sigma) and sigma[-1] < least:
                 equal = U[:, sigma <= sigma[-1] + NO_MOTION]
-                found = Least(float(sigma[-1]), nearest_axes(equal @ equal.T, 1)[:, 0])
-        return found
+                least, u = float(sigma[-1]), np.zeros(6)
+                u[list(components)] = nearest_axes(equal @ equal.T, 1)[:, 0]
+        return least, u
 
     def room(self, theta: Array, limited: str | None) -> dict[str, Any]:
         """The joint or motor `limited`, else the one nearest to a limit relative to its warning distance."""
-        motion = self.bounds.motion
+        motion, arm = self.bounds.motion, self.arm
+        motors = arm.actuators.motor_units[: len(motion.names) - arm.n] if arm.actuators else ()
+        units = (*motors, *arm.units)
         x, lower, upper = motion.C @ theta + motion.c, motion.limits.lower, motion.limits.upper
         room = np.minimum(x - lower, upper - x)
-        near = np.array([LEAST[unit] for unit in self.units])
+        near = np.array([LEAST[unit] for unit in units])
         near = np.where(np.isfinite(upper - lower), np.maximum(NEAR * (upper - lower), near), near)
         row = motion.names.index(limited) if limited in motion.names else int(np.argmin(room / near))
         if not np.isfinite(room[row]):
             return dict.fromkeys(("joint", "unit", "room", "near", "end"))
         return {
             "joint": motion.names[row],
-            "unit": self.units[row],
+            "unit": units[row],
             "room": round(float(room[row]), 6),
             "near": float(near[row]),
             "end": "lower" if x[row] - lower[row] < upper[row] - x[row] else "upper",
         }
-
-    def _levels(self, theta: Array) -> list[tuple[Array, Array]]:
-        """(σ descending, U (6, k) in base axes) of each level without null motions."""
-        g, J = self.arm._fk_and_body_jacobian(theta)
-        R = np.kron(np.eye(2), g[:3, :3])
-        rows = scaled_jacobian(R @ J, self._slides, self.bounds.length)
-        if self.arm.n >= JOINTS_TO_POINT:
-            return [_decomposed(rows, tuple(range(6)))[:2]]
-        found: list[tuple[Array, Array]] = []
-        for level in LEVELS:
-            sigma, U, Vt = _decomposed(rows, level)
-            rows = rows - rows @ Vt.T @ Vt
-            found.append((sigma, U))
-        return found
-
-
-def _decomposed(rows: Array, level: tuple[int, ...]) -> tuple[Array, Array, Array]:
-    U, sigma, Vt = np.linalg.svd(rows[list(level)], full_matrices=False)
-    kept = sigma > NO_MOTION
-    whole = np.zeros((6, int(kept.sum())))
-    whole[list(level)] = U[:, kept]
-    return sigma[kept], whole, Vt[kept]

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from time import monotonic
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...collision.scene import Placed
-from ...support.checks import Array
 from ...support.errors import InputError
 from ..protocol.jobs import Job
 from ..protocol.messages import Message, Request
 from .part import Seen, Show
-from .pose_list import RecordedPose
 
 MAX_STEPS = 100
 """Most steps to keep."""
@@ -43,15 +40,11 @@ WORDS = {
 """Names of the requests that can be undone. Playing a motion is not among them: seek back instead."""
 
 
-@dataclass(frozen=True, eq=False)
-class Step:
-    """The state before a change: the list, theta, the joints beside the arm, or obstacles. `words` name the change."""
+class Step(NamedTuple):
+    """What a change has replaced: fields of `Seen` as they were before it. `words` name the change."""
 
     words: str
-    poses: tuple[RecordedPose, ...] | None = None
-    theta: Array | None = None
-    others: Mapping[str, float] | None = None
-    obstacles: Placed | None = None
+    before: Mapping[str, Any]
 
 
 class History:
@@ -70,7 +63,7 @@ class History:
         if not source:
             raise InputError(f"nothing to {request.kind}")
         step = source[-1]
-        if step.theta is not None:
+        if "theta" in step.before:
             show.require_free()
         source.pop()
         sink.append(self._undone(step, show, request.fields["ease"], now))
@@ -87,16 +80,14 @@ class History:
         if kind not in WORDS:
             return
         words = WORDS[kind].format(name=name)
-        if after.poses is not before.poses:
-            self._keep(Step(words, poses=before.poses))
-            return
-        theta = None if np.array_equal(after.theta, before.theta) else before.theta
-        others = None if after.others == before.others else before.others
-        obstacles = None if after.obstacles == before.obstacles else before.obstacles
-        if theta is not None or others is not None or obstacles is not None:
-            (last, at), now = self._last, monotonic()
+        old, new = before._asdict(), after._asdict()
+        changed = {field: was for field, was in old.items() if was is not None and not _same(was, new[field])}
+        (last, at), now = self._last, monotonic()
+        if "poses" in changed:
+            self._keep(Step(words, {"poses": before.poses}))
+        elif changed:
             if last != words or now - at > PAUSE:
-                self._keep(Step(words, theta=theta, others=others, obstacles=obstacles))
+                self._keep(Step(words, changed))
             self._last = (words, now)
 
     def _keep(self, step: Step) -> None:
@@ -106,14 +97,15 @@ class History:
 
     def _undone(self, step: Step, show: Show, ease: bool, now: float) -> Step:
         """Put back what the step has kept; the step that undoes this again."""
-        there = show.seen()
-        if step.poses is not None:
-            show.poses.poses = step.poses
-        if step.others is not None:
-            show.others = dict(step.others)
-        if step.obstacles is not None and show.scene is not None:
-            show.scene.put_back(step.obstacles)
-        if step.theta is not None:
-            show.go(step.theta, ease, now)
-        changed = {name: value for name, value in there._asdict().items() if getattr(step, name) is not None}
-        return Step(step.words, **changed)
+        there, before = show.seen()._asdict(), step.before
+        show.poses.poses = before.get("poses", show.poses.poses)
+        show.others = before.get("others", show.others)
+        if "obstacles" in before and show.scene is not None:
+            show.scene.put_back(before["obstacles"])
+        if "theta" in before:
+            show.go(before["theta"], ease, now)
+        return Step(step.words, {field: there[field] for field in before})
+
+
+def _same(one: Any, other: Any) -> bool:
+    return np.array_equal(one, other) if isinstance(one, np.ndarray) else bool(one == other)

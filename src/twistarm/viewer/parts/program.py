@@ -172,8 +172,15 @@ def _planned(
 ) -> tuple[Trajectory | PathError, dict[str, Any]]:
     """In a thread: the motion or why there is none, and the tool's path."""
     beside = {"ideal": ideal_way(arm, poses), **_ghosts(arm, poses, others)}
+    shared: dict[str, Any] = {"kind": asked.kind, "limits": limits, "scene": scene, "progress": progress}
     try:
-        motion = _motion(arm, poses, asked, limits, met, scene, progress)
+        if asked.through_joints(poses):
+            points = np.array([pose.theta for pose in poses])
+            motion = plan_joint(arm, points, stop_at_waypoints=asked.stop, **shared)
+        else:
+            moves = segments(arm, poses, 0.0 if asked.stop else asked.corner)
+            speed = asked.linear_speed or None
+            motion = plan(arm, moves, start=poses[0].theta, linear_speed=speed, **met, **shared)
     except PathError as error:
         return error, {**tool_path(arm, poses[0].theta[None]), **beside, "stopped": _stop(arm, error, others)}
     return motion, {**tool_path(arm, motion), **beside}
@@ -187,39 +194,6 @@ def _stop(arm: Arm, error: PathError, others: Mapping[str, float]) -> dict[str, 
     why = f"{error.joint} at its limit" if error.joint else WHY.get(error.reason, "")
     words = "collides" if error.reason == "collision" else f"stops at {100.0 * error.share:.0f} %: {why}"
     return {"position": position, "words": words, "arm": standing_at(Placement(arm), error.theta, others)}
-
-
-def _motion(
-    arm: Arm,
-    poses: Sequence[RecordedPose],
-    asked: MotionRequest,
-    limits: JointLimits,
-    met: Mapping[str, Any],
-    scene: Scene | None,
-    progress: Progress,
-) -> Trajectory:
-    if asked.through_joints(poses):
-        points = np.array([pose.theta for pose in poses])
-        return plan_joint(
-            arm,
-            points,
-            kind=asked.kind,
-            limits=limits,
-            stop_at_waypoints=asked.stop,
-            scene=scene,
-            progress=progress,
-        )
-    return plan(
-        arm,
-        segments(arm, poses, 0.0 if asked.stop else asked.corner),
-        start=poses[0].theta,
-        limits=limits,
-        kind=asked.kind,
-        linear_speed=asked.linear_speed or None,
-        **met,
-        scene=scene,
-        progress=progress,
-    )
 
 
 def _ghosts(arm: Arm, poses: Sequence[RecordedPose], others: Mapping[str, float]) -> dict[str, Any]:

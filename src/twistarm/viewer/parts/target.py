@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -31,8 +31,6 @@ LENGTH_TOL = 1e-3
 """Rounding of a quaternion's length, from decimal text."""
 
 TOLERANCES = {"position": "m", "orientation": "rad"}
-
-NONE: Mapping[str, Any] = {}
 
 NO_TARGET: Message = {
     "type": "target",
@@ -76,12 +74,14 @@ class TargetPart:
         self._number += 1
         self._wanted = True
         finish = partial(self._finish, show, show.theta, self._number)
-        solution = solved_at_once(show.arm, target, show.theta, show.tolerances)
-        if solution is not None:
-            finish((solution.theta, _status(given, solution)))
+        search = partial(solve_ik, show.arm, target, show.theta, posture="theta0", **show.tolerances)
+        others = show.others
+        if (solution := solved_at_once(show.arm, search)) is not None:
+            finish(_answer(given, solution, others))
             return None
-        solve = partial(_solved, show.arm, target, given, show.theta, show.others, show.tolerances)
-        return Job("target", "solving for the target", lambda _: solve(), finish)
+        return Job(
+            "target", "solving for the target", lambda _: _answer(given, search(max_time=MAX_TIME), others), finish
+        )
 
     def messages(self, show: Show) -> Iterator[Message]:
         """The target given, whether it is met, and the words of its solution."""
@@ -128,38 +128,19 @@ def tolerances_asked(fields: Mapping[str, float]) -> dict[str, float]:
     }
 
 
-def solved_at_once(
-    arm: Arm, target: Pose | Position | Approach, start: Array, met: Mapping[str, Any] = NONE
-) -> IKResult | None:
-    """The solution of the first search from `start`, if it succeeds within AT_ONCE, else None.
+def solved_at_once(arm: Arm, search: Callable[..., IKResult]) -> IKResult | None:
+    """The solution of the first `search`, if it succeeds within AT_ONCE, else None.
 
     A full search gives the same bits: the first converged search wins, and none was cut short.
     """
     if arm._compiled is None:
         return None
     begin = time.perf_counter()
-    solution = solve_ik(arm, target, start, restarts=1, posture="theta0", max_time=AT_ONCE, **met)
+    solution = search(restarts=1, max_time=AT_ONCE)
     in_time = time.perf_counter() - begin < AT_ONCE
     return solution if solution.converged and in_time else None
 
 
-def _solved(
-    arm: Arm,
-    target: Pose | Position | Approach,
-    given: dict[str, Any],
-    start: Array,
-    others: Mapping[str, float],
-    met: Mapping[str, Any],
-) -> Answer:
-    solution = solve_ik(arm, target, start, posture="theta0", max_time=MAX_TIME, **met)
-    return solution.theta, {**_status(given, solution), "ghost": ghost(solution, others)}
-
-
-def _status(given: dict[str, Any], solution: IKResult) -> Message:
-    return {
-        "type": "target",
-        "given": given,
-        "met": solution.converged,
-        "words": solution.explain(),
-        "ghost": None,
-    }
+def _answer(given: dict[str, Any], solution: IKResult, others: Mapping[str, float]) -> Answer:
+    told = {"type": "target", "given": given, "met": solution.converged, "words": solution.explain()}
+    return solution.theta, {**told, "ghost": ghost(solution, others)}

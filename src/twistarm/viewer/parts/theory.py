@@ -8,13 +8,16 @@ from typing import Any
 import numpy as np
 
 from ...arm.arm import Arm
+from ...control.servo.settings import ServoSettings
 from ...support.checks import Array
+from ...support.directions import axis_in_words
+from ...theory import poe
+from ...theory.manipulability import Manipulability, scaled_jacobian
 from ...theory.screws import to_screw
 from ..protocol.messages import Message
 from ..scene.axes import AXIS_HALF, PITCHLESS, anchors, arm_size
 from ..scene.nodes import screw_path
 from .part import Part, Show
-from .theory_numbers import numbers
 
 SHOWN = ("numbers", "screw", "spatial_columns", "body_columns", "linear_ellipsoid", "angular_ellipsoid")
 """The layers that need these numbers."""
@@ -24,6 +27,12 @@ LINEAR = 0.25
 
 ANGULAR = 0.13
 """Drawn length of 1 rad/s, in sizes of the arm."""
+
+BELOW = ServoSettings().singularity_threshold
+"""Singular values below this count as singular for a servo with default settings."""
+
+SLIGHT = 0.05
+"""A component of a unit direction below this is not mentioned."""
 
 
 class Theory(Part):
@@ -46,11 +55,15 @@ class Theory(Part):
             yield self._numbers
 
     def _which_moved(self, show: Show) -> int:
-        """The coordinate that changed most, with metres divided by the arm's reach."""
+        """The coordinate that changed most, the one before where none did."""
         if self._theta is None or np.array_equal(show.theta, self._theta):
             return self._moved
-        length = np.where(np.array(show.arm.units) == "m", show.arm.reach, 1.0)
-        return int(np.argmax(np.abs(show.theta - self._theta) / length))
+        return most_moved(show.arm, show.theta - self._theta)
+
+
+def most_moved(arm: Arm, change: Array) -> int:
+    """The coordinate with the largest change or rate (n,), metres divided by the reach."""
+    return int(np.argmax(np.abs(change) / np.where(np.array(arm.units) == "m", arm.reach, 1.0)))
 
 
 def axes(arm: Arm) -> dict[str, Any]:
@@ -88,3 +101,103 @@ def _plain_pitch(pitch: float, size: float) -> float | None:
     if np.isinf(pitch):
         return None
     return 0.0 if abs(pitch) < PITCHLESS * size else pitch
+
+
+def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any]:
+    """The numbers at theta (n,) in SI units and radians; matrices are lists of rows.
+
+    g (4, 4): g_st. spatial, body, hybrid (6, n): the Jacobians. columns: each column of J^s as a screw. axes: each
+    moving joint's screw, null if equal to the columns. singular_values, condition (null if infinite), rank, yoshikawa,
+    smallest, below, standing (in words): of the body Jacobian, with metres divided by `reach`. linear, angular: the
+    ellipsoids. motion: V^s = J^s θ̇ for `rates` (n,), as twist and screw, and the tool origin's velocity.
+    """
+    g, J_b = arm._fk_and_body_jacobian(theta)
+    J_s = arm.spatial_jacobian(theta)
+    hybrid = (g[:3, :3] @ J_b.reshape(2, 3, -1)).reshape(6, -1)
+    return {
+        "g": g.tolist(),
+        "spatial": J_s.tolist(),
+        "body": J_b.tolist(),
+        "hybrid": hybrid.tolist(),
+        "axes": None if _uncoupled(arm) else _screws(poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)),
+        "columns": _screws(J_s),
+        "motion": None if rates is None or not np.any(rates) else _moving(J_s @ rates, hybrid[:3] @ rates),
+        **_singularity(arm, theta),
+        **_ellipsoids(hybrid, arm._prismatic, arm.reach),
+    }
+
+
+def _moving(twist: Array, velocity: Array) -> dict[str, Any]:
+    return {"twist": twist.tolist(), "screw": _screws(twist[:, None]), "velocity": velocity.tolist()}
+
+
+def _singularity(arm: Arm, theta: Array) -> dict[str, Any]:
+    found = arm.manipulability(theta)
+    values, rank = found.singular_values.tolist(), int(found.rank) if arm.n else 0
+    return {
+        "singular_values": values,
+        "condition": values[0] / values[-1] if 0 < rank == len(values) else None,
+        "rank": rank,
+        "yoshikawa": float(found.yoshikawa),
+        "smallest": values[-1] if values else 0.0,
+        "below": BELOW,
+        "standing": standing(found, rank, BELOW),
+    }
+
+
+def _ellipsoids(hybrid: Array, prismatic: Array, length: float) -> dict[str, Any]:
+    """Semi-axes (3,), descending, and their directions (3, 3), one a column, in base axes: linear and angular.
+
+    Of the linear [m/s] and of the angular [rad/s] rows of the hybrid Jacobian (6, n): {J θ̇ : ‖θ̇‖ ≤ 1 rad/s}. A slide
+    counts 1 m/s as 1/length rad/s. The semi-axes are singular values, 0 where the tool does not move. The directions
+    are left singular vectors. Yoshikawa 1985, "Manipulability of robotic mechanisms"; MLS §3.4.4.
+    """
+    halves = scaled_jacobian(hybrid, prismatic, length).reshape(2, 3, -1)
+    # Of fewer than three joints there would be fewer than three directions.
+    padded = np.concatenate([halves, np.zeros((2, 3, max(0, 3 - halves.shape[-1])))], axis=-1)
+    directions, values, _ = np.linalg.svd(padded, full_matrices=False)
+    semi_axes = values * np.array([[length], [1.0]])
+    pairs = zip(("linear", "angular"), semi_axes, directions, strict=True)
+    return {name: {"semi_axes": long.tolist(), "directions": along.tolist()} for name, long, along in pairs}
+
+
+def _screws(columns: Array) -> dict[str, list[Any]]:
+    """Axis, point [m], pitch [m/rad] and magnitude of each column of (6, k). An infinite pitch is null."""
+    screw = to_screw(columns.T)
+    pitches = screw.pitch.tolist()
+    return {
+        "axis": screw.axis.tolist(),
+        "point": screw.point.tolist(),
+        "pitch": [None if np.isinf(pitch) else pitch for pitch in pitches],
+        "magnitude": screw.magnitude.tolist(),
+    }
+
+
+def _uncoupled(arm: Arm) -> bool:
+    A = arm.coupling.A
+    return A.shape == (arm.n, arm.n) and bool((np.eye(arm.n) == A).all())
+
+
+def standing(found: Manipulability, rank: int, below: float) -> str:
+    """The rank, and the directions, in tool axes, of singular values under `below`."""
+    values = found.singular_values
+    if not len(values):
+        return "No joint moves the tool."
+    weak = [_in_words(found.axes[:, i]) for i in range(len(values)) if values[i] < below]
+    hard = weak[: len(weak) - (len(values) - rank)]
+    lost = weak[len(hard) :]
+    said = f"Rank {rank} of {len(values)}"
+    if lost:
+        said += f", singular: the tool cannot {', nor '.join(lost)}"
+    if hard:
+        said += f"{'; it' if lost else ', nearly singular: the tool'} can hardly {', nor '.join(hard)}"
+    return f"{said}."
+
+
+def _in_words(direction: Array) -> str:
+    """A tool twist (v, w), v in units of the length, in words."""
+    v, w = direction[:3], direction[3:]
+    along, about = (axis_in_words(half / max(float(np.linalg.norm(half)), SLIGHT), "tool") for half in (v, w))
+    if np.linalg.norm(w) < SLIGHT:
+        return f"move along {along}"
+    return f"turn about {about}" if np.linalg.norm(v) < SLIGHT else f"move along {along} while it turns about {about}"

@@ -21,6 +21,9 @@ class Scene:
     appends to `objects`, from any thread. The first `plain` objects are not meshes, and replaced ones are empty. Meshes
     with more triangles than a screen shows are simplified unless `exact`. `simplified`: whether any was. `reader`: the
     reader of the meshes, which knows their lengths.
+
+    An unreadable mesh is reported. A frame and simple shapes replace it: the link's collision shapes, or capsules from
+    its origin to the joints that it carries. An arm without a description is drawn as rods between points of its axes.
     """
 
     def __init__(self, arm: Arm, exact: bool = False, known: Mapping[Source, Drawn] | None = None) -> None:
@@ -131,15 +134,6 @@ class Scene:
             "simplified": self.simplified,
             "notes": list(self.notes),
         }
-
-
-def build_scene(arm: Arm, exact: bool = False) -> Scene:
-    """Draw `arm` with its meshes: a node per link and screw, and the space and tool frames.
-
-    An unreadable mesh is reported. A frame and simple shapes replace it: the link's collision shapes, or capsules from
-    its origin to the joints that it carries. An arm without a description is drawn as rods between points of its axes.
-    """
-    return Scene(arm, exact).whole()
 
 
 def _frames(size: float) -> list[bytes]:

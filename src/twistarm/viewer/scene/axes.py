@@ -36,8 +36,7 @@ def anchors(arm: Arm) -> Array:
     """A point (m, 3) on each moving joint's axis at theta = 0: its origin, else the nearest to the last point."""
     if arm.description is not None:
         poses = arm.poses(np.zeros(arm.n))
-        moving = (joint for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving)
-        return np.array([poses[joint.child][:3, 3] for joint in moving])
+        return np.array([poses[arm.description.joints[name].child][:3, 3] for name in arm.moving_names])
     points: list[Array] = []
     last: Array = np.zeros(3)
     for xi in arm.screws.T:

@@ -52,8 +52,7 @@ class _Tree:
 
     def described(self) -> dict[str, Any]:
         arm = self._arm
-        chain = self._description.chain(arm.base, arm.tip_link)
-        screws = [_node(self._order[joint.name], np.eye(4)) for joint in chain if joint.moving]
+        screws = [_node(self._order[name], np.eye(4)) for name in arm.moving_names]
         return {
             "base": self._above(arm.base),
             "joints": [self._joint(name) for name in self._order],

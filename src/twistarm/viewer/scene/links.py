@@ -9,13 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ...description.meshes import LIGHTER, REMEDY, MeshReader, Part, UnreadableMeshError, size_of
+from ...description.meshes import REMEDY, MeshReader, Part, size_of
 from ...description.tree import Description, Geometry, Link
+from ...support.checks import Array
 from ...support.errors import TwistarmError, listed, one_line
 from ...support.files import stamp
 from . import drawing
+from .drawing import STICK, Colour
 from .nodes import link_path
-from .shapes import PLAIN, lost_frame, shape, stand_in, stand_in_path
 
 TRIANGLES = 80_000
 """Triangles of all meshes of an arm. A screen has some 200,000 pixels for it, and a processor draws them in 0.1 s."""
@@ -23,8 +24,13 @@ TRIANGLES = 80_000
 FEWEST = 500
 """Least triangles of a mesh, so that a bolt beside a heavy base keeps its shape."""
 
-MOST_TRIANGLES, MOST_OBJECTS = 5_000_000, 20_000
-"""Most triangles and objects of a drawing with all triangles, within a browser's memory."""
+PLAIN: Colour = (0.62, 0.66, 0.72, 1.0)
+
+FRAME = 0.08
+"""Length of the axes for a link without its mesh, in sizes of the arm."""
+
+THICK, STOUT = 0.025, 0.3
+"""Radius of a replacing capsule: in sizes of the arm, and at most in lengths of the link's longest."""
 
 
 Source = tuple[object, ...]
@@ -79,7 +85,7 @@ def draw_meshes(
     """
     most = {} if exact else _shares(description)
     read: dict[Path, list[Part] | str] = {}
-    told, room = {""}, _Room()
+    told = {""}
     for link in description.links.values():
         undrawn = _is_only_meshes(link)
         found = _found(link)
@@ -92,7 +98,7 @@ def draw_meshes(
             if path not in read:
                 read[path] = _parts_or_reason(reader, path, most.get(path, inf))
             parts = read[path]
-            objects, note = _mesh_or_reason(node, visual, path, parts, room)
+            objects, note = _mesh_or_reason(node, visual, path, parts)
             drawn = bool(objects)
             undrawn = undrawn and not drawn
             if k == len(found) and _is_only_meshes(link):
@@ -128,44 +134,24 @@ def _parts_or_reason(reader: MeshReader, path: Path, most: float) -> list[Part] 
     try:
         return reader.parts(path, most)
     except Exception as error:  # a fault of one mesh does not stop the others
-        return str(error) if isinstance(error, TwistarmError) else _reason(path, error)
+        return _reason(path, error)
 
 
-def _all_exact(parts: list[Part] | str) -> bool:
-    return isinstance(parts, str) or all(part.exact for part in parts)
-
-
-class _Room:
-    """How much may still be drawn."""
-
-    def __init__(self) -> None:
-        self._triangles, self._objects = MOST_TRIANGLES, MOST_OBJECTS
-
-    def take(self, path: Path, parts: Sequence[Part]) -> None:
-        """UnreadableMeshError where there is no room for `parts`."""
-        triangles, objects = self._triangles - sum(len(part.faces) for part in parts), self._objects - len(parts)
-        if triangles < 0 or objects < 0:
-            most = f"{MOST_TRIANGLES:,} triangles and {MOST_OBJECTS:,} parts"
-            raise UnreadableMeshError(path, f"with it the arm would have more than {most}", LIGHTER)
-        self._triangles, self._objects = triangles, objects
-
-
-def _mesh_or_reason(
-    node: str, visual: Geometry, path: Path, parts: list[Part] | str, room: _Room
-) -> tuple[list[bytes], str]:
-    if isinstance(parts, str):
-        return [], parts
+def _mesh_or_reason(node: str, visual: Geometry, path: Path, parts: list[Part] | str) -> tuple[list[bytes], str]:
     try:
-        room.take(path, parts)
-        return _mesh(node, visual, parts), ""
-    except TwistarmError as error:
-        return [], str(error)
+        return ([], parts) if isinstance(parts, str) else (_mesh(node, visual, parts), "")
     except Exception as error:
         return [], _reason(path, error)
 
 
 def _reason(path: Path, error: Exception) -> str:
+    if isinstance(error, TwistarmError):
+        return str(error)
     return one_line(f"cannot draw mesh {path.name}: {str(error) or type(error).__name__}; {REMEDY}")
+
+
+def _all_exact(parts: list[Part] | str) -> bool:
+    return isinstance(parts, str) or all(part.exact for part in parts)
 
 
 def _plain(description: Description, link: Link, size: float) -> list[bytes]:
@@ -189,3 +175,55 @@ def _mesh(path: str, visual: Geometry, parts: Sequence[Part]) -> list[bytes]:
         drawing.triangles(f"{path}/part{i}", part.vertices, part.normals, part.faces, colour, matrix)
         for i, (part, colour) in enumerate(zip(parts, colours, strict=True))
     ]
+
+
+def stand_in_path(link: Link) -> str:
+    """The node of a link's replacement shapes."""
+    return f"{link_path(link.name)}/stand-in"
+
+
+def stand_in(description: Description, link: Link, size: float) -> list[bytes]:
+    """The link's collision primitives, or capsules from its origin to the joints that it carries."""
+    path = stand_in_path(link)
+    drawn = [part for i, solid in enumerate(link.collisions) for part in shape(f"{path}/solid{i}", solid, STICK)]
+    return drawn or _capsules(description, link, size)
+
+
+def _capsules(description: Description, link: Link, size: float) -> list[bytes]:
+    carried = [joint.origin[:3, 3] for joint in description.joints.values() if joint.parent == link.name]
+    ends = [end for end in carried if np.linalg.norm(end) > 1e-3 * size]
+    if not ends:
+        return []
+    path = stand_in_path(link)
+    radius = min(THICK * size, STOUT * max(float(np.linalg.norm(end)) for end in ends))
+    drawn = [drawing.sphere(f"{path}/origin", 1.3 * radius, STICK, np.eye(4))]
+    for i, end in enumerate(ends):
+        drawn.append(drawing.rod(f"{path}/stick{i}", np.zeros(3), end, radius, STICK))
+        drawn.append(drawing.sphere(f"{path}/end{i}", radius, STICK, drawing.at(end)))
+    return drawn
+
+
+def lost_frame(link: Link, size: float) -> list[bytes]:
+    """The frame of a link with missing meshes."""
+    return drawing.triad(f"{link_path(link.name)}/frame", FRAME * size)
+
+
+def shape(path: str, geometry: Geometry, colour: Colour) -> list[bytes]:
+    """A primitive of a description at `path`; nothing for a mesh."""
+    g, size = geometry.origin, geometry.size
+    if geometry.shape == "box":
+        return [drawing.box(path, size, colour, g)]
+    if geometry.shape == "sphere":
+        return [drawing.sphere(path, size[0], colour, g)]
+    if geometry.shape == "cylinder":
+        return [drawing.cylinder(path, size[0], size[1], colour, g)]
+    return _capsule(path, size[0], size[1], colour, g) if geometry.shape == "capsule" else []
+
+
+def _capsule(path: str, radius: float, length: float, colour: Colour, g: Array) -> list[bytes]:
+    drawn = [drawing.cylinder(f"{path}/side", radius, length, colour, g)]
+    for name, z in (("bottom", -length / 2), ("top", length / 2)):
+        end = g.copy()
+        end[:3, 3] += z * g[:3, 2]
+        drawn.append(drawing.sphere(f"{path}/{name}", radius, colour, end))
+    return drawn

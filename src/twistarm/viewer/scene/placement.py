@@ -1,10 +1,9 @@
-"""Poses of all moving nodes at a configuration: one matrix for each node."""
+"""Poses of all moving nodes at a configuration: one matrix for each node. Another arm beside it follows."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import accumulate
-from math import atan2, cos, hypot, sin
 from typing import Any
 
 import numpy as np
@@ -12,10 +11,38 @@ import numpy as np
 from ...arm.arm import Arm
 from ...ik import IKResult
 from ...support.checks import Array
-from ...theory.rotations import GIMBAL_LOCK_TOL
-from ...theory.screws import exp, inverse
-from .beside import Beside
+from ...theory.rotations import to_rpy
+from ...theory.screws import exp
+from .axes import draw_rods
+from .drawing import BLUE, Colour
 from .nodes import link_path, rod_path, screw_path
+
+ROOT = "/beside"
+FAINT: Colour = (*BLUE[:3], 0.35)
+
+
+class Beside:
+    """The other arm's rods, and where they are.
+
+    Its turning joints follow the turning joints of `leader` in order, and its slides the slides, inside its limits. Its
+    other joints keep its ready pose.
+    """
+
+    def __init__(self, arm: Arm, leader: Arm) -> None:
+        self.arm, self.objects = arm, draw_rods(arm, ROOT, FAINT)
+        pairs = [
+            pair
+            for unit in ("rad", "m")
+            for pair in zip(*(np.flatnonzero(np.array(each.units) == unit) for each in (arm, leader)), strict=False)
+        ]
+        self._own, self._its = np.array(pairs, dtype=int).reshape(-1, 2).T
+
+    def transforms(self, theta: Array) -> dict[str, list[float]]:
+        """The matrix of each node by columns, where the leader is at theta."""
+        x = self.arm.ready.copy()
+        x[self._own] = theta[self._its]
+        x = np.clip(x, self.arm.limits.lower, self.arm.limits.upper)
+        return {rod_path(i, ROOT): g.T.ravel().tolist() for i, g in enumerate(carried(self.arm, x))}
 
 
 class Placement:
@@ -28,7 +55,6 @@ class Placement:
         rods = [rod_path(i) for i in range(m)] if arm.description is None else []
         self._paths = [*map(link_path, self._links), *map(screw_path, range(m)), *rods, "/frames/tool"]
         self._placed: tuple[Array | None, Mapping[str, float], dict[str, Any]] = (None, {}, {})
-        self._children, self._at_rest = _moving_links(arm)
 
     def at(self, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
         """Joint values [rad, m], the matrix of each moving node by columns, and the tool's position [m] and rpy [rad].
@@ -44,37 +70,26 @@ class Placement:
     def _place(self, theta: Array, others: Mapping[str, float]) -> dict[str, Any]:
         poses = self.arm.poses(theta, others)
         g_st = poses[self.arm.tip]
-        carried = self.carried(theta, poses)
-        rods = carried if self.arm.description is None else carried[:0]
-        stacked = np.array([*(poses[name] for name in self._links), *carried, *rods, g_st])
+        moved = carried(self.arm, theta)
+        rods = moved if self.arm.description is None else moved[:0]
+        stacked = np.array([*(poses[name] for name in self._links), *moved, *rods, g_st])
         beside = {} if self._beside is None else self._beside.transforms(theta)
         columns = stacked.transpose(0, 2, 1).reshape(-1, 16).tolist()
         return {
             "theta": theta.tolist(),
             "others": dict(others),
             "transforms": dict(zip(self._paths, columns, strict=True)) | beside,
-            "tool": {"position": g_st[:3, 3].tolist(), "rpy": rpy(g_st)},
+            "tool": {"position": g_st[:3, 3].tolist(), "rpy": to_rpy(g_st[:3, :3]).tolist()},
         }
 
-    def carried(self, theta: Array, poses: Mapping[str, Array]) -> Array:
-        """The motion of space due to the joints up to i, (m, 4, 4): Π_{j≤i} exp(ξ_j (A θ)_j) (MLS §3.2).
 
-        The pose g_i of a joint's link is that product times g_i(0). Without links the product is computed.
-        """
-        if self._children:
-            moved: Array = np.array([poses[name] for name in self._children]) @ self._at_rest
-            return moved
-        steps = exp(self.arm.screws.T, self.arm.coupling.A @ theta)
-        return np.array(list(accumulate(steps, np.matmul)))
+def carried(arm: Arm, theta: Array) -> Array:
+    """The motion of space due to the joints up to i, (m, 4, 4): Π_{j≤i} exp(ξ_j (A θ)_j) (MLS §3.2).
 
-
-def _moving_links(arm: Arm) -> tuple[list[str], Array]:
-    """The link of each moving joint and its g_i(0)⁻¹, (m, 4, 4); none without a description."""
-    if arm.description is None:
-        return [], np.empty((0, 4, 4))
-    children = [joint.child for joint in arm.description.chain(arm.base, arm.tip_link) if joint.moving]
-    rest = arm.poses(np.zeros(arm.n))
-    return children, inverse(np.array([rest[name] for name in children]))
+    The pose g_i of a joint's link is that product times g_i(0).
+    """
+    steps = exp(arm.screws.T, arm.coupling.A @ theta)
+    return np.array(list(accumulate(steps, np.matmul)))
 
 
 def ghost(solution: IKResult, others: Mapping[str, float]) -> dict[str, list[float]] | None:
@@ -91,12 +106,3 @@ def standing_at(placement: Placement, theta: Array, others: Mapping[str, float])
     """Where each link stands at theta (n,), {node: matrix by columns}."""
     transforms = placement.at(theta, others)["transforms"]
     return {path: matrix for path, matrix in transforms.items() if path.startswith("/arm/")}
-
-
-def rpy(g: Array) -> list[float]:
-    """`rotations.to_rpy` of one pose (4, 4) without its checks, which cost a tenth of a frame."""
-    (r00, r01, r02, _), (r10, r11, r12, _), (r20, _, _, _), _ = g.tolist()
-    radius = hypot(r00, r10)
-    yaw = 0.0 if radius <= GIMBAL_LOCK_TOL else atan2(r10, r00)
-    c, s = cos(yaw), sin(yaw)
-    return [atan2(s * r02 - c * r12, c * r11 - s * r01), atan2(-r20, radius), yaw]

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import tornado.web
 import tornado.websocket
-from tornado.iostream import IOStream
 
 from ...support.errors import TwistarmError
 from ...support.strict_json import LARGEST_MESSAGE, encode
@@ -40,9 +39,6 @@ does. Whoever would have hands click on it unseen must have a server here, and k
 
 REPLIES = ("done", "error")
 """Requests that answer the page itself, for any arm."""
-
-MOST_FILES = 4
-"""Most downloads at a time."""
 
 PING_TIME = 20
 """Seconds between two pings of a page, and until a silent page is dropped."""
@@ -129,23 +125,13 @@ class PageHandler(Guarded):
 
 
 class DownloadHandler(Guarded):
-    """GET /TOKEN/NAME: a file of DOWNLOADS, made in a thread, one at a time."""
+    """GET /TOKEN/NAME: a file of DOWNLOADS, made in a thread."""
 
     async def get(self, token: str, name: str) -> None:
         """Send the file, or 404 with the reason."""
-        if self.server.files >= MOST_FILES:
-            raise tornado.web.HTTPError(503, reason=f"{MOST_FILES} files are under way: try again")
-        self.server.files += 1
-        try:
-            await self._send(name)
-        finally:
-            self.server.files -= 1
-
-    async def _send(self, name: str) -> None:
         download = DOWNLOADS[name]
         try:
-            async with self.server.writing:
-                text = await _in_daemon_thread(download.prepare(self.server.current(), self.server.scene))
+            text = await _in_daemon_thread(download.prepare(self.server.current(), self.server.scene))
         except TwistarmError as error:
             self.set_status(404)
             self.set_header("Content-Type", "text/plain; charset=utf-8")
@@ -182,8 +168,7 @@ class SocketHandler(Guarded, tornado.websocket.WebSocketHandler):
         self._waiting = asyncio.Event()
         self._sender: asyncio.Task[None] | None = None
         self._sent = 0
-        self.name = server.name_page()
-        self.stream: IOStream = self.request.connection.stream  # type: ignore[union-attr]
+        self.name = next(server.names)
 
     def check_origin(self, origin: str) -> bool:
         """Ask `authentication`, which knows forwarded ports."""

@@ -9,11 +9,13 @@ from collections.abc import Callable
 from concurrent.futures import Future, wait
 from contextlib import suppress
 from functools import partial
+from itertools import count
 from typing import Any, TypeVar
+
+from tornado.httpserver import HTTPServer
 
 from ...support.errors import InputError, TwistarmError
 from ...support.strict_json import encode
-from ..parts.commands import COMMANDS, PageCommands
 from ..parts.findings import examined
 from ..protocol.change_publisher import ChangePublisher, Source
 from ..protocol.jobs import Job, Progress, Workers
@@ -21,10 +23,9 @@ from ..protocol.messages import Message, Request, failure, number_of, parse
 from ..scene.arm_scene import Scene
 from ..stage import Stage
 from ..state_transfer import carry
-from .authentication import Authentication
-from .driver import Driver
+from .access import Authentication, bind
+from .driver import COMMANDS, Driver, PageCommands
 from .handlers import SocketHandler, application
-from .listening import Listener, bind
 from .memory import Memory
 
 FRAME_TIME = 1.0 / 60.0
@@ -32,6 +33,7 @@ START_TIME = 10.0
 STOP_TIME = 5.0
 PATIENCE = 0.1
 CALM_TIME = 0.5
+IDLE_TIME, LARGEST_HEAD = 30.0, 16 * 1024
 
 Change = Callable[[Stage], None]
 Answer = TypeVar("Answer")
@@ -57,10 +59,9 @@ class Server:
         self._lock = threading.Lock()
         self._changes: dict[str, Change] = {}
         self._applied = 0.0
-        self._pages = 0
-        self._jobs: dict[str, float] = {}
+        self.names = (f"page {number}" for number in count(1))  # each page is a separate sender of commands
+        self._jobs: dict[str, float | None] = {}
         self._adopt(stage, scene)
-        self.writing, self.files = asyncio.Lock(), 0  # of downloads: one is made at a time, so many are under way
         self._workers = Workers(self._deliver, self._show_job)
         self._player: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=lambda: asyncio.run(self._main()), name="twistarm viewer", daemon=True)
@@ -120,20 +121,20 @@ class Server:
 
     def _draw_meshes(self) -> None:
         """Read the meshes in a thread while pages are served. Each progress report updates the pages."""
-        scene, count = self.scene, self.scene.left
+        scene, meshes = self.scene, self.scene.left
 
         def draw(progress: Progress) -> None:
             while scene.draw():
-                progress(max(0.0, 1.0 - scene.left / count))
+                progress(max(0.0, 1.0 - scene.left / meshes))
 
-        if count:
+        if meshes:
             self._workers.submit(Job("scene", "reading the meshes", draw, lambda result: None))
 
     def examine(self) -> None:
         """Have the doctor examine the arm in a thread."""
         stage, reader = self.stage, self.scene.reader
-        job = Job("doctor", "examining the arm", lambda progress: examined(stage.arm, reader), stage.show_findings)
-        self._workers.submit(job)
+        show = partial(setattr, stage, "findings")
+        self._workers.submit(Job("doctor", "examining the arm", lambda progress: examined(stage.arm, reader), show))
 
     def _deliver(self, action: Callable[[], None]) -> None:
         """Finish a job: run `action` in the loop at once, then update the pages."""
@@ -142,7 +143,7 @@ class Server:
                 self._loop.call_soon_threadsafe(self._try, step)
 
     def _show_job(self, key: str, share: float | None) -> None:
-        self.post(f"job {key}", lambda stage: self._note_job(key, share))
+        self.post(f"job {key}", lambda stage: self._jobs.update({key: share}))
 
     def ask(self, question: Callable[[Stage], Answer]) -> Answer:
         """The answer of `question(stage)`, after every change posted so far. A closed view answers as it stands.
@@ -162,7 +163,9 @@ class Server:
 
     async def _main(self) -> None:
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
-        listener = Listener(application(self), pages=self.clients)
+        listener = HTTPServer(
+            application(self), idle_connection_timeout=IDLE_TIME, max_header_size=LARGEST_HEAD, max_body_size=0
+        )
         listener.add_sockets(self._sockets)
         self._start_examination()
         self._started.set()
@@ -208,11 +211,6 @@ class Server:
     def _is_calm(self) -> bool:
         return bool(self.clients) and not self.stage.driven and not self.scene.left
 
-    def name_page(self) -> str:
-        """A name for the next page; each is a separate sender of commands."""
-        self._pages += 1
-        return f"page {self._pages}"
-
     def state(self) -> dict[str, str]:
         """The messages of the whole view, by type. Other pages get the recent changes too."""
         self._send_changes()
@@ -224,7 +222,7 @@ class Server:
             self._tell(kind, text)
 
     def _own_messages(self) -> list[Message]:
-        jobs = [{"key": key, "share": share} for key, share in self._jobs.items()]
+        jobs = [{"key": key, "share": share} for key, share in self._jobs.items() if share is not None]
         return [{"type": "work", "jobs": jobs}, self.scene.message(), self.notice]
 
     def receive(self, text: str | bytes, sender: str) -> list[dict[str, Any]]:
@@ -256,7 +254,9 @@ class Server:
             self.commands.on_unreachable = request.fields["what"]
             self.show_choice()
         elif request.kind == "exact":
-            self._draw_exactly(request.fields["on"])
+            if request.fields["on"] != self.scene.exact:
+                self.scene.draw_again(request.fields["on"])
+                self._draw_meshes()
         elif (job := self.stage.handle(request, time.monotonic())) is not None:
             self._workers.submit(job)
         self.publish()
@@ -265,23 +265,12 @@ class Server:
         """Show the servo's behaviour where the arm cannot follow, and whether pages may choose it."""
         self.stage.show_choice(self.commands.on_unreachable, self.commands.free)
 
-    def _draw_exactly(self, exact: bool) -> None:
-        if exact != self.scene.exact:
-            self.scene.draw_again(exact)
-            self._draw_meshes()
-
-    def _note_job(self, key: str, share: float | None) -> None:
-        if share is None:
-            self._jobs.pop(key, None)
-        else:
-            self._jobs[key] = share
-
     def leave(self, sender: str) -> None:
         """Forget a page that has gone. After the last page, end Drive and stop computing the numbers."""
         self.commands.refuse(sender, "its page has gone")
         if not self.clients:
             self.driver.stop()
-            self.stage.unwatch()
+            self.stage.set_visible("numbers", False)
 
     def publish(self) -> None:
         """Send the latest changes to every page, and keep a motion going."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from twistarm import reach_map
-from twistarm.sweeps.hull import hull
+from twistarm.viewer.parts.reach import hull
 
 
 def volume(points, faces):
