@@ -22,6 +22,9 @@ THICK, STOUT = 0.025, 0.3
 FLAT = 1e-6
 """A mesh that is flatter than this part of its length gets this thickness, because a hull needs a volume."""
 
+MANY_CORNERS = 4000
+"""Qhull needs 4 s for 10,000 corners of one flat face, and 0.04 s once it has joggled them by 1e-8 of their size."""
+
 MOST_TRIANGLES, MOST_OF_A_HULL = 200_000, 50_000
 """The most triangles of one exact mesh, and of one whose hull is made. A finer mesh is simplified."""
 
@@ -138,10 +141,20 @@ class Shapes:
                 yield Body(link.name, link.name, shape, along(end), "capsule")
 
     def _hull(self, points: Array) -> Any:
-        corners = self._coal.StdVec_Vec3s()
-        for point in _with_volume(points):
-            corners.append(point)
-        return self._coal.Convex.convexHull(corners, True, "Qt")
+        """The hull, without points inside its flat faces unless these have too many corners for that."""
+
+        def made(how: str) -> Any:
+            corners = self._coal.StdVec_Vec3s()
+            corners.extend(list(points))
+            return self._coal.Convex.convexHull(corners, True, how)
+
+        points = _with_volume(points)
+        if len(points) > MANY_CORNERS:
+            rough = made("QJ")
+            points = np.array(rough.points())
+            if len(points) > MANY_CORNERS:
+                return rough
+        return made("Qt")
 
     def _triangles(self, points: Array, faces: NDArray[np.int64]) -> Any:
         coal = self._coal
