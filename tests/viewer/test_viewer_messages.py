@@ -17,6 +17,7 @@ from twistarm.control.servo import ServoOutput
 from twistarm.support.errors import InputError
 from twistarm.support.strict_json import encode
 from twistarm.viewer import Viewer
+from twistarm.viewer.draw import Draw
 from twistarm.viewer.parts.servo_words import servo_words
 from twistarm.viewer.parts.tool_path import tool_path
 from twistarm.viewer.protocol.messages import SCHEMA, failure, number_of, parse
@@ -141,6 +142,7 @@ def told(arm: Arm) -> Iterator[dict[str, Any]]:
     yield from stage.messages()
     stage.take_commands()
     stage.set_servo_status(servo_words(ServoOutput.stale(np.zeros(3), "the link is lost")))
+    Draw(lambda drawn: stage.drawings.update({drawn["node"]: drawn})).text("note", "here", [0, 0, 1])
     yield from stage.messages()
 
 

@@ -140,7 +140,7 @@ VIEWER_FLOORS = (
     ("viewer",),
     ("server",),
     ("files", "state_transfer"),
-    ("stage",),
+    ("stage", "draw"),
     ("parts",),
     ("protocol", "scene"),
     ("page_files",),

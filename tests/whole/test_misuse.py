@@ -131,6 +131,16 @@ BY_CALL: dict[str, dict[str, Any]] = {
     "plot_of": {"calibration": CALIBRATION},
     "Viewer.show_residuals": {"calibration": CALIBRATION},
     "Viewer.show_reach": {"m": MAP},
+    "Viewer.slider": {"lo": 0.0, "hi": 1.0, "on_change": print, "value": 0.5},
+    "Viewer.button": {"on_click": print},
+    "Viewer.text": {"value": "good"},
+    "Draw.frame": {"pose": G, "length": 0.1},
+    "Draw.arrow": {"start": [0, 0, 0], "end": [0, 0, 1]},
+    "Draw.points": {"points": [[0, 0, 0]], "size": 0.01},
+    "Draw.line": {"points": [[0, 0, 0], [0, 0, 1]]},
+    "Draw.box": {"size": [1, 1, 1]},
+    "Draw.mesh": {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]]},
+    "Draw.text": {"text": "good", "position": [0, 0, 0]},
     "reachable": {"targets": G[None, :3, 3]},
     "Arm.theta_from": {"values": ARM.joint_names, "numbers": [0.0] * N, "name": "theta"},
     "Arm.pose": {"frame": "tool0"},
@@ -322,9 +332,11 @@ def test_what_is_made_of_nonsense_is_refused_where_it_is_used(name: str) -> None
 def test_a_view_answers_in_our_words_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     with twistarm.Viewer(ARM, open_browser=False) as viewer:
-        for name, function in inspect.getmembers(viewer, inspect.ismethod):
-            if not name.startswith("_") and f"Viewer.{name}" not in SLOW:
-                arguments = arguments_of(f"Viewer.{name}", function)
+        members = [each for of in (viewer.draw, viewer) for each in inspect.getmembers(of, inspect.ismethod)]
+        for name, function in members:
+            call = f"{type(function.__self__).__name__}.{name}"
+            if not name.startswith("_") and call not in SLOW:
+                arguments = arguments_of(call, function)
                 for each, value, what in tried(arguments):
                     assert said(function, {**arguments, each: value}) is None, (name, each, what)
 

@@ -16,6 +16,7 @@ from ..limits.joint_limits import unit_of
 from ..support.checks import Array
 from ..support.errors import unknown_name
 from .parts.collisions import Collisions
+from .parts.controls import Controls
 from .parts.findings import loaded
 from .parts.gauge import Gauge
 from .parts.history import History
@@ -64,6 +65,8 @@ class Stage(Show):
         self.solutions = Solutions()
         self.collisions = Collisions(scene, self.solutions)
         self.history = History()
+        self.controls = Controls()
+        self.drawings: dict[str, Message] = {}  # by node
         self.parts: tuple[Part, ...] = (
             Player(),
             TargetPart(),
@@ -75,6 +78,7 @@ class Stage(Show):
             Plots(),
             self.solutions,
             self.collisions,
+            self.controls,
         )
         self.left: tuple[LeftOut, ...] = ()
         self.jogging = False
@@ -215,6 +219,7 @@ class Stage(Show):
             lambda: [{"type": "visible", **self.visible}, self.path],
             *(partial(part.messages, self) for part in self.parts),
             lambda: [self.drive, self.servo(), self.findings],
+            self.drawings.values,
             lambda: [self.frame()],
         ]
 

@@ -28,6 +28,8 @@ def carry(old: Stage, new: Stage) -> list[str]:
     the motion and a map stay if they fit the arm; omitted poses return with an arm that allows them.
     """
     new.visible, new.tolerances = old.visible, old.tolerances
+    new.controls.take_over(old.controls)
+    new.drawings = old.drawings
     new.collisions.follow(old.collisions)
     if digest_of(new.arm) == digest_of(old.arm):
         new.reach.drawn = old.reach.drawn

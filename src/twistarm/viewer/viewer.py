@@ -20,20 +20,23 @@ from ..control.servo import ServoOutput, ServoSettings
 from ..control.stream import Cycle, Inbox
 from ..ik import AllSolutions
 from ..planning.trajectory import Trajectory
-from ..support.checks import Array, as_flag, as_positive, require
+from ..support.checks import Array, as_flag, as_number, as_positive, require, require_callback
 from ..support.closeable import Closeable
 from ..support.errors import InputError, shown
 from ..support.files import writable, write_whole
 from ..sweeps import ReachMap
+from .draw import Draw
 from .files.inline import HEIGHT, Inline
 from .files.page_export import stand_alone
 from .files.scene_snapshot import SceneSnapshot, on_show
 from .files.screenshot import write_picture
+from .parts.controls import Control, V
 from .parts.limit_checks import check_trajectory, checked_theta
 from .parts.reach import drawing
 from .parts.servo_words import servo_words
 from .parts.solutions import answer_of
 from .parts.tool_path import NO_PATH, tool_path
+from .protocol.messages import LARGEST_VALUE, Message, as_name
 from .scene.arm_scene import Scene as ArmScene
 from .scene.drawing import require_meshcat
 from .scene.placement import Beside
@@ -101,6 +104,7 @@ class Viewer(Closeable):
         drawn.draw_live([] if other is None else other.objects)
         self._server = Server(Stage(arm, theta, scene, other), drawn, host, port, memory, stands=theta is not None)
         self.notes: tuple[str, ...] = () if memory is None else tuple(memory.notes)
+        self.draw = Draw(self._put_drawing)
         self._server.start()
         if open_browser:
             self.open_page()
@@ -308,6 +312,81 @@ class Viewer(Closeable):
             raise InputError(f"this calibration is of {calibration.arm.name}, and the view shows {arm.name}")
         drawn = draw_residuals(calibration)
         self._post("residuals", arm, lambda stage: self._server.scene.overlay(*drawn))
+
+    def slider(
+        self,
+        name: str,
+        lo: float,
+        hi: float,
+        on_change: Callable[[float], object] | None = None,
+        value: float | None = None,
+    ) -> Control[float]:
+        """Show a slider on the pages, in place of a control of the same name.
+
+        Callbacks run one after the other in a thread, and may call every method of the view. If one is slow, the next
+        call skips values. An error in one is shown as one line on the pages and in the terminal. Controls stay when
+        another arm is loaded. Saved pages leave them out.
+
+        Args:
+            name: What the pages call it.
+            lo: The lower end.
+            hi: The upper end.
+            on_change: Called with the value after a page has moved the slider, or None.
+            value: The first value, by default `lo`.
+
+        Returns:
+            The control, whose `value` Python can read and set.
+
+        Raises:
+            InputError: An argument cannot be used, or the view is closed.
+        """
+        lower, upper = as_number(lo, "lo"), as_number(hi, "hi")
+        if not -LARGEST_VALUE <= lower < upper <= LARGEST_VALUE:
+            raise InputError(
+                f"lo must be below hi, each at most {LARGEST_VALUE:g} in size; got {lower:g} and {upper:g}"
+            )
+
+        def inside(given: float) -> float:
+            number = as_number(given, "value")
+            if not lower <= number <= upper:
+                raise InputError(f"value of {shown(name)} must be in {lower:g} … {upper:g}; got {number:g}")
+            return number
+
+        call = require_callback(on_change, "on_change", "the value")
+        return self._control(name, lower if value is None else value, inside, call, (lower, upper))
+
+    def button(self, name: str, on_click: Callable[[], object]) -> Control[None]:
+        """Show a button on the pages, as `slider` does.
+
+        Args:
+            name: What the button says.
+            on_click: Called without arguments for each press.
+        """
+        return self._control(name, None, lambda value: None, require_callback(on_click, "on_click", "nothing"))
+
+    def text(self, name: str, value: str) -> Control[str]:
+        """Show a line of text on the pages, as `slider` does.
+
+        Args:
+            name: What stands before the text.
+            value: The text. Setting the control's `value` changes it.
+        """
+        return self._control(name, value, lambda given: as_name(given, "value"))
+
+    def _control(
+        self,
+        name: str,
+        value: V,
+        check: Callable[[V], V],
+        call: Callable[..., object] | None = None,
+        ends: tuple[float, float] | None = None,
+    ) -> Control[V]:
+        self._require_open()
+        return Control(as_name(name, "name"), value, check, self._server.post, call, ends)
+
+    def _put_drawing(self, drawn: Message) -> None:
+        self._require_open()
+        self._server.post(drawn["node"], lambda stage: stage.drawings.update({drawn["node"]: drawn}))
 
     def save_html(self, path: str | os.PathLike[str], trajectory: Trajectory | None = None) -> Path:
         """Write a saved page of the present state: joints, layers, findings and the loaded trajectory.

@@ -54,7 +54,7 @@ class SceneSnapshot:
 
     `playback` is the motion that the page plays and its start time, or None. `findings` is their message, or None
     before the doctor has run. `recorded` holds poses by name, `obstacles` and `shapes` what is drawn of a scene, and
-    `reach` what is drawn of a map.
+    `reach` what is drawn of a map. `drawings` are the messages of a program's drawings.
     """
 
     arm: Arm
@@ -69,6 +69,7 @@ class SceneSnapshot:
     obstacles: Sequence[Mapping[str, Any]] = ()
     shapes: Sequence[Mapping[str, Any]] = ()
     reach: Message | None = None
+    drawings: Sequence[Message] = ()
 
     def playing(self, trajectory: Trajectory) -> SceneSnapshot:
         """A copy with `trajectory` and its path, playing from the start.
@@ -106,6 +107,7 @@ class SceneSnapshot:
             "obstacles": self.obstacles,
             "shapes": self.shapes,
             "reach": self.reach,
+            "drawings": self.drawings,
             "notes": scene.notes,
             "theory": sampled_theory(self.arm, self.theta, None if at is None else at.trajectory),
             "findings": examined(self.arm, scene.reader) if self.findings is None else self.findings,
@@ -150,6 +152,7 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
         stage.collisions.drawn,
         stage.collisions.shapes,
         stage.reach.drawn if stage.visible["reach"] else None,
+        [*stage.drawings.values()],
     )
 
 

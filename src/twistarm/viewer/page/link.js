@@ -3,7 +3,7 @@
 const RETRY = 1000; // ms
 const PROBE = 5000; // ms that a process has to answer whether it knows this page
 const PATIENCE = 10000; // ms after which a request without an answer holds up the others no longer
-const EACH = ["record", "reorder", "delete", "undo", "redo"]; // requests that add up: none stands for an earlier one
+const EACH = ["record", "reorder", "delete", "undo", "redo", "press"]; // requests that add up: none stands for an earlier one
 
 export class Link {
   // `on` holds message(object), object(bytes), status("live" | "offline"), idle(), refused().

@@ -5,8 +5,10 @@
 // has gone.
 
 import { Collision } from "./collision.js";
+import { Controls } from "./controls.js";
 import { copyTheta } from "./copying.js";
 import { Cube } from "./cube.js";
+import { Drawings } from "./drawings.js";
 import { $, $$ } from "./element.js";
 import { Findings } from "./findings.js";
 import { Ghost } from "./ghost.js";
@@ -102,6 +104,8 @@ const parts = {
   theory: new Theory(page),
   collision,
   scene: new ScenePanel(page, collision),
+  controls: new Controls(ask),
+  drawings: new Drawings(view),
   share: new Share(page),
   work: new Work(),
   progress: new Progress((text) => panel.showStatus(text), look),
@@ -152,6 +156,7 @@ function takeBack() {
 // What was refused goes back to where it stands.
 function putBack() {
   panel.release();
+  parts.controls.release();
   if (!state.frame) return;
   panel.show(state.frame);
   parts.player.release();

@@ -3,6 +3,7 @@
 import { hang, made, stand } from "./collision.js";
 import { copyTheta } from "./copying.js";
 import { Cube } from "./cube.js";
+import { Drawings } from "./drawings.js";
 import { $, $$, bytes } from "./element.js";
 import { Findings } from "./findings.js";
 import { Highlight } from "./highlight.js";
@@ -151,6 +152,8 @@ plots.show(data.plots);
 showPlayer();
 for (const object of data.objects ?? globalThis.twistarmObjects) view.draw(bytes(object));
 path.show(data.path);
+const drawings = new Drawings(view);
+for (const drawn of data.drawings) drawings.show(drawn);
 for (const [layer, on] of Object.entries(data.visible)) view.setVisible(layer, on);
 show();
 view.fit();
@@ -168,4 +171,4 @@ restore({ view, links, tabs, panel, plots, theory: theory.theory }, JSON.parse($
 document.body.dataset.drawn = "";
 if (playback.running) tick();
 
-globalThis.twistarm = { presets, cube, sight, links, linkNames, tabs, view, panel, arm, history, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory, obstacles, shapes };
+globalThis.twistarm = { presets, cube, sight, links, linkNames, tabs, view, panel, arm, history, findings, highlight, share, playback, player, plots, state, data, theory: theory.theory, obstacles, shapes, drawings };

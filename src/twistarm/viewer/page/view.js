@@ -73,7 +73,7 @@ export class View {
 
   // Take away what was drawn: another process may answer after a reconnection.
   clear() {
-    for (const layer of ["arm", "screws", "frames", "path"]) this.viewer.delete_path([layer]);
+    for (const layer of ["arm", "screws", "frames", "path", "drawn"]) this.viewer.delete_path([layer]);
   }
 
   // {path: sixteen numbers, column by column}
@@ -180,7 +180,7 @@ export class View {
     this.aim(center);
     Object.assign(camera, { fov: 32, near: this.radius / 50, far: this.radius * 100 });
     camera.updateProjectionMatrix();
-    const seen = ["/arm", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach"].flatMap((path) => corners(this.node(path), true));
+    const seen = ["/arm", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach", "/drawn"].flatMap((path) => corners(this.node(path), true));
     const towards = new THREE.Vector3(x, z, -y).normalize();
     const frame = (more) => framed([...(seen.length ? seen : all), ...more], towards, camera, covered(dom_element));
     // Handles keep their size on the screen: from farther away they reach farther.

@@ -36,7 +36,7 @@ class ChangePublisher:
     def _ask(self, place: int, source: Source, changed: dict[str, str]) -> None:
         try:
             for message in source():
-                kind = message["type"]
+                kind = message["type"] + message.get("node", "")  # of one type there is one for each node
                 if self._shown.get(kind) != message:
                     self._texts[kind] = changed[kind] = encode(message)
                     self._shown[kind] = message

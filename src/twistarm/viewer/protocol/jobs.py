@@ -56,7 +56,8 @@ class Workers:
         for worker in workers:
             worker.stop()
         for worker in workers:
-            worker.thread.join(timeout)
+            if worker.thread is not threading.current_thread():  # a callback of the program may close the view
+                worker.thread.join(timeout)
 
 
 class _Worker:

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from ...support.errors import InputError
+from ...support.errors import InputError, shown
 from ...support.path_redaction import without_places
-from ...support.strict_json import Check, counter, decoded, fields, flag, list_of, number, numbers, one_of, short, text
+from ...support.strict_json import Check, counter, decoded, fields, flag, list_of, number, numbers, one_of, short
 from ..page_files import page_text
 
 Message = dict[str, Any]
@@ -69,15 +69,15 @@ def packed(values: Any, kind: str) -> str:
     return base64.b64encode(np.asarray(values).astype(kind).tobytes()).decode("ascii")
 
 
-def _name(value: Any, name: str) -> str:
-    given = text(value, name)
-    if len(given) > LONGEST_NAME:
-        raise InputError(f"{name} must have at most {LONGEST_NAME} characters; got {len(given)}")
-    return given
+def as_name(value: Any, name: str) -> str:
+    """`value` as text that is short enough for a page."""
+    if not isinstance(value, str) or len(value) > LONGEST_NAME:
+        raise InputError(f"{name} must be text of at most {LONGEST_NAME} characters; got {shown(value)}")
+    return value
 
 
 def _pose(value: Any, name: str) -> dict[str, Any]:
-    return fields(value, name, {"name": _name, "theta": _numbers}, {"by": _name})
+    return fields(value, name, {"name": as_name, "theta": _numbers}, {"by": as_name})
 
 
 _number = partial(number, largest=LARGEST_VALUE)
@@ -90,8 +90,8 @@ CHECKS: Mapping[str, Check] = {
     "quaternion": partial(_numbers, size=4),
     "count": counter,
     "flag": flag,
-    "name": _name,
-    "names": list_of(_name),
+    "name": as_name,
+    "names": list_of(as_name),
     "poses": list_of(_pose),
 }
 """Checks of a request by the schema's words. A | separates the words of a choice."""

@@ -25,6 +25,10 @@ Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 """Turns three.js's cylinder (along y) into URDF's (along z)."""
 
 
+FIELD = math.tan(math.radians(16.0))
+"""Half the height of the page's view at distance 1, by which three.js divides the size of a point."""
+
+
 def require_meshcat() -> None:
     """Raise the error that names the missing extra where Meshcat is not installed."""
     try:
@@ -44,6 +48,11 @@ def set_object(path: str, geometry: Any, colour: Colour, matrix: Array, **materi
 def removed(path: str) -> bytes:
     """The packed message that takes away what is drawn at `path` and below."""
     return _packed({"type": "delete", "path": path})
+
+
+def transform(path: str, matrix: Array) -> bytes:
+    """The packed message that puts the node `path` at the pose `matrix` (4, 4)."""
+    return _packed({"type": "set_transform", "path": path, "matrix": columns(matrix)})
 
 
 def at(point: Array) -> Array:
@@ -99,6 +108,29 @@ def triangles(path: str, vertices: Array, normals: Array, faces: Any, colour: Co
     attributes = lowered["geometries"][0]["data"]["attributes"]
     attributes["normal"] = pack_numpy_array(np.asarray(normals, dtype=np.float32).T)
     return packed_object(path, lowered, matrix)
+
+
+def points(path: str, places: Array, colours: Array, size: float) -> bytes:
+    """Points (N, 3) in colours (N, 3), as squares of `size` [m] that face the camera."""
+    from meshcat.geometry import PointCloud
+
+    return packed_object(path, PointCloud(places.T, colours.T, size=size / FIELD).lower(), np.eye(4))
+
+
+def tube(path: str, line: Array, radius: float, colour: Colour) -> bytes:
+    """Prisms of six sides along the segments of a line through points (N, 3). Repeated points count once."""
+    line = line[np.any(np.diff(line, axis=0, prepend=np.nan), axis=1)]
+    way = np.diff(line, axis=0)
+    z = way / np.linalg.norm(way, axis=1, keepdims=True)
+    x = np.cross(z, np.eye(3)[np.argmin(np.abs(z), axis=1)])
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    turn = np.pi / 3.0 * np.arange(6)[:, None, None]
+    around = (np.cos(turn) * x + np.sin(turn) * np.cross(z, x)).reshape(-1, 3)
+    start, end = (np.tile(each, (6, 1)) + radius * around for each in (line[:-1], line[1:]))
+    first = np.arange(len(around))
+    second, far = np.roll(first, -len(way)), len(around)
+    faces = np.vstack([np.stack([first, second, second + far], 1), np.stack([first, second + far, first + far], 1)])
+    return triangles(path, np.vstack([start, end]), np.vstack([around, around]), faces, colour, np.eye(4))
 
 
 def rod(path: str, start: Array, end: Array, radius: float, colour: Colour, **material: Any) -> bytes:

@@ -10,6 +10,11 @@ def link_path(name: str) -> str:
     return f"/arm/link:{quote(name, safe='')}"
 
 
+def drawn_path(name: str) -> str:
+    """The node of what a program draws by this name."""
+    return f"/drawn/name:{quote(name, safe='')}"
+
+
 def screw_path(i: int) -> str:
     """The node of moving joint i's screw."""
     return f"/screws/screw:{i}"

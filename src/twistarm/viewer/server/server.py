@@ -84,6 +84,7 @@ class Server:
 
     def stop(self) -> None:
         """Close every page's socket and the port, and end the thread. Harmless when repeated."""
+        self.stage.controls.waiting.clear()
         self.driver.close(STOP_TIME)
         if self._thread.is_alive():
             with suppress(RuntimeError):  # the loop may have been closed meanwhile, by another thread's stop

@@ -1,0 +1,130 @@
+"""Drawing in the scene from a program."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..support.checks import Array, as_floats, as_pose, as_positive, require_one
+from ..support.errors import InputError, shown
+from .protocol.messages import LARGEST_VALUE, Message, as_name
+from .scene import drawing
+from .scene.drawing import BLUE, Colour
+from .scene.nodes import drawn_path
+
+MOST_ROWS = 200_000
+"""Most points or triangles of one drawing. More would hold up the pages."""
+
+
+class Draw:
+    """Drawing in the scene: `viewer.draw`.
+
+    A drawing replaces the one of the same name. Poses (4, 4) and points (N, 3) are in base axes [m]. A colour is
+    (r, g, b) or (r, g, b, opacity), each from 0 to 1. Calls return at once, from any thread. Called faster than pages
+    can draw, the latest wins. Drawings stay when another arm is loaded.
+
+    Raises InputError for an argument that cannot be drawn, or once the view is closed.
+    """
+
+    def __init__(self, put: Callable[[Message], None]) -> None:
+        self._put = put
+
+    def frame(self, name: str, pose: ArrayLike, length: float = 0.1) -> None:
+        """Draw a frame at `pose` with axes of `length` [m]: x red, y green, z blue."""
+        g, size = _pose(pose), as_positive(length, "length")
+        self._draw(name, lambda path: [drawing.transform(path, g), *drawing.triad(path, size)])
+
+    def arrow(
+        self, name: str, start: ArrayLike, end: ArrayLike, colour: ArrayLike = BLUE, radius: float = 0.006
+    ) -> None:
+        """Draw an arrow from `start` to `end` (3,), none without a length. A short one is thinner than `radius`."""
+        (p,), (q,), tint = _rows([start], "start"), _rows([end], "end"), _colour(colour)
+        way = float(np.linalg.norm(q - p))
+        thick = min(as_positive(radius, "radius"), way / 12.0)
+        self._draw(name, lambda path: drawing.arrow(path, p, q, thick, tint) if way > 0.0 else [])
+
+    def points(self, name: str, points: ArrayLike, colour: ArrayLike = BLUE, size: float = 0.01) -> None:
+        """Draw points (N, 3) as squares of `size` [m], in one colour or in colours (N, 3)."""
+        p, edge = _rows(points, "points"), as_positive(size, "size")
+        tints = _shares(colour)
+        if tints.shape[:-1] != (len(p),):
+            tints = np.tile(_colour(colour), (len(p), 1))
+        self._draw(name, lambda path: [drawing.points(path, p, tints[:, :3], edge)] if len(p) else [])
+
+    def line(self, name: str, points: ArrayLike, colour: ArrayLike = BLUE, radius: float = 0.003) -> None:
+        """Draw a line through points (N, 3), `radius` [m] thick. None without a length."""
+        p, tint, thick = _rows(points, "points"), _colour(colour), as_positive(radius, "radius")
+        self._draw(name, lambda path: [drawing.tube(path, p, thick, tint)] if np.diff(p, axis=0).any() else [])
+
+    def box(self, name: str, size: ArrayLike, pose: ArrayLike | None = None, colour: ArrayLike = BLUE) -> None:
+        """Draw a box with edges `size` (3,) [m], its middle at `pose` or in the base."""
+        (edges,), g, tint = _rows([size], "size"), _pose(pose), _colour(colour)
+        if not (edges > 0.0).all():
+            raise InputError(f"size must be positive; got {edges.tolist()}")
+        self._draw(name, lambda path: [drawing.box(path, edges.tolist(), tint, g)])
+
+    def mesh(
+        self,
+        name: str,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        pose: ArrayLike | None = None,
+        colour: ArrayLike = BLUE,
+    ) -> None:
+        """Draw flat triangles: vertices (N, 3) in the axes of `pose`, and their indices (F, 3)."""
+        v, f, g, tint = _rows(vertices, "vertices"), _rows(faces, "faces"), _pose(pose), _colour(colour)
+        if f.size and not (np.isin(f, np.arange(len(v))).all()):
+            raise InputError(f"faces must be indices of the {len(v)} vertices, whole numbers from 0 on")
+        corners = v[f.astype(int)].reshape(-1, 3, 3)
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
+        order, flat = np.arange(corners.size // 3).reshape(-1, 3), corners.reshape(-1, 3)
+        self._draw(
+            name,
+            lambda path: [drawing.triangles(path, flat, np.repeat(normals, 3, 0), order, tint, g)] if len(f) else [],
+        )
+
+    def text(self, name: str, text: str, position: ArrayLike) -> None:
+        """Write `text` at `position` (3,), over the scene and always to be read."""
+        (at,) = _rows([position], "position")
+        self._draw(name, lambda path: [], {"words": as_name(text, "text"), "at": at.tolist()})
+
+    def remove(self, name: str) -> None:
+        """Remove the drawing of this name. Harmless without one."""
+        self._draw(name, lambda path: [])
+
+    def _draw(self, name: str, draw: Callable[[str], list[bytes]], text: Message | None = None) -> None:
+        node = drawn_path(as_name(name, "name"))
+        objects = [base64.b64encode(each).decode("ascii") for each in draw(node)]
+        self._put({"type": "drawn", "node": node, "objects": objects, "text": text})
+
+
+def _pose(pose: ArrayLike | None) -> Array:
+    g = require_one(as_pose(np.eye(4) if pose is None else pose), "pose", 2)
+    _rows(g[:3, 3:].T, "place of the pose")
+    return g
+
+
+def _rows(given: Any, name: str) -> Array:
+    rows = as_floats(given, name)
+    if rows.ndim != 2 or rows.shape[1] != 3 or len(rows) > MOST_ROWS:
+        raise InputError(f"{name} must be rows of 3 numbers, at most {MOST_ROWS:,}; got shape {rows.shape}")
+    if np.abs(rows).max(initial=0.0) > LARGEST_VALUE:
+        raise InputError(f"{name} must be at most {LARGEST_VALUE:g} in size; got {np.abs(rows).max():g}")
+    return rows
+
+
+def _shares(colour: ArrayLike) -> Array:
+    shares = as_floats(colour, "colour")
+    if shares.ndim == 0 or shares.shape[-1] not in (3, 4) or (shares < 0.0).any() or (shares > 1.0).any():
+        raise InputError(f"colour must be (r, g, b) or (r, g, b, opacity), each from 0 to 1; got {shown(colour)}")
+    return shares
+
+
+def _colour(colour: ArrayLike) -> Colour:
+    red, green, blue, opacity = [*require_one(_shares(colour), "colour", 1).tolist(), 1.0][:4]
+    return red, green, blue, opacity
