@@ -252,7 +252,7 @@ def test_all_triangles_can_be_asked_for_while_a_mesh_is_read_for_long(tmp_path: 
         server = viewer._server
         until(lambda: server.scene.reader._asked)
         first, began = server.scene.reader, time.monotonic()
-        server.ask(lambda stage: server._draw_exactly(True))
+        server.ask(lambda stage: server.receive('{"type": "exact", "on": true, "number": 1}', "a page"))
         assert server.scene.reader is not first
         viewer.close()
         assert time.monotonic() - began < 1.0

@@ -158,6 +158,7 @@ function putBack() {
   panel.release();
   parts.controls.release();
   if (!state.frame) return;
+  parts.scene.release();
   panel.show(state.frame);
   parts.player.release();
 }

@@ -23,7 +23,7 @@ export class ScenePanel {
     this.chosen = null; // a name
     this.boxes = [];
     this.gizmo = new Gizmo(page.view, {
-      begin: () => { this.start = this.pose(); },
+      begin: () => { this.typed = null; this.start = this.pose(); },
       move: (pose) => this.put(pose),
       end: () => {},
       cancel: () => this.put(this.start),
@@ -87,7 +87,8 @@ export class ScenePanel {
   // Which obstacle has handles and numbers; one that is about to come may be chosen.
   choose(name) {
     this.chosen = name;
-    this.last = undefined; // numbers shown, or typed
+    this.last = undefined; // numbers shown
+    this.typed = null; // those asked for by hand, until what stands has arrived
     const obstacle = this.find();
     const boxes = obstacle ? [...(SIZES[obstacle.kind] ?? []).map((text) => [text, "m"]), ...PLACE] : [];
     this.boxes = boxes.map(([text, unit], i) => this.box(text, unit, i));
@@ -139,16 +140,22 @@ export class ScenePanel {
     if (on) this.gizmo.place(this.pose(), this.pose(), "base");
     this.gizmo.show(on, false, () => true);
     if (!obstacle) return;
-    this.last = this.numbers();
+    this.last = this.typed ?? this.numbers();
     this.last.forEach((number, i) => this.boxes[i].show(number, ""));
     for (const box of this.boxes) box.disable(obstacle.held || !this.ready);
   }
 
+  // What was asked for last has arrived, or was refused.
+  release() {
+    this.typed = null;
+    this.place();
+  }
+
   type(i, value) {
-    const numbers = this.numbers();
+    const numbers = this.typed ?? this.numbers();
     numbers[i] = value;
     const sizes = numbers.length - PLACE.length;
-    this.last = numbers;
+    this.typed = numbers;
     this.put(turned(numbers.slice(sizes)), sizes > 0 ? numbers.slice(0, sizes) : undefined);
   }
 
