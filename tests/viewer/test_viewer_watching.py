@@ -262,7 +262,7 @@ def test_a_file_that_never_rests_neither_stops_the_view_nor_wears_it_out(watched
         k += 1
         include.write_text(f"{LINKS}<!-- {k} -->")
         time.sleep(0.001)
-    assert len(said) <= 1
+    assert 1 <= len(said) <= 2
     include.write_text(f"{LINKS}<!-- the last -->")
     until(lambda: words(viewer).endswith("loaded again"))
     start = time.monotonic()

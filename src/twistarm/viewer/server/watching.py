@@ -23,6 +23,9 @@ PERIOD = 0.25
 """Time between two looks at the files [s]. A look costs a microsecond or two for each file and needs no library. It
 also sees what the system does not notify: files on network shares, in containers, and files that do not exist yet."""
 
+CHANGES_TIMEOUT = 2.0
+"""Seconds until files that keep changing are loaded anyway."""
+
 Stamps = dict[Path, tuple[int, ...] | None]
 
 
@@ -62,12 +65,17 @@ class Watch(Closeable):
         self._thread.join(1.0)
 
     def _run(self) -> None:
-        before = self._stamps
         while not self._closed.wait(PERIOD):
-            now = stamps(self._stamps)
-            if now == before != self._stamps:  # changed, and at rest: an editor may still be writing
-                self._take(now)
-            before = now
+            if stamps(self._stamps) != self._stamps:
+                self._take(self._settled())
+
+    def _settled(self) -> Stamps:
+        """The stamps once they no longer change: an editor may still be writing."""
+        end = time.monotonic() + CHANGES_TIMEOUT
+        before, now = None, stamps(self._stamps)
+        while before != now and time.monotonic() < end and not self._closed.wait(PERIOD):
+            before, now = now, stamps(self._stamps)
+        return now
 
     def _take(self, now: Stamps) -> None:
         if self._server.stage.driven:
