@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.arm import Arm, require_arm
-from ..arm.inability import CANNOT_TURN
 from ..collision import Scene, require_scene
 from ..ik import reachable, solve_ik
 from ..ik.explain import in_one_line
@@ -34,8 +33,8 @@ POSES, TARGETS, CANDIDATES = 4000, 100_000, 3
 YAW, FINEST = np.radians(15.0), 0.02
 """The steps of a grid: in yaw, and at least in x and y [m]."""
 
-CODES = {"limit": "blocked_by_limits", "out of reach": "out_of_reach", "collision": "in_collision"}
-"""Codes for the reasons of `PathError`."""
+CODES = {"limit": "blocked_by_limits", "collision": "in_collision"}
+"""Codes for reasons of `PathError`. Those of the others are their words."""
 
 POINTS = "in front of it", "at its place", "half-way", "at its end", "away from it"
 """Words for the checkpoints of a task."""
@@ -129,7 +128,7 @@ def check_panel(
         InputError: An argument cannot be used.
     """
     inside, results = _scene(arm, panel, scene), []
-    tell = require_callback(progress, "progress", "(fraction)") or float
+    tell = require_callback(progress, "progress", "(fraction)") or (lambda part: None)
     origin = as_frame(as_pose(np.eye(4) if base is None else base, "base"), "base")
     g = screws.inverse(origin) @ panel.pose
     if inside is not None and panel.size is not None:
@@ -163,7 +162,7 @@ def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: P
         TwistarmError: The arm is not in the compiled core. The message says how to get it.
     """
     inside = _scene(arm, panel, scene)
-    tell = require_callback(progress, "progress", "(fraction)") or float
+    tell = require_callback(progress, "progress", "(fraction)") or (lambda part: None)
     around = ranges = _within_reach(arm, panel)
     seen, best, most = np.empty((0, 4)), ranges.mean(axis=1), (-1, 0.0)
     for grid in range(2):
@@ -205,7 +204,7 @@ def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | No
             motion = plan(arm, [JointMove(start), *here.moves(arm.tool_axis, panel.clearance)], **met)
         except PathError as error:
             if not found.code:
-                code = "impossible_direction" if CANNOT_TURN in error.detail else CODES.get(error.reason, error.reason)
+                code = CODES.get(error.reason, error.reason.replace(" ", "_"))
                 found = replace(found, code=code, why=f"on the way: {error.detail}")
             if start is targets[0]:  # plan has tried all starts
                 break

@@ -46,9 +46,9 @@ class PathError(TwistarmError):
     """A path that the arm cannot follow to its end.
 
     `share`: the part that it can follow, s in [0, 1). `theta` (n,): the configuration there. `reason`: "limit",
-    "singular" or "out of reach". `joint`: the joint at its limit, or None. `start` (n,): another configuration from
-    which the whole path can be followed, or None. `segment`: the index of the segment in the motion, with `place` in
-    words. `detail`: the message without the place.
+    "singular", "out of reach" or "impossible direction", in a scene also "collision". `joint`: the joint at its limit,
+    or None. `start` (n,): another configuration from which the whole path can be followed, or None. `segment`: the
+    index of the segment in the motion, with `place` in words. `detail`: the message without the place.
     """
 
     def __init__(
@@ -121,7 +121,7 @@ def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str 
         if beyond.stop is StopReason.BLOCKED_BY_LIMITS:
             return "limit", None, "the limits of the joints leave no configuration that meets it farther on"
         if beyond.stop is StopReason.IMPOSSIBLE_DIRECTION:
-            return "out of reach", None, beyond.stop.value
+            return "impossible direction", None, beyond.stop.value
         return "out of reach", None, "the path leaves the arm's reach there"
     if float(arm.manipulability(theta).singular_values[-1]) < SINGULAR:
         return (

@@ -35,8 +35,8 @@ STRAIGHT = "straight in joint space between the poses: the tool's way is a curve
 SPLINES = ("cubic", "quintic", "time_optimal", "trapezoid")
 """Kinds that lead through joint moves alone without a stop; trapezoid stops at each pose."""
 
-WHY = {"limit": "a leap would follow", "singular": "singular configuration", "out of reach": "out of reach"}
-"""Short words by the reason of a PathError."""
+WHY = {"limit": "a leap would follow", "singular": "singular configuration"}
+"""Short words for reasons of a PathError. Other reasons are words themselves."""
 
 MOST_GHOSTS = 12
 """Most poses at which the arm is drawn faintly, evenly chosen."""
@@ -191,7 +191,7 @@ def _stop(arm: Arm, error: PathError, others: Mapping[str, float]) -> dict[str, 
     if error.theta is None:
         return None
     position = np.round(arm.fk(error.theta)[:3, 3], 6).tolist()
-    why = f"{error.joint} at its limit" if error.joint else WHY.get(error.reason, "")
+    why = f"{error.joint} at its limit" if error.joint else WHY.get(error.reason, error.reason)
     words = "collides" if error.reason == "collision" else f"stops at {100.0 * error.share:.0f} %: {why}"
     return {"position": position, "words": words, "arm": standing_at(Placement(arm), error.theta, others)}
 
