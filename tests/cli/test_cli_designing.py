@@ -157,8 +157,14 @@ def test_a_picture_outlives_a_motion_that_fails(
     monkeypatch.chdir(tmp_path)
     Path("panel.toml").write_text(PANEL, "utf-8")
     place = ["--base-pose", "0 0 0", "--dt", "1e-12"]
-    assert run(["panel", "rover_arm", "panel.toml", *place, "-o", "p.csv", "-o", "p.png"]) == 2
-    assert "1e-12" in capsys.readouterr().err
+    asked = ["panel", "rover_arm", "panel.toml", *place, "-o", "p.csv", "-o", "p.png"]
+    assert run(asked) == 2
+    said = capsys.readouterr()
+    assert "1e-12" in said.err
+    assert said.out.endswith("written: p.png\n")
+    assert run([*asked, "--json", "--force"]) == 2
+    answer = json.loads(capsys.readouterr().out)
+    assert (len(answer["tasks"]), answer["written"]) == (2, ["p.png"])
     assert sorted(path.name for path in tmp_path.iterdir()) == ["p.png", "panel.toml"]
 
 

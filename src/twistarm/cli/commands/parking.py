@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -75,18 +76,23 @@ def panel(
         console(outputs.words).print(_table(found, rad))
         missed = [f"{each.task.name}, {each.code}: {each.why}" for each in found.results if each.code != "done"]
         say(*missed, _sentence(found, rad), file=outputs.words)
-    written = _write(found, outputs, dt, how)
-    if json:
-        print_json(_as_json(found) | {"written": written})
-    outputs.say(written if not json else ())
+    written: list[str] = []
+    try:
+        for names in _write(found, outputs, dt, how):
+            written += names
+    finally:
+        if json:
+            print_json(_as_json(found) | {"written": written})
+        else:
+            outputs.say(written)
     return int(len(found.done) < len(found.results))
 
 
-def _write(found: PanelReport, outputs: Outputs, dt: float, how: dict[str, Any]) -> list[str]:
-    """Write the pictures, then the motion, which may fail."""
+def _write(found: PanelReport, outputs: Outputs, dt: float, how: dict[str, Any]) -> Iterator[list[str]]:
+    """Write the pictures, then the motion, which may fail. Yields the names of what is written."""
     pictures = replace(outputs, files=tuple(each for each in outputs.files if each[0] == "png"))
     motions = replace(outputs, files=tuple(each for each in outputs.files if each[0] != "png"))
-    written = pictures.write({"png": lambda: _picture(found)})
+    yield pictures.write({"png": lambda: _picture(found)})
     if motions.files and not found.done:
         note("no task is done, so no motion is written")
     elif motions.files:
@@ -94,8 +100,7 @@ def _write(found: PanelReport, outputs: Outputs, dt: float, how: dict[str, Any])
             motion = found.motion(**how, progress=progress)
         for each in motion.notes:
             note(each)
-        written += motions.write(motion_texts(motion, motions, dt))
-    return written
+        yield motions.write(motion_texts(motion, motions, dt))
 
 
 def _table(found: PanelReport, radians: bool) -> Any:
