@@ -55,6 +55,7 @@ def test(python: str, wheel: Path, folder: Path) -> None:
 
 
 def main(pythons: Sequence[str]) -> None:
+    """Build and test a wheel for each interpreter."""
     DIST.mkdir(exist_ok=True)
     for python in pythons:
         with tempfile.TemporaryDirectory() as made:
