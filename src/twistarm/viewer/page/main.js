@@ -76,7 +76,7 @@ const jog = new Jog({
 }, view);
 
 const keepers = () => ({ ...parts, view, panel }); // of how the page stands
-const page = { view, panel, jog, state, ask, keepers };
+const page = { view, panel, jog, state, ask, seek, keepers };
 const collision = new Collision(page);
 const parts = {
   tabs: new Tabs(),
@@ -93,14 +93,14 @@ const parts = {
   player: new Player({
     play: () => ask({ type: "play" }),
     pause: () => ask({ type: "pause" }),
-    seek: (time) => ask({ type: "seek", time }),
+    seek,
     pace: (speed, loop) => ask({ type: "pace", speed, loop }),
   }),
   history: new History({
     undo: () => ask({ type: "undo", ease: eases() }),
     redo: () => ask({ type: "redo", ease: eases() }),
   }),
-  plots: new Plots((time) => ask({ type: "seek", time })),
+  plots: new Plots(seek),
   theory: new Theory(page),
   collision,
   scene: new ScenePanel(page, collision),
@@ -140,6 +140,10 @@ function ask(request) {
   const sent = link.send(request);
   if (!sent) takeBack();
   return sent;
+}
+
+function seek(time) {
+  return ask({ type: "seek", time });
 }
 
 // Nobody was asked: all stands as the process left it.
