@@ -73,7 +73,7 @@ FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
 def view(
     source: str,
     load: dict[str, Any],
-    beside: Annotated[str | None, typer.Argument(metavar="[ARM]", help="Another arm, as rods beside it.")] = None,
+    beside: Annotated[str | None, typer.Argument(metavar="[ARM]", help="Another arm to compare with it.")] = None,
     theta: Annotated[str | None, CONFIGURATION] = None,
     port: Port = 0,
     host: Host = "127.0.0.1",

@@ -4,6 +4,7 @@
 // hello(message) for an arm that is new to the page, placed(frame) after the arm has moved, offline() when the process
 // has gone.
 
+import { Beside } from "./beside.js";
 import { Collision } from "./collision.js";
 import { Controls } from "./controls.js";
 import { copyTheta } from "./copying.js";
@@ -83,6 +84,7 @@ const parts = {
   sight: new Sight((side) => presets.go(side), (on) => ask({ type: "exact", on })),
   links: new LinkList(view),
   linkNames: new LinkNames(view),
+  beside: new Beside(page),
   notice: new Notice(),
   jogging: new JogPanel(page),
   target: new Target(page),

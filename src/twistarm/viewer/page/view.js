@@ -73,7 +73,7 @@ export class View {
 
   // Take away what was drawn: another process may answer after a reconnection.
   clear() {
-    for (const layer of ["arm", "screws", "frames", "path", "drawn"]) this.viewer.delete_path([layer]);
+    for (const layer of ["arm", "beside", "screws", "frames", "path", "drawn"]) this.viewer.delete_path([layer]);
   }
 
   // {path: sixteen numbers, column by column}
@@ -170,7 +170,7 @@ export class View {
     scene.updateMatrixWorld(true);
     const arm = corners(this.node("/arm"));
     // The tool and its way may lie away from what is drawn.
-    const beside = ["/frames/space", "/frames/tool", "/path", "/obstacles"].flatMap((path) => corners(this.node(path)));
+    const beside = ["/frames/space", "/frames/tool", "/path", "/obstacles", "/beside"].flatMap((path) => corners(this.node(path)));
     const all = [...(arm.length ? arm : NOTHING), ...beside];
     const box = new THREE.Box3().setFromPoints(all);
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
@@ -180,7 +180,7 @@ export class View {
     this.aim(center);
     Object.assign(camera, { fov: 32, near: this.radius / 50, far: this.radius * 100 });
     camera.updateProjectionMatrix();
-    const seen = ["/arm", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach", "/drawn"].flatMap((path) => corners(this.node(path), true)).concat(swept);
+    const seen = ["/arm", "/beside", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach", "/drawn"].flatMap((path) => corners(this.node(path), true)).concat(swept);
     const towards = new THREE.Vector3(x, z, -y).normalize();
     const frame = (more) => framed([...(seen.length ? seen : all), ...more], towards, camera, covered(dom_element));
     // Handles keep their size on the screen: from farther away they reach farther.
