@@ -72,7 +72,10 @@ def _python(text: str, units: Mapping[str, float]) -> str:
             parts[i] = repr(math.pi if part == "pi" else float(part))
         elif part not in tuple("+-*/()"):
             raise ValueError(part)
-    return " ".join(parts)
+    made = " ".join(parts)
+    if re.search(r"(?:^|[-+*/(] )[-+] [-+]", made):  # two signs in a row
+        raise ValueError(text)
+    return made
 
 
 def _value(node: ast.expr) -> complex:

@@ -12,7 +12,7 @@ export function evaluated(text, units, bare) {
   // Each of these gives [value, whether it has a unit].
   function factor() {
     const sign = take("-", "+");
-    const [value, sized] = sign ? factor() : unsigned();
+    const [value, sized] = unsigned();
     return [sign === "-" ? -value : value, sized];
   }
 

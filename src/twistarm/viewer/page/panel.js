@@ -2,9 +2,9 @@
 
 import { $, button, element } from "./element.js";
 import { JointRow } from "./joint_row.js";
-import { steady } from "./kinematics.js";
 import { cut, writeName } from "./names.js";
-import { inRadians, setRadians, shown, signed } from "./units.js";
+import { ToolNumbers } from "./tool_numbers.js";
+import { inRadians, setRadians } from "./units.js";
 
 const LONGEST = 28; // letters of a frame's name
 
@@ -17,7 +17,7 @@ export class Panel {
     this.names = [];
     this.movers = []; // buttons that move the arm
     this.frame = null;
-    this.rpy = null; // as shown, or typed
+    this.tool = new ToolNumbers();
     this.wrong = null; // the box that the error is about
     this.held = null; // the joint under somebody's hand: its row is not moved from outside
     for (const what of ["screws", "frames", "path"]) {
@@ -80,10 +80,11 @@ export class Panel {
   }
 
   remembered() {
-    return { radians: inRadians() };
+    return { radians: inRadians(), orientation: this.tool.way };
   }
 
-  recall({ radians }) {
+  recall({ radians, orientation }) {
+    this.tool.choose(orientation);
     $("radians").checked = radians;
     this.switchUnits(radians);
   }
@@ -92,10 +93,7 @@ export class Panel {
     this.frame = frame;
     this.names.forEach((name, i) => this.showJoint(name, frame.theta[i]));
     for (const [name, value] of Object.entries(frame.others)) this.showJoint(name, value);
-    const { position } = frame.tool;
-    this.rpy = steady(frame.tool.rpy, this.rpy);
-    ["x", "y", "z"].forEach((axis, i) => { $(`tool-${axis}`).textContent = `${signed(position[i], 3)} m`; });
-    ["roll", "pitch", "yaw"].forEach((angle, i) => { $(`tool-${angle}`).textContent = shown(this.rpy[i], "rad"); });
+    this.tool.show(frame);
   }
 
   showJoint(name, number) {

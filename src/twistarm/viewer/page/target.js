@@ -4,7 +4,7 @@ import { $ } from "./element.js";
 import { Gizmo } from "./gizmo.js";
 import { bare } from "./keys.js";
 import { PoseBoxes } from "./pose_boxes.js";
-import { numbersOf, poseOf, same, standing, turned } from "./target_pose.js";
+import { poseOf, same, standing } from "./target_pose.js";
 import { keep, kept } from "./storage.js";
 import { Tolerances } from "./tolerances.js";
 import { Verdict } from "./verdict.js";
@@ -40,8 +40,8 @@ export class Target {
       snap: () => $("target-snap").checked,
     });
     page.view.handles = this.gizmo;
-    this.boxes = new PoseBoxes({
-      send: (numbers) => this.type(numbers),
+    this.boxes = new PoseBoxes(page.panel.tool, {
+      send: (pose) => this.ask(pose),
       complain: (text, box) => page.panel.complain(text, box),
       settle: (box) => page.panel.settle(box),
     });
@@ -185,12 +185,6 @@ export class Target {
     this.send();
   }
 
-  type(numbers) {
-    this.boxes.numbers = numbers;
-    this.page.panel.rpy = numbers.slice(3);
-    this.ask(turned(numbers));
-  }
-
   // The handles move with the arm: they wait for the answer, unless it is late.
   send() {
     const { kind, position, quaternion } = this.asked;
@@ -218,7 +212,7 @@ export class Target {
 
   put() {
     const pose = standing(this.given, this.tool);
-    this.boxes.show(numbersOf(pose, this.boxes.numbers));
+    this.boxes.show(pose);
     this.gizmo.place(this.asked ?? (this.given?.met ? this.tool : pose), this.tool, $("target-axes").value);
     const on = $("drag-tool").checked && !this.driven;
     this.gizmo.show(on, this.given?.met === false, (handle, direction) => this.allows(handle, direction));
