@@ -168,7 +168,7 @@ def test_the_list_is_edited_by_keyboard_and_mouse_on_two_pages(page: Any, other:
     until_listed(other, ["half a name", "c"])
     plan(page, "trapezoid")
     until(other, "document.getElementById('plan-kind').value === 'trapezoid'")  # of all pages
-    assert "straight in joint space" in other.locator("#program-note").inner_text()
+    assert "straight in joint space" in other.locator("#program-note").text_content()
     other.get_by_label("Kind of motion").select_option("quintic")
     assert other.locator("#program-note").inner_text() == "The motion was planned with other settings: plan again."
     plan(other, "quintic")

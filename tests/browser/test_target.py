@@ -186,7 +186,7 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     words = rover.page.locator("#target-words")
     assert words.inner_text().startswith("✕ not met")
     assert "iterations" not in words.inner_text()
-    first = words.locator(".first")
+    first = words.locator(".short")
     lines = first.evaluate("(text) => text.clientHeight / parseFloat(getComputedStyle(text).lineHeight)")
     assert lines < 2.5
     assert all(line.strip() in words.locator("details").text_content() for line in expected.explain().splitlines())

@@ -5,6 +5,7 @@ import { JointRow } from "./joint_row.js";
 import { cut, writeName } from "./names.js";
 import { ToolNumbers } from "./tool_numbers.js";
 import { inRadians, setRadians } from "./units.js";
+import { tell } from "./words.js";
 
 const LONGEST = 28; // letters of a frame's name
 
@@ -43,7 +44,7 @@ export class Panel {
     rows.push(...arm.others.map((joint) => this.row({ ...joint, beside: true })));
     $("joints").replaceChildren(...rows);
     this.names = arm.joints.map((joint) => joint.name);
-    $("notes").replaceChildren(...notes.map((note) => element("li", "", note)));
+    tell($("notes"), notes[0] ?? "", notes.slice(1));
     for (const item of $("legend").children) item.hidden = !arm.screws.includes(item.className);
   }
 
@@ -147,7 +148,7 @@ export class Panel {
   showError(message) {
     const { wrong } = this;
     this.wrong = null;
-    $("error").textContent = message;
+    tell($("error"), message);
     $("error").hidden = message === "";
     wrong?.forgive();
   }

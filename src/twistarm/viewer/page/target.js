@@ -9,6 +9,7 @@ import { keep, kept } from "./storage.js";
 import { Tolerances } from "./tolerances.js";
 import { Verdict } from "./verdict.js";
 import { THREE } from "./view.js";
+import { tell } from "./words.js";
 
 const KINDS = [[6, "pose"], [5, "approach"], [0, "position"]]; // what an arm of at least so many joints begins with
 const HINTS = {
@@ -203,8 +204,9 @@ export class Target {
   arrange() {
     for (const id of ["drag-tool", "target-kind", "target-axes", "target-snap"]) $(id).disabled = this.driven;
     $("target-release").hidden = !this.given || this.driven;
-    const hints = [kept(DRAGGED) ? "" : FIRST, this.kind === this.begun ? HINTS[this.kind] : ""];
-    $("target-hint").textContent = $("drag-tool").checked && !this.driven ? hints.filter(Boolean).join(" ") : "";
+    const hints = [kept(DRAGGED) ? "" : FIRST, this.kind === this.begun ? HINTS[this.kind] : ""].filter(Boolean);
+    const shown = $("drag-tool").checked && !this.driven ? hints : [];
+    tell($("target-hint"), shown[0] ?? "", shown.slice(1));
     this.tolerances.disable(this.driven);
     this.boxes.disable(this.driven, this.kind === "position");
     if (this.tool !== null) this.put();
