@@ -11,6 +11,7 @@ import { Cube } from "./cube.js";
 import { Drawings } from "./drawings.js";
 import { $, $$ } from "./element.js";
 import { Findings } from "./findings.js";
+import { Follow } from "./follow.js";
 import { Ghost } from "./ghost.js";
 import { eases } from "./glide.js";
 import { Highlight } from "./highlight.js";
@@ -79,6 +80,7 @@ const keepers = () => ({ ...parts, view, panel }); // of how the page stands
 const page = { view, panel, jog, state, ask, keepers };
 const collision = new Collision(page);
 const parts = {
+  follow: new Follow(view, presets),
   tabs: new Tabs(),
   sight: new Sight((side) => presets.go(side), (on) => ask({ type: "exact", on })),
   links: new LinkList(view),

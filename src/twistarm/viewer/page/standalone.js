@@ -6,6 +6,7 @@ import { Cube } from "./cube.js";
 import { Drawings } from "./drawings.js";
 import { $, $$, bytes } from "./element.js";
 import { Findings } from "./findings.js";
+import { Follow } from "./follow.js";
 import { Highlight } from "./highlight.js";
 import { History } from "./history.js";
 import { LinkDrag } from "./link_drag.js";
@@ -33,6 +34,7 @@ for (const part of $$("[data-live]")) part.remove(); // there is nobody to ask
 const tabs = new Tabs();
 const view = new View($("pane"));
 const presets = new Presets(view);
+const follow = new Follow(view, presets);
 const cube = new Cube(view, (side) => presets.go(side));
 const sight = new Sight((side) => presets.go(side), null);
 const links = new LinkList(view);
@@ -112,6 +114,7 @@ function show() {
   stand(bodies, state.frame);
   highlight.follow();
   panel.show(state.frame);
+  follow.placed(state.frame);
   player.placed(state.frame);
   plots.placed(state.frame);
   theory.placed(state.frame);
