@@ -1,8 +1,8 @@
 // The live page: what the process says is shown, what the person does is asked for.
 //
 // The page is made of parts. Each is given `page` and is a Part: it may have messages {type: function} that it shows,
-// hello(message) for an arm that is new to the page, placed(frame) after the arm has moved, offline() when the process
-// has gone.
+// hello(message) for an arm that is new to the page, layered(layers) after a layer was switched, placed(frame) after the
+// arm has moved, offline() when the process has gone.
 
 import { Collision } from "./collision.js";
 import { Controls } from "./controls.js";
@@ -18,6 +18,7 @@ import { Highlight } from "./highlight.js";
 import { History } from "./history.js";
 import { Jog } from "./jog.js";
 import { JogPanel } from "./jog_panel.js";
+import { Layers } from "./layers.js";
 import { Link } from "./link.js";
 import { LinkDrag } from "./link_drag.js";
 import { LinkList } from "./link_list.js";
@@ -42,7 +43,7 @@ import { Theory } from "./theory.js";
 import { View } from "./view.js";
 import { Work } from "./work.js";
 
-const QUIET = ["jog", "jog_joints", "visible"]; // asked again and again, or unseen: an error stays to be read
+const QUIET = ["jog", "jog_joints", "needs"]; // asked again and again, or unseen: an error stays to be read
 const SILENCE = "The process has gone or does not answer: the panel rests until it does.";
 const STRANGER = "The view was started anew: open the address that it printed.";
 
@@ -58,7 +59,7 @@ const panel = new Panel({
   pose: (name) => ask({ type: "pose", name, ease: eases() }),
   random: () => ask({ type: "random", ease: eases() }),
   copy: () => copyTheta(state.frame.theta),
-  visible: (what, visible) => ask({ type: "visible", what, visible }),
+  visible: (what, on) => layers.show({ [what]: on }),
   fit: () => view.fit(),
 });
 
@@ -76,8 +77,16 @@ const jog = new Jog({
   stop: () => link.interrupt({ type: "stop" }, { type: "jog" }, { type: "jog_joints" }),
 }, view);
 
+const layers = new Layers(view, {
+  shown(on) {
+    panel.showVisible(on);
+    for (const part of allParts()) part.layered?.(on);
+  },
+  need: (what) => ask({ type: "needs", ...what }),
+});
+
 const keepers = () => ({ ...parts, view, panel }); // of how the page stands
-const page = { view, panel, jog, state, ask, keepers };
+const page = { view, panel, jog, layers, state, ask, keepers };
 const collision = new Collision(page);
 const parts = {
   follow: new Follow(view, presets),
@@ -112,12 +121,13 @@ const parts = {
   work: new Work(),
   progress: new Progress((text) => panel.showStatus(text), look),
 };
-Object.assign(parts, { drag: new LinkDrag({ view, panel, findings, names: parts.linkNames, theory: parts.theory }) });
+Object.assign(parts, { drag: new LinkDrag({ view, panel, findings, names: parts.linkNames, theory: parts.theory }), layers });
 
 /**
  * @typedef {object} Part
  * @property {Object<string, (message: any) => void>} [messages]
  * @property {(message: any) => void} [hello]
+ * @property {(layers: any) => void} [layered]
  * @property {(frame: any) => void} [placed]
  * @property {() => void} [offline]
  */
@@ -149,10 +159,6 @@ function takeBack() {
   show({ type: "error", message: silence });
   putBack();
   for (const type of ["player", "program"]) if (said[type]) show(said[type]);
-  if (!said.visible) return;
-  panel.showVisible(said.visible);
-  parts.theory.switches.show(said.visible);
-  collision.reveal(said.visible.collision);
 }
 
 // What was refused goes back to where it stands.
@@ -182,10 +188,6 @@ const receive = {
     panel.show(message);
     look();
     for (const part of allParts()) part.placed?.(message);
-  },
-  visible(message) {
-    for (const layer of ["screws", "frames", "path"]) view.setVisible(layer, message[layer]);
-    panel.showVisible(message);
   },
   path: ({ points, ideal }) => panel.showPath(points.length + ideal.length > 0),
   servo(message) {
