@@ -31,7 +31,7 @@ from .parts.servo_words import SILENT
 from .parts.solutions import Answer, Solutions
 from .parts.summary import describe_arm, extra_joints, named_poses, rest
 from .parts.target import TargetPart
-from .parts.theory import SHOWN, Theory
+from .parts.theory import Theory
 from .protocol.change_publisher import Source
 from .protocol.jobs import Job
 from .protocol.messages import Message, Request
@@ -40,14 +40,6 @@ from .scene.placement import Placement
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")
 """Requests that move the arm, refused while a servo drives it."""
-
-LAYERS = {
-    "screws": True,
-    "frames": True,
-    "path": True,
-    **dict.fromkeys((*SHOWN, "labels", "reach", "collision"), False),
-}
-"""What can be switched on and off, and how it begins."""
 
 
 class Stage(Show):
@@ -60,7 +52,6 @@ class Stage(Show):
         self.scene = scene
         self._placement = Placement(arm)
         self._beside = beside
-        self.visible = dict(LAYERS)
         self.findings = loaded(arm)
         self.program = Program(arm, self.poses)
         self.reach = Reach()
@@ -138,11 +129,8 @@ class Stage(Show):
             self._set_joint(fields["name"], fields["value"])
         elif request.kind == "pose":
             self.go(self._pose(fields["name"]), fields["ease"], now)
-        elif request.kind == "random":
-            self.go(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())), fields["ease"], now)
         else:
-            self.set_visible(fields["what"], fields["visible"])
-            return self.reach.switched(fields["what"], self)
+            self.go(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())), fields["ease"], now)
         return None
 
     def take_commands(self) -> None:
@@ -175,10 +163,8 @@ class Stage(Show):
         self.report = SILENT if report is None else dict(report)
 
     def set_visible(self, what: str, visible: bool) -> None:
-        """Switch a layer on or off."""
-        if what not in self.visible:
-            raise unknown_name("layer", what, self.visible, within="the scene", listing=", ".join(self.visible))
-        self.visible = {**self.visible, what: visible}
+        """Switch a layer of every page, which may then switch its own."""
+        self.visible = {**self.visible, what: [visible, self.visible[what][1] + 1]}
 
     def _drives(self, request: Request) -> bool:
         """Whether the request moves the arm. A gripper's joint is not part of it."""

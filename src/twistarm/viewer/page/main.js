@@ -1,8 +1,8 @@
 // The live page: what the process says is shown, what the person does is asked for.
 //
 // The page is made of parts. Each is given `page` and is a Part: it may have messages {type: function} that it shows,
-// hello(message) for an arm that is new to the page, placed(frame) after the arm has moved, offline() when the process
-// has gone.
+// hello(message) for an arm that is new to the page, layered(layers) after a layer was switched, placed(frame) after the
+// arm has moved, offline() when the process has gone.
 
 import { Beside } from "./beside.js";
 import { Collision } from "./collision.js";
@@ -12,6 +12,7 @@ import { Cube } from "./cube.js";
 import { Drawings } from "./drawings.js";
 import { $, $$ } from "./element.js";
 import { Findings } from "./findings.js";
+import { Follow } from "./follow.js";
 import { Ghost } from "./ghost.js";
 import { eases } from "./glide.js";
 import { Highlight } from "./highlight.js";
@@ -19,6 +20,7 @@ import { History } from "./history.js";
 import { Jog } from "./jog.js";
 import { JogPanel } from "./jog_panel.js";
 import { Keeping } from "./keeping.js";
+import { Layers } from "./layers.js";
 import { Link } from "./link.js";
 import { LinkDrag } from "./link_drag.js";
 import { LinkList } from "./link_list.js";
@@ -43,7 +45,7 @@ import { Theory } from "./theory.js";
 import { View } from "./view.js";
 import { Work } from "./work.js";
 
-const QUIET = ["jog", "jog_joints", "visible"]; // asked again and again, or unseen: an error stays to be read
+const QUIET = ["jog", "jog_joints", "needs"]; // asked again and again, or unseen: an error stays to be read
 const SILENCE = "The process has gone or does not answer: the panel rests until it does.";
 const STRANGER = "The view was started anew: open the address that it printed.";
 
@@ -59,7 +61,7 @@ const panel = new Panel({
   pose: (name) => ask({ type: "pose", name, ease: eases() }),
   random: () => ask({ type: "random", ease: eases() }),
   copy: () => copyTheta(state.frame.theta),
-  visible: (what, visible) => ask({ type: "visible", what, visible }),
+  visible: (what, on) => layers.show({ [what]: on }),
   fit: () => view.fit(),
 });
 
@@ -77,10 +79,19 @@ const jog = new Jog({
   stop: () => link.interrupt({ type: "stop" }, { type: "jog" }, { type: "jog_joints" }),
 }, view);
 
+const layers = new Layers(view, {
+  shown(on) {
+    panel.showVisible(on);
+    for (const part of allParts()) part.layered?.(on);
+  },
+  need: (what) => ask({ type: "needs", ...what }),
+});
+
 const keepers = () => ({ ...parts, view, panel }); // of how the page stands
-const page = { view, panel, jog, state, ask, seek, keepers };
+const page = { view, panel, jog, layers, state, ask, seek, keepers };
 const collision = new Collision(page);
 const parts = {
+  follow: new Follow(view, presets),
   tabs: new Tabs(),
   sight: new Sight((side) => presets.go(side), (on) => ask({ type: "exact", on })),
   links: new LinkList(view),
@@ -114,12 +125,13 @@ const parts = {
   work: new Work(),
   progress: new Progress((text) => panel.showStatus(text), look),
 };
-Object.assign(parts, { drag: new LinkDrag({ view, panel, findings, names: parts.linkNames, theory: parts.theory }) });
+Object.assign(parts, { drag: new LinkDrag({ view, panel, findings, names: parts.linkNames, theory: parts.theory }), layers });
 
 /**
  * @typedef {object} Part
  * @property {Object<string, (message: any) => void>} [messages]
  * @property {(message: any) => void} [hello]
+ * @property {(layers: any) => void} [layered]
  * @property {(frame: any) => void} [placed]
  * @property {() => void} [offline]
  */
@@ -155,10 +167,6 @@ function takeBack() {
   show({ type: "error", message: silence });
   putBack();
   for (const type of ["player", "program"]) if (said[type]) show(said[type]);
-  if (!said.visible) return;
-  panel.showVisible(said.visible);
-  parts.theory.switches.show(said.visible);
-  collision.reveal(said.visible.collision);
 }
 
 // What was refused goes back to where it stands.
@@ -188,10 +196,6 @@ const receive = {
     panel.show(message);
     look();
     for (const part of allParts()) part.placed?.(message);
-  },
-  visible(message) {
-    for (const layer of ["screws", "frames", "path"]) view.setVisible(layer, message[layer]);
-    panel.showVisible(message);
   },
   path: ({ points, ideal }) => panel.showPath(points.length + ideal.length > 0),
   servo(message) {

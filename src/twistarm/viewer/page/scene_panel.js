@@ -141,7 +141,7 @@ export class ScenePanel {
     const obstacle = this.find();
     const on = obstacle !== undefined && !obstacle.held && this.ready && !$("scene").hidden;
     if (on) this.gizmo.place(this.pose(), this.pose(), "base");
-    this.gizmo.show(on, false, () => true);
+    this.gizmo.show(on, null, () => true);
     if (!obstacle) return;
     this.last = this.typed ?? this.numbers();
     this.last.forEach((number, i) => this.boxes[i].show(number, ""));

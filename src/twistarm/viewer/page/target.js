@@ -215,9 +215,10 @@ export class Target {
   put() {
     const pose = standing(this.given, this.tool);
     this.boxes.show(pose);
+    this.page.view.follow.put("target", this.asked || this.given ? (this.asked ?? pose).position : null);
     this.gizmo.place(this.asked ?? (this.given?.met ? this.tool : pose), this.tool, $("target-axes").value);
     const on = $("drag-tool").checked && !this.driven;
-    this.gizmo.show(on, this.given?.met === false, (handle, direction) => this.allows(handle, direction));
+    this.gizmo.show(on, this.given?.met ?? null, (handle, direction) => this.allows(handle, direction));
   }
 
   // A position has no turns, and an approach none about the axis that it points.
