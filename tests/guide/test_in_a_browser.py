@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from small_course import LESSON, ROVER
 from twistarm.guide.building.building import Built, build
-from twistarm.guide.building.pages import SCRIPTS, site_text
+from twistarm.guide.building.pages import SCRIPTS, site_file
 from twistarm.guide.teaching import outlet
 from twistarm.guide.teaching.saying import SLIDERS, slider
 from twistarm.support.errors import TwistarmError
@@ -126,7 +126,7 @@ def bench(browser: Any, tmp_path: Path) -> Iterator[Any]:
         shown: list[outlet.Shown] = []
         with outlet.installed(shown.append):
             slider(name, "?", "!", **numbers)
-        scripts = "".join(f"<script>{site_text(name)}</script>" for name in SCRIPTS)
+        scripts = "".join(f"<script>{site_file(name).decode()}</script>" for name in SCRIPTS)
         file = tmp_path / "slider.html"
         file.write_text(f"<meta charset=utf-8>{shown[0].html(None)}{scripts}", "utf-8")
         page = browser.new_page()

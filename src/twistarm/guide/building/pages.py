@@ -16,7 +16,7 @@ from ..exercises.files import HERE
 from ..teaching.html import text
 from ..teaching.markup import block, inline
 
-STYLE = "style.css"
+STYLE = ("style.css", "fonts/stix-two-math.woff2", "fonts/OFL.txt")
 
 SCRIPTS = tuple(f"sliders/{name}.js" for name in ("numbers", "bench", "space", "plane", "start"))
 """Of pages with sliders, in the order in which they need one another."""
@@ -25,9 +25,9 @@ Titles = Mapping[str, str]
 """Titles of the lessons by name."""
 
 
-def site_text(name: str) -> str:
+def site_file(name: str) -> bytes:
     """A file of the site as it comes with the package."""
-    return files("twistarm.guide").joinpath("site").joinpath(name).read_text("utf-8")
+    return files("twistarm.guide").joinpath("site").joinpath(name).read_bytes()
 
 
 def lesson_page(name: str, outcome: Mapping[str, Any], titles: Titles, arm: Arm) -> str:
@@ -103,14 +103,14 @@ For Octave or MATLAB: fill in the functions in the folder `octave`, run a script
 
 def before_page(arm: Arm) -> str:
     """What a reader knows before the first lesson, the letters and the words."""
-    body = f"<h1>Before you begin</h1>{text(site_text('before.md'))}"
+    body = f"<h1>Before you begin</h1>{text(site_file('before.md').decode())}"
     return _page(kind="before", title="Before you begin", body=body, arm=arm)
 
 
 def _page(*, kind: str, title: str, body: str, arm: Arm, contents: str = "", neighbours: str = "") -> str:
     scripts = SCRIPTS if "data-slider=" in body else ()
     here = {name: ' aria-current="page"' if kind == name else "" for name in ("index", "before", "errata")}
-    return Template(site_text("page.html")).substitute(
+    return Template(site_file("page.html").decode()).substitute(
         here,
         kind=kind,
         title=escape(title),
