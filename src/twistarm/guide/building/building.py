@@ -102,7 +102,7 @@ def _made(site: Path) -> Path:
                 f"{site} holds something that the guide did not write (there is no {RECORD}); "
                 "give a new folder, or an empty one"
             )
-        for each in ("assets/fonts", "assets/sliders", "scenes"):
+        for each in ("assets/fonts", "assets/scripts", "scenes"):
             (site / each).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot write into {site}: {error.strerror or error}") from error
