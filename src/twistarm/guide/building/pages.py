@@ -60,9 +60,10 @@ def index_page(titles: Titles, arm: Arm, failed: Iterable[str]) -> str:
     )
     rows = [(section, topic, f"[{titles[name]}]({name}.html)") for section, topic, name in SECTIONS if name in titles]
     failures = "".join(f'<p class="failed" role="note">{escape(words)}</p>' for words in failed)
+    joints = f"{arm.n} joint{'s' * (arm.n != 1)}"
     body = (
         f"<h1>Screws, from the guide to your arm</h1>{failures}"
-        f"{block(_filled('index.md', arm=_as_code(arm.name), joints=_joints(arm)))}{parts}"
+        f"{block(_filled('index.md', arm=arm.name.replace('`', ''), joints=joints))}{parts}"
         f"{block(_filled('exercises.md', here=str(HERE), first=LESSONS[0]))}"
         f"{table(('Section', 'What is in it', 'Lesson'), rows, 'Sections of the guide')}"
     )
@@ -126,11 +127,3 @@ def _lessons(names: Iterable[str], titles: Titles) -> str:
 
 def _link(name: str, titles: Titles) -> str:
     return f'<a href="{name}.html">{escape(titles[name])}</a>'
-
-
-def _joints(arm: Arm) -> str:
-    return f"{arm.n} joint{'s' * (arm.n != 1)}"
-
-
-def _as_code(name: str) -> str:
-    return f"`{name.replace('`', '')}`"

@@ -33,9 +33,6 @@ def axes2(
         ylabel: What the ordinate is, with its unit.
         equal: Whether a length is the same along both axes; their limits grow for it. If you set limits, set
             `aspect="equal"` too: then the axes shrink.
-
-    Returns:
-        The figure and its axes.
     """
     from matplotlib.figure import Figure
 
@@ -64,9 +61,6 @@ def axes3(
         elev: Height of the eye [degrees].
         azim: Direction of the eye about z [degrees].
         box: Whether a floor with a scale is drawn.
-
-    Returns:
-        The figure and its axes.
     """
     from matplotlib.figure import Figure
 

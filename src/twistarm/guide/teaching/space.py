@@ -124,7 +124,7 @@ def _draw_floor(ax: Any, low: Array, high: Array) -> None:
 
     step = np.diff(MaxNLocator(5).tick_values(0.0, float((high - low).max()) or 1.0))[0]
     (x0, y0, z0), (x1, y1, z1) = low - [step / 4, step / 4, 0], high + [step / 4, step / 4, 0]
-    xs, ys, zs = (step * np.arange(np.ceil(a / step), b / step) for a, b in ((x0, x1), (y0, y1), (z0, z1)))
+    xs, ys, zs = (step * np.arange(np.ceil(a / step), b / step + 1e-9) for a, b in ((x0, x1), (y0, y1), (z0, z1)))
     lines = [[(x, y0, z0), (x, y1, z0)] for x in (x0, *xs, x1)] + [[(x0, y, z0), (x1, y, z0)] for y in (y0, *ys, y1)]
     for line in [*lines, [(x0, y1, z0), (x0, y1, z1)]]:
         ax.plot(*np.array(line).T, color=FAINT, linestyle="-", linewidth=0.6, zorder=0)

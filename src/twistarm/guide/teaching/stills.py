@@ -73,10 +73,6 @@ def _moved(g: Array, twists: Iterable[Array] = (), path: ArrayLike = ((0, 0, 0),
     return fig
 
 
-def _two_link(n: Numbers) -> Any:
-    return _links(n)[0]
-
-
 def _ellipsoid(n: Numbers) -> Any:
     fig, elbow, tool = _links(n)
     J = np.array([[-tool[1], -(tool - elbow)[1]], [tool[0], (tool - elbow)[0]]])
@@ -120,7 +116,7 @@ SLIDERS: dict[str, tuple[Callable[[Numbers], Any], str]] = {
     "axis_angle": (_axis_angle, _TURNED + "{angle:g}° about one axis, which is drawn"),
     "twist": (_twist, "A frame carried along a screw of pitch {pitch:g} m/rad by {angle:g}°"),
     "joint": (_joint, "A {type} joint: the axis of each of its freedoms"),
-    "two_link": (_two_link, _TWO_LINKS),
+    "two_link": (lambda n: _links(n)[0], _TWO_LINKS),
     "spline": (_spline, "A {kind} from {start:g}° to {end:g}° in {duration:g} s, and its derivatives over time"),
     "ellipsoid": (_ellipsoid, f"{_TWO_LINKS}, and the velocities of its tool at joint rates of norm one, an ellipse"),
 }
