@@ -43,6 +43,7 @@ export class View {
     this.handles = null; // of the tool, where there are any: their corners(eye, height) are to be seen
     this.turned = false; // by somebody's hand
     this.viewer.controls.addEventListener("start", () => (this.turned = true));
+    if (window.parent !== window) pane.addEventListener("wheel", leaveToThePage, { capture: true });
     this.dark = matchMedia("(prefers-color-scheme: dark)");
     this.dark.addEventListener("change", () => this.furnish());
     const room = new ResizeObserver(() => this.reframe());
@@ -232,6 +233,11 @@ export class View {
     this.fixtures.position.z = this.floor - 1e-4 * this.radius;
     this.viewer.set_dirty();
   }
+}
+
+// In a frame the wheel scrolls the page around it; with Ctrl or ⌘ it zooms.
+function leaveToThePage(event) {
+  if (!event.ctrlKey && !event.metaKey) event.stopPropagation();
 }
 
 // Lines every `cell` metres that fade away towards `reach`.
