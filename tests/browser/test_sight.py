@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,10 @@ from scipy.spatial.transform import Rotation
 
 from arms import load
 from test_target import PROJECT
-from twistarm import solve_ik
+from twistarm import load_arm, solve_ik
 from twistarm.ik import Pose
 from twistarm.viewer import Viewer
-from waiting import after_frames, draw, until
+from waiting import after_frames, draw, settled, until
 
 pytestmark = pytest.mark.browser
 
@@ -434,3 +435,50 @@ def test_shapes_in_one_plane_do_not_flicker(shown: Callable[[str], tuple[Any, Vi
         seen = np.asarray(picture).astype(int)[int(y.min()) : int(y.max()), int(x.min()) : int(x.max())]
         assert len(seen) > 10
         assert (seen[..., 0] > seen[..., 2] + 40).mean() > 0.95
+
+
+URDF = """<robot name="scaled"><link name="base"/><link name="arm"><visual><origin xyz="{half} 0 0"/><geometry>
+<box size="{long} {wide} {wide}"/></geometry></visual></link><link name="tip"/>
+<joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
+<joint name="end" type="fixed"><parent link="arm"/><child link="tip"/><origin xyz="{long} 0 0"/></joint></robot>"""
+
+SCALE = """() => {
+  const { floor, viewer } = twistarm.view;
+  viewer.scene.updateMatrixWorld(true);
+  const size = new MeshCat.THREE.Box3().setFromObject(floor.bar).getSize(new MeshCat.THREE.Vector3()).toArray();
+  const [text, pane] = [floor.text, document.getElementById("pane")].map((each) => each.getBoundingClientRect());
+  const across = text.left >= pane.left && text.right <= pane.right && text.width > 0;
+  const inside = across && text.top >= pane.top && text.bottom <= pane.bottom;
+  const away = viewer.camera.position.distanceTo(viewer.controls.target);
+  return [floor.text.textContent, size, inside, viewer.camera.near / away, viewer.camera.far / away];
+}"""
+
+
+@pytest.mark.parametrize("long", [48.0, 1.3, 0.05])
+def test_the_floor_has_a_scale_that_suits_the_arm(page: Any, tmp_path: Path, long: float) -> None:
+    (tmp_path / "scaled.urdf").write_text(URDF.format(long=long, half=long / 2, wide=long / 20))
+    arm = load_arm(tmp_path / "scaled.urdf")
+    with page.context.browser.new_context() as context, Viewer(arm, open_browser=False) as viewer:
+        fresh = settled(context.new_page(), viewer.url)
+        for zoom in (1.0, 0.1):
+            fresh.evaluate(
+                """(zoom) => {
+                  const { camera, controls } = twistarm.view.viewer;
+                  camera.position.sub(controls.target).multiplyScalar(zoom).add(controls.target);
+                  twistarm.view.viewer.set_dirty();
+                }""",
+                zoom,
+            )
+            after_frames(fresh)
+            words, size, inside, near, far = fresh.evaluate(SCALE)
+            number, unit = words.split()
+            assert unit == "m"
+            assert f"{float(number):e}"[0] in "125"
+            assert f"{float(number):e}"[1:6] == ".0000"
+            assert max(size) == pytest.approx(float(number), rel=1e-6)
+            assert inside
+            assert near < 0.05
+            assert far > 2
+            if zoom == 1.0:
+                assert 0.1 < float(number) / long < 0.6
