@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -14,10 +16,10 @@ from scipy.spatial.transform import Rotation
 
 from arms import load
 from test_target import PROJECT
-from twistarm import solve_ik
+from twistarm import load_arm, solve_ik
 from twistarm.ik import Pose
 from twistarm.viewer import Viewer
-from waiting import after_frames, draw, until
+from waiting import after_frames, draw, settled, until
 
 pytestmark = pytest.mark.browser
 
@@ -108,26 +110,72 @@ def test_links_are_hidden_and_seen_through_and_another_page_can_be_told(page: An
     forearm = page.evaluate("twistarm.state.hello.links.forearm")
     shown = f"twistarm.view.node({forearm!r}).visible"
     page.get_by_text("View", exact=True).click()
-    page.get_by_role("checkbox", name="forearm", exact=True).uncheck()
+    page.get_by_role("button", name="Hide forearm", exact=True).focus()
+    page.keyboard.press("Enter")
     assert not page.evaluate(shown)
     page.get_by_role("slider", name="Opacity").fill("0.4")
-    opacity = f"""(() => {{
+    page.get_by_role("button", name="See through upper_arm", exact=True).click()
+    opacity = """(name) => {
       const found = [];
-      twistarm.view.node({forearm!r}).traverse(({{ material }}) => material && found.push(material.opacity));
+      const node = twistarm.view.node(twistarm.state.hello.links[name]);
+      node.traverse(({ material }) => material && found.push(material.opacity));
       return found;
-    }})()"""
-    assert set(page.evaluate(opacity)) == {0.4}
+    }"""
+    assert set(page.evaluate(opacity, "forearm")) == {0.4}
+    assert max(page.evaluate(opacity, "upper_arm")) < 0.2
     told = page.evaluate("twistarm.parts.links.remembered()")
-    assert told == {"hidden": ["forearm"], "opacity": 0.4}
+    assert (told["hidden"], told["faint"], told["opacity"]) == (["forearm"], ["upper_arm"], 0.4)
     page.get_by_role("button", name="All", exact=True).click()
     assert page.evaluate(shown)
-    assert set(page.evaluate(opacity)) == {1}
+    assert set(page.evaluate(opacity, "upper_arm")) == {1}
     page.evaluate("(told) => twistarm.parts.links.recall(told)", told)
     assert not page.evaluate(shown)
-    assert not page.get_by_role("checkbox", name="forearm", exact=True).is_checked()
+    assert page.get_by_role("button", name="Hide forearm", exact=True).get_attribute("aria-pressed") == "true"
     page.keyboard.press("Escape")
+
+
+TREE = """() => {
+  const name = (item) => item?.querySelector("button").title.replace("Hide ", "") ?? null;
+  const items = [...document.querySelectorAll("#links li")];
+  return Object.fromEntries(items.map((item) => [name(item), name(item.parentElement.closest("li"))]));
+}"""
+
+EXTRAS = """() => twistarm.parts.links.bodies.map(({ node, mesh }) => {
+  mesh.updateMatrixWorld(true);
+  const size = new MeshCat.THREE.Vector3();
+  if (mesh.geometry) new MeshCat.THREE.Box3().setFromBufferAttribute(mesh.geometry.attributes.position).getSize(size);
+  return [node, mesh.matrix.toArray(), size.toArray()];
+})"""
+
+
+def test_each_link_has_its_place_in_the_tree_a_frame_an_inertia_and_collision_shapes(page: Any) -> None:
     assert ARM.description is not None
-    assert page.locator("#links label").count() == len(ARM.description.links)
+    joints = ARM.description.joints.values()
+    parents = {joint.child: joint.parent for joint in joints}
+    assert page.evaluate(TREE) == {name: parents.get(name) for name in ARM.description.links}
+    page.get_by_text("View", exact=True).click()
+    for words in ("Frame of", "Inertia of", "Collision shapes of"):
+        page.get_by_role("button", name=f"{words} forearm", exact=True).click()
+    until(page, "twistarm.parts.links.bodies.length >= 3")  # the shapes come from the process
+    frame, inertia, *shapes = page.evaluate(EXTRAS)
+    pose = ARM.poses(ARM.ready)["forearm"]
+    assert_allclose(np.reshape(frame[1], (4, 4)).T, pose, atol=1e-9)
+    assert {each[0] for each in shapes} == {frame[0]}
+    written = ElementTree.fromstring(ARM.description.text).find("link[@name='forearm']/inertial")
+    assert written is not None
+    numbers = {part.tag: part.attrib for part in written}
+    assert "rpy" not in numbers["origin"] or set(numbers["origin"]["rpy"].split()) == {"0"}
+    xx, xy, xz, yy, yz, zz = (float(numbers["inertia"][name]) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    a, b, c = inertia[2]  # of a uniform box, where it is drawn
+    moments = float(numbers["mass"]["value"]) / 12 * np.diag([b * b + c * c, a * a + c * c, a * a + b * b])
+    g = np.linalg.inv(pose) @ np.reshape(inertia[1], (4, 4)).T
+    assert_allclose(g[:3, 3], [float(x) for x in numbers["origin"]["xyz"].split()], atol=1e-9)
+    about = g[:3, :3] @ moments @ g[:3, :3].T
+    assert_allclose(about, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], atol=1e-6 * np.trace(moments))
+    assert not page.evaluate("twistarm.view.node('/collision').visible")
+    page.get_by_role("button", name="All", exact=True).click()
+    assert page.evaluate("twistarm.parts.links.bodies.length") == 0
+    page.keyboard.press("Escape")
 
 
 def test_the_link_under_the_pointer_is_named_unless_the_view_turns(page: Any) -> None:
@@ -434,3 +482,50 @@ def test_shapes_in_one_plane_do_not_flicker(shown: Callable[[str], tuple[Any, Vi
         seen = np.asarray(picture).astype(int)[int(y.min()) : int(y.max()), int(x.min()) : int(x.max())]
         assert len(seen) > 10
         assert (seen[..., 0] > seen[..., 2] + 40).mean() > 0.95
+
+
+URDF = """<robot name="scaled"><link name="base"/><link name="arm"><visual><origin xyz="{half} 0 0"/><geometry>
+<box size="{long} {wide} {wide}"/></geometry></visual></link><link name="tip"/>
+<joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
+<joint name="end" type="fixed"><parent link="arm"/><child link="tip"/><origin xyz="{long} 0 0"/></joint></robot>"""
+
+SCALE = """() => {
+  const { floor, viewer } = twistarm.view;
+  viewer.scene.updateMatrixWorld(true);
+  const size = new MeshCat.THREE.Box3().setFromObject(floor.bar).getSize(new MeshCat.THREE.Vector3()).toArray();
+  const [text, pane] = [floor.text, document.getElementById("pane")].map((each) => each.getBoundingClientRect());
+  const across = text.left >= pane.left && text.right <= pane.right && text.width > 0;
+  const inside = across && text.top >= pane.top && text.bottom <= pane.bottom;
+  const away = viewer.camera.position.distanceTo(viewer.controls.target);
+  return [floor.text.textContent, size, inside, viewer.camera.near / away, viewer.camera.far / away];
+}"""
+
+
+@pytest.mark.parametrize("long", [48.0, 1.3, 0.05])
+def test_the_floor_has_a_scale_that_suits_the_arm(page: Any, tmp_path: Path, long: float) -> None:
+    (tmp_path / "scaled.urdf").write_text(URDF.format(long=long, half=long / 2, wide=long / 20))
+    arm = load_arm(tmp_path / "scaled.urdf")
+    with page.context.browser.new_context() as context, Viewer(arm, open_browser=False) as viewer:
+        fresh = settled(context.new_page(), viewer.url)
+        for zoom in (1.0, 0.1):
+            fresh.evaluate(
+                """(zoom) => {
+                  const { camera, controls } = twistarm.view.viewer;
+                  camera.position.sub(controls.target).multiplyScalar(zoom).add(controls.target);
+                  twistarm.view.viewer.set_dirty();
+                }""",
+                zoom,
+            )
+            after_frames(fresh)
+            words, size, inside, near, far = fresh.evaluate(SCALE)
+            number, unit = words.split()
+            assert unit == "m"
+            assert f"{float(number):e}"[0] in "125"
+            assert f"{float(number):e}"[1:6] == ".0000"
+            assert max(size) == pytest.approx(float(number), rel=1e-6)
+            assert inside
+            assert near < 0.05
+            assert far > 2
+            if zoom == 1.0:
+                assert 0.1 < float(number) / long < 0.6

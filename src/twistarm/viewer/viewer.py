@@ -282,9 +282,7 @@ class Viewer(Closeable):
     def show_solutions(self, solutions: AllSolutions | None) -> None:
         """Draw each configuration of `solve_ik_all` faintly, for stepping through on the pages.
 
-        None draws none.
-
-        The arm goes to the nearest. Those outside the limits are red. Moving the arm releases them.
+        None draws none. The arm goes to the nearest. Those outside the limits are red. Moving the arm releases them.
         """
         self._require_open()
         arm = self.arm

@@ -4,7 +4,7 @@ import { coloured } from "./arm_copy.js";
 import { $ } from "./element.js";
 import { corners } from "./framing.js";
 import { JointRow } from "./joint_row.js";
-import { soften } from "./link_list.js";
+import { soften } from "./link_tree.js";
 import { LocalArm } from "./local_arm.js";
 import { writeName } from "./names.js";
 import { signed } from "./units.js";

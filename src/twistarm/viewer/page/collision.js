@@ -107,7 +107,7 @@ export class Collision {
       this.nearest.add(...[line, ...ends].map((part) => Object.assign(part, { renderOrder: 5 })));
       const far = `${(1000 * Math.abs(nearest.metres)).toFixed(Math.abs(nearest.metres) < 0.01 ? 1 : 0)} mm`;
       const text = element("span", nearest.metres < 0 ? "overlap" : "", nearest.metres < 0 ? `overlap ${far}` : far);
-      this.pins.show([{ layer: "collision", node: "/collision", at: line.position.clone(), text, down: 0, whole: true }]);
+      this.pins.show([{ layer: "collision", node: "/collision", at: line.position.clone(), text, whole: true }]);
     }
     this.view.viewer.set_dirty();
   }

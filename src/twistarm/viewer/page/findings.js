@@ -22,7 +22,7 @@ export class Findings {
   show({ findings, counts, note }) {
     this.buttons.clear();
     $("findings").hidden = findings.length === 0 && note === "";
-    $("findings-count").textContent = counted(counts);
+    $("findings-count").replaceChildren(...counted(counts));
     tell($("findings-note"), note);
     $("findings-list").replaceChildren(...findings.map((finding) => this.item(finding)));
     this.taken = findings.find(({ code }) => code === TAKEN);
@@ -77,6 +77,6 @@ export class Findings {
 // "3 warnings, 5 remarks"
 function counted(counts) {
   const parts = Object.entries(WORDS).filter(([severity]) => counts[severity])
-    .map(([severity, word]) => `${counts[severity]} ${word}${counts[severity] > 1 ? "s" : ""}`);
-  return parts.join(", ") || "none";
+    .map(([severity, word]) => element("span", severity, `${counts[severity]} ${word}${counts[severity] > 1 ? "s" : ""}`));
+  return parts.length === 0 ? ["none"] : parts.flatMap((part, i) => (i === 0 ? [part] : [", ", part]));
 }

@@ -12,7 +12,7 @@ export class Layers {
   constructor(view, act) {
     this.view = view;
     this.act = act;
-    this.reading = false; // the numbers of the theory
+    this.wanted = { theory: false, collision: false }; // beside what the layers need
     this.needed = "";
     this.on = FIRST;
     this.told = {}; // by the program: [on, how often it has switched it]
@@ -40,14 +40,15 @@ export class Layers {
     this.ask();
   }
 
-  read(reading) {
-    this.reading = reading;
+  want(name, on) {
+    this.wanted[name] = on;
     this.ask();
   }
 
   ask() {
     const { on } = this;
-    const needed = { theory: this.reading || NUMBERS.some((layer) => on[layer]), collision: on.collision, reach: on.reach };
+    const theory = this.wanted.theory || NUMBERS.some((layer) => on[layer]);
+    const needed = { theory, collision: this.wanted.collision || on.collision, reach: on.reach };
     if (JSON.stringify(needed) === this.needed) return;
     this.needed = JSON.stringify(needed);
     this.act.need?.(needed);

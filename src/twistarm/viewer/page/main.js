@@ -23,8 +23,8 @@ import { Keeping } from "./keeping.js";
 import { Layers } from "./layers.js";
 import { Link } from "./link.js";
 import { LinkDrag } from "./link_drag.js";
-import { LinkList } from "./link_list.js";
 import { LinkNames } from "./link_names.js";
+import { LinkTree } from "./link_tree.js";
 import { Notice } from "./notice.js";
 import { Panel } from "./panel.js";
 import { Path } from "./path.js";
@@ -94,7 +94,7 @@ const parts = {
   follow: new Follow(view, presets),
   tabs: new Tabs(),
   sight: new Sight((side) => presets.go(side), (on) => ask({ type: "exact", on })),
-  links: new LinkList(view),
+  links: new LinkTree(view, (on) => layers.want("collision", on)),
   linkNames: new LinkNames(view),
   beside: new Beside(page),
   notice: new Notice(),

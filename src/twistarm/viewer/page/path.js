@@ -82,7 +82,7 @@ export class Path {
   // Why it stops, in place.
   mark() {
     const { stopped } = this.data;
-    const pin = () => ({ layer: "path", node: "/path", at: new THREE.Vector3(...stopped.position), text: element("span", "", stopped.words), down: 0, whole: true });
+    const pin = () => ({ layer: "path", node: "/path", at: new THREE.Vector3(...stopped.position), text: element("span", "", stopped.words), whole: true });
     this.pins.show(stopped === null ? [] : [pin()]);
   }
 }

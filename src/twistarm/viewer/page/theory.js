@@ -16,7 +16,7 @@ export class Theory {
   constructor({ view, state, layers }) {
     this.view = view;
     this.state = state;
-    this.read = (on) => layers.read(on);
+    this.read = (on) => layers.want("theory", on);
     this.axes = null;
     this.numbers = null;
     this.visible = layers.on;

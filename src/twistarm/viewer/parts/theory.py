@@ -116,7 +116,9 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
         "spatial": J_s.tolist(),
         "body": J_b.tolist(),
         "hybrid": hybrid.tolist(),
-        "axes": None if _uncoupled(arm) else _screws(poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)),
+        "axes": None
+        if np.array_equal(arm.coupling.A, np.eye(arm.n))
+        else _screws(poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)),
         "columns": _screws(J_s),
         "motion": None if rates is None or not np.any(rates) else _moving(J_s @ rates, hybrid[:3] @ rates),
         **_singularity(arm, theta),
@@ -168,11 +170,6 @@ def _screws(columns: Array) -> dict[str, list[Any]]:
         "pitch": [None if np.isinf(pitch) else pitch for pitch in pitches],
         "magnitude": screw.magnitude.tolist(),
     }
-
-
-def _uncoupled(arm: Arm) -> bool:
-    A = arm.coupling.A
-    return A.shape == (arm.n, arm.n) and bool((np.eye(arm.n) == A).all())
 
 
 def standing(found: Manipulability, rank: int, below: float) -> str:
