@@ -81,7 +81,7 @@ const page = { view, panel, jog, state, ask, keepers };
 const collision = new Collision(page);
 const parts = {
   tabs: new Tabs(),
-  sight: new Sight((side) => presets.go(side), (on) => ask({ type: "exact", on })),
+  sight: new Sight((on) => ask({ type: "exact", on })),
   links: new LinkList(view),
   linkNames: new LinkNames(view),
   notice: new Notice(),

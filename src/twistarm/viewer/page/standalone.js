@@ -34,7 +34,7 @@ const tabs = new Tabs();
 const view = new View($("pane"));
 const presets = new Presets(view);
 const cube = new Cube(view, (side) => presets.go(side));
-const sight = new Sight((side) => presets.go(side), null);
+const sight = new Sight(null);
 const links = new LinkList(view);
 const linkNames = new LinkNames(view);
 const highlight = new Highlight(view);
