@@ -214,6 +214,7 @@ def test_arrow_keys_step_and_end_at_the_limit(page: Any) -> None:
 
 
 def test_radians_everywhere_and_after_a_reload(page: Any, viewer: Viewer) -> None:
+    page.get_by_text("View", exact=True).click()
     page.get_by_label("Radians", exact=True).check()
     assert box(page, "shoulder", "radians").input_value() == "0.200"
     row = page.get_by_role("group", name="shoulder")
@@ -228,6 +229,7 @@ def test_radians_everywhere_and_after_a_reload(page: Any, viewer: Viewer) -> Non
     stands(page, at(shoulder=-0.74))
     settled(page, viewer.url)
     assert box(page, "shoulder", "radians").input_value() == "−0.740"
+    page.get_by_text("View", exact=True).click()
     page.get_by_label("Radians", exact=True).uncheck()
     assert box(page, "shoulder").input_value() == "−42.4"  # -0.74 rad
     page.evaluate("() => { Storage.prototype.setItem = () => { throw new Error('no storage'); }; }")

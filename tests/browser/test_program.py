@@ -230,6 +230,7 @@ def test_a_plot_is_clicked_to_seek_and_hovered_to_read(page: Any, arm: Arm, view
         page.evaluate("document.getElementById('pane').getBoundingClientRect().bottom")
         <= page.locator("#plots").bounding_box()["y"]
     )
+    page.get_by_text("View", exact=True).click()
     page.get_by_role("checkbox", name="Radians").check()
     assert velocity.locator("text.title").text_content() == f"Velocity, rad/s · limit ±{np.radians(limit):.2f}"
     page.get_by_role("checkbox", name="Plots").uncheck()
@@ -446,3 +447,21 @@ def test_a_pose_is_kept_in_the_arms_own_file_by_a_button_that_names_it(page: Any
         until(page, "document.getElementById('keep-save').textContent.startsWith('Replace flat')")
         page.goto("about:blank")
     assert load_arm(file).named_states["flat"].tolist() == [0.0] * 5
+
+
+def test_kinds_that_the_moves_do_not_allow_are_greyed_and_no_radius_stops(page: Any, arm: Arm, viewer: Viewer) -> None:
+    open_poses(page, viewer)
+    for theta in postures(arm, 2):
+        record(page, viewer, theta)
+    kind, run = page.get_by_label("Kind of motion"), page.get_by_role("button", name="Plan", exact=True)
+    kind.select_option("cubic")
+    assert run.is_enabled()
+    page.get_by_label("Move to pose 2").select_option("line")
+    until(page, "document.querySelector('#plan-kind [value=cubic]').disabled")
+    assert run.is_disabled()
+    assert "joint moves alone" in page.locator("#program-note").inner_text()
+    page.get_by_label("Move to pose 2").select_option("joint")
+    until(page, "!document.querySelector('#plan-kind [value=cubic]').disabled")
+    page.get_by_label("Round corners within").fill("0")
+    run.click()
+    until(page, "twistarm.parts.program.asked?.stop === true")

@@ -78,25 +78,26 @@ def in_view(page: Any) -> bool:
 
 
 @pytest.mark.smoke
-def test_presets_and_the_faces_of_the_cube_show_the_arm_from_that_side(page: Any) -> None:
-    page.get_by_text("View", exact=True).click()
+def test_the_faces_of_the_cube_show_the_arm_from_that_side(page: Any) -> None:
     first = page.evaluate(TOWARDS)
-    for button, side in (("Front", "front"), ("Side", "right"), ("Top", "top")):
-        page.get_by_role("button", name=button, exact=True).click()
+    for side in ("front", "right", "top"):  # by keyboard
+        face = page.get_by_role("button", name=side, exact=True)
+        face.focus()
+        page.keyboard.press("Enter")
         until(page, "twistarm.presets.moving === null")
         assert_allclose(page.evaluate(TOWARDS), SIDES[side], atol=2e-3)
         assert in_view(page)
-    page.get_by_role("button", name="Iso", exact=True).click()
-    until(page, "twistarm.presets.moving === null")
+    page.get_by_role("button", name="Fit view", exact=True).click()
     assert_allclose(page.evaluate(TOWARDS), first, atol=1e-6)
-    page.keyboard.press("Escape")
-    assert page.locator("#sight-menu").is_hidden()
     for side in ("back", "left"):
         page.evaluate(f"document.querySelector('#cube [title=\"Look from the {side}\"]').click()")
         until(page, "twistarm.presets.moving === null")
         assert_allclose(page.evaluate(TOWARDS), SIDES[side], atol=2e-3)
         after_frames(page)
         assert in_front(page) == side
+    page.get_by_role("button", name="front", exact=True).focus()
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.textContent") == "back"
 
 
 def in_front(page: Any) -> str:

@@ -68,6 +68,7 @@ export class JogPanel {
       radio.checked = radio.value === this.on_unreachable;
       radio.disabled = others && !this.free;
     }
+    $("jog-limits").textContent = { slide: "slide along", stop: "stop" }[this.on_unreachable];
     tell($("drive-note"), others ? OTHERS : this.on ? this.note : HINT);
   }
 

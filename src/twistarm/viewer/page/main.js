@@ -93,7 +93,7 @@ const collision = new Collision(page);
 const parts = {
   follow: new Follow(view, presets),
   tabs: new Tabs(),
-  sight: new Sight((side) => presets.go(side), (on) => ask({ type: "exact", on })),
+  sight: new Sight((on) => ask({ type: "exact", on })),
   links: new LinkTree(view, (on) => layers.want("collision", on)),
   linkNames: new LinkNames(view),
   beside: new Beside(page),

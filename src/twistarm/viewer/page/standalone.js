@@ -37,7 +37,7 @@ const view = new View($("pane"));
 const presets = new Presets(view);
 const follow = new Follow(view, presets);
 const cube = new Cube(view, (side) => presets.go(side));
-const sight = new Sight((side) => presets.go(side), null);
+const sight = new Sight(null);
 const links = new LinkTree(view);
 const linkNames = new LinkNames(view);
 const highlight = new Highlight(view);
