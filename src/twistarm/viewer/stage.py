@@ -20,6 +20,7 @@ from .parts.controls import Controls
 from .parts.findings import loaded
 from .parts.gauge import Gauge
 from .parts.history import History
+from .parts.keeping import Keeping
 from .parts.limit_checks import checked_theta, require_all_inside, require_inside
 from .parts.part import Part, Seen, Show
 from .parts.player import Player, Plots
@@ -67,6 +68,7 @@ class Stage(Show):
         self.collisions = Collisions(scene, self.solutions)
         self.history = History()
         self.controls = Controls()
+        self.keeping = Keeping()
         self.drawings: dict[str, Message] = {}  # by node
         self.parts: tuple[Part, ...] = (
             Player(),
@@ -80,6 +82,7 @@ class Stage(Show):
             self.solutions,
             self.collisions,
             self.controls,
+            self.keeping,
         )
         self.left: tuple[LeftOut, ...] = ()
         self.jogging = False

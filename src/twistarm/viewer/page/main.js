@@ -18,6 +18,7 @@ import { Highlight } from "./highlight.js";
 import { History } from "./history.js";
 import { Jog } from "./jog.js";
 import { JogPanel } from "./jog_panel.js";
+import { Keeping } from "./keeping.js";
 import { Link } from "./link.js";
 import { LinkDrag } from "./link_drag.js";
 import { LinkList } from "./link_list.js";
@@ -92,6 +93,7 @@ const parts = {
   ghost: new Ghost(view),
   path: new Path(view),
   program: new Program(page),
+  keeping: new Keeping(page),
   player: new Player({
     play: () => ask({ type: "play" }),
     pause: () => ask({ type: "pause" }),
