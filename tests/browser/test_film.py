@@ -78,9 +78,12 @@ def test_the_page_films_its_motion(page: Any, other: Any, tmp_path: Path) -> Non
         assert viewer.theta == pytest.approx(motion(motion.duration), abs=1e-9)
         assert page.evaluate("twistarm.view.viewer.camera.zoom") == camera
         page.evaluate("delete globalThis.VideoEncoder")
+        viewer.show(arm.ready)
+        until(page, f"twistarm.state.frame.theta[1] === {arm.ready[1]}")
         film.click()
         until(page, "document.getElementById('share-said').classList.contains('wrong')")
-        assert said.inner_text().startswith("this browser records no WebM here")
+        assert said.inner_text().startswith("this browser records no WebM of 192 × 108 pixels here")
+        assert viewer.theta == pytest.approx(arm.ready, abs=1e-9), "it has not moved for nothing"
 
 
 def test_a_headless_browser_films_a_motion(page: Any) -> None:

@@ -7,13 +7,14 @@ const BITS = 0.2; // for each pixel of a frame
 const ALONE = 1; // s between frames that can be sought
 const WAITING = 4; // frames that may wait for the encoder
 
-// A WebM of `duration` s. `show(time)` brings a moment into view, `tell(share)` hears of the progress, and `stopped()`
-// ends it without a film.
-export async function film(view, { width, height, rate, duration }, show, tell, stopped) {
+// A WebM of `duration` s. `act` holds begin(), show(time), which brings a moment into view, tell(share), which hears of
+// the progress, and stopped(), which ends it without a film.
+export async function film(view, { width, height, rate, duration }, { begin, show, tell, stopped }) {
   const count = Math.max(2, Math.ceil(duration * rate - 1e-9));
   const config = { codec: "vp8", width, height, framerate: count / duration, bitrate: Math.ceil(BITS * width * height * rate) };
   const able = globalThis.VideoEncoder && (await VideoEncoder.isConfigSupported(config)).supported;
-  if (!able) throw new Error("this browser records no WebM here: open the page in Chrome, Edge or Firefox, as localhost or from a file, or use twistarm view --play FILE -o FILE.webm");
+  if (!able) throw new Error(`this browser records no WebM of ${width} × ${height} pixels here; open the page in Chrome, Edge or Firefox on this computer, or use twistarm view --play FILE -o FILE.webm`);
+  await begin();
   const frames = [];
   let wrong = null;
   const encoder = new VideoEncoder({

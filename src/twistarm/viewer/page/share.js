@@ -113,22 +113,27 @@ export class Share {
   // The motion from its start to its end, at its own speed.
   async record(width, height, rate, tell) {
     const { duration } = this;
-    await this.reach(this.time > 0 ? 0 : duration); // the arm may be elsewhere, at either time
-    if (!this.view.turned) this.view.fit(await this.swept(duration));
-    const made = await film(this.view, { width, height, rate, duration }, (time) => this.reach(time), tell, () => this.stopped || this.duration !== duration);
+    const made = await film(this.view, { width, height, rate, duration }, {
+      begin: () => this.look(),
+      show: (time) => this.reach(time),
+      tell,
+      stopped: () => this.stopped || this.duration !== duration,
+    });
     if (made) return made;
     throw new Error(this.stopped ? "cancelled: nothing is saved" : "the motion was replaced: nothing is saved");
   }
 
-  // What the arm takes up on its way, as points.
-  async swept(duration) {
+  // See the arm on its whole way, unless somebody has turned the view.
+  async look() {
+    const { duration, view } = this;
+    await this.reach(this.time > 0 ? 0 : duration); // the arm may be elsewhere, at either time
     const points = [];
-    for (let i = 0; i <= LOOKS; i++) {
+    for (let i = 0; i <= LOOKS && !view.turned; i++) {
       await this.reach(duration * (i / LOOKS));
-      this.view.viewer.scene.updateMatrixWorld(true);
-      points.push(...corners(this.view.node("/arm"), true));
+      view.viewer.scene.updateMatrixWorld(true);
+      points.push(...corners(view.node("/arm"), true));
     }
-    return points;
+    if (points.length > 0) view.fit(points);
   }
 
   // Bring a moment of the motion on show.
