@@ -18,6 +18,7 @@ export class Gizmo {
     this.pose = { position: new THREE.Vector3(), quaternion: new THREE.Quaternion() };
     this.tool = this.pose;
     this.handles = makeHandles();
+    this.free = this.handles.filter(({ kind }) => kind === "free")[0];
     this.tether = makeTether();
     this.group = new THREE.Group();
     this.group.visible = false;
@@ -93,7 +94,7 @@ export class Gizmo {
     const color = coloured("--warn");
     this.missed = missed;
     this.tether.material.color.set(color);
-    this.handles.find(({ kind }) => kind === "free").paint(missed ? color : null);
+    this.free.paint(missed ? color : null);
     this.lit?.light(true);
   }
 

@@ -56,7 +56,7 @@ export class Program {
     this.note = note;
     this.trying = false;
     this.failed = false;
-    if (this.asked && !(before && same(before, this.asked))) this.follow();
+    if (this.asked && !(before && same(before, this.asked))) this.follow(this.asked);
     this.list.show(poses);
     if (this.page.state.frame) this.list.mark(this.page.state.frame.theta);
     $("pose-name").placeholder = `pose ${poses.length + 1}`;
@@ -66,11 +66,11 @@ export class Program {
   }
 
   // The boxes say what was planned, by whichever page.
-  follow() {
-    const { kind, stop, corner, linear_speed } = this.asked;
+  follow(asked) {
+    const { kind, stop, corner, linear_speed } = asked;
     $("plan-kind").value = kind;
     $("plan-stop").checked = stop;
-    if (!stops(this.asked)) $("plan-corner").value = corner;
+    if (!stops(asked)) $("plan-corner").value = corner;
     $("plan-linear-speed").value = linear_speed || "";
     this.choose();
   }

@@ -3,6 +3,11 @@
 import { $, element } from "./element.js";
 
 export class Progress {
+  /** @type {{objects: number, left: number, notes: string[]} | null} */ told;
+  drawn = 0;
+  bytes = 0;
+  complete = false;
+
   // `whole()` is called once everything is drawn, `tell(text)` with what the header says of it.
   constructor(tell, whole) {
     this.tell = tell;
