@@ -18,6 +18,7 @@ export class Gizmo {
     this.pose = { position: new THREE.Vector3(), quaternion: new THREE.Quaternion() };
     this.tool = this.pose;
     this.handles = makeHandles();
+    this.free = this.handles.filter(({ kind }) => kind === "free")[0];
     this.tether = makeTether();
     this.group = new THREE.Group();
     this.group.visible = false;
@@ -90,7 +91,7 @@ export class Gizmo {
   tell(met) {
     this.standing = met;
     this.tether.material.color.set(coloured("--warn"));
-    this.handles.find(({ kind }) => kind === "free").paint(met === null ? null : coloured(met ? "--met" : "--warn"));
+    this.free.paint(met === null ? null : coloured(met ? "--met" : "--warn"));
     this.lit?.light(true);
   }
 

@@ -52,6 +52,7 @@ const STRANGER = "The view was started anew: open the address that it printed.";
 const schema = await (await fetch("schema.json")).json();
 const view = new View($("pane"));
 easeSoftware(view);
+/** @type {{hello: any, frame: any, fitted: boolean}} */
 const state = { hello: null, frame: null, fitted: false };
 const said = {}; // the last message of each type
 let silence = SILENCE; // why nothing can be asked

@@ -59,7 +59,7 @@ export class Program {
     this.note = note;
     this.trying = false;
     this.failed = false;
-    if (this.asked && !(before && same(before, this.asked))) this.follow();
+    if (this.asked && !(before && same(before, this.asked))) this.follow(this.asked);
     this.list.show(poses);
     if (this.page.state.frame) this.list.mark(this.page.state.frame.theta);
     $("pose-name").placeholder = `pose ${poses.length + 1}`;
@@ -69,8 +69,8 @@ export class Program {
   }
 
   // The boxes say what was planned, by whichever page.
-  follow() {
-    const { kind, stop, corner, linear_speed } = this.asked;
+  follow(asked) {
+    const { kind, stop, corner, linear_speed } = asked;
     $("plan-kind").value = kind;
     if (kind !== "trapezoid") $("plan-corner").value = stop ? 0 : corner;
     $("plan-linear-speed").value = linear_speed || "";

@@ -4,6 +4,11 @@ import { $ } from "./element.js";
 import { tell } from "./words.js";
 
 export class Progress {
+  /** @type {{objects: number, left: number, notes: string[]} | null} */ told;
+  drawn = 0;
+  bytes = 0;
+  complete = false;
+
   // `whole()` is called once everything is drawn, `say(text)` with what the header says of it.
   constructor(say, whole) {
     this.say = say;

@@ -57,6 +57,7 @@ const layers = new Layers(view, {
 const theory = new TheoryRecord(view, layers, data);
 const recording = new Recording(data.samples);
 const playback = new Playback(recording.duration, data.player ?? STANDS);
+/** @type {{frame: any}} */
 const state = { frame: null };
 let aside = data.aside && "saved"; // where the arm stands, if not on its motion: as it was saved, or by hand
 let bodies = []; // obstacles, and the shapes that are checked

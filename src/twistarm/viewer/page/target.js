@@ -29,9 +29,10 @@ export class Target {
     this.given = null;
     this.tool = null;
     this.asked = null;
+    /** @type {any} */
     this.start = null;
     this.driven = false;
-    this.waiting = null; // the picture before which nothing more is sent
+    this.waiting = 0; // the picture before which nothing more is sent
     this.newer = false; // whether what is asked was not sent yet
     this.gizmo = new Gizmo(page.view, {
       begin: () => this.begin(),
@@ -82,7 +83,7 @@ export class Target {
 
   // An arm that is new to the page.
   hello({ arm }) {
-    $("target-kind").value = KINDS.find(([least]) => arm.joints.length >= least)[1];
+    $("target-kind").value = KINDS.filter(([least]) => arm.joints.length >= least)[0][1];
     this.given = null;
     this.tool = null;
     this.asked = null;
@@ -137,12 +138,12 @@ export class Target {
   // At most one request for each picture, at once where none was sent since the last one.
   move(pose) {
     this.asked = { kind: this.kind, ...pose };
-    this.newer = this.waiting !== null;
+    this.newer = this.waiting !== 0;
     if (!this.newer) this.send();
   }
 
   next() {
-    this.waiting = null;
+    this.waiting = 0;
     if (this.newer) this.send();
   }
 
