@@ -56,12 +56,14 @@ export class Floor {
       const end = start.clone();
       end[axis] += length;
       middle.addVectors(start, end).multiplyScalar(0.5);
-      text.textContent = `${Number(length.toPrecision(1))} m`;
       bar.scale.set(THICK * length, THICK * length, THICK * length / 4)[axis] = length;
       return seen(start).distanceTo(seen(end)) / (2 * LONGEST);
     };
     const share = stretched(this.cell);
-    if (share > 1) stretched(nice(this.cell / share / 1.5));
+    const length = share > 1 ? nice(this.cell / share / 1.5) : this.cell;
+    if (share > 1) stretched(length);
+    const words = `${Number(length.toPrecision(1))} m`;
+    if (text.textContent !== words) text.textContent = words; // else each picture would lay the page out anew
     bar.position.copy(middle).setZ(0);
     bar.updateMatrixWorld();
   }
