@@ -84,14 +84,14 @@ def test_the_faces_of_the_cube_show_the_arm_from_that_side(page: Any) -> None:
         face = page.get_by_role("button", name=side, exact=True)
         face.focus()
         page.keyboard.press("Enter")
-        until(page, "twistarm.presets.moving === null")
+        until(page, "twistarm.presets.moving === 0")
         assert_allclose(page.evaluate(TOWARDS), SIDES[side], atol=2e-3)
         assert in_view(page)
     page.get_by_role("button", name="Fit view", exact=True).click()
     assert_allclose(page.evaluate(TOWARDS), first, atol=1e-6)
     for side in ("back", "left"):
         page.evaluate(f"document.querySelector('#cube [title=\"Look from the {side}\"]').click()")
-        until(page, "twistarm.presets.moving === null")
+        until(page, "twistarm.presets.moving === 0")
         assert_allclose(page.evaluate(TOWARDS), SIDES[side], atol=2e-3)
         after_frames(page)
         assert in_front(page) == side
@@ -272,7 +272,7 @@ def outside(page: Any, point: Any) -> float:
 
 
 CAMERA = "twistarm.view.viewer.camera.position.toArray()"
-STILL = "twistarm.parts.follow.moving === null"
+STILL = "twistarm.parts.follow.moving === 0"
 TARGET = "twistarm.parts.target.given?.position"
 TOOL = "twistarm.parts.target.tool.position.toArray()"
 

@@ -16,6 +16,9 @@ const APART = 1.5; // the bases of the two, in radii of the larger one
 const BEHIND = 2; // units of depth: where both are, the first is seen
 
 export class Beside {
+  /** @type {any} the second arm, or null */ arm;
+  /** @type {Map<string, any>} its joints that have a name of the first arm's */ shared;
+
   constructor({ view, panel, state }) {
     this.view = view;
     this.panel = panel;

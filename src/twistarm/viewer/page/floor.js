@@ -13,6 +13,8 @@ const PLACE = [-0.65, 0.25]; // of the bar: from the middle, and above the lower
 const LONGEST = 0.5; // of the bar, beside the width of the picture
 
 export class Floor {
+  /** @type {number} in m */ cell;
+
   constructor(view) {
     this.view = view;
     this.group = new THREE.Group();
@@ -46,9 +48,10 @@ export class Floor {
     caster.setFromCamera(new THREE.Vector2(PLACE[0], -1 + 2 * this.view.free.bottom + PLACE[1]), camera);
     const ray = caster.ray.applyMatrix4(scene.matrixWorld.clone().invert());
     const found = ray.intersectPlane(new THREE.Plane(new THREE.Vector3(0, 0, 1), -group.position.z), new THREE.Vector3());
-    bar.visible = found !== null && Math.hypot(found.x, found.y) < REACH * this.view.radius;
-    this.pins.layer.hidden = !bar.visible;
-    if (!bar.visible) return;
+    const near = found && Math.hypot(found.x, found.y) < REACH * this.view.radius;
+    bar.visible = Boolean(near);
+    this.pins.layer.hidden = !near;
+    if (!near) return;
     const right = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 0).transformDirection(scene.matrixWorld.clone().invert());
     const axis = Math.abs(right.x) > Math.abs(right.y) ? "x" : "y";
     const stretched = (length) => {

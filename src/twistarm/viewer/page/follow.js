@@ -16,7 +16,7 @@ export class Follow {
     this.view = view;
     this.presets = presets;
     this.places = new Map(); // of tool and target, in the world
-    this.moving = null;
+    this.moving = 0;
     this.held = false; // by a hand that turns the view
     view.follow = this;
     view.viewer.controls.addEventListener("start", () => this.stop(true));
@@ -40,7 +40,7 @@ export class Follow {
     if (!place) return;
     const now = this.view.viewer.scene.localToWorld(place.clone());
     this.places.set(name, now);
-    if (before?.equals(now) || this.moving !== null || this.held || this.view.radius === undefined) return;
+    if (before?.equals(now) || this.moving !== 0 || this.held || this.view.radius === undefined) return;
     if ((!before || this.sees(before, 1)) && !this.sees(now, LEAVES)) this.step(performance.now());
   }
 
@@ -51,7 +51,7 @@ export class Follow {
   step(last) {
     const { view, places } = this;
     this.stop(this.held);
-    if (this.presets.moving !== null || places.size === 0) return;
+    if (this.presets.moving !== 0 || places.size === 0) return;
     const { camera, controls } = view.viewer;
     const base = new THREE.Vector3();
     const points = [...places.values(), ...(this.sees(base, 1) ? [base] : [])];
@@ -70,7 +70,7 @@ export class Follow {
 
   stop(held) {
     cancelAnimationFrame(this.moving);
-    this.moving = null;
+    this.moving = 0;
     this.held = held;
   }
 }

@@ -21,6 +21,7 @@ export class Ghost {
     this.frame = new THREE.Group();
     this.arm = new ArmCopy(view, "--warn", ARM);
     this.axes = [];
+    /** @type {any} where the target is */
     this.ball = null;
     beforeRender(view, () => this.share());
     view.viewer.scene.add(this.frame, this.arm.group);

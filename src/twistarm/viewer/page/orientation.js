@@ -56,5 +56,6 @@ export function read(way, numbers) {
 
 // Whether numbers that somebody is typing mean this rotation.
 export function means(way, numbers, quaternion) {
-  return read(way, numbers)?.angleTo(quaternion) < SAME;
+  const meant = read(way, numbers);
+  return meant !== null && meant.angleTo(quaternion) < SAME;
 }

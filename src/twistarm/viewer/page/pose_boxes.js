@@ -7,6 +7,9 @@ import { THREE } from "./view.js";
 import { shown } from "./units.js";
 
 export class PoseBoxes {
+  /** @type {NumberBox[]} */ boxes = [];
+  /** @type {any} as shown: x, y, z and the orientation */ numbers;
+
   // `tool` holds the read-outs; `act` holds send(pose), complain(text, box) and settle(box).
   constructor(tool, act) {
     this.tool = tool;
@@ -21,7 +24,7 @@ export class PoseBoxes {
   }
 
   build() {
-    for (const box of this.boxes ?? []) box.abandon();
+    for (const box of this.boxes) box.abandon();
     this.numbers = null;
     this.typed = null; // an orientation as it is being typed, of any length, until the boxes are left
     this.boxes = Object.entries(this.tool.units).map(([name, unit], i) => this.make(name, unit, i));

@@ -27,6 +27,7 @@ export class Share {
     this.name = "";
     this.duration = this.time = 0; // of the motion, s
     this.films = this.stopped = false;
+    /** @type {any} */
     this.awaited = null; // a moment of the motion
     this.messages = { player: (message) => this.offer(message), error: ({ message }) => this.awaited?.fail(message) };
     const typed = (kept(KEPT) ?? ",").split(",");

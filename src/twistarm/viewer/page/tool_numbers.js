@@ -9,6 +9,8 @@ import { shown, signed } from "./units.js";
 const KEPT = "twistarm orientation";
 
 export class ToolNumbers {
+  /** @type {HTMLElement[]} */ cells;
+
   constructor() {
     this.onBuilt = []; // done once the numbers are others
     this.frame = null;

@@ -21,6 +21,9 @@ export function beforeRender({ viewer: { scene } }, act) {
 }
 
 export class View {
+  /** @type {any} of all that is shown [m]; undefined until it is known */ radius;
+  /** @type {InstanceType<typeof THREE.DirectionalLight>} */ sun;
+
   constructor(pane) {
     this.viewer = new MeshCat.Viewer(pane);
     // Meshcat takes the window's height for the pane's.
