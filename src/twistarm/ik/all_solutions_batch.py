@@ -83,8 +83,7 @@ class AllSolutionsBatch(Rechecked):
     def _first(self) -> NDArray[np.int64]:
         """(N,): where each target's rows begin."""
         both = self.count + self.outside_count
-        first: NDArray[np.int64] = np.cumsum(both) - both
-        return first
+        return np.cumsum(both) - both
 
     def __repr__(self) -> str:
         return f"AllSolutionsBatch({self.arm.name}, {len(self)} targets, {int((self.count > 0).sum())} met)"

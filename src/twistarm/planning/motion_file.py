@@ -14,7 +14,6 @@ from ..arm.arm import Arm
 from ..description.companions.toml_entries import parse_toml
 from ..ik.targets import Approach, Pose, Position, TolerancedPose
 from ..support.checks import (
-    Array,
     as_flag,
     as_not_negative,
     as_positive,
@@ -173,8 +172,7 @@ class _Reader:
             return value
         per_joint = np.array([self.angle if unit == "rad" else 1.0 for unit in self.arm.units])
         if isinstance(value, list):
-            theta: Array = as_theta(value, self.arm.n, "a configuration", self.arm.joint_names) * per_joint
-            return theta
+            return as_theta(value, self.arm.n, "a configuration", self.arm.joint_names) * per_joint
         if not isinstance(value, dict) or not value:
             raise InputError(f'a goal is "ready", {{ elbow = 0.5 }} or {{ xyz = [0.5, 0.0, 0.6] }}; got {shown(value)}')
         only(value, (*self.arm.joint_names, *GOAL))

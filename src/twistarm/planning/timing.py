@@ -152,8 +152,7 @@ def _eased(times: Array) -> Array:
         return within
 
     t = np.linspace(0.0, float(times[-1]) + span, EASED_SAMPLES * count)
-    eased: Array = np.interp(index, (area(t) - area(t - span)) / span, t)
-    return eased
+    return np.interp(index, (area(t) - area(t - span)) / span, t)
 
 
 def fastest_rests(waypoints: Array, fit: Fit, bounds: PathBounds) -> Array:
@@ -188,8 +187,7 @@ def trapezoid_ramps(waypoints: Array, times: Array, bounds: PathBounds) -> Array
     most = np.minimum(T - 1.0 / V, 0.5 * T)
     feasible = most >= least * (1.0 - RATE_TOL)
     ramps: Array = np.where(feasible, np.clip(T / 3.0, least, most), T / 3.0)
-    kept: Array = np.maximum(ramps, ROUNDING * times[-1])
-    return kept
+    return np.maximum(ramps, ROUNDING * times[-1])
 
 
 def _searches(
@@ -222,8 +220,7 @@ def _search(waypoints: Array, fit: Fit, bounds: PathBounds, durations: Array) ->
 def _least_durations(waypoints: Array, bounds: PathBounds) -> Array:
     """The scale of each segment's time (k − 1,): distance over velocity, or its root over acceleration."""
     distances = np.abs(np.diff(waypoints, axis=0) @ bounds.C.T)
-    least: Array = np.maximum(distances / bounds.velocity, np.sqrt(distances / bounds.acceleration)).max(-1)
-    return least
+    return np.maximum(distances / bounds.velocity, np.sqrt(distances / bounds.acceleration)).max(-1)
 
 
 def _line_limits(waypoints: Array, bounds: PathBounds) -> tuple[Array, Array]:

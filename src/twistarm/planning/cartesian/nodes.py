@@ -100,5 +100,4 @@ class Rungs:
 
 def efforts(start: Array, end: Array, velocity: Array) -> Array:
     """Return the least times (...) between configurations (..., n) at full velocity [s]."""
-    least: Array = (np.abs(end - start) / velocity).max(axis=-1)
-    return least
+    return (np.abs(end - start) / velocity).max(axis=-1)

@@ -87,8 +87,7 @@ def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float
     moving = nodes[0].moving
     found, met = projected(arm, moving.like, ideal, halfway, EXACT, leeway(moving.tolerances))
     off, step = (np.linalg.norm(each, axis=1) for each in (found - halfway, theta - before))
-    near: NDArray[np.bool_] = met & (off <= HALFWAY * (step + CELL))
-    return near
+    return met & (off <= HALFWAY * (step + CELL))
 
 
 def _cheapest_per_cell(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.intp]:

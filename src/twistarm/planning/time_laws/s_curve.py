@@ -186,5 +186,4 @@ def _widened(ceiling: Array, breakpoints: Array, window: float) -> Array:
     reach = 0.5 * window * ceiling[slow, None]
     before, after = breakpoints[slow, None] - reach, breakpoints[slow + 1, None] + reach
     near = (breakpoints[:-1] < after) & (breakpoints[1:] > before)
-    wide: Array = np.where(near, ceiling[slow, None], np.inf).min(axis=0, initial=np.inf)
-    return wide
+    return np.where(near, ceiling[slow, None], np.inf).min(axis=0, initial=np.inf)

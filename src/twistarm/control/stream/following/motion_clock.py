@@ -110,8 +110,7 @@ class Bounds(NamedTuple):
         along = slope * self.lowest_velocity, slope * self.highest_velocity
         highest = np.maximum(*along) + np.maximum(self.highest_acceleration, 0.0) * square
         lowest = np.minimum(*along) + np.minimum(self.lowest_acceleration, 0.0) * square
-        worst: Array = np.maximum(highest, -lowest)
-        return worst
+        return np.maximum(highest, -lowest)
 
 
 def _derivative(series: Array) -> Array:
