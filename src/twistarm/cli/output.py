@@ -41,11 +41,6 @@ def literal(text: object) -> str:
     return escape(printable(str(text)))
 
 
-def as_written(text: str) -> str:
-    """Text for output by Rich, with its brackets kept."""
-    return escape(text)
-
-
 def say(*lines: object, file: TextIO | None = None) -> None:
     """Print lines. Control characters in names do not reach the terminal."""
     print(*(printable(str(line)) for line in lines), sep="\n", file=file or sys.stdout, flush=True)
@@ -133,6 +128,11 @@ def shown(arm: Arm, values: Array, radians: bool, digits: int = 4) -> list[str]:
 def units(arm: Arm, radians: bool) -> list[str]:
     """The units that `shown` uses."""
     return [unit if unit == "m" or radians else "°" for unit in arm.units]
+
+
+def joint_heads(arm: Arm, radians: bool = True) -> list[str]:
+    """The heads of columns of joints, with their units."""
+    return [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, units(arm, radians), strict=True)]
 
 
 def theta_typed(arm: Arm, theta: Array, radians: bool) -> str:

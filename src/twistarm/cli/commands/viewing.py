@@ -23,7 +23,7 @@ from ...viewer.server.watching import loaded
 from ..asked_motion import motion_of_file
 from ..options import CONFIGURATION, Radians, SceneFile, takes_source
 from ..output import say, warn
-from ..outputs import Force, Format, outputs_of
+from ..outputs import Force, Format, outputs_of, repeated
 from ..typed import parse_theta
 from .kinematics import warn_outside
 
@@ -37,13 +37,7 @@ Port = Annotated[
 ]
 Host = Annotated[str, typer.Option(help="Interface to serve on; anything else opens the view to that network.")]
 Output = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE",
-        help="Write a stand-alone page (*.html) or a picture (*.png) instead; - is standard output; repeat it.",
-    ),
+    list[str] | None, repeated("Write a stand-alone page (*.html) or a picture (*.png) instead; - is standard output")
 ]
 Play = Annotated[
     Path | None,
