@@ -13,15 +13,7 @@ import numpy as np
 from ..arm.arm import Arm
 from ..description.companions.toml_entries import parse_toml
 from ..ik.targets import Approach, Pose, Position, TolerancedPose
-from ..support.checks import (
-    as_flag,
-    as_not_negative,
-    as_positive,
-    as_reals,
-    as_theta,
-    require_choice,
-    require_mapping,
-)
+from ..support.checks import as_flag, as_not_negative, as_positive, as_reals, as_theta, require_choice, require_mapping
 from ..support.entries import at, only, real, three
 from ..support.errors import InputError, listed, shown
 from ..support.files import as_path

@@ -61,8 +61,9 @@ def fastest_spline(
     position limits is pulled in. Then slack segments are shortened and those that set the factor lengthened. The
     shortest motion is taken.
     """
-    least = np.diff(_accumulated(_least_durations(waypoints, bounds)))
     way = np.ascontiguousarray(np.diff(waypoints, axis=0) @ bounds.C.T)
+    least = np.maximum(np.abs(way) / bounds.velocity, np.sqrt(np.abs(way) / bounds.acceleration)).max(-1)
+    least = np.diff(_accumulated(least))
     start = least if len(waypoints) <= FEW_WAYPOINTS else _along_path(waypoints, degree, bounds)
     times = _accumulated(shortest_spline(way, degree, bounds.rates, start))
     best = times, *pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)
@@ -215,12 +216,6 @@ def _search(waypoints: Array, fit: Fit, bounds: PathBounds, durations: Array) ->
         shortest = min(shortest, factor * float(times[-1]))
         yield times * factor, breakpoints * factor, rescaled(coefficients, 1.0 / factor)
         durations = durations * factor * (needed / factor) ** CORRECTION
-
-
-def _least_durations(waypoints: Array, bounds: PathBounds) -> Array:
-    """The scale of each segment's time (k − 1,): distance over velocity, or its root over acceleration."""
-    distances = np.abs(np.diff(waypoints, axis=0) @ bounds.C.T)
-    return np.maximum(distances / bounds.velocity, np.sqrt(distances / bounds.acceleration)).max(-1)
 
 
 def _line_limits(waypoints: Array, bounds: PathBounds) -> tuple[Array, Array]:

@@ -59,24 +59,9 @@ class Blocked:
     leap: bool
 
     @property
-    def share(self) -> float:
-        """The part of the curve that was followed, s in [0, 1)."""
-        return self.node.s
-
-    @property
-    def theta(self) -> Array:
-        """The configuration there (n,)."""
-        return self.node.theta
-
-    @property
-    def moving(self) -> MovingTarget:
-        """What was followed."""
-        return self.node.moving
-
-    @property
     def start(self) -> Array:
         """The configuration (n,) at the beginning of the curve."""
-        return next(node.theta for node in way(self.node) if node.moving is self.moving)
+        return next(node.theta for node in way(self.node) if node.moving is self.node.moving)
 
 
 class Rungs:
@@ -87,11 +72,6 @@ class Rungs:
         steps = max(max(each.curve.length / FIRST_STEP, each.angle / FIRST_TURN) for each in movings.values())
         self.s = np.linspace(0.0, 1.0, int(np.clip(np.ceil(steps), fewest, MOST_RUNGS)) + 1)
         self._poses = {key: each.curve(self.s) for key, each in movings.items()}
-
-    @property
-    def count(self) -> int:
-        """The number of steps."""
-        return len(self.s) - 1
 
     def poses(self, nodes: Sequence[Node], k: int) -> Array:
         """The ideal poses (b, 4, 4) of each node's curve at rung k."""

@@ -43,7 +43,7 @@ def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Nod
     """
     rng = np.random.default_rng(SEED)
     rungs, nodes = Rungs(roots, MIN_RUNGS), list(roots)
-    for k in range(1, rungs.count + 1):
+    for k in range(1, len(rungs.s)):
         theta, parents = _spread(arm, rungs, k, nodes, rng)
         if not len(theta):
             return Blocked(max(nodes, key=lambda node: _distance_to_limits(arm, node.theta)), float(rungs.s[k]), False)

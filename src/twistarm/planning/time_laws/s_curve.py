@@ -61,7 +61,8 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     fine, piece = path.in_pieces(path.length / PIECES)
     bounds = replace(bounds, ceiling=bounds.ceiling_of(path)[piece])
     search = _Search(fine, _Needs(fine, bounds), LimitedPath.of(fine, bounds), first_grid(fine.breakpoints))
-    ceiling, rise = _ceiling(fine, bounds), _slowest_rise(bounds)
+    ceiling, limited = _ceiling(fine, bounds), np.isfinite(bounds.acceleration)
+    rise = float((bounds.acceleration[limited] / bounds.jerk[limited]).max())  # of the slowest rate to its limit [s]
     fastest = search.fastest(ceiling)
 
     def tried(i: int) -> _Tried:
@@ -143,12 +144,6 @@ def _ceiling(path: JointPath, bounds: PathBounds) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         slow = np.cbrt(BEND_SHARE * bounds.jerk / sharp)
     return np.asarray(np.fmin(bounds.ceiling_of(path), np.fmin.reduce(slow, axis=1)))
-
-
-def _slowest_rise(bounds: PathBounds) -> float:
-    """The longest time [s] in which a rate comes to its acceleration limit."""
-    limited = np.isfinite(bounds.acceleration)
-    return float((bounds.acceleration[limited] / bounds.jerk[limited]).max())
 
 
 class _Needs:
