@@ -83,16 +83,8 @@ def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, segment: int, place
     why += CERTAIN * nowhere
     hint = length_hint(float(np.linalg.norm(moving.curve(np.array(1.0))[:3, 3])), arm.reach)
     why += f" ({hint})" if hint else ""
-    return PathError(
-        f"the tool follows the path for {_part(moving, blocked.node.s)} and no farther: {why}: {help_}",
-        blocked.node.s,
-        blocked.node.theta,
-        reason,
-        joint,
-        other,
-        segment,
-        place,
-    )
+    said = f"the tool follows the path for {_part(moving, blocked.node.s)} and no farther: {why}: {help_}"
+    return PathError(said, blocked.node.s, blocked.node.theta, reason, joint, other, segment, place)
 
 
 def _part(moving: MovingTarget, share: float) -> str:
