@@ -22,15 +22,9 @@ def tell_answers(sheet: Sheet, batch: IKBatch, outputs: Outputs, *, radians: boo
     arm, lines, answers = batch.arm, [row.line for row in sheet.rows], list(batch)
     written = outputs.write({"csv": lambda: answers_csv(arm, lines, answers)})
     if json:
-        print_json(
-            {
-                "arm": arm.name,
-                "joint_names": arm.joint_names,
-                "met": int(batch.converged.sum()),
-                "answers": [_row_json(*pair) for pair in zip(lines, answers, strict=True)],
-                "written": written,
-            }
-        )
+        about = {"arm": arm.name, "joint_names": arm.joint_names, "met": int(batch.converged.sum())}
+        rows = [_row_json(*pair) for pair in zip(lines, answers, strict=True)]
+        print_json({**about, "answers": rows, "written": written})
     else:
         if not written:
             console().print(_answers(arm, lines, answers, radians))

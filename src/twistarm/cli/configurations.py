@@ -54,16 +54,8 @@ def tell_poses(arm: Arm, sheet: Sheet, theta: Array, frame: str, outputs: Output
     written = outputs.write({"csv": lambda: poses_csv(lines, g)})
     if json:
         poses = [{"line": line, "theta": x, **pose_json(one)} for line, x, one in zip(lines, theta, g, strict=True)]
-        print_json(
-            {
-                "arm": arm.name,
-                "joint_names": arm.joint_names,
-                "base": arm.base,
-                "frame": frame,
-                "poses": poses,
-                "written": written,
-            }
-        )
+        about = {"arm": arm.name, "joint_names": arm.joint_names, "base": arm.base, "frame": frame}
+        print_json({**about, "poses": poses, "written": written})
         return
     if not written:
         console().print(_table(f"{frame} seen from {arm.base}", lines, g))

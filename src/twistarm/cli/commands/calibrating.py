@@ -182,17 +182,9 @@ def _toml(found: Calibration) -> str:
 
 
 def _as_json(found: Calibration) -> dict[str, Any]:
-    names = (
-        "base",
-        "tool",
-        "expected",
-        "held_out",
-        "held_out_before",
-        "block",
-        "block_before",
-        "confirmed",
-        "outliers",
-    )
+    names = [
+        "base", "tool", "expected", "held_out", "held_out_before", "block", "block_before", "confirmed", "outliers"
+    ]  # fmt: skip
     estimates = [
         {"owner": one.parameter.owner, "what": one.parameter.what, "unit": one.parameter.unit, "value": one.value,
          "std": one.std, "seen": one.seen}
