@@ -41,6 +41,11 @@ def literal(text: object) -> str:
     return escape(printable(str(text)))
 
 
+def as_written(text: str) -> str:
+    """Text for output by Rich, with its brackets kept."""
+    return escape(text)
+
+
 def say(*lines: object, file: TextIO | None = None) -> None:
     """Print lines. Control characters in names do not reach the terminal."""
     print(*(printable(str(line)) for line in lines), sep="\n", file=file or sys.stdout, flush=True)

@@ -7,13 +7,12 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
-from rich.markup import escape
 from typer.core import TyperCommand, TyperGroup
 
 from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.errors import InputError, UnknownNameError, listed
-from .output import note
+from .output import as_written, note
 
 VALUES = "VALUES"
 POSE = "POSE"
@@ -53,7 +52,7 @@ class Command(_Flags, TyperCommand):
         """Escape brackets in the help, so that Rich does not read them as styles."""
         super().__init__(*args, **keywords)
         for param in self.params:
-            param.help = escape(getattr(param, "help", None) or "")  # type: ignore[attr-defined]
+            param.help = as_written(getattr(param, "help", None) or "")  # type: ignore[attr-defined]
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Join such numbers to one word for Click."""
