@@ -4,6 +4,7 @@
 // hello(message) for an arm that is new to the page, placed(frame) after the arm has moved, offline() when the process
 // has gone.
 
+import { Beside } from "./beside.js";
 import { Collision } from "./collision.js";
 import { Controls } from "./controls.js";
 import { copyTheta } from "./copying.js";
@@ -17,6 +18,7 @@ import { Highlight } from "./highlight.js";
 import { History } from "./history.js";
 import { Jog } from "./jog.js";
 import { JogPanel } from "./jog_panel.js";
+import { Keeping } from "./keeping.js";
 import { Link } from "./link.js";
 import { LinkDrag } from "./link_drag.js";
 import { LinkList } from "./link_list.js";
@@ -76,13 +78,14 @@ const jog = new Jog({
 }, view);
 
 const keepers = () => ({ ...parts, view, panel }); // of how the page stands
-const page = { view, panel, jog, state, ask, keepers };
+const page = { view, panel, jog, state, ask, seek, keepers };
 const collision = new Collision(page);
 const parts = {
   tabs: new Tabs(),
   sight: new Sight((side) => presets.go(side), (on) => ask({ type: "exact", on })),
   links: new LinkList(view),
   linkNames: new LinkNames(view),
+  beside: new Beside(page),
   notice: new Notice(),
   jogging: new JogPanel(page),
   target: new Target(page),
@@ -90,17 +93,18 @@ const parts = {
   ghost: new Ghost(view),
   path: new Path(view),
   program: new Program(page),
+  keeping: new Keeping(page),
   player: new Player({
     play: () => ask({ type: "play" }),
     pause: () => ask({ type: "pause" }),
-    seek: (time) => ask({ type: "seek", time }),
+    seek,
     pace: (speed, loop) => ask({ type: "pace", speed, loop }),
   }),
   history: new History({
     undo: () => ask({ type: "undo", ease: eases() }),
     redo: () => ask({ type: "redo", ease: eases() }),
   }),
-  plots: new Plots((time) => ask({ type: "seek", time })),
+  plots: new Plots(seek),
   theory: new Theory(page),
   collision,
   scene: new ScenePanel(page, collision),
@@ -140,6 +144,10 @@ function ask(request) {
   const sent = link.send(request);
   if (!sent) takeBack();
   return sent;
+}
+
+function seek(time) {
+  return ask({ type: "seek", time });
 }
 
 // Nobody was asked: all stands as the process left it.

@@ -42,7 +42,7 @@ const findings = new Findings((node, name) => {
   highlight.point(node, name);
   panel.mark(name);
 });
-const share = new Share({ view });
+const share = new Share({ view, seek });
 const path = new Path(view);
 const theory = new TheoryRecord(view, data);
 const recording = new Recording(data.samples);
@@ -113,13 +113,16 @@ function show() {
   highlight.follow();
   panel.show(state.frame);
   player.placed(state.frame);
+  share.placed(state.frame);
   plots.placed(state.frame);
   theory.placed(state.frame);
   history.show(arm.history.words);
 }
 
 function showPlayer() {
-  player.show({ ...playback, duration: data.player && recording.duration > 0 ? recording.duration : null });
+  const shown = { ...playback, duration: data.player && recording.duration > 0 ? recording.duration : null };
+  player.show(shown);
+  share.offer(shown);
 }
 
 function run() {

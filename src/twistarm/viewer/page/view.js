@@ -73,7 +73,7 @@ export class View {
 
   // Take away what was drawn: another process may answer after a reconnection.
   clear() {
-    for (const layer of ["arm", "screws", "frames", "path", "drawn"]) this.viewer.delete_path([layer]);
+    for (const layer of ["arm", "beside", "screws", "frames", "path", "drawn"]) this.viewer.delete_path([layer]);
   }
 
   // {path: sixteen numbers, column by column}
@@ -152,11 +152,11 @@ export class View {
     else this.fit();
   }
 
-  // Look at the whole arm, and give floor and light its size.
-  fit() {
+  // Look at the whole arm, and give floor and light its size. `more`: other points (world) to be seen.
+  fit(more = []) {
     this.turned = false;
     const { camera, controls } = this.viewer;
-    const { position, target } = this.standpoint(DIRECTION);
+    const { position, target } = this.standpoint(DIRECTION, more);
     camera.position.copy(position);
     controls.target.copy(target);
     controls.update();
@@ -164,13 +164,13 @@ export class View {
   }
 
   // Where the camera must stand, and what it must look at, to see all that is shown from a direction in base axes.
-  standpoint([x, y, z]) {
+  standpoint([x, y, z], swept = []) {
     const { scene, camera, dom_element } = this.viewer;
     this.viewer.set_3d_pane_size();
     scene.updateMatrixWorld(true);
     const arm = corners(this.node("/arm"));
     // The tool and its way may lie away from what is drawn.
-    const beside = ["/frames/space", "/frames/tool", "/path", "/obstacles"].flatMap((path) => corners(this.node(path)));
+    const beside = ["/frames/space", "/frames/tool", "/path", "/obstacles", "/beside"].flatMap((path) => corners(this.node(path)));
     const all = [...(arm.length ? arm : NOTHING), ...beside];
     const box = new THREE.Box3().setFromPoints(all);
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
@@ -180,7 +180,7 @@ export class View {
     this.aim(center);
     Object.assign(camera, { fov: 32, near: this.radius / 50, far: this.radius * 100 });
     camera.updateProjectionMatrix();
-    const seen = ["/arm", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach", "/drawn"].flatMap((path) => corners(this.node(path), true));
+    const seen = ["/arm", "/beside", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach", "/drawn"].flatMap((path) => corners(this.node(path), true)).concat(swept);
     const towards = new THREE.Vector3(x, z, -y).normalize();
     const frame = (more) => framed([...(seen.length ? seen : all), ...more], towards, camera, covered(dom_element));
     // Handles keep their size on the screen: from farther away they reach farther.

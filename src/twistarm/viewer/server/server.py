@@ -23,7 +23,7 @@ from ..protocol.messages import Message, Request, failure, number_of, parse
 from ..scene.arm_scene import Scene
 from ..stage import Stage
 from ..state_transfer import carry
-from .access import Authentication, bind
+from .access import LOOPBACK, Authentication, bind
 from .driver import COMMANDS, Driver, PageCommands
 from .handlers import SocketHandler, application
 from .memory import Memory
@@ -70,6 +70,8 @@ class Server:
     def _adopt(self, stage: Stage, scene: Scene) -> None:
         """Make this the arm on show, and make everything that belongs to one arm."""
         self.stage, self.scene = stage, scene
+        if self.authentication.host in LOOPBACK:
+            stage.keeping.offer(stage.arm)
         self.commands.arm = stage.arm
         self.show_choice()
         self.driver = Driver(stage, self.commands, self.post)
