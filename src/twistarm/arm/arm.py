@@ -150,8 +150,7 @@ class Arm:
     @property
     def body_screws(self) -> Array:
         """ξ_i seen from the tool at theta = 0: Ad(home⁻¹) screws, (6, m). MLS §3.2.2."""
-        body: Array = adjoint(inverse(self.home)) @ self.screws
-        return body
+        return adjoint(inverse(self.home)) @ self.screws
 
     @cached_property
     def tool_axis(self) -> Array:
@@ -378,8 +377,7 @@ class Arm:
             InputError: theta or the wrench has another shape, or is not finite.
         """
         F = as_twist(wrench_body, "wrench_body")
-        torques: Array = np.einsum("...in,...i->...n", self.body_jacobian(theta), F)
-        return torques
+        return np.einsum("...in,...i->...n", self.body_jacobian(theta), F)
 
     def gravity_torques(
         self,

@@ -54,8 +54,7 @@ class Checker:
         if not self.pairs:
             return False
         data, _, manager = self._own()
-        found: bool = self._pin.computeCollisions(self._model.model, data, manager, q, True)
-        return found
+        return self._pin.computeCollisions(self._model.model, data, manager, q, True)
 
     def batch(self, Q: Array, threads: int) -> Array:
         """`collides` of each row of Q (N, nq), on this many threads: (N,) of bool."""

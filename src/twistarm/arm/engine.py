@@ -78,8 +78,7 @@ def chain_of(
     if max(A.shape) > MOST_JOINTS:
         _LOG.warning("%d joints are more than the compiled core holds (%d)", max(A.shape), MOST_JOINTS)
         return None
-    chain: Chain = module.Chain(screws, home, A, *limits, *starts, reach, *rounding)
-    return chain
+    return module.Chain(screws, home, A, *limits, *starts, reach, *rounding)
 
 
 def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: float, stops: bool) -> Servo:
@@ -87,8 +86,7 @@ def servo_of(arrays: tuple[Array, ...], length: float, below: float, damping: fl
     module, most = need("the servo"), max(max(array.shape) for array in arrays[2:5])
     if most > MOST_JOINTS:
         raise TwistarmError(f"the servo drives at most {MOST_JOINTS} joints or motors; this arm has {most}")
-    servo: Servo = module.Servo(*arrays, length, below, damping, stops)
-    return servo
+    return module.Servo(*arrays, length, below, damping, stops)
 
 
 @cache

@@ -124,5 +124,4 @@ def _aside(arm: Arm, theta: Array) -> Array:
     """A short way (n,) [rad, m] in no particular direction."""
     unit = np.where(np.array(arm.units) == "m", arm.reach, 1.0)
     way = (arm.random_theta(0) - theta) / unit
-    step: Array = BESIDE * unit * way / np.linalg.norm(way)
-    return step
+    return BESIDE * unit * way / np.linalg.norm(way)

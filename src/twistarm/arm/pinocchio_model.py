@@ -110,8 +110,7 @@ class PinocchioModel:
         self._pin.computeJointJacobians(self.model, data, self._A @ theta + self._b)
         J = self._pin.getFrameJacobian(self.model, data, self._frames[tip], self._pin.ReferenceFrame.WORLD)
         world_base = self._pin.updateFramePlacement(self.model, data, self._frames[base])
-        spatial: Array = world_base.toActionMatrixInverse() @ J.reshape(6, -1) @ self._A_chain
-        return spatial
+        return world_base.toActionMatrixInverse() @ J.reshape(6, -1) @ self._A_chain
 
     @property
     def moved_mass(self) -> float:
@@ -143,8 +142,7 @@ class PinocchioModel:
                 world_base = self._pin.updateFramePlacement(model, data, self._frames[base])
                 model.gravity.linear = world_base.rotation @ gravity
             torques[row] = self._pin.rnea(model, data, q, v, a)
-        efforts: Array = torques @ self._A
-        return efforts
+        return torques @ self._A
 
     def _own_model(self) -> Any:
         """A model for this thread, because Pinocchio keeps gravity and bodies in the model."""
@@ -156,11 +154,9 @@ class PinocchioModel:
         world_link = self._pin.updateFramePlacement(self.model, data, self._frames[link])
         frame = self.model.frames[self._frames[base]]
         if frame.parentJoint == 0:
-            pose: Array = frame.placement.actInv(world_link).homogeneous
-            return pose
+            return frame.placement.actInv(world_link).homogeneous
         world_base = self._pin.updateFramePlacement(self.model, data, self._frames[base])
-        moving: Array = world_base.actInv(world_link).homogeneous
-        return moving
+        return world_base.actInv(world_link).homogeneous
 
 
 def import_pinocchio() -> Any:

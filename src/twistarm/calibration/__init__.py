@@ -12,19 +12,6 @@ from .plot import plot_of
 from .report import MotorVerdict, Residual, WiringReport
 
 __all__ = [
-    "BaseOffset",
-    "Calibration",
-    "Estimate",
-    "Measurements",
-    "MotorVerdict",
-    "Parameter",
-    "Residual",
-    "WiringLog",
-    "WiringReport",
-    "calibrate",
-    "check_wiring",
-    "corrected_urdf",
-    "plot_of",
-    "read_log",
-    "read_measurements",
-]
+    "BaseOffset", "Calibration", "Estimate", "Measurements", "MotorVerdict", "Parameter", "Residual", "WiringLog",
+    "WiringReport", "calibrate", "check_wiring", "corrected_urdf", "plot_of", "read_log", "read_measurements",
+]  # fmt: skip

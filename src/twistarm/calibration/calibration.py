@@ -89,13 +89,8 @@ class Calibration:
         if self.faults:
             return self.faults[0]
         left, before = 1000 * self.held_out, 1000 * self.held_out_before
-        return (
-            ""
-            if self.confirmed
-            else (
-                f"rows left out of the fit keep {left:.3g} mm, and {before:.3g} mm without it: measure more, or better"
-            )
-        )
+        why = f"rows left out of the fit keep {left:.3g} mm, and {before:.3g} mm without it: measure more, or better"
+        return "" if self.confirmed else why
 
     def require(self) -> Calibration:
         """Itself, or InputError where the correction is not confirmed."""

@@ -174,31 +174,21 @@ def _why_not(found: Found, motors: Actuators, base: tuple[float, float], progres
         rest = wiring.of_rows(np.delete(np.arange(K), odd))
         if fewest_faults(rest, *best_fit(rest, _part(progress, 0, 2))).fits(rest):
             return f"row {odd + 1} of the log does not fit the others: measure it again, or leave it out"
-    louder = replace(swapped(wiring, motors, found.swapped), noise=_explaining_noise(found), base=base)
-    if louder.noise[0] <= LOUDEST:
-        heard = search(louder, motors, base, _part(progress, 1, 2))
+    louder = float(np.sqrt(found.explanation.total / freedom(wiring, 2 * wiring.k)))  # which explains what is left
+    position, orientation = louder * wiring.noise[0], louder * wiring.noise[1]
+    if position <= LOUDEST:
+        loud = replace(swapped(wiring, motors, found.swapped), noise=(position, orientation), base=base)
+        heard = search(loud, motors, base, _part(progress, 1, 2))
         if heard.fits:
+            turned = "" if wiring.rotation is None else f" --orientation-noise {np.degrees(orientation):.2g}"
             return (
                 "measured less well than was said, or something else is wrong; with "
-                f"{_noise_option(louder)} the log reads: {judged(heard, motors)[1]}"
+                f"--position-noise {position:.2g}{turned} the log reads: {judged(heard, motors)[1]}"
             )
     return (
         "no sign, ratio or zero of single motors explains the log: check that the tool was measured in the axes of "
         f"{wiring.arm.base} and at {wiring.arm.tip}, in metres, while the arm stood still, and the lengths of the arm"
     )
-
-
-def _explaining_noise(found: Found) -> tuple[float, float]:
-    """The noise that would explain the residual that is left."""
-    wiring = found.wiring
-    louder = float(np.sqrt(found.explanation.total / freedom(wiring, 2 * wiring.k)))
-    return louder * wiring.noise[0], louder * wiring.noise[1]
-
-
-def _noise_option(wiring: Wiring) -> str:
-    position, orientation = wiring.noise
-    turned = "" if wiring.rotation is None else f" --orientation-noise {np.degrees(orientation):.2g}"
-    return f"--position-noise {position:.2g}{turned}"
 
 
 def _residual(wiring: Wiring, p: Array) -> Residual:

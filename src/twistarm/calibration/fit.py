@@ -92,8 +92,7 @@ def best_fit(wiring: Wiring, progress: Callable[[float], object]) -> tuple[Array
 
 def _most_promising(wiring: Wiring, starts: Array, count: int) -> Array:
     r = wiring.residual(starts)
-    kept: Array = starts[np.argsort((r * r).sum(axis=-1), kind="stable")[:count]]
-    return kept
+    return starts[np.argsort((r * r).sum(axis=-1), kind="stable")[:count]]
 
 
 def sign_patterns(k: int) -> Array:

@@ -105,16 +105,14 @@ class Geometry:
     def joints(self, p: Array, theta: Array) -> Array:
         """The joints' values (K, n) for commanded theta (K, n)."""
         _, _, z, _, s, e = self.split(p)
-        moved: Array = theta * (1.0 + s) + z + e[0] * np.sin(theta) + e[1] * np.cos(theta)
-        return moved
+        return theta * (1.0 + s) + z + e[0] * np.sin(theta) + e[1] * np.cos(theta)
 
     def poses(self, p: Array, theta: Array) -> Array:
         """The tool (K, 4, 4) seen from the frame of the measurements."""
         b, a, _, d, _, _ = self.split(p)
         D, S = self._moved(d)
         products = motions(S, self.joints(p, theta) @ self.arm.coupling.A.T)
-        g: Array = self.base @ exp(b) @ products[:, -1] @ D[-1] @ self.arm.home @ self.tool @ exp(a)
-        return g
+        return self.base @ exp(b) @ products[:, -1] @ D[-1] @ self.arm.home @ self.tool @ exp(a)
 
     def twists(self, p: Array, theta: Array) -> Array:
         """The spatial twists (K, 6, P) of the tool by each parameter."""
@@ -165,5 +163,4 @@ def _right_jacobian(xi: Array) -> Array:
     ad = np.zeros((6, 6))
     ad[:3, :3] = ad[3:, 3:] = skew(xi[3:])
     ad[:3, 3:] = skew(xi[:3])
-    series: Array = np.eye(6) - ad / 2 + ad @ ad / 6
-    return series
+    return np.eye(6) - ad / 2 + ad @ ad / 6

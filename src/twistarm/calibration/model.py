@@ -48,13 +48,11 @@ class BaseError:
     def whitened(self, r: Array) -> Array:
         """C^(−1/2) r of residuals (..., N)."""
         kept = 1.0 - 1.0 / np.sqrt(1.0 + self.d**2)
-        white: Array = r - ((r @ self.U) * kept) @ self.U.T
-        return white
+        return r - ((r @ self.U) * kept) @ self.U.T
 
     def expected(self, r: Array) -> Array:
         """The expected z (6,) of measured residuals (N,)."""
-        z: Array = ((r @ self.U) * self.d / (1.0 + self.d**2)) @ self.Vt
-        return z
+        return ((r @ self.U) * self.d / (1.0 + self.d**2)) @ self.Vt
 
 
 def moved_by_base(position: Array, rotation: Array | None) -> tuple[Array, Array]:
@@ -181,5 +179,4 @@ class Wiring:
     def _driven(self, p: Array) -> Array:
         """s y + e, (..., K, k) [motor rad or m]."""
         s, e = p[..., None, : self.k], p[..., None, self.k :] * self.unit
-        driven: Array = s * self.y + e
-        return driven
+        return s * self.y + e

@@ -100,9 +100,7 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
     return Difference(arm.name, (*changes, *moved), g, max(spatial, body), notes)
 
 
-def _other(
-    against: Arm | str | os.PathLike[str],
-) -> tuple[Arm, Mapping[str, Body] | None, Mapping[str, Any] | None]:
+def _other(against: Arm | str | os.PathLike[str]) -> tuple[Arm, Mapping[str, Body] | None, Mapping[str, Any] | None]:
     """The arm to compare with, and what is known of the masses and the collisions of its links."""
     if not isinstance(against, (Arm, str, os.PathLike)):
         raise InputError(f"against must be an Arm, a file or a name that load_arm takes; got {type(against).__name__}")

@@ -61,8 +61,7 @@ def _axis_change(before: Array, now: Array, tool: Array, new_tool: Array) -> tup
 
 def _nearest(line: Screw, point: Array) -> Array:
     """The point of the line nearest to `point`."""
-    nearest: Array = line.point + line.axis * (line.axis @ (point - line.point))
-    return nearest
+    return line.point + line.axis * (line.axis @ (point - line.point))
 
 
 def _motion(turn: Array, start: Array, end: Array) -> Array:
@@ -76,8 +75,7 @@ def _motion(turn: Array, start: Array, end: Array) -> Array:
 def _turn(a: Array, b: Array) -> Array:
     """The least rotation with R a = b, for unit vectors that are not opposite."""
     K = hat(np.cross(a, b))
-    turn: Array = np.eye(3) + K + K @ K / (1 + float(a @ b))
-    return turn
+    return np.eye(3) + K + K @ K / (1 + float(a @ b))
 
 
 def _motion_words(motion: Array, anchor: Array) -> list[str]:

@@ -48,16 +48,11 @@ def freeze(arm: Arm, path: str | os.PathLike[str], *, scene: Scene | None = None
 def golden_text(arm: Arm, scene: Scene | None = None) -> str:
     """What `freeze` writes."""
     collisions = None if scene is None else collisions_entry(require_scene(scene, arm))
-    masses = bodies_of(require_arm(arm))
-    entry = (
-        None
-        if masses is None
-        else {
-            link: {"mass": body.mass, "centre": body.centre.tolist(), "inertia": body.inertia.tolist()}
-            for link, body in masses.items()
-        }
-    )
-    kept = {"bodies": entry, "collisions": collisions, "not_covered": list(NOT_COVERED)}
+    masses = {
+        link: {"mass": body.mass, "centre": body.centre.tolist(), "inertia": body.inertia.tolist()}
+        for link, body in (bodies_of(require_arm(arm)) or {}).items()
+    }
+    kept = {"bodies": masses if arm.description else None, "collisions": collisions, "not_covered": list(NOT_COVERED)}
     return sealed(GOLDEN, content_of(arm) | kept)
 
 

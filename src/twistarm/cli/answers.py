@@ -10,7 +10,7 @@ from ..ik.solution import missed_by_rounding
 from ..support.csv_lines import csv_text
 from .csv_rows import ROWS_SHOWN, Sheet, few
 from .grid import Grid
-from .output import console, print_json, say, shown, table, theta_typed, units
+from .output import console, joint_heads, print_json, say, shown, table, theta_typed, units
 from .outputs import Outputs
 from .wording import in_options
 
@@ -22,15 +22,9 @@ def tell_answers(sheet: Sheet, batch: IKBatch, outputs: Outputs, *, radians: boo
     arm, lines, answers = batch.arm, [row.line for row in sheet.rows], list(batch)
     written = outputs.write({"csv": lambda: answers_csv(arm, lines, answers)})
     if json:
-        print_json(
-            {
-                "arm": arm.name,
-                "joint_names": arm.joint_names,
-                "met": int(batch.converged.sum()),
-                "answers": [_row_json(*pair) for pair in zip(lines, answers, strict=True)],
-                "written": written,
-            }
-        )
+        about = {"arm": arm.name, "joint_names": arm.joint_names, "met": int(batch.converged.sum())}
+        rows = [_row_json(*pair) for pair in zip(lines, answers, strict=True)]
+        print_json({**about, "answers": rows, "written": written})
     else:
         if not written:
             console().print(_answers(arm, lines, answers, radians))
@@ -75,12 +69,7 @@ def answers_csv(arm: Arm, lines: list[int], answers: list[IKResult]) -> str:
         [line, *answer.theta.tolist(), answer.stop.name, answer.position_error, answer.orientation_error]
         for line, answer in zip(lines, answers, strict=True)
     )
-    return csv_text(["line", *_joint_columns(arm), "answer", "position_error [m]", "orientation_error [rad]"], rows)
-
-
-def _joint_columns(arm: Arm) -> list[str]:
-    """The heads of a CSV file's columns of joints, with units."""
-    return [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, arm.units, strict=True)]
+    return csv_text(["line", *joint_heads(arm), "answer", "position_error [m]", "orientation_error [rad]"], rows)
 
 
 def tell_all(solutions: AllSolutions, outputs: Outputs, *, radians: bool, json: bool) -> int:
@@ -143,4 +132,4 @@ def all_csv(solutions: AllSolutions) -> str:
         for i, (members, moving) in enumerate(zip(families, free, strict=True))
         for each in members
     )
-    return csv_text(["number", *_joint_columns(arm), "free", "within_limits"], rows)
+    return csv_text(["number", *joint_heads(arm), "free", "within_limits"], rows)

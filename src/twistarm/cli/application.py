@@ -50,29 +50,13 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 for command in (
-    demonstration.demo,
-    inspection.arms,
-    inspection.info,
-    init.init,
-    checking.check,
-    checking.freeze,
-    doctor.doctor,
-    baking.bake,
-    collisions.collisions,
-    wiring.wiring,
-    calibrating.calibrate,
-    kinematics.fk,
-    kinematics.jacobian,
-    inverse.ik,
-    motion.plan,
-    reaching.reach,
-    designing.payload,
-    designing.designs,
-    parking.panel,
-    viewing.view,
-    servo.servo,
-    following.follow,
-):
+    demonstration.demo, inspection.arms, inspection.info,
+    init.init, checking.check, checking.freeze, doctor.doctor, baking.bake,
+    collisions.collisions, wiring.wiring, calibrating.calibrate,
+    kinematics.fk, kinematics.jacobian, inverse.ik, motion.plan,
+    reaching.reach, designing.payload, designing.designs, parking.panel,
+    viewing.view, servo.servo, following.follow,
+):  # fmt: skip
     app.command(cls=Command)(command)
 app.add_typer(guide.guide)
 

@@ -41,17 +41,11 @@ def configurations_in(arm: Arm, sheet: Sheet) -> Array:
     theta[:, [arm.joint_names.index(name) for name in columns]] = sheet.each(
         lambda row: sheet.numbers(row, list(columns.values()))
     )
-    _warn_outside(arm, theta, sheet)
-    return theta
-
-
-def _warn_outside(arm: Arm, theta: Array, sheet: Sheet) -> None:
     outside = [row.line for row, inside in zip(sheet.rows, arm.limits.contains(theta), strict=True) if not inside]
     if outside:
-        warn(
-            f"{sheet.file}: outside the limits: line {few(outside)}; angles are rad unless the header says so, as in "
-            f"'{arm.joint_names[-1]} [deg]'"
-        )
+        advice = f"angles are rad unless the header says so, as in '{arm.joint_names[-1]} [deg]'"
+        warn(f"{sheet.file}: outside the limits: line {few(outside)}; {advice}")
+    return theta
 
 
 def tell_poses(arm: Arm, sheet: Sheet, theta: Array, frame: str, outputs: Outputs, *, json: bool) -> None:
@@ -60,16 +54,8 @@ def tell_poses(arm: Arm, sheet: Sheet, theta: Array, frame: str, outputs: Output
     written = outputs.write({"csv": lambda: poses_csv(lines, g)})
     if json:
         poses = [{"line": line, "theta": x, **pose_json(one)} for line, x, one in zip(lines, theta, g, strict=True)]
-        print_json(
-            {
-                "arm": arm.name,
-                "joint_names": arm.joint_names,
-                "base": arm.base,
-                "frame": frame,
-                "poses": poses,
-                "written": written,
-            }
-        )
+        about = {"arm": arm.name, "joint_names": arm.joint_names, "base": arm.base, "frame": frame}
+        print_json({**about, "poses": poses, "written": written})
         return
     if not written:
         console().print(_table(f"{frame} seen from {arm.base}", lines, g))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, TypeVar
 
@@ -119,7 +119,9 @@ def read_sheet(path: str, names: str | None) -> Sheet:
     Lines with # are comments, except a header of as many columns before the first row.
     """
     file = "standard input" if path == STDIN else path
-    lines = list(_from_stdin(file) if path == STDIN else csv_lines(path, BOUNDS))
+    if path == STDIN and sys.stdin is None:
+        raise InputError(f"there is no {file}: it is closed")
+    lines = list(lines_in(sys.stdin.buffer, file, BOUNDS) if path == STDIN else csv_lines(path, BOUNDS))
     rows = list(csv_rows(lines, file))
     if not rows:
         raise InputError(f"{file} holds no rows of numbers")
@@ -137,12 +139,6 @@ def read_sheet(path: str, names: str | None) -> Sheet:
     if not rows:
         raise InputError(f"{file} holds a header and no rows of numbers")
     return Sheet(file, header, tuple(rows))
-
-
-def _from_stdin(name: str) -> Iterator[str]:
-    if sys.stdin is None:
-        raise InputError(f"there is no {name}: it is closed")
-    return lines_in(sys.stdin.buffer, name, BOUNDS)
 
 
 def _commented_header(before: Sequence[str], width: int) -> tuple[str, ...] | None:

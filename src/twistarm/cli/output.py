@@ -135,6 +135,11 @@ def units(arm: Arm, radians: bool) -> list[str]:
     return [unit if unit == "m" or radians else "°" for unit in arm.units]
 
 
+def joint_heads(arm: Arm, radians: bool = True) -> list[str]:
+    """The heads of columns of joints, with their units."""
+    return [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, units(arm, radians), strict=True)]
+
+
 def theta_typed(arm: Arm, theta: Array, radians: bool) -> str:
     """theta (n,) as it can be typed or pasted: `--theta "0.1 -30 60"`."""
     return f'--theta "{theta_values(arm, theta, radians)}"' + " --rad" * radians

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, TextIO
+from typing import Annotated, Any, TextIO
 
 import typer
 
@@ -17,6 +17,13 @@ STDOUT = "-"
 
 NAMED = typer.Option("--output", "-o", metavar="FILE", help="Where to write it; - is standard output.")
 Output = Annotated[str | None, NAMED]
+
+
+def repeated(what: str) -> Any:
+    """The option -o of a command that writes several files."""
+    return typer.Option("--output", "-o", metavar="FILE", help=f"{what}; repeat it.")
+
+
 Format = Annotated[
     str | None, typer.Option("--format", metavar="KIND", help="The kind of what -o - writes, or a name without ending.")
 ]

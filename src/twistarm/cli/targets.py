@@ -54,12 +54,8 @@ OrientationTol = Annotated[
 
 ORIGIN = (0.0, 0.0, 0.0)
 
-POSITION, ANGLES, DIRECTION, QUATERNION = (
-    ("x", "y", "z"),
-    ("roll", "pitch", "yaw"),
-    ("dx", "dy", "dz"),
-    ("qx", "qy", "qz", "qw"),
-)
+POSITION, ANGLES = ("x", "y", "z"), ("roll", "pitch", "yaw")
+DIRECTION, QUATERNION = ("dx", "dy", "dz"), ("qx", "qy", "qz", "qw")
 UNITS = dict.fromkeys(POSITION, "m") | dict.fromkeys(ANGLES, "rad") | dict.fromkeys((*DIRECTION, *QUATERNION), "1")
 
 COLUMNS = "x, y, z [m], and to turn the tool qx, qy, qz, qw, or roll, pitch, yaw [rad], or dx, dy, dz to point it"

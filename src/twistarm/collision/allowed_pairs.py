@@ -86,8 +86,7 @@ class _Sampler:
         return [self._q(value) for value in values]
 
     def _q(self, values: Array) -> Array:
-        q: Array = self._A @ values + self._b
-        return q
+        return self._A @ values + self._b
 
 
 def _seen(

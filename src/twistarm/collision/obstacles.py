@@ -263,13 +263,8 @@ class Obstacles:
 
     def _require_obstacle(self, name: str) -> Body:
         if not isinstance(name, str) or name not in self._obstacles:
-            raise unknown_name(
-                "obstacle",
-                name,
-                self._obstacles,
-                within="the scene",
-                listing=f"obstacles: {listed(self._obstacles) or 'none'}",
-            )
+            listing = f"obstacles: {listed(self._obstacles) or 'none'}"
+            raise unknown_name("obstacle", name, self._obstacles, within="the scene", listing=listing)
         return self._obstacles[name]
 
     def _one(self, theta: ArrayLike) -> Array:

@@ -405,8 +405,7 @@ class Scene(Obstacles):
         made = self._made
         if what not in made:
             made[what] = make()
-        kept: T = made[what]
-        return kept
+        return made[what]
 
     def _base(self, theta: Array) -> Array:
         """The base's pose (4, 4) in Pinocchio's world."""
@@ -439,8 +438,7 @@ class Scene(Obstacles):
     @property
     def _most(self) -> Array:
         """The greatest |theta| (n,) inside the arm's limits, and a little more, as bounds of motions are not tight."""
-        most: Array = 1.1 * np.abs(self.arm.sampling_bounds).max(axis=0)
-        return most
+        return 1.1 * np.abs(self.arm.sampling_bounds).max(axis=0)
 
     def _exempt(self, one: Body, other: Body) -> bool:
         pair = sorted_pair(one.name, other.name)
@@ -478,7 +476,7 @@ def require_scene(scene: Any, arm: Arm) -> Scene:
     same = description is not None and description.text == scene._description.text
     if not same or arm.joint_names != known.joint_names or arm.couplings != known.couplings:
         raise InputError(f"scene is one of {scene.arm.name}, not of this {arm.name}: make it with Scene(arm)")
-    return scene  # type: ignore[no-any-return]
+    return scene
 
 
 def _margins(margin: float | Mapping[str, float]) -> float | dict[str, float]:

@@ -139,8 +139,7 @@ def pair_speeds(model: PinocchioModel, bodies: Sequence[Body], pairs: Sequence[t
     for j in range(1, count):
         by_q[:, model.model.idx_qs[j]] = by_joint[:, j]
     driven = model.dq_dtheta.any(axis=1)
-    rows: Array = by_q[:, driven] @ np.abs(model.dq_dtheta[driven])
-    return rows
+    return by_q[:, driven] @ np.abs(model.dq_dtheta[driven])
 
 
 def ancestors(model: PinocchioModel, body: Body) -> set[int]:

@@ -45,13 +45,8 @@ def read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, 
         remedy = "give the axis it moves along or about"
         raise reading.error(element, "axis-zero", "a moving joint with a zero axis", remedy)
     if abs(norm - 1.0) > AXIS_TOL:
-        reading.note(
-            "axis-not-unit",
-            element,
-            f"its axis {axis.get('xyz')} has length {norm:.4g}; only the direction counts",
-            "write a unit vector",
-            repaired=True,
-        )
+        what = f"its axis {axis.get('xyz')} has length {norm:.4g}; only the direction counts"
+        reading.note("axis-not-unit", element, what, "write a unit vector", repaired=True)
     unit = vector / norm
     nearest = np.round(unit)
     return (nearest if np.abs(unit - nearest).max() <= SNAP else unit), norm
@@ -70,16 +65,12 @@ def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], read
     if kind not in ("revolute", "prismatic"):
         return -np.inf, np.inf
     missing = [name for name in ("lower", "upper") if name not in given]
+    both = len(missing) == 2
     if missing:
         what = "no <limit>" if element.find("limit") is None else f"a <limit> without {' and '.join(missing)}"
-        reading.note(
-            "limit-incomplete",
-            element,
-            f"{what}; {'taken as unbounded both ways' if len(missing) == 2 else 'URDF reads it as 0'}",
-            f"write lower and upper in the URDF, or limits.{element.get('name')} in arm.toml",
-            repaired=True,
-        )
-    both = len(missing) == 2
+        what += "; taken as unbounded both ways" if both else "; URDF reads it as 0"
+        remedy = f"write lower and upper in the URDF, or limits.{element.get('name')} in arm.toml"
+        reading.note("limit-incomplete", element, what, remedy, repaired=True)
     lower, upper = given.get("lower", -np.inf if both else 0.0), given.get("upper", np.inf if both else 0.0)
     if lower >= WIDE or upper <= -WIDE:
         what = f"its limits lower {lower:g}, upper {upper:g} leave no place to stand"
@@ -89,12 +80,8 @@ def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], read
         what = f"its limits are swapped: lower {lower:g} > upper {upper:g}{unwritten}"
         raise reading.error(element, "limits-swapped", what, "write both" if missing else "exchange them")
     if lower == upper:
-        reading.note(
-            "limit-zero-range",
-            element,
-            f"lower and upper are both {lower:g}: the joint cannot move",
-            f"give its range as limits.{element.get('name')} in arm.toml",
-        )
+        remedy = f"give its range as limits.{element.get('name')} in arm.toml"
+        reading.note("limit-zero-range", element, f"lower and upper are both {lower:g}: the joint cannot move", remedy)
     return (lower if lower > -WIDE else -np.inf), (upper if upper < WIDE else np.inf)
 
 
@@ -123,12 +110,8 @@ def note_softened(joints: Iterable[Joint], reading: Reading) -> None:
     if narrower:
         shown = [f"{one.name} [{one.lower:g}, {one.upper:g}]" for one in narrower[:MOST_SHOWN]]
         more = f" and {len(narrower) - MOST_SHOWN} more" if len(narrower) > MOST_SHOWN else ""
-        reading.note(
-            "soft-limits",
-            None,
-            f"the soft limits of <safety_controller> are kept, inside those of <limit>: {', '.join(shown)}{more}",
-            "give lower and upper in arm.toml for other limits",
-        )
+        what = f"the soft limits of <safety_controller> are kept, inside those of <limit>: {', '.join(shown)}{more}"
+        reading.note("soft-limits", None, what, "give lower and upper in arm.toml for other limits")
 
 
 def rate(value: float | None) -> float:

@@ -108,13 +108,11 @@ class Geometries:
             cause = why_missing(uri, self._reading.packages)
             causes.setdefault(cause, []).append(without_places(uri, Path(uri.removeprefix("file://"))))
         for (why, remedy), names in causes.items():
-            self._reading.note(
-                "mesh-missing",
-                None,
+            what = (
                 f"{len(names)} mesh file{'s' * (len(names) > 1)} not found: {listed(names, 2)}; {why}; "
-                "the kinematics is not affected",
-                f"{remedy}; simple shapes are drawn instead",
+                "the kinematics is not affected"
             )
+            self._reading.note("mesh-missing", None, what, f"{remedy}; simple shapes are drawn instead")
 
     def _read(self, link: ET.Element, element: ET.Element) -> Geometry | None:
         geometry = element.find("geometry")
@@ -124,13 +122,8 @@ class Geometries:
         try:
             return self._shape(link, shape, read_origin(element), self._materials.colour(material))
         except ValueError:
-            self._reading.note(
-                "bad-geometry",
-                link,
-                f"its <{element.tag}> <{shape.tag}> has no usable size or place; it is not drawn",
-                "give every size and origin as numbers",
-                repaired=True,
-            )
+            what = f"its <{element.tag}> <{shape.tag}> has no usable size or place; it is not drawn"
+            self._reading.note("bad-geometry", link, what, "give every size and origin as numbers", repaired=True)
             return None
 
     def _shape(self, link: ET.Element, shape: ET.Element, origin: Array, colour: Colour | None) -> Geometry | None:

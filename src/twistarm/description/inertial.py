@@ -66,13 +66,9 @@ def drop_unusable_inertials(robot: ET.Element, reading: Reading) -> None:
             problem = inertial_problem(inertial)
             if problem:
                 link.remove(inertial)
-                reading.note(
-                    "inertial-unusable",
-                    link,
-                    f"its <inertial> {problem}; the link counts as massless",
-                    "write mass in kg and the six inertias in kg m² as plain numbers",
-                    repaired=True,
-                )
+                what = f"its <inertial> {problem}; the link counts as massless"
+                remedy = "write mass in kg and the six inertias in kg m² as plain numbers"
+                reading.note("inertial-unusable", link, what, remedy, repaired=True)
             else:
                 _write_plainly(inertial)
 

@@ -96,12 +96,8 @@ def _note_limits(joint: ET.Element, reading: Reading) -> None:
     given = [name for limit in joint.findall("limit") for name in limit.attrib]
     if given:
         names = ", ".join(coordinate_names(joint.get("name", "")))
-        reading.note(
-            "planar-limits-ignored",
-            joint,
-            f"its <limit> gives {', '.join(given)}, one number for slides and turn alike; taken as unbounded",
-            f"give limits of {names} in arm.toml",
-        )
+        what = f"its <limit> gives {', '.join(given)}, one number for slides and turn alike; taken as unbounded"
+        reading.note("planar-limits-ignored", joint, what, f"give limits of {names} in arm.toml")
 
 
 def _refuse_mimics(robot: ET.Element, planar: set[str], reading: Reading) -> None:

@@ -230,13 +230,9 @@ def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading)
         absent = {name: given[name].get(kind, 0.0) for name in moving if given[name].get(kind, 0.0) <= 0}
         if absent:
             worst = min(absent.values())
-            reading.note(
-                f"{kind}-not-given",
-                None,
-                f"{kind} limit {f'{worst:g}' if worst else 'absent or 0'} on {', '.join(absent)}: taken as not given",
-                f"give {kind} in the URDF or in arm.toml" + (" before planning" if kind == "velocity" else ""),
-                repaired=True,
-            )
+            what = f"{kind} limit {f'{worst:g}' if worst else 'absent or 0'} on {', '.join(absent)}: taken as not given"
+            remedy = f"give {kind} in the URDF or in arm.toml" + (" before planning" if kind == "velocity" else "")
+            reading.note(f"{kind}-not-given", None, what, remedy, repaired=True)
 
 
 def _make_loadable(element: ET.Element, axis: Array, bounds: tuple[float, float]) -> None:

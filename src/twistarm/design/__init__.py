@@ -6,17 +6,6 @@ from .parking import PanelReport, TaskResult, best_parking, check_panel
 from .payload import Cubes, Needs, Payload, payload
 
 __all__ = [
-    "Cubes",
-    "Design",
-    "Needs",
-    "Panel",
-    "PanelReport",
-    "PanelTask",
-    "Payload",
-    "TaskResult",
-    "best_parking",
-    "check_panel",
-    "compare_designs",
-    "load_panel",
-    "payload",
-]
+    "Cubes", "Design", "Needs", "Panel", "PanelReport", "PanelTask", "Payload", "TaskResult", "best_parking",
+    "check_panel", "compare_designs", "load_panel", "payload",
+]  # fmt: skip

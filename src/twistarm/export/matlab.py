@@ -47,11 +47,8 @@ def matlab_text(arm: Arm, file: str | None = None) -> str:
         )
     theta = np.vstack([arm.ready, arm.random_theta(0, VECTORS - 1)])
     by_pinocchio = arm.description is not None
-    g, spatial, body = (
-        arm.by_pinocchio(theta)
-        if by_pinocchio
-        else (arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta))
-    )
+    own = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
+    g, spatial, body = arm.by_pinocchio(theta) if by_pinocchio else own
     return filled(
         TEMPLATE,
         name=name,

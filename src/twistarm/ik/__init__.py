@@ -14,26 +14,8 @@ from .solve_all import solve_ik_all
 from .targets import AnyTarget, Approach, Pose, Position, Target, TargetLike, TolerancedPose
 
 __all__ = [
-    "POSTURES",
-    "AllSolutions",
-    "AllSolutionsBatch",
-    "AnyTarget",
-    "Approach",
-    "ClosedFormReport",
-    "IKBatch",
-    "IKResult",
-    "Pose",
-    "Position",
-    "Reached",
-    "StopReason",
-    "Target",
-    "TargetLike",
-    "TolerancedPose",
-    "closed_form_of",
-    "reachable",
-    "solve_ik",
-    "solve_ik_all",
-    "solve_ik_all_batch",
-    "solve_ik_batch",
+    "POSTURES", "AllSolutions", "AllSolutionsBatch", "AnyTarget", "Approach", "ClosedFormReport", "IKBatch",
+    "IKResult", "Pose", "Position", "Reached", "StopReason", "Target", "TargetLike", "TolerancedPose",
+    "closed_form_of", "reachable", "solve_ik", "solve_ik_all", "solve_ik_all_batch", "solve_ik_batch",
     "subproblems",
-]
+]  # fmt: skip

@@ -120,8 +120,7 @@ def out_of_surface(arm: Arm, target: AnyTarget, theta: Array) -> Array:
     U, size, _ = np.linalg.svd(np.hstack(motions))
     across = U[:, int((size > RANK_TOL).sum()) :]
     immovable = nearest_axes(across @ across.T, across.shape[1]).T
-    missed: Array = immovable[np.abs(immovable @ offset) > MISSED]
-    return missed
+    return immovable[np.abs(immovable @ offset) > MISSED]
 
 
 def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, float] | None:
@@ -164,8 +163,7 @@ def _approach_normal(arm: Arm, target: AnyTarget, theta: Array, tool_axis: Array
     _, size, directions = np.linalg.svd(turning)
     if not len(turning) or size[0] <= RANK_TOL or (size[1:] > RANK_TOL * size[0]).any():
         return None
-    normal: Array = g[:3, :3] @ np.cross(tool_axis, directions[0])
-    return normal
+    return g[:3, :3] @ np.cross(tool_axis, directions[0])
 
 
 def _approach(arm: Arm, target: AnyTarget) -> tuple[Array, Array] | None:
@@ -182,5 +180,4 @@ def _holding_position(target: AnyTarget, g: Array, J_b: Array) -> Array:
     rows = target._position_rows(g, J_b)[1]
     _, size, Vt = np.linalg.svd(rows)
     rank = int((size > RANK_TOL * size.max(initial=0.0)).sum())
-    motions: Array = Vt[rank:].T
-    return motions
+    return Vt[rank:].T

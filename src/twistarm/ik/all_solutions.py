@@ -203,8 +203,7 @@ class AllSolutions:
         return iter(self.theta)
 
     def __getitem__(self, index: int) -> Array:
-        theta: Array = self.theta[operator.index(index)]
-        return theta
+        return self.theta[operator.index(index)]
 
     def __repr__(self) -> str:
         return f"AllSolutions({self.arm.name}, {self._counted()}; {self.method})"

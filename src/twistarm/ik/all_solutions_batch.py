@@ -83,8 +83,7 @@ class AllSolutionsBatch(Rechecked):
     def _first(self) -> NDArray[np.int64]:
         """(N,): where each target's rows begin."""
         both = self.count + self.outside_count
-        first: NDArray[np.int64] = np.cumsum(both) - both
-        return first
+        return np.cumsum(both) - both
 
     def __repr__(self) -> str:
         return f"AllSolutionsBatch({self.arm.name}, {len(self)} targets, {int((self.count > 0).sum())} met)"
@@ -152,15 +151,9 @@ def solve_ik_all_batch(
 
     def one(target: TargetLike, start: ArrayLike) -> AllSolutions:
         return solve_ik_all(
-            arm,
-            target,
-            start,
-            fixed_joints=fixed_joints,
-            redundancy_samples=count,
-            include_turns=include_turns,
-            position_tol=met[0],
-            orientation_tol=met[1],
-        )
+            arm, target, start, fixed_joints=fixed_joints, redundancy_samples=count, include_turns=include_turns,
+            position_tol=met[0], orientation_tol=met[1],
+        )  # fmt: skip
 
     if isinstance(targets, np.ndarray) and fixed_joints is None and not include_turns:
         # Poses that are plainly right go straight to the core, which looks at each of them much faster.

@@ -102,8 +102,7 @@ class IKBatch(Rechecked):
         return met
 
     def _read(self, name: str) -> NDArray[Any]:
-        column: NDArray[Any] = self.records[name]
-        return column
+        return self.records[name]
 
     def __repr__(self) -> str:
         return f"IKBatch({self.arm.name}, {len(self)} targets, {int(self.converged.sum())} met)"

@@ -126,11 +126,8 @@ def _why(solution: IKResult) -> list[str]:
     lines = _blocked(solution) if solution.stop is StopReason.BLOCKED_BY_LIMITS else _missing(solution)
     bounds = at_bounds(solution)
     lines += [f"at {', '.join(bounds)}"] if bounds else []
-    return (
-        [*lines, "the arm's closed form has no answer inside the limits: that is certain"]
-        if solution.certain
-        else lines
-    )
+    certain = "the arm's closed form has no answer inside the limits: that is certain"
+    return [*lines, certain] if solution.certain else lines
 
 
 def at_bounds(solution: IKResult) -> list[str]:

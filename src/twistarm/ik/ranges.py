@@ -59,8 +59,7 @@ class JointRanges:
         """theta without the whole turns by which it lies outside. A hair outside, by rounding, stays."""
         below = np.ceil(np.maximum(self.lower - theta, 0.0) / TURN - WHOLE_TURN_TOL)
         above = np.ceil(np.maximum(theta - self.upper, 0.0) / TURN - WHOLE_TURN_TOL)
-        turned: Array = theta + TURN * (below - above)
-        return turned
+        return theta + TURN * (below - above)
 
 
 _KEPT: WeakKeyDictionary[Arm, JointRanges] = WeakKeyDictionary()
@@ -97,5 +96,4 @@ def periodic(screws: Array, A: Array) -> Mask:
     turns = rate[:, None] * A
     whole = np.abs(turns - np.round(turns)) <= WHOLE_TURN_TOL
     moves = A != 0.0
-    turned: Mask = moves.any(axis=0) & ((pure[:, None] & whole) | ~moves).all(axis=0)
-    return turned
+    return moves.any(axis=0) & ((pure[:, None] & whole) | ~moves).all(axis=0)

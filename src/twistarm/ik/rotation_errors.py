@@ -29,14 +29,12 @@ def chord(R: Array) -> Array:
     w = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
     trace = float(R[0, 0] + R[1, 1] + R[2, 2])
     if trace > NEAR_HALF_TURN:
-        short: Array = w / math.sqrt(1.0 + trace)
-        return short
+        return w / math.sqrt(1.0 + trace)
     # (R + Rᵀ)/2 − cos φ I = (1 − cos φ) u uᵀ: its longest column has the direction of u.
     columns = 0.5 * (R + R.T) - 0.5 * (trace - 1.0) * np.eye(3)
     u = columns[:, int(np.argmax(columns.diagonal()))]
     u = u * (math.sqrt(3.0 - trace) / math.sqrt(u @ u))
-    long: Array = u if u @ w >= 0 else -u
-    return long
+    return u if u @ w >= 0 else -u
 
 
 def angle(R: Array) -> float:
@@ -65,5 +63,4 @@ def log_rate(phi: Array) -> Array:
         c = 1.0 / 12.0 + size * size / 720.0
     else:
         c = 1.0 / size**2 - 1.0 / (2.0 * size * math.tan(0.5 * size))
-    rate: Array = np.eye(3) + 0.5 * phi_hat + c * (phi_hat @ phi_hat)
-    return rate
+    return np.eye(3) + 0.5 * phi_hat + c * (phi_hat @ phi_hat)

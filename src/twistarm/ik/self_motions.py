@@ -159,8 +159,7 @@ class SelfMotions(Asked):
         left = np.abs(thetas - theta)
         turns = joint_ranges(self.arm).periodic
         left[:, turns] = np.minimum(left[:, turns], np.abs(TURN - left[:, turns]))
-        largest: Array = left.max(axis=1, initial=0.0)
-        return largest
+        return left.max(axis=1, initial=0.0)
 
     def _tangents(self, theta: Array) -> Array:
         """The directions (d, n) that move nothing at first, orthonormal."""

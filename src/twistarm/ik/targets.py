@@ -339,8 +339,7 @@ class TolerancedPose(Brief):
     def _position_offset(self, g: Array) -> Array:
         offset = g[:3, 3] - self.g[:3, 3]
         offset = offset if self.frame == "base" else self.g[:3, :3].T @ offset
-        held: Array = offset[self.held[0]]
-        return held
+        return offset[self.held[0]]
 
 
 AnyTarget = Pose | Position | Approach | TolerancedPose

@@ -36,8 +36,7 @@ class Tolerances:
 
 def excess(error: Array, tolerance: Array) -> Array:
     """The part of each component beyond its tolerance, with its sign."""
-    beyond: Array = error - np.clip(error, -tolerance, tolerance)
-    return beyond
+    return error - np.clip(error, -tolerance, tolerance)
 
 
 def excess_rows(rows: Rows, tolerance: Array) -> Rows:

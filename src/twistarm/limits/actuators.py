@@ -105,8 +105,7 @@ class Actuators(Rechecked):
 
     def to_motor(self, theta: ArrayLike) -> Array:
         """Return motor = G theta + o: theta (..., n) to motors (..., k) [rad or m]."""
-        motor: Array = self._joints(theta, "theta") @ self.G.T + self.offset
-        return motor
+        return self._joints(theta, "theta") @ self.G.T + self.offset
 
     def to_theta(self, motor: ArrayLike) -> Array:
         """Return theta (..., n) with G theta + o = motor, from motors (..., k) [rad or m].
@@ -114,41 +113,34 @@ class Actuators(Rechecked):
         With more motors than joints it minimizes ‖G theta + o − motor‖ [rad, m]. Raises InputError with the joints that
         the motors do not determine.
         """
-        theta: Array = (self._motors(motor, "motor") - self.offset) @ self.P.T
-        return theta
+        return (self._motors(motor, "motor") - self.offset) @ self.P.T
 
     def velocity_to_motor(self, theta_dot: ArrayLike) -> Array:
         """motor_dot = G theta_dot, (..., n) to (..., k) [rad/s or m/s]. Accelerations work alike."""
-        motor_dot: Array = self._joints(theta_dot, "theta_dot") @ self.G.T
-        return motor_dot
+        return self._joints(theta_dot, "theta_dot") @ self.G.T
 
     def velocity_to_theta(self, motor_dot: ArrayLike) -> Array:
         """theta_dot (..., n) with G theta_dot = motor_dot (..., k) [rad/s or m/s], like `to_theta`."""
-        theta_dot: Array = self._motors(motor_dot, "motor_dot") @ self.P.T
-        return theta_dot
+        return self._motors(motor_dot, "motor_dot") @ self.P.T
 
     def torque_to_motor(self, tau: ArrayLike) -> Array:
         """tau_motor (..., k) with Gᵀ tau_motor = tau (..., n) [N m or N] and the least ‖tau_motor‖.
 
         Raises InputError with the joints that the motors do not determine.
         """
-        tau_motor: Array = self._joints(tau, "tau") @ self.P
-        return tau_motor
+        return self._joints(tau, "tau") @ self.P
 
     def torque_to_theta(self, tau_motor: ArrayLike) -> Array:
         """Joint torques tau = Gᵀ tau_motor (..., n) [N m or N] of motor torques (..., k)."""
-        tau: Array = self._motors(tau_motor, "tau_motor") @ self.G
-        return tau
+        return self._motors(tau_motor, "tau_motor") @ self.G
 
     def to_counts(self, motor: ArrayLike) -> Array:
         """Return motors (..., k) [rad or m] in each drive's `units`; ticks are not rounded. Rates alike."""
-        counts: Array = self._motors(motor, "motor") * self.counts_per_unit
-        return counts
+        return self._motors(motor, "motor") * self.counts_per_unit
 
     def from_counts(self, counts: ArrayLike) -> Array:
         """Return motors (..., k) [rad or m] from counts: the inverse of `to_counts`."""
-        motor: Array = self._motors(counts, "counts") / self.counts_per_unit
-        return motor
+        return self._motors(counts, "counts") / self.counts_per_unit
 
     # -- limits ------------------------------------------------------------------------------------------------------
 
@@ -228,15 +220,13 @@ def _require_countable(name: str, unit: str, ticks: float) -> None:
 def _factors(G: Array, axis: int) -> Array:
     """Return factors that make rows (axis 1) or columns (axis 0) of G unit vectors."""
     size = np.linalg.norm(G, axis=axis, keepdims=True)
-    factors: Array = 1.0 / np.where(size == 0, 1.0, size)
-    return factors
+    return 1.0 / np.where(size == 0, 1.0, size)
 
 
 def _least(limit: Array, ratio: Array) -> Array:
     """Return min_i limit_i / |ratio_ij|, (n,), for motors (k,) and ratios (k, n)."""
     each = np.where(ratio, limit[:, None] / _divisor(np.abs(ratio)), np.inf)
-    least: Array = each.min(axis=0, initial=np.inf)
-    return least
+    return each.min(axis=0, initial=np.inf)
 
 
 def _divisor(ratio: Array) -> Array:

@@ -99,8 +99,7 @@ class JointLimits(Rechecked):
         """Return the middle between the bounds (n,); without two bounds the allowed value nearest to 0."""
         bounded = (self.lower > -AS_GOOD_AS_UNBOUNDED) & (self.upper < AS_GOOD_AS_UNBOUNDED)
         lower, upper = np.where(bounded, self.lower, 0.0), np.where(bounded, self.upper, 0.0)
-        middle: Array = np.clip((lower + upper) / 2, self.lower, self.upper)
-        return middle
+        return np.clip((lower + upper) / 2, self.lower, self.upper)
 
     def with_(self, changes: Mapping[str, Any], names: Sequence[str]) -> JointLimits:
         """Return a copy with `changes`: {"velocity": 1.0} for every joint, or {"velocity": {"elbow": 1.0}} by name.

@@ -10,21 +10,6 @@ from .segments import ArcMove, Dwell, FreeMove, JointMove, LineMove, ScrewMove, 
 from .trajectory import Samples, Trajectory
 
 __all__ = [
-    "ActiveLimit",
-    "ArcMove",
-    "Dwell",
-    "FreeMove",
-    "JointMove",
-    "LineMove",
-    "MotionFile",
-    "PathError",
-    "Samples",
-    "ScrewMove",
-    "Segment",
-    "Trajectory",
-    "active_limits",
-    "load_motion",
-    "load_trajectory",
-    "plan",
-    "plan_joint",
-]
+    "ActiveLimit", "ArcMove", "Dwell", "FreeMove", "JointMove", "LineMove", "MotionFile", "PathError", "Samples",
+    "ScrewMove", "Segment", "Trajectory", "active_limits", "load_motion", "load_trajectory", "plan", "plan_joint",
+]  # fmt: skip

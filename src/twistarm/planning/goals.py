@@ -137,5 +137,4 @@ def _shortest_turn(a: Array, b: Array) -> Array:
         if cosine > 0.0:
             return np.eye(3)
         axis = np.cross(a, np.eye(3)[int(np.abs(a).argmin())])
-    turn: Array = rotations.from_axis_angle(axis / np.linalg.norm(axis), float(np.arctan2(sine, cosine)))
-    return turn
+    return rotations.from_axis_angle(axis / np.linalg.norm(axis), float(np.arctan2(sine, cosine)))

@@ -310,12 +310,7 @@ def _stays(points: Array, width: float) -> list[tuple[int, int]]:
 
 
 def _timed(
-    points: Array,
-    kind: Kind,
-    stop: bool,
-    times: ArrayLike | None,
-    bounds: PathBounds,
-    progress: Progress | None,
+    points: Array, kind: Kind, stop: bool, times: ArrayLike | None, bounds: PathBounds, progress: Progress | None
 ) -> Motion:
     """Return the motion at the given times, or else the shortest found."""
     if times is not None:

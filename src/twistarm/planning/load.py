@@ -72,7 +72,11 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
     if len(points.t) == 0:
         raise InputError(f"{file} holds no point of a motion")
     _require_usual(points)
-    _require_within(arm, points)
+    (k, j), beyond, _ = farthest_outside(points.theta, arm.limits)
+    if beyond > BEYOND_LIMIT:
+        unit, where = arm.units[j], f"joint {arm.joint_names[j]!r} at {points.theta[k, j]:g} {arm.units[j]}"
+        said = f"{points.place(k)}: {where} is {beyond:.3g} {unit} beyond its limit"
+        raise LimitError(f"{said}; record a motion within the limits")
     t, theta = points.t - points.t[0], points.theta
     labels = tuple((time - float(points.t[0]), text) for time, text in points.labels)
     if len(t) == 1:
@@ -96,12 +100,3 @@ def _require_usual(points: Points) -> None:
     if not apart.all():
         k = int(np.argmin(apart)) + 1
         raise InputError(f"{points.place(k)}: time must increase; got {points.t[k]:g} after {points.t[k - 1]:g}")
-
-
-def _require_within(arm: Arm, points: Points) -> None:
-    (k, j), beyond, _ = farthest_outside(points.theta, arm.limits)
-    if beyond > BEYOND_LIMIT:
-        raise LimitError(
-            f"{points.place(k)}: joint {arm.joint_names[j]!r} at {points.theta[k, j]:g} {arm.units[j]} is "
-            f"{beyond:.3g} {arm.units[j]} beyond its limit; record a motion within the limits"
-        )

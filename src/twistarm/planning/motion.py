@@ -290,22 +290,13 @@ def _assembled(arm: Arm, origin: Array, timed: list[Timed], notes: tuple[str, ..
     steps = np.concatenate([np.diff(each.breakpoints) for each in moving] or [np.zeros(1)])
     breakpoints = np.concatenate([[0.0], np.cumsum(steps)])
     times = np.minimum(times, breakpoints[-1])
+    # A dwell's label is due when it begins, the label of a move when it ends.
+    due = [(times[i - isinstance(leg.segment, Dwell)], leg.segment.label) for i, leg in enumerate(legs, 1)]
+    labels = tuple((float(time), label) for time, label in due if label)
+    waypoints = np.array([origin, *(leg.end for leg in legs)])
+    pieces = side_by_side([each.coefficients for each in moving] or [origin[None, None]])
     motion = Trajectory(
-        arm.joint_names,
-        arm.units,
-        np.array([origin, *(leg.end for leg in legs)]),
-        times,
-        breakpoints,
-        side_by_side([each.coefficients for each in moving] or [origin[None, None]]),
-        arm.actuators,
-        # A dwell's label is due when it begins, the label of a move when it ends.
-        tuple(
-            (float(times[i - isinstance(leg.segment, Dwell)]), leg.segment.label)
-            for i, leg in enumerate(legs, 1)
-            if leg.segment.label
-        ),
-        notes,
-        limits,
+        arm.joint_names, arm.units, waypoints, times, breakpoints, pieces, arm.actuators, labels, notes, limits
     )
     rounded = np.array([False, *(isinstance(leg.segment, Move) and leg.segment.blend > 0.0 for leg in legs)])
     return replace(motion, waypoints=np.where(rounded[:, None], motion(times), motion.waypoints))

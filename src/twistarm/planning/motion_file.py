@@ -13,16 +13,7 @@ import numpy as np
 from ..arm.arm import Arm
 from ..description.companions.toml_entries import parse_toml
 from ..ik.targets import Approach, Pose, Position, TolerancedPose
-from ..support.checks import (
-    Array,
-    as_flag,
-    as_not_negative,
-    as_positive,
-    as_reals,
-    as_theta,
-    require_choice,
-    require_mapping,
-)
+from ..support.checks import as_flag, as_not_negative, as_positive, as_reals, as_theta, require_choice, require_mapping
 from ..support.entries import at, only, real, three
 from ..support.errors import InputError, listed, shown
 from ..support.files import as_path
@@ -173,8 +164,7 @@ class _Reader:
             return value
         per_joint = np.array([self.angle if unit == "rad" else 1.0 for unit in self.arm.units])
         if isinstance(value, list):
-            theta: Array = as_theta(value, self.arm.n, "a configuration", self.arm.joint_names) * per_joint
-            return theta
+            return as_theta(value, self.arm.n, "a configuration", self.arm.joint_names) * per_joint
         if not isinstance(value, dict) or not value:
             raise InputError(f'a goal is "ready", {{ elbow = 0.5 }} or {{ xyz = [0.5, 0.0, 0.6] }}; got {shown(value)}')
         only(value, (*self.arm.joint_names, *GOAL))

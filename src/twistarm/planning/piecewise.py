@@ -42,8 +42,7 @@ def rescaled(coefficients: Array, unit: float | Array) -> Array:
     """p(unit · u) of polynomials (d + 1, ...), with one unit, or one per piece (s,)."""
     powers = np.arange(len(coefficients) - 1, -1, -1.0)
     factors = np.asarray(unit) ** powers.reshape(-1, *[1] * np.ndim(unit))
-    scaled: Array = coefficients * factors.reshape(*factors.shape, *[1] * (coefficients.ndim - factors.ndim))
-    return scaled
+    return coefficients * factors.reshape(*factors.shape, *[1] * (coefficients.ndim - factors.ndim))
 
 
 def spread(count: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -83,8 +82,7 @@ def shifted(coefficients: Array, by: Array) -> Array:
     """Return the same polynomials from `by` (s,) [s] after each segment's start: p(tau + by)."""
     binomials, powers = _binomials(len(coefficients) - 1)
     moved = binomials[:, :, None] * by ** powers[:, :, None]
-    same: Array = np.einsum("kps,ps...->ks...", moved, coefficients)
-    return same
+    return np.einsum("kps,ps...->ks...", moved, coefficients)
 
 
 @cache

@@ -66,8 +66,7 @@ def pulled_in(coefficients: Array, times: Array, waypoints: Array, limits: Joint
 
 def _outside(values: Array, lower: Array, upper: Array) -> Mask:
     """Tell which pieces (s, n) have a value (c, s, n) beyond the limits (n,)."""
-    outside: Mask = (values.min(0) < lower - ROUNDING) | (values.max(0) > upper + ROUNDING)
-    return outside
+    return (values.min(0) < lower - ROUNDING) | (values.max(0) > upper + ROUNDING)
 
 
 def _states(coefficients: Array, durations: Array) -> Array:

@@ -62,7 +62,7 @@ class _BlockedError(Exception):
     @property
     def reached(self) -> float:
         """How far the run comes: segments done, plus the share of the blocked one."""
-        return self.index + self.blocked.share
+        return self.index + self.blocked.node.s
 
 
 class Router:
@@ -148,7 +148,7 @@ class Router:
         """Do the same for the chosen options: nearest starts, then all others, then a wide ladder."""
         farthest: _BlockedError | None = None
         for group, wide in ((starts[:NEAREST], False), (starts[NEAREST:], False), (starts, True)):
-            if not len(group) or (wide and farthest and not farthest.blocked.moving.freedom(self.arm.n)):
+            if not len(group) or (wide and farthest and not farthest.blocked.node.moving.freedom(self.arm.n)):
                 continue
             try:
                 return self._laddered(run, group, theta, options, wide)

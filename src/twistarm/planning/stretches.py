@@ -165,8 +165,7 @@ def _leaves_ball(arm: Arm, path: JointPath, radius: float, begin: float, end: fl
 
 
 def _distance(arm: Arm, path: JointPath, s: Array, centre: Array) -> Array:
-    distance: Array = np.linalg.norm(arm.fk(path(s))[..., :3, 3] - centre, axis=-1)
-    return distance
+    return np.linalg.norm(arm.fk(path(s))[..., :3, 3] - centre, axis=-1)
 
 
 def _part(path: JointPath, begins: float, ends: float) -> JointPath:

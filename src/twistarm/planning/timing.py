@@ -61,8 +61,9 @@ def fastest_spline(
     position limits is pulled in. Then slack segments are shortened and those that set the factor lengthened. The
     shortest motion is taken.
     """
-    least = np.diff(_accumulated(_least_durations(waypoints, bounds)))
     way = np.ascontiguousarray(np.diff(waypoints, axis=0) @ bounds.C.T)
+    least = np.maximum(np.abs(way) / bounds.velocity, np.sqrt(np.abs(way) / bounds.acceleration)).max(-1)
+    least = np.diff(_accumulated(least))
     start = least if len(waypoints) <= FEW_WAYPOINTS else _along_path(waypoints, degree, bounds)
     times = _accumulated(shortest_spline(way, degree, bounds.rates, start))
     best = times, *pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)
@@ -152,8 +153,7 @@ def _eased(times: Array) -> Array:
         return within
 
     t = np.linspace(0.0, float(times[-1]) + span, EASED_SAMPLES * count)
-    eased: Array = np.interp(index, (area(t) - area(t - span)) / span, t)
-    return eased
+    return np.interp(index, (area(t) - area(t - span)) / span, t)
 
 
 def fastest_rests(waypoints: Array, fit: Fit, bounds: PathBounds) -> Array:
@@ -188,8 +188,7 @@ def trapezoid_ramps(waypoints: Array, times: Array, bounds: PathBounds) -> Array
     most = np.minimum(T - 1.0 / V, 0.5 * T)
     feasible = most >= least * (1.0 - RATE_TOL)
     ramps: Array = np.where(feasible, np.clip(T / 3.0, least, most), T / 3.0)
-    kept: Array = np.maximum(ramps, ROUNDING * times[-1])
-    return kept
+    return np.maximum(ramps, ROUNDING * times[-1])
 
 
 def _searches(
@@ -217,13 +216,6 @@ def _search(waypoints: Array, fit: Fit, bounds: PathBounds, durations: Array) ->
         shortest = min(shortest, factor * float(times[-1]))
         yield times * factor, breakpoints * factor, rescaled(coefficients, 1.0 / factor)
         durations = durations * factor * (needed / factor) ** CORRECTION
-
-
-def _least_durations(waypoints: Array, bounds: PathBounds) -> Array:
-    """The scale of each segment's time (k − 1,): distance over velocity, or its root over acceleration."""
-    distances = np.abs(np.diff(waypoints, axis=0) @ bounds.C.T)
-    least: Array = np.maximum(distances / bounds.velocity, np.sqrt(distances / bounds.acceleration)).max(-1)
-    return least
 
 
 def _line_limits(waypoints: Array, bounds: PathBounds) -> tuple[Array, Array]:

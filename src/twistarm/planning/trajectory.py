@@ -120,8 +120,7 @@ class Trajectory:
         """Return the largest magnitude of that derivative (0 … 3) over the whole motion, (n,), exactly."""
         _check_order(order)
         _, values = extremes(derivative(self.coefficients, order), np.diff(self.breakpoints))
-        peak: Array = np.abs(values).max(axis=(0, 1))
-        return peak
+        return np.abs(values).max(axis=(0, 1))
 
     def sample(self, dt: float) -> Samples:
         """Return position, velocity and acceleration every `dt` [s] from 0 on, and at `duration` exactly.

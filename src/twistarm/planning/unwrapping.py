@@ -25,9 +25,7 @@ def unwrapped(arm: Arm, theta: Array, near: Array, where: str, asked: bool) -> t
         name, unit = arm.joint_names[j], arm.units[j]
         given, taken = (quantity(float(value), unit) for value in (theta[j], nearest[j]))
         ways = [quantity(float(f"{abs(value - near[j]):.4g}"), unit) for value in (theta[j], nearest[j])]
-        notes.append(
-            f"{where}: joint {name!r} goes to {taken} in place of {given}, by whole turns"
-            if asked
-            else f"{where}: joint {name!r} turns by {ways[0]}; {argument('unwrap', True)} makes that {ways[1]}"
-        )
+        offered = f"turns by {ways[0]}; {argument('unwrap', True)} makes that {ways[1]}"
+        done = f"goes to {taken} in place of {given}, by whole turns"
+        notes.append(f"{where}: joint {name!r} {done if asked else offered}")
     return np.where(shorter, nearest, theta) if asked else theta, notes

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from ..support.checks import Array
@@ -27,7 +25,11 @@ def fastest_along_spline(points: Array, bounds: PathBounds, progress: Progress |
 
     It takes the faster of the centripetal and the chordal cubic spline, pulled inside the position limits.
     """
-    laws = [(time_optimal(path, bounds, progress), path, s) for path, s in _splines(points, bounds)]
+    least, laws = np.abs(np.diff(points, axis=0) @ bounds.C.T / bounds.velocity).max(-1), []
+    for exponent in EXPONENTS:
+        s = np.concatenate([[0.0], np.cumsum(least**exponent)])
+        path = JointPath(*pulled_in(spline.unforced(points, s), s, points, bounds.limits))
+        laws.append((time_optimal(path, bounds, progress), path, s))
     law, path, s = min(laws, key=lambda timed: timed[0].duration)
     return law.passes(s), *law.along(path)
 
@@ -60,11 +62,3 @@ def _chained(segments: list[tuple[Array, Array]]) -> Motion:
     when = np.concatenate([[0.0], np.cumsum([instants[-1] for instants, _ in segments])])
     breakpoints = [start + instants[1:] for start, (instants, _) in zip(when, segments, strict=False)]
     return when, np.concatenate([[0.0], *breakpoints]), np.concatenate([pieces for _, pieces in segments], axis=1)
-
-
-def _splines(points: Array, bounds: PathBounds) -> Iterator[tuple[JointPath, Array]]:
-    """Splines inside the position limits, and the parameters (k,) at which they pass the waypoints."""
-    least: Array = np.abs(np.diff(points, axis=0) @ bounds.C.T / bounds.velocity).max(-1)
-    for exponent in EXPONENTS:
-        s = np.concatenate([[0.0], np.cumsum(least**exponent)])
-        yield JointPath(*pulled_in(spline.unforced(points, s), s, points, bounds.limits)), s

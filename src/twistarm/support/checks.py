@@ -173,16 +173,14 @@ def require_callback(value: Any, name: str, arguments: str) -> Callable[..., obj
     """`value`, or InputError where it is neither a function nor None."""
     if value is not None and not callable(value):
         raise InputError(f"{name} must be a function of {arguments}, or None; got {shown(value)}")
-    found: Callable[..., object] | None = value
-    return found
+    return value
 
 
 def require_clock(value: Any, name: str) -> Callable[[], Any]:
     """`value`, or InputError where it is no function."""
     if not callable(value):
         raise InputError(f"{name} must be a function that returns the time; got {shown(value)}")
-    clock: Callable[[], Any] = value
-    return clock
+    return value
 
 
 def require_method(value: T, name: str, method: str) -> T:
@@ -207,8 +205,7 @@ def as_direction(value: ArrayLike, name: str) -> Array:
     norm = np.hypot.reduce(array, axis=-1, keepdims=True)
     if not (norm > 1e-12).all():
         raise InputError(f"{name} must not be the zero vector: it has no direction")
-    unit: Array = array / norm
-    return unit
+    return array / norm
 
 
 def as_twist(value: ArrayLike, name: str = "twist") -> Array:

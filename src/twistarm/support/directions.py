@@ -24,8 +24,7 @@ def signed(U: Array) -> Array:
     """The columns of (..., m, k) with the largest component of each positive, the first of equal ones."""
     sizes = np.abs(U)
     largest = np.argmax(sizes >= sizes.max(axis=-2, keepdims=True) - EQUAL, axis=-2, keepdims=True)
-    turned: Array = U * np.where(np.take_along_axis(U, largest, axis=-2) < 0.0, -1.0, 1.0)
-    return turned
+    return U * np.where(np.take_along_axis(U, largest, axis=-2) < 0.0, -1.0, 1.0)
 
 
 def nearest_axes(P: Array, count: int) -> Array:

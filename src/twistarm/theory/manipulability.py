@@ -65,8 +65,7 @@ def scaled_jacobian(J: Array, prismatic: Array, length: float) -> Array:
     """`J` (..., 6, n) with linear rows / length and prismatic columns (a boolean (n,)) · length."""
     rows = np.array([1.0 / length] * 3 + [1.0] * 3)
     columns = np.where(prismatic, length, 1.0)
-    scaled: Array = J * rows[:, None] * columns
-    return scaled
+    return J * rows[:, None] * columns
 
 
 def manipulability_of(

@@ -132,8 +132,7 @@ def _rodrigues(u: Array, sin_half: Array, cos_half: Array) -> Array:
     """
     u_hat = skew(u)
     sin, versine = 2.0 * sin_half * cos_half, 2.0 * sin_half**2
-    rotation: Array = sin[..., None, None] * u_hat + versine[..., None, None] * (u_hat @ u_hat) + np.eye(3)
-    return rotation
+    return sin[..., None, None] * u_hat + versine[..., None, None] * (u_hat @ u_hat) + np.eye(3)
 
 
 # axis and angle ---------------------------------------------------------------------------------------
@@ -215,8 +214,7 @@ def quaternion_product_wxyz(P: ArrayLike, Q: ArrayLike) -> Array:
 def quaternion_inverse_wxyz(Q: ArrayLike) -> Array:
     """Q⁻¹ = Q*/‖Q‖² (..., 4), scalar first, for Q of any length; ‖Q‖² = Q Q*. InputError for Q = 0."""
     unit, length = _unit_quaternion(Q)
-    inverse: Array = unit * [1.0, -1.0, -1.0, -1.0] / length
-    return inverse
+    return unit * [1.0, -1.0, -1.0, -1.0] / length
 
 
 def _unit_quaternion(Q: ArrayLike) -> tuple[Array, Array]:
@@ -259,8 +257,7 @@ def _canonical(Q: Array) -> Array:
     Q = np.where((np.arange(4) == 0) & (np.abs(Q) <= HALF_TURN_TOL), 0.0, Q)
     first = np.argmax(np.abs(Q) > HALF_TURN_TOL, axis=-1)
     sign = np.sign(np.take_along_axis(Q, first[..., None], axis=-1))
-    canonical: Array = Q * sign + 0.0  # + 0.0 turns −0 into 0
-    return canonical
+    return Q * sign + 0.0  # + 0.0 turns −0 into 0
 
 
 # Euler angles -----------------------------------------------------------------------------------------

@@ -269,8 +269,7 @@ class Screw(Brief):
         slide = np.where(pure, 0.0, self.pitch[..., None]) * self.axis
         v = np.where(pure, self.axis, cross(self.point, self.axis) + slide)
         w = np.where(pure, 0.0, self.axis)
-        twist: Array = np.concatenate([v, w], axis=-1) * self.magnitude[..., None]
-        return twist
+        return np.concatenate([v, w], axis=-1) * self.magnitude[..., None]
 
 
 def to_screw(xi: ArrayLike) -> Screw:

@@ -269,8 +269,7 @@ def _slide(name: str, axis: ArrayLike, frame: Array, limit: Mapping[str, float])
 
 
 def _unit(axis: ArrayLike) -> Array:
-    unit: Array = joints.prismatic(axis)[:3, 0]
-    return unit
+    return joints.prismatic(axis)[:3, 0]
 
 
 def _at(axis: ArrayLike, point: ArrayLike) -> Array:

@@ -145,16 +145,9 @@ def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -
 def _within(arm: Arm, file: str) -> Arm:
     """The arm without the named poses outside its limits."""
     states = {name: theta for name, theta in arm.named_states.items() if arm.limits.contains(theta)}
-    left_out = [
-        finding(
-            "state-outside-limits",
-            Place(file, None, "named_states", name),
-            "it lies outside the limits that were given; it is left out",
-            "correct them, where the arm needs it",
-        )
-        for name in arm.named_states
-        if name not in states
-    ]
+    what, remedy = "it lies outside the limits that were given; it is left out", "correct them, where the arm needs it"
+    places = [Place(file, None, "named_states", name) for name in arm.named_states if name not in states]
+    left_out = [finding("state-outside-limits", place, what, remedy) for place in places]
     return replace(arm, named_states=states, findings=(*arm.findings, *left_out))
 
 
@@ -347,12 +340,9 @@ def _with_what_is_said(
         taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
         taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []
         taken += [f"{len(pairs)} pair{'s' * (len(pairs) > 1)} of links that need no collision check"] if pairs else []
-        found = finding(
-            "srdf-found",
-            Place(semantics.path.name),
-            f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}",
-            "tip=, an arm.toml or another srdf= win over it",
-        )
+        what = f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}"
+        remedy = "tip=, an arm.toml or another srdf= win over it"
+        found = finding("srdf-found", Place(semantics.path.name), what, remedy)
         findings = (*arm.findings, found, *stating)
         arm = replace(arm, named_states={**states, **poses}, disabled_collisions=pairs, findings=findings)
     return _with_ready_said(arm, specification, semantics)

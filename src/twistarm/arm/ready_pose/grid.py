@@ -48,8 +48,7 @@ class Grid:
 
     def costs(self, rows: Rows) -> Array:
         """The sum of the costs of each row, (...)."""
-        costs: Array = self.cost[np.arange(len(self.count)), rows].sum(-1)
-        return costs
+        return self.cost[np.arange(len(self.count)), rows].sum(-1)
 
 
 def grid_of(limits: JointLimits, bounds: tuple[Array, Array], units: tuple[str, ...]) -> Grid:

@@ -60,8 +60,7 @@ class Sketch:
     def at(self, motions: Array) -> Array:
         """The corners (..., m + 2, 3) for what each joint has undergone, (..., m + 1, 4, 4), the identity first."""
         moved = np.concatenate([motions, motions[..., -1:, :, :]], axis=-3)
-        placed: Array = np.einsum("...ij,...j->...i", moved[..., :3, :3], self.corners) + moved[..., :3, 3]
-        return placed
+        return np.einsum("...ij,...j->...i", moved[..., :3, :3], self.corners) + moved[..., :3, 3]
 
     @cached_property
     def size(self) -> float:
@@ -122,8 +121,7 @@ class Stance:
         square = np.maximum(np.sum(way * way, axis=-1), 1e-12)
         corners = placed[:, between] - start[:, None]
         share = np.clip(np.sum(corners * way[:, None], axis=-1) / square[:, None], 0.0, 1.0)
-        heights: Array = corners[..., 2] - share * way[:, None, 2]
-        return heights
+        return corners[..., 2] - share * way[:, None, 2]
 
     def _hand(self, placed: Array, ahead: Array) -> Array:
         """Cost of the last stroke. It should point forward, down, or between the two."""
@@ -131,8 +129,7 @@ class Stance:
         hand = hand / np.maximum(np.linalg.norm(hand, axis=-1, keepdims=True), 1e-12)
         up, forward = hand[:, 2], np.sum(hand[:, :2] * ahead, axis=-1)
         askew = np.minimum(np.abs(up), np.linalg.norm(hand[:, :2], axis=-1))
-        cost: Array = TOOL_UP * np.maximum(0.0, up) + TOOL_BACK * np.maximum(0.0, -forward) + TOOL_ASKEW * askew
-        return cost
+        return TOOL_UP * np.maximum(0.0, up) + TOOL_BACK * np.maximum(0.0, -forward) + TOOL_ASKEW * askew
 
     @cached_property
     def _shoulder(self) -> int:
@@ -197,5 +194,4 @@ def _ratios(J: Array) -> Array:
     """σ_k/σ_1 of matrices (N, r, n), (N, min(r, n)), none below `HOPELESS`."""
     transposed = np.swapaxes(J, 1, 2)
     squares = np.linalg.eigvalsh(J @ transposed if J.shape[2] >= J.shape[1] else transposed @ J)[:, ::-1]
-    ratios: Array = np.sqrt(np.maximum(squares / np.maximum(squares[:, :1], 1e-300), HOPELESS**2))
-    return ratios
+    return np.sqrt(np.maximum(squares / np.maximum(squares[:, :1], 1e-300), HOPELESS**2))

@@ -99,10 +99,5 @@ def _placeholders(description: Description, solid: dict[str, Body]) -> Iterator[
     if first is None or len(solid) < PLACEHOLDERS:
         return
     if all(body.mass == first.mass and (_moments(body) == _moments(first)).all() for body in solid.values()):
-        yield grouped(
-            "inertia-placeholder",
-            description,
-            [description.links[name] for name in solid],
-            f"all have the mass {first.mass:g} kg and the same inertia: placeholders; gravity torques mean nothing",
-            _REMEDY,
-        )
+        what = f"all have the mass {first.mass:g} kg and the same inertia: placeholders; gravity torques mean nothing"
+        yield grouped("inertia-placeholder", description, [description.links[name] for name in solid], what, _REMEDY)

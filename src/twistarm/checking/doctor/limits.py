@@ -101,13 +101,10 @@ def check_zero(arm: Arm) -> Iterator[Finding]:
         if not lower <= 0.0 <= upper
     ]
     if outside:
-        yield finding(
-            "zero-outside-limits",
-            place_of(arm.description, arm.name),
-            f"the zero pose is outside the limits of {', '.join(outside[:SHOWN])}"
-            + (f" and {len(outside) - SHOWN} more" if len(outside) > SHOWN else ""),
-            "do not command zeros: start from the ready pose",
-        )
+        more = f" and {len(outside) - SHOWN} more" if len(outside) > SHOWN else ""
+        what = f"the zero pose is outside the limits of {', '.join(outside[:SHOWN])}{more}"
+        remedy = "do not command zeros: start from the ready pose"
+        yield finding("zero-outside-limits", place_of(arm.description, arm.name), what, remedy)
 
 
 def check_reach(arm: Arm) -> Iterator[Finding]:
@@ -116,12 +113,9 @@ def check_reach(arm: Arm) -> Iterator[Finding]:
     if units or arm.reach > LONGEST_REACH:
         unit, *others = units or ["millimetres"]
         also = " or ".join(f"by {UNITS[other]:g} for {other}" for other in others)
-        yield finding(
-            "reach-implausible",
-            place_of(arm.description, arm.name),
-            f"its reach is {arm.reach:.4g} m: lengths in {unit} look like that",
-            f"write every <origin xyz> in metres: multiply by {UNITS[unit]:g}" + (f" (or {also})" if also else ""),
-        )
+        what = f"its reach is {arm.reach:.4g} m: lengths in {unit} look like that"
+        remedy = f"write every <origin xyz> in metres: multiply by {UNITS[unit]:g}" + (f" (or {also})" if also else "")
+        yield finding("reach-implausible", place_of(arm.description, arm.name), what, remedy)
 
 
 def likely_units(description: Description, reach: float) -> list[str]:
@@ -176,26 +170,16 @@ def _range(description: Description, joint: Joint, given: Place | None, lengths:
     largest = max(map(abs, bounds), default=0.0)
     shown = f"its limits [{joint.lower:g}, {joint.upper:g}] {unit}"
     if unit == "rad" and TOO_WIDE < largest <= WIDEST_DEGREES:
-        yield finding(
-            "limits-look-like-degrees",
-            place,
-            f"{shown} allow {_turns(joint, largest):.3g} turns; they look like degrees",
-            _bounds_remedy(joint, given, np.radians([joint.lower, joint.upper])),
-        )
+        what = f"{shown} allow {_turns(joint, largest):.3g} turns; they look like degrees"
+        remedy = _bounds_remedy(joint, given, np.radians([joint.lower, joint.upper]))
+        yield finding("limits-look-like-degrees", place, what, remedy)
     elif unit == "m" and largest > LONGEST_SLIDE:
-        yield finding(
-            "limits-look-like-millimetres",
-            place,
-            f"{shown} look like {lengths}",
-            _bounds_remedy(joint, given, np.array([joint.lower, joint.upper]) * UNITS[lengths]),
-        )
+        remedy = _bounds_remedy(joint, given, np.array([joint.lower, joint.upper]) * UNITS[lengths])
+        yield finding("limits-look-like-millimetres", place, f"{shown} look like {lengths}", remedy)
     elif 0.0 < joint.upper - joint.lower < TINY[unit]:
-        yield finding(
-            "limit-range-tiny",
-            place,
-            f"{shown} leave {joint.upper - joint.lower:.2g} {unit}: it can hardly move",
-            "angles are in radians and slides in metres; make it a fixed joint if it is meant to stand still",
-        )
+        what = f"{shown} leave {joint.upper - joint.lower:.2g} {unit}: it can hardly move"
+        remedy = "angles are in radians and slides in metres; make it a fixed joint if it is meant to stand still"
+        yield finding("limit-range-tiny", place, what, remedy)
 
 
 def _turns(joint: Joint, largest: float) -> float:

@@ -46,13 +46,9 @@ def check_meshes(description: Description, reader: MeshReader) -> Iterator[Findi
     paths = list(dict.fromkeys(use.path for use in uses))
     pointers = [path for path in paths if _is_pointer(path)]
     if pointers:
-        yield _mesh_finding(
-            "mesh-lfs-pointer",
-            description,
-            pointers,
-            "Git LFS pointers, not meshes; they are not drawn",
-            "run git lfs pull in the repository they come from",
-        )
+        what = "Git LFS pointers, not meshes; they are not drawn"
+        remedy = "run git lfs pull in the repository they come from"
+        yield _mesh_finding("mesh-lfs-pointer", description, pointers, what, remedy)
     yield from _sizes(description, [path for path in paths if path not in pointers], uses, reader)
 
 
@@ -93,13 +89,9 @@ def _out_of_scale(description: Description, lengths: dict[Use, float]) -> Iterat
         longest = max(large.values())
         unit, others = _likely_unit(longest, size)
         check = f"; check the unit of the export: it may be {others} too" if others else ""
-        yield _mesh_finding(
-            "mesh-too-large",
-            description,
-            [use.path for use in large],
-            f"{longest:.4g} m long, on an arm of {size:.3g} m: likely in {unit}",
-            _rescaled(list(large), UNITS[unit]) + check,
-        )
+        what = f"{longest:.4g} m long, on an arm of {size:.3g} m: likely in {unit}"
+        remedy = _rescaled(list(large), UNITS[unit]) + check
+        yield _mesh_finding("mesh-too-large", description, [use.path for use in large], what, remedy)
     elif lengths and max(lengths.values()) < TOO_SMALL * size:
         odd = size > LONGEST_REACH
         yield _mesh_finding(

@@ -120,8 +120,7 @@ def _other_axes(able: Abilities, roll: Array) -> Array:
     """The second axis (k, 3) in base axes at each configuration: in the span of the free ones, across the roll."""
     rolls = able.R @ roll
     missing = np.cross(able.free[:, :, 0], able.free[:, :, 1])
-    axes: Array = np.cross(missing, rolls)
-    return axes
+    return np.cross(missing, rolls)
 
 
 def _instead(able: Abilities, tool_axis: Array) -> str:

@@ -33,14 +33,12 @@ def check_off_the_chain(arm: Arm, description: Description) -> Iterator[Finding]
         if joint.moving and joint.name not in moved and joint.name not in arm.moving_names and joint.mimic is None
     ]
     if idle:
-        yield grouped(
-            "joint-off-the-chain",
-            description,
-            idle,
+        what = (
             f"{'they are' if len(idle) > 1 else 'it is'} not between {arm.base} and {arm.tip_link} and "
-            f"{'do' if len(idle) > 1 else 'does'} not move the tool",
-            f"nothing, if that is meant; else pass {argument('tip')}",
+            f"{'do' if len(idle) > 1 else 'does'} not move the tool"
         )
+        remedy = f"nothing, if that is meant; else pass {argument('tip')}"
+        yield grouped("joint-off-the-chain", description, idle, what, remedy)
 
 
 def check_without_effect(arm: Arm, able: Abilities) -> Iterator[Finding]:
@@ -48,12 +46,9 @@ def check_without_effect(arm: Arm, able: Abilities) -> Iterator[Finding]:
     sizes = np.abs(able.body).max(axis=(0, 1))
     for name, size in zip(arm.joint_names, sizes, strict=True):
         if size <= NO_MOTION:
-            yield finding(
-                "joint-without-effect",
-                place_of(arm.description, arm.name),
-                f"joint {name!r} does not move the tool at any configuration: what it turns is turned back",
-                "look at the mimics behind it, or lock it",
-            )
+            what = f"joint {name!r} does not move the tool at any configuration: what it turns is turned back"
+            remedy = "look at the mimics behind it, or lock it"
+            yield finding("joint-without-effect", place_of(arm.description, arm.name), what, remedy)
 
 
 def check_tool(arm: Arm, description: Description) -> Iterator[Finding]:

@@ -5,22 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from ...arm.arm import Arm
 from ...arm.baking import SUFFIX, digest_of, text_of
 from ...export import limits_yaml, matlab
 from ...export.cpp_header import SUFFIXES, core_headers, cpp_header, namespace_of
 from ..options import Json, takes_arm
 from ..output import print_json, say
-from ..outputs import STDOUT, Force, Format, outputs_of
+from ..outputs import STDOUT, Force, Format, outputs_of, repeated
 
-Output = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--output", "-o", metavar="FILE", help="*.json, *.hpp, *.m or *.yaml, by default ARM.json; repeat it."
-    ),
-]
+Output = Annotated[list[str] | None, repeated("*.json, *.hpp, *.m or *.yaml, by default ARM.json")]
 
 
 @takes_arm

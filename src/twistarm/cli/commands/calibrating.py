@@ -17,8 +17,8 @@ from ...support.errors import InputError
 from ...viewer import Viewer
 from ..avoiding import Avoid, avoided
 from ..options import Json, takes_arm
-from ..output import console, number, print_json, say, shown, table, units
-from ..outputs import Force, Outputs, outputs_of
+from ..output import console, joint_heads, number, print_json, say, shown, table
+from ..outputs import Force, Outputs, outputs_of, repeated
 from .viewing import show_address
 
 Logs = Annotated[
@@ -38,12 +38,9 @@ Eccentricity = Annotated[bool, typer.Option("--eccentricity", help="Fit eccentri
 Next = Annotated[int, typer.Option("--next", metavar="N", help="Name N configurations to measure next.")]
 Written = Annotated[
     list[str] | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE",
-        help="The corrected description (*.urdf), the motors' offsets for arm.toml (*.toml), or a plot (*.png); "
-        "repeat it. With a toml the zeros are not in the urdf.",
+    repeated(
+        "The corrected description (*.urdf), the motors' offsets for arm.toml (*.toml), or a plot (*.png). "
+        "With a toml the zeros are not in the urdf"
     ),
 ]
 
@@ -159,8 +156,11 @@ def _tables(found: Calibration, arm: Arm, more: Any) -> Iterator[Any]:
     thirds = [[name, *(number(1000 * error, 3) for error in errors)] for name, errors in found.by_joint().items()]
     yield table("median error [mm] by thirds of each joint's range", ["joint", "lower", "middle", "upper"], thirds)
     if len(more):
-        heads = [f"{name} [{unit}]" for name, unit in zip(arm.joint_names, units(arm, radians=False), strict=True)]
-        yield table("to measure next", ["", *heads], [[k + 1, *shown(arm, x, False, 2)] for k, x in enumerate(more)])
+        yield table(
+            "to measure next",
+            ["", *joint_heads(arm, radians=False)],
+            [[k + 1, *shown(arm, x, False, 2)] for k, x in enumerate(more)],
+        )
     errors = (
         ("all rows", float(found.before.mean()), float(found.after.mean())),
         ("rows left out", found.held_out_before, found.held_out),
@@ -182,17 +182,9 @@ def _toml(found: Calibration) -> str:
 
 
 def _as_json(found: Calibration) -> dict[str, Any]:
-    names = (
-        "base",
-        "tool",
-        "expected",
-        "held_out",
-        "held_out_before",
-        "block",
-        "block_before",
-        "confirmed",
-        "outliers",
-    )
+    names = [
+        "base", "tool", "expected", "held_out", "held_out_before", "block", "block_before", "confirmed", "outliers"
+    ]  # fmt: skip
     estimates = [
         {"owner": one.parameter.owner, "what": one.parameter.what, "unit": one.parameter.unit, "value": one.value,
          "std": one.std, "seen": one.seen}

@@ -10,7 +10,7 @@ from ...arm.arm import Arm
 from ...collision import Scene
 from ...collision.survey import Survey, srdf_text, survey
 from ..options import Json, Radians, SceneFile, takes_arm
-from ..output import console, finding_json, literal, print_json, progress_bar, say, table, theta_values, units
+from ..output import console, finding_json, joint_heads, literal, print_json, progress_bar, say, table, theta_values
 from ..outputs import Force, Output, outputs_of
 from ..wording import in_options
 
@@ -32,11 +32,10 @@ def collisions(
     """List which pairs of links are not checked and why, and which collide; -o ARM.srdf writes the former."""
     outputs = outputs_of(output, {"srdf": (".srdf",)}, force=force, json=json, over_description=True)
     with progress_bar("allowed pairs") as progress:
-        asked = margin or None
         if scene is None:
             made = Scene(arm, margin=margin, progress=progress)
         else:
-            made = Scene.load(arm, scene, margin=asked, progress=progress)
+            made = Scene.load(arm, scene, margin=margin or None, progress=progress)
         made.find_allowed_pairs()
     with progress_bar("configurations") as progress:
         found = survey(made, samples, progress=progress)
@@ -74,10 +73,8 @@ def _print(scene: Scene, found: Survey, radians: bool) -> None:
         for pair in found.pairs
     ]
     if rows:
-        named = (
-            f"{name} [{unit}]" for name, unit in zip(scene.arm.joint_names, units(scene.arm, radians), strict=True)
-        )
-        columns, order = ["pair", "share", "for example at"], f"examples as in --theta: {', '.join(named)}"
+        columns = ["pair", "share", "for example at"]
+        order = f"examples as in --theta: {', '.join(joint_heads(scene.arm, radians))}"
         console().print(table("pairs that collide", columns, rows, text=columns[::2], caption=order))
     for found_one in scene.findings:
         console().print(literal(in_options(str(found_one))))

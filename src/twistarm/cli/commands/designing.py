@@ -21,8 +21,8 @@ from ...support.pictures import empty_figure, png_of
 from ...sweeps import reach_map
 from ..asked_motion import motion_of_file, typed_targets
 from ..options import CONFIGURATION, Json, Radians, takes_arm, takes_source
-from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_typed, units
-from ..outputs import Force, outputs_of
+from ..output import console, joint_heads, note, number, print_json, progress_bar, say, shown, table, theta_typed, units
+from ..outputs import Force, outputs_of, repeated
 from ..typed import length, parse_theta
 from .inspection import info_json
 from .kinematics import warn_outside
@@ -37,14 +37,8 @@ Voxel = Annotated[
 ]
 SAMPLES = 200_000
 """Random configurations of a map of the payload: four seconds."""
-Files = Annotated[
-    list[str] | None,
-    typer.Option("--output", "-o", metavar="FILE", help="Every configuration to *.csv, a picture to *.png; repeat it."),
-]
-Tables = Annotated[
-    list[str] | None,
-    typer.Option("--output", "-o", metavar="FILE", help="The figures to *.csv, bars and outlines to *.png; repeat it."),
-]
+Files = Annotated[list[str] | None, repeated("Every configuration to *.csv, a picture to *.png")]
+Tables = Annotated[list[str] | None, repeated("The figures to *.csv, bars and outlines to *.png")]
 LAYERS = 24
 """Cubes of a map from the base to the farthest place."""
 
@@ -136,9 +130,8 @@ def _contents(found: Payload, x: Array, by: list[str], voxel: float | None) -> d
 def _csv(found: Payload, theta: Array, by: list[str]) -> str:
     """A row for each state: the time of a motion, theta, the payload and what limits it."""
     times = {} if found.t is None else {"time [s]": found.t}
-    joints = [f"{name} [{unit}]" for name, unit in zip(found.arm.joint_names, found.arm.units, strict=True)]
     rows = np.column_stack([*times.values(), theta, found.mass.ravel()]).tolist()
-    heads = [*times, *joints, "payload [kg]", "limited by"]
+    heads = [*times, *joint_heads(found.arm), "payload [kg]", "limited by"]
     return csv_text(heads, ([*row, name] for row, name in zip(rows, by, strict=True)))
 
 

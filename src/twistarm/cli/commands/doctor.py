@@ -61,7 +61,9 @@ def doctor(
             raise InputError("--fix takes one description at a time; give a file in place of the folder")
         return walk(Path(source), "doctor", lambda path: _line(path, load, strict), json=json)
     diagnosis = examine(source, **load)
-    _require_file(diagnosis, source)
+    # A file that does not exist is the caller's error, not the doctor's business.
+    if any(one.code == "file-not-found" and one.place.file == source for one in diagnosis.findings):
+        raise refusal_of(diagnosis.findings)
     made = None
     if output is not None and diagnosis.description is not None:
         made = repair(diagnosis.description, "copy.urdf" if output == STDOUT else output)
@@ -78,12 +80,6 @@ def doctor(
 
 def _good(diagnosis: Diagnosis, strict: bool) -> bool:
     return diagnosis.worst not in (("error", "warning") if strict else ("error",))
-
-
-def _require_file(diagnosis: Diagnosis, source: str) -> None:
-    """A file that does not exist is the caller's error, not the doctor's business."""
-    if any(one.code == "file-not-found" and one.place.file == source for one in diagnosis.findings):
-        raise refusal_of(diagnosis.findings)
 
 
 def _print(source: str, diagnosis: Diagnosis, words: TextIO) -> None:
@@ -138,12 +134,9 @@ def _print_repair(output: str | None, made: Repair | None, words: TextIO) -> Non
     complaint = f"Pinocchio's own parser still refuses it: {made.complaint}"
     reads = complaint if made.complaint else "Pinocchio's own parser reads it"
     same = "the same links, joints, limits and poses"
-    say(f"written: {output} ({_repairs(made)}; {same}; {reads})", file=words)
-
-
-def _repairs(made: Repair) -> str:
     n = len(made.changes)
-    return f"{n} repair{'s' * (n > 1)}" if n else "nothing to repair"
+    repairs = f"{n} repair{'s' * (n > 1)}" if n else "nothing to repair"
+    say(f"written: {output} ({repairs}; {same}; {reads})", file=words)
 
 
 def _as_json(source: str, diagnosis: Diagnosis, output: str | None, made: Repair | None) -> dict[str, Any]:
@@ -168,9 +161,5 @@ def _line(path: Path, load: dict[str, Any], strict: bool) -> Line:
     more = {"findings": [finding_json(one) for one in found]}
     if diagnosis.arm is None:
         return refused("", found, **more)
-    return Line(counted(found), _good(diagnosis, strict), diagnosis.arm, _serious_codes(found), more)
-
-
-def _serious_codes(findings: tuple[Finding, ...]) -> str:
-    """The codes of what is more than a remark."""
-    return ", ".join(dict.fromkeys(one.code for one in findings if one.severity != "info"))
+    serious = ", ".join(dict.fromkeys(one.code for one in found if one.severity != "info"))
+    return Line(counted(found), _good(diagnosis, strict), diagnosis.arm, serious, more)

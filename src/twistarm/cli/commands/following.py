@@ -123,8 +123,7 @@ def follow(
 def _simulated_start(arm: Arm, theta: str | None, motion: Trajectory, radians: bool) -> Array:
     """Where simulated joints stand, theta (n,): at the motion's start unless it was typed."""
     if theta is None:
-        start: Array = np.clip(motion.waypoints[0], arm.limits.lower, arm.limits.upper)
-        return start
+        return np.clip(motion.waypoints[0], arm.limits.lower, arm.limits.upper)
     x = parse_theta(arm, theta, radians)
     require_inside(arm, x, radians)
     return x

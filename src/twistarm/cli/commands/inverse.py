@@ -96,9 +96,7 @@ def ik(
     if columns is not None and targets is None:
         raise InputError("--columns names the columns of a file: it goes with --targets")
     _require_fitting(
-        all_,
-        {"--fixed-joint": given, "--include-turns": copies},
-        {"--posture": posture, "--targets": targets},
+        all_, {"--fixed-joint": given, "--include-turns": copies}, {"--posture": posture, "--targets": targets}
     )
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
@@ -109,13 +107,7 @@ def ik(
         target = orientation.at(parse_numbers(str(xyz), "m m m", "--xyz"))
         with progress_bar("ik") as progress:
             solutions = solve_ik_all(
-                arm,
-                target,
-                **how,
-                fixed_joints=stands,
-                include_turns=copies,
-                max_time=max_time,
-                progress=progress,
+                arm, target, **how, fixed_joints=stands, include_turns=copies, max_time=max_time, progress=progress
             )
         return tell_all(solutions, outputs, radians=rad, json=json)
     how["posture"] = posture if posture in (None, *POSTURES) else parse_theta(arm, str(posture), rad)

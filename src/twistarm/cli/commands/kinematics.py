@@ -75,17 +75,8 @@ def fk(
     g = arm.pose(x, name)
     written = outputs.write({"csv": lambda: poses_csv([1], g[None])})
     if json:
-        print_json(
-            {
-                "arm": arm.name,
-                "joint_names": arm.joint_names,
-                "theta": x,
-                "base": arm.base,
-                "frame": name,
-                **pose_json(g),
-                "written": written,
-            }
-        )
+        about = {"arm": arm.name, "joint_names": arm.joint_names, "theta": x, "base": arm.base, "frame": name}
+        print_json({**about, **pose_json(g), "written": written})
         return
     console(outputs.words).print(pose_table(f"{name} seen from {arm.base}", g, rad))
     say(theta_typed(arm, x, rad), file=outputs.words)

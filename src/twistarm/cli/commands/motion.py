@@ -24,7 +24,7 @@ from ..asked_motion import Typed, capped, typed_targets
 from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units
-from ..outputs import STDOUT, Force, Format, Outputs, outputs_of
+from ..outputs import STDOUT, Force, Format, Outputs, outputs_of, repeated
 from ..targets import Axis, OrientationTol, PositionTol, typed_tolerances
 from ..typed import POSE, RPY, XYZ, length
 from ..wording import in_options
@@ -109,13 +109,10 @@ Rate = Annotated[
 ]
 Output = Annotated[
     list[str] | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE",
-        help="Write time, position, velocity and acceleration to *.csv, or a ROS JointTrajectory to *.json or *.yaml, "
+    repeated(
+        "Write time, position, velocity and acceleration to *.csv, or a ROS JointTrajectory to *.json or *.yaml, "
         "a C99 and C++17 header to *.h; with [actuators] what the motors do and their drives count as well. - is "
-        "standard output; repeat it.",
+        "standard output"
     ),
 ]
 Unwrap = Annotated[

@@ -18,7 +18,7 @@ from ...theory.rotations import to_rpy
 from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, table
-from ..outputs import Force, Outputs, outputs_of
+from ..outputs import Force, Outputs, outputs_of, repeated
 from ..typed import PLACE, parse_numbers
 from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_texts
 
@@ -32,10 +32,7 @@ BasePose = Annotated[
 Speed = Annotated[
     float | None, typer.Option("--linear-speed", metavar="M/S", help="The tool goes no faster in the motion of -o.")
 ]
-Files = Annotated[
-    list[str] | None,
-    typer.Option("--output", "-o", metavar="FILE", help="A picture to *.png, the motion as plan does; repeat it."),
-]
+Files = Annotated[list[str] | None, repeated("A picture to *.png, the motion as plan does")]
 
 DONE, MISSED = "#0072b2", "#d55e00"
 """Colours that most people tell apart (Okabe & Ito)."""

@@ -14,7 +14,7 @@ from ...sweeps import ReachMap, reach_map
 from ..avoiding import Avoid, avoided
 from ..options import Json, takes_arm
 from ..output import console, number, print_json, progress_bar, say, table
-from ..outputs import STDOUT, Force, outputs_of
+from ..outputs import STDOUT, Force, outputs_of, repeated
 from ..typed import length, parse_numbers
 
 KINDS = {"npz": (".npz",), "png": (".png",), "ply": (".ply",)}
@@ -24,12 +24,7 @@ WORDS: dict[str, Any] = {"down": "down", "position": "position", "26": 26}
 UNITS = {"volume": "m³", "lowest": "m", "highest": "m", "best at": "m", "best margin": "rad or m"}
 """Units of the figures, by how their names begin."""
 
-Files = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--output", "-o", metavar="FILE", help="The map to *.npz, slices to *.png, a cloud to *.ply; repeat it."
-    ),
-]
+Files = Annotated[list[str] | None, repeated("The map to *.npz, slices to *.png, a cloud to *.ply")]
 Voxel = Annotated[float, typer.Option(parser=length, metavar="M", help="Side of a cube, in metres.")]
 Directions = Annotated[
     str, typer.Option(metavar="WHICH", help="down, position (in any orientation), 26 (all around) or 'X Y Z'.")

@@ -26,7 +26,7 @@ from ...viewer.server.watching import loaded
 from ..asked_motion import motion_of_file
 from ..options import CONFIGURATION, Json, Radians, SceneFile, takes_source
 from ..output import print_json, progress_bar, say, warn
-from ..outputs import Force, Format, outputs_of
+from ..outputs import Force, Format, outputs_of, repeated
 from ..typed import parse_theta
 from .kinematics import warn_outside
 
@@ -41,12 +41,9 @@ Port = Annotated[
 Host = Annotated[str, typer.Option(help="Interface to serve on; anything else opens the view to that network.")]
 Output = Annotated[
     list[str] | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE",
-        help="Write a stand-alone page (*.html), a picture (*.png) or a film of --play (*.webm) instead; - is standard "
-        "output; repeat it.",
+    repeated(
+        "Write a stand-alone page (*.html), a picture (*.png) or a film of --play (*.webm) instead; - is standard "
+        "output"
     ),
 ]
 FrameRate = Annotated[int | None, typer.Option(min=1, max=120, help="Frames of the film in a second; 30.")]

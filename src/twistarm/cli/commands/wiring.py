@@ -10,7 +10,7 @@ import numpy as np
 import typer
 
 from ...arm.arm import Arm
-from ...calibration import MotorVerdict, Residual, WiringReport, check_wiring
+from ...calibration import Residual, WiringReport, check_wiring
 from ..options import Json, takes_arm
 from ..output import console, number, print_json, progress_bar, say, table
 
@@ -74,7 +74,8 @@ def _table(arm: Arm, report: WiringReport) -> Any:
     rows = [
         [
             motor.name,
-            _verdict(motor),
+            # A question mark: the fault may be another motor's.
+            ", ".join(motor.faults) + "?" * (motor.verdict == "possible fault") or motor.verdict,
             _with_deviation(motor.scale, motor.scale_std),
             f"{_with_deviation(motor.offset * count, motor.offset_std * count)} {unit}",
             ", ".join(f"{joint} {_amount(value, units[joint])}" for joint, value in motor.joint_offset.items()),
@@ -83,11 +84,6 @@ def _table(arm: Arm, report: WiringReport) -> Any:
     ]
     columns = ["motor", "verdict", "readings times", "plus", "added to the joints"]
     return table(f"{report.arm}: its motors, and what fits the log", columns, rows, text=["verdict", columns[-1]])
-
-
-def _verdict(motor: MotorVerdict) -> str:
-    """The verdict for the table. A question mark: the fault may be another motor's."""
-    return ", ".join(motor.faults) + "?" * (motor.verdict == "possible fault") or motor.verdict
 
 
 def _with_deviation(value: float, deviation: float) -> str:

@@ -7,15 +7,6 @@ from .state import ServoState
 from .step import servo_step
 
 __all__ = [
-    "AnyCommand",
-    "CommandLike",
-    "JogCommand",
-    "PoseCommand",
-    "ServoOutput",
-    "ServoReason",
-    "ServoSettings",
-    "ServoState",
-    "ServoStatus",
-    "TwistCommand",
-    "servo_step",
-]
+    "AnyCommand", "CommandLike", "JogCommand", "PoseCommand", "ServoOutput", "ServoReason", "ServoSettings",
+    "ServoState", "ServoStatus", "TwistCommand", "servo_step",
+]  # fmt: skip

@@ -80,8 +80,7 @@ class FeedbackWatch:
         lower, upper = self._now
         if self._before is not None:
             lower, upper = np.minimum(lower, self._before[0]), np.maximum(upper, self._before[1])
-        away: Array = np.maximum(np.maximum(lower - theta, theta - upper), 0.0)
-        return away
+        return np.maximum(np.maximum(lower - theta, theta - upper), 0.0)
 
     def deviation(self, theta: Array) -> str:
         """The joint that is too far from its setpoints and its distance; "" for none."""

@@ -53,11 +53,8 @@ def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Findi
         try:
             semantics = read_srdf(path)
         except DescriptionError as error:
-            noted.append(
-                finding(
-                    "srdf-ignored", Place(path.name), str(error), f"correct it, or name another as {argument('srdf')}"
-                )
-            )
+            remedy = f"correct it, or name another as {argument('srdf')}"
+            noted.append(finding("srdf-ignored", Place(path.name), str(error), remedy))
             continue
         if semantics.name == description.name:
             matching.append(semantics)

@@ -39,8 +39,7 @@ def toml_content(text: str, path: Path, what: str = "an arm.toml") -> dict[str, 
     if max(map(len, text.splitlines()), default=0) > MAX_LINE:
         raise unusable(path, f"a line of more than {MAX_LINE:,} characters", f"break it; is it {what}?")
     try:
-        content: dict[str, Any] = tomllib.loads(text)
-        return content
+        return tomllib.loads(text)
     except RecursionError as error:
         raise unusable(path, "not valid TOML: it nests too deep", f"is it {what}?") from error
     except ValueError as error:  # TOMLDecodeError is one; so is Python's for an integer of too many digits

@@ -133,12 +133,8 @@ def unknown_argument(name: str, path: Path, known: Mapping[str, str | None]) -> 
 
 def package_finding(path: Path, package: str) -> Finding:
     """The finding for a missing package that no opened file needed."""
-    return finding(
-        "package-not-found",
-        Place(path.name),
-        f"$(find {package}): package not found; nothing the kinematics needs uses it",
-        f"pass {package_folder(package)} if its files matter",
-    )
+    what = f"$(find {package}): package not found; nothing the kinematics needs uses it"
+    return finding("package-not-found", Place(path.name), what, f"pass {package_folder(package)} if its files matter")
 
 
 def _reworded(text: str, expansion: Expansion) -> tuple[str, str]:

@@ -168,9 +168,6 @@ class Expressions:
         except KeyError:
             raise NameError(f"name {node.id!r} is not defined") from None
 
-    def _attribute(self, node: ast.Attribute, names: Mapping[str, Any]) -> Any:
-        return self._item(self._value(node.value, names), node.attr)
-
     def _item(self, value: Any, name: str) -> Any:
         """`value.name`."""
         if isinstance(value, dict):
@@ -210,12 +207,6 @@ class Expressions:
         result = function(*given, **named)
         return self.weigh(list(result) if name in ("items", "keys", "values") else result)
 
-    def _binary(self, node: ast.BinOp, names: Mapping[str, Any]) -> Any:
-        return self.operate(type(node.op), self._value(node.left, names), self._value(node.right, names))
-
-    def _unary(self, node: ast.UnaryOp, names: Mapping[str, Any]) -> Any:
-        return OPERATORS[type(node.op)](self._value(node.operand, names))
-
     def _compare(self, node: ast.Compare, names: Mapping[str, Any]) -> bool:
         left = self._value(node.left, names)
         for kind, part in zip(node.ops, node.comparators, strict=True):
@@ -235,9 +226,6 @@ class Expressions:
             if bool(value) is wanted:
                 return value
         return self._value(node.values[-1], names)
-
-    def _condition(self, node: ast.IfExp, names: Mapping[str, Any]) -> Any:
-        return self._value(node.body if self._value(node.test, names) else node.orelse, names)
 
     def _rounds(self, generators: Sequence[ast.comprehension], names: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
         """The names in each round of a comprehension."""
@@ -267,14 +255,18 @@ class Expressions:
 _VALUES: dict[type[ast.AST], Callable[[Expressions, Any, Mapping[str, Any]], Any]] = {
     ast.Constant: lambda self, node, names: node.value,
     ast.Name: Expressions._name,
-    ast.Attribute: Expressions._attribute,
+    ast.Attribute: lambda self, node, names: self._item(self._value(node.value, names), node.attr),
     ast.Subscript: Expressions._subscript,
     ast.Call: Expressions._call,
-    ast.BinOp: Expressions._binary,
-    ast.UnaryOp: Expressions._unary,
+    ast.BinOp: lambda self, node, names: self.operate(
+        type(node.op), self._value(node.left, names), self._value(node.right, names)
+    ),
+    ast.UnaryOp: lambda self, node, names: OPERATORS[type(node.op)](self._value(node.operand, names)),
     ast.Compare: Expressions._compare,
     ast.BoolOp: Expressions._both,
-    ast.IfExp: Expressions._condition,
+    ast.IfExp: lambda self, node, names: self._value(
+        node.body if self._value(node.test, names) else node.orelse, names
+    ),
     ast.List: Expressions._members,
     ast.Tuple: lambda self, node, names: tuple(self._members(node, names)),
     ast.Set: lambda self, node, names: set(map(key, self._members(node, names))),

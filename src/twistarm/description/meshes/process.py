@@ -96,8 +96,7 @@ class Process:
         try:
             if not self._pipe.poll(seconds):
                 raise TimeoutError
-            answer: dict[str, Any] = self._pipe.recv()
-            return answer
+            return self._pipe.recv()
         except (EOFError, ConnectionError) as error:
             with suppress(subprocess.TimeoutExpired):
                 if self._popen.wait(LAST) == -signal.SIGXCPU:

@@ -87,8 +87,7 @@ class MeshReader(Closeable):
             self._lengths[path] = error
             raise
         self._lengths[path] = answer["length"]
-        parts: list[Part] = answer["parts"]
-        return parts
+        return answer["parts"]
 
     def _answer(self, path: Path, most: float) -> dict[str, Any]:
         seconds = seconds_for(size_of(path))

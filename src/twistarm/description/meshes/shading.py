@@ -58,8 +58,7 @@ def welded(points: Array) -> Numbers:
 def unit(vectors: Array) -> Array:
     """The vectors (..., 3) at length 1; zeros stay."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    made: Array = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
-    return made
+    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
 
 
 def simplified(corners: Array, most: int) -> Array:
@@ -82,8 +81,7 @@ def simplified(corners: Array, most: int) -> Array:
     # A cell holds both sides of a thin wall: each triangle once, as it is turned.
     least = vertex[kept].argmin(axis=1)
     turned = np.take_along_axis(vertex[kept], (least[:, None] + np.arange(3)) % 3, axis=1)
-    made: Array = places[np.unique(turned, axis=0)]
-    return made
+    return places[np.unique(turned, axis=0)]
 
 
 def _fitting(corners: Array, extent: Array, most: int) -> float:
@@ -105,15 +103,13 @@ def _cells(corners: Array, extent: Array, count: float) -> Numbers:
     size = np.where(extent > 0, np.minimum(length, extent / FEWEST), length)
     at = (corners / size).astype(np.int64)
     side = np.ceil(extent / size).astype(np.int64) + 1
-    cell: Numbers = (at[..., 0] * side[1] + at[..., 1]) * side[2] + at[..., 2]
-    return cell
+    return (at[..., 0] * side[1] + at[..., 1]) * side[2] + at[..., 2]
 
 
 def _distinct(vertex: Numbers) -> NDArray[np.bool_]:
     """Which triangles have three different vertices."""
     a, b, c = vertex.T
-    kept: NDArray[np.bool_] = (a != b) & (b != c) & (c != a)
-    return kept
+    return (a != b) & (b != c) & (c != a)
 
 
 def _places(corners: Array, vertex: Numbers, count: int) -> Array:
@@ -150,8 +146,7 @@ def _angles(corners: Array) -> Array:
     """Of each triangle at each of its corners (F, 3)."""
     ahead = unit(np.roll(corners, -1, axis=1) - corners)
     behind = -np.roll(ahead, 1, axis=1)
-    made: Array = np.arccos(np.clip((ahead * behind).sum(axis=-1), -1.0, 1.0))
-    return made
+    return np.arccos(np.clip((ahead * behind).sum(axis=-1), -1.0, 1.0))
 
 
 def _smooth_pairs(normals: Array, vertex: Numbers) -> tuple[Numbers, Numbers]:

@@ -241,13 +241,9 @@ def _unclear(
         return refusal("nothing-moves", description.place(), "no joint moves", "is it the description of an arm?")
     if len(ends) < 2:
         what = f"nothing that is an arm in it, only {'wheels, legs or heads' if not ends else 'too short a chain'}"
-        likeliest = _candidates(description, found, ends)[0]
-        return refusal(
-            "no-tip",
-            description.place(),
-            what,
-            f"to take one of its chains all the same, pass {argument('tip', likeliest)}",
-        )
+        likeliest = argument("tip", _candidates(description, found, ends)[0])
+        remedy = f"to take one of its chains all the same, pass {likeliest}"
+        return refusal("no-tip", description.place(), what, remedy)
     return _several(description, [(link, end) for end in ends for link in _likely(description, end)], groups)
 
 

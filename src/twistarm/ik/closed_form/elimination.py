@@ -151,8 +151,7 @@ def _left_side(chain: tuple[JointAxis, ...]) -> Array:
     for i, j, k in np.ndindex(3, 3, 3):
         g: Array = third.motion(THIRDS[i]) @ fourth.motion(THIRDS[j]) @ fifth.motion(THIRDS[k])
         values[i, j, k] = _fourteen(g[:3, :3] @ sixth.o + g[:3, 3] - second.o, g[:3, :3] @ sixth.w)
-    coefficients: Array = np.einsum("ai,bj,ck,ijke->eabc", FROM_SAMPLES, FROM_SAMPLES, FROM_SAMPLES, values)
-    return coefficients
+    return np.einsum("ai,bj,ck,ijke->eabc", FROM_SAMPLES, FROM_SAMPLES, FROM_SAMPLES, values)
 
 
 def _right_side(chain: tuple[JointAxis, ...], G: Array) -> Array:
@@ -163,8 +162,7 @@ def _right_side(chain: tuple[JointAxis, ...], G: Array) -> Array:
     for i, j in np.ndindex(3, 3):
         g: Array = second.motion(-THIRDS[i]) @ first.motion(-THIRDS[j])
         values[i, j] = _fourteen(g[:3, :3] @ p + g[:3, 3] - second.o, g[:3, :3] @ d)
-    coefficients: Array = np.einsum("ai,bj,ije->eab", FROM_SAMPLES, FROM_SAMPLES, values).reshape(14, 9)
-    return coefficients
+    return np.einsum("ai,bj,ije->eab", FROM_SAMPLES, FROM_SAMPLES, values).reshape(14, 9)
 
 
 def _middle_angles(left: Array, right: Array) -> list[tuple[float, float, float]]:

@@ -125,8 +125,7 @@ def turn(w: Array, x: float) -> Array:
     """The rotation (3, 3) by x about the unit vector w: Rodrigues' formula. MLS §2.2.1, eq. 2.14."""
     c, s = math.cos(x), math.sin(x)
     hat = np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
-    R: Array = np.eye(3) + s * hat + (1.0 - c) * (hat @ hat)
-    return R
+    return np.eye(3) + s * hat + (1.0 - c) * (hat @ hat)
 
 
 def across(w: Array) -> tuple[Array, Array]:

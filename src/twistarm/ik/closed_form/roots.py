@@ -212,5 +212,4 @@ def copies_inside(arm: Arm, theta: Array) -> Array:
 
 def apart(arm: Arm, a: Array, b: Array) -> Array:
     """a − b (…, n), without whole turns."""
-    left: Array = np.where(joint_ranges(arm).periodic, (a - b + np.pi) % TURN - np.pi, a - b)
-    return left
+    return np.where(joint_ranges(arm).periodic, (a - b + np.pi) % TURN - np.pi, a - b)

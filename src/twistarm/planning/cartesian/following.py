@@ -142,5 +142,4 @@ def _outside(arm: Arm, path: JointPath) -> Flags:
 
 
 def _beyond(arm: Arm, values: Array) -> Array:
-    beyond: Array = np.maximum(arm.limits.lower - values, values - arm.limits.upper).max(axis=(0, 2))
-    return beyond
+    return np.maximum(arm.limits.lower - values, values - arm.limits.upper).max(axis=(0, 2))

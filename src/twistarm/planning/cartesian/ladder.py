@@ -35,7 +35,7 @@ def climb(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Node] | 
     """
     climber = _Climber(arm, limits, Rungs(roots, MIN_RUNGS))
     nodes = list(roots)
-    for k in range(1, climber.rungs.count + 1):
+    for k in range(1, len(climber.rungs.s)):
         nodes = climber.advance(nodes, float(climber.rungs.s[k]), k)
     if nodes:
         return cheapest_first(nodes)
@@ -72,7 +72,7 @@ class _Climber:
             elif self.left > 0 and step > (LEAST_DISTANCE if met[i] else self.rungs.s[1] / SMALLEST_STEP):
                 self.left -= 1
                 halved.append(node)
-            elif self.farthest is None or node.s > self.farthest.share:
+            elif self.farthest is None or node.s > self.farthest.node.s:
                 self.farthest = Blocked(node, s, bool(met[i]))
         return found, halved
 

@@ -86,5 +86,4 @@ def errors_from(like: AnyTarget, ideal: Array, g: Array) -> tuple[Array, Array]:
 def _angles(R: Array) -> Array:
     """Return the angles of rotations (k, 3, 3) [rad], accurate for small ones: ‖R − 1‖ is 2√2 sin(angle/2)."""
     chord = np.linalg.norm(R - np.eye(3), axis=(-2, -1))
-    angle: Array = 2.0 * np.arcsin(np.minimum(chord / np.sqrt(8.0), 1.0))
-    return angle
+    return 2.0 * np.arcsin(np.minimum(chord / np.sqrt(8.0), 1.0))

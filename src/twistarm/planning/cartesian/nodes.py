@@ -59,24 +59,9 @@ class Blocked:
     leap: bool
 
     @property
-    def share(self) -> float:
-        """The part of the curve that was followed, s in [0, 1)."""
-        return self.node.s
-
-    @property
-    def theta(self) -> Array:
-        """The configuration there (n,)."""
-        return self.node.theta
-
-    @property
-    def moving(self) -> MovingTarget:
-        """What was followed."""
-        return self.node.moving
-
-    @property
     def start(self) -> Array:
         """The configuration (n,) at the beginning of the curve."""
-        return next(node.theta for node in way(self.node) if node.moving is self.moving)
+        return next(node.theta for node in way(self.node) if node.moving is self.node.moving)
 
 
 class Rungs:
@@ -88,11 +73,6 @@ class Rungs:
         self.s = np.linspace(0.0, 1.0, int(np.clip(np.ceil(steps), fewest, MOST_RUNGS)) + 1)
         self._poses = {key: each.curve(self.s) for key, each in movings.items()}
 
-    @property
-    def count(self) -> int:
-        """The number of steps."""
-        return len(self.s) - 1
-
     def poses(self, nodes: Sequence[Node], k: int) -> Array:
         """The ideal poses (b, 4, 4) of each node's curve at rung k."""
         return np.array([self._poses[id(node.moving)][k] for node in nodes])
@@ -100,5 +80,4 @@ class Rungs:
 
 def efforts(start: Array, end: Array, velocity: Array) -> Array:
     """Return the least times (...) between configurations (..., n) at full velocity [s]."""
-    least: Array = (np.abs(end - start) / velocity).max(axis=-1)
-    return least
+    return (np.abs(end - start) / velocity).max(axis=-1)

@@ -76,14 +76,12 @@ def projected(
 def _weights(within: Tolerances, count: int) -> Array:
     """Return weights (r,) of an error's rows, greater for the narrower tolerance."""
     tolerances = np.array([within.position] * 3 + [within.orientation] * (count - 3))
-    weights: Array = np.minimum(max(within.position, within.orientation) / tolerances, MOST_WEIGHT)
-    return weights
+    return np.minimum(max(within.position, within.orientation) / tolerances, MOST_WEIGHT)
 
 
 def _shortest(e: Array, J: Array, damping: Array) -> Array:
     across = np.swapaxes(J, 1, 2)
-    step: Array = -(across @ np.linalg.solve(J @ across + damping, e[..., None]))[..., 0]
-    return step
+    return -(across @ np.linalg.solve(J @ across + damping, e[..., None]))[..., 0]
 
 
 def errors_and_rows(like: AnyTarget, ideal: Array, g: Array, J_b: Array) -> tuple[Array, Array]:
@@ -126,5 +124,4 @@ def _log_rate(phi: Array) -> Array:
     safe = np.where(near, 1.0, np.minimum(angle, np.pi - 1e-6))
     factor = np.where(near, 1.0 / 12.0, 1.0 / safe**2 - (1.0 + np.cos(safe)) / (2.0 * safe * np.sin(safe)))
     cross = rotations.skew(phi)
-    rate: Array = np.eye(3) + 0.5 * cross + factor[:, None, None] * (cross @ cross)
-    return rate
+    return np.eye(3) + 0.5 * cross + factor[:, None, None] * (cross @ cross)

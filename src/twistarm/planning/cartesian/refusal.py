@@ -73,9 +73,9 @@ class PathError(TwistarmError):
 
 def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, segment: int, place: str, *, others: bool) -> PathError:
     """Return the error for a blocked path. With `others`, other configurations are tried as a remedy too."""
-    moving = blocked.moving
+    moving = blocked.node.moving
     met = moving.tolerances
-    beyond = None if blocked.leap else solve_ik(arm, moving.at(blocked.ahead), blocked.theta, **met.keywords)
+    beyond = None if blocked.leap else solve_ik(arm, moving.at(blocked.ahead), blocked.node.theta, **met.keywords)
     nowhere = beyond is not None and beyond.certain
     reason, joint, why = _why(arm, blocked, beyond)
     other = _other_start(arm, limits, blocked) if others and not nowhere else None
@@ -83,16 +83,8 @@ def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, segment: int, place
     why += CERTAIN * nowhere
     hint = length_hint(float(np.linalg.norm(moving.curve(np.array(1.0))[:3, 3])), arm.reach)
     why += f" ({hint})" if hint else ""
-    return PathError(
-        f"the tool follows the path for {_part(moving, blocked.share)} and no farther: {why}: {help_}",
-        blocked.share,
-        blocked.theta,
-        reason,
-        joint,
-        other,
-        segment,
-        place,
-    )
+    said = f"the tool follows the path for {_part(moving, blocked.node.s)} and no farther: {why}: {help_}"
+    return PathError(said, blocked.node.s, blocked.node.theta, reason, joint, other, segment, place)
 
 
 def _part(moving: MovingTarget, share: float) -> str:
@@ -108,7 +100,7 @@ def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str 
 
     `beyond` is the nearest solution farther on, or None where the target there is met.
     """
-    theta, limits = blocked.theta, arm.limits
+    theta, limits = blocked.node.theta, arm.limits
     room = np.minimum(theta - limits.lower, limits.upper - theta)
     tight = [int(j) for j in np.argsort(room) if room[j] < AT_LIMIT]
     for held in [*([j] for j in tight), *([tight] if len(tight) > 1 else [])]:
@@ -138,14 +130,14 @@ def _goes_on(arm: Arm, blocked: Blocked, joints: list[int]) -> bool:
     lower[joints] -= MORE_ROOM
     upper[joints] += MORE_ROOM
     roomy = replace(arm, limits=replace(arm.limits, lower=lower, upper=upper))
-    moving = blocked.moving
-    beyond = solve_ik(roomy, moving.at(blocked.ahead), blocked.theta, **moving.tolerances.keywords, restarts=1)
-    return beyond.converged and float(np.abs(beyond.theta - blocked.theta).max()) <= LONGEST_JUMP
+    moving = blocked.node.moving
+    beyond = solve_ik(roomy, moving.at(blocked.ahead), blocked.node.theta, **moving.tolerances.keywords, restarts=1)
+    return beyond.converged and float(np.abs(beyond.theta - blocked.node.theta).max()) <= LONGEST_JUMP
 
 
 def _other_start(arm: Arm, limits: JointLimits, blocked: Blocked) -> Array | None:
     """Return another configuration at the beginning from which the arm can follow the whole path."""
-    moving, start = blocked.moving, blocked.start
+    moving, start = blocked.node.moving, blocked.start
     roots = [Node(moving, 0.0, theta, 0.0) for theta in branches(arm, moving.at(0.0), start, moving.tolerances)]
     found = climb(arm, limits, roots) if roots else []
     for node in [] if isinstance(found, Blocked) else found[:MAX_OTHER_STARTS]:
@@ -158,7 +150,7 @@ def _help(arm: Arm, limits: JointLimits, blocked: Blocked, other: Array | None) 
     if other is not None:
         begin = posture(other.tolist(), arm.units)
         return f"begin it in another configuration, {begin}, from which all of it can be followed"
-    moving = blocked.moving
+    moving = blocked.node.moving
     if loose := _sufficient_tolerances(arm, limits, blocked):
         return loose
     if isinstance(moving.like, Pose):
@@ -175,7 +167,7 @@ def _help(arm: Arm, limits: JointLimits, blocked: Blocked, other: Array | None) 
 
 def _sufficient_tolerances(arm: Arm, limits: JointLimits, blocked: Blocked) -> str:
     """Return tolerances that allow the whole path; "" where ten times the requested ones do not."""
-    moving, met = blocked.moving, blocked.moving.tolerances
+    moving, met = blocked.node.moving, blocked.node.moving.tolerances
     looser = replace(moving, tolerances=Tolerances(NEAR_MISS * met.position, NEAR_MISS * met.orientation))
     nodes = _followed(arm, limits, looser, blocked.start)
     if not nodes:

@@ -43,7 +43,7 @@ def climb_wide(arm: Arm, limits: JointLimits, roots: Sequence[Node]) -> list[Nod
     """
     rng = np.random.default_rng(SEED)
     rungs, nodes = Rungs(roots, MIN_RUNGS), list(roots)
-    for k in range(1, rungs.count + 1):
+    for k in range(1, len(rungs.s)):
         theta, parents = _spread(arm, rungs, k, nodes, rng)
         if not len(theta):
             return Blocked(max(nodes, key=lambda node: _distance_to_limits(arm, node.theta)), float(rungs.s[k]), False)
@@ -87,8 +87,7 @@ def _continuous(arm: Arm, nodes: list[Node], parents: NDArray[np.intp], s: float
     moving = nodes[0].moving
     found, met = projected(arm, moving.like, ideal, halfway, EXACT, leeway(moving.tolerances))
     off, step = (np.linalg.norm(each, axis=1) for each in (found - halfway, theta - before))
-    near: NDArray[np.bool_] = met & (off <= HALFWAY * (step + CELL))
-    return near
+    return met & (off <= HALFWAY * (step + CELL))
 
 
 def _cheapest_per_cell(theta: Array, costs: Array, rng: np.random.Generator) -> NDArray[np.intp]:

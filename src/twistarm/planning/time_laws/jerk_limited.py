@@ -214,5 +214,4 @@ class _Problem:
 def _rows(taps: Array, x: Array) -> Array:
     """The rows (r, N − 1) that these taps make of x, zero at both ends."""
     padded = np.concatenate([[0.0], x, [0.0]])
-    rows: Array = taps[..., 0] * padded[:-2] + taps[..., 1] * padded[1:-1] + taps[..., 2] * padded[2:]
-    return rows
+    return taps[..., 0] * padded[:-2] + taps[..., 1] * padded[1:-1] + taps[..., 2] * padded[2:]

@@ -41,14 +41,8 @@ class LimitedPath:
         coefficients = path.coefficients @ bounds.C.T
         missing = max(0, LEAST_DEGREE + 1 - len(coefficients))
         padded = np.concatenate([np.zeros((missing, *coefficients.shape[1:])), coefficients])
-        less = 1.0 - MARGIN
-        return cls(
-            path.breakpoints,
-            np.ascontiguousarray(padded),
-            less * bounds.velocity,
-            less * bounds.acceleration,
-            less * bounds.ceiling_of(path),
-        )
+        limits = bounds.velocity, bounds.acceleration, bounds.ceiling_of(path)
+        return cls(path.breakpoints, np.ascontiguousarray(padded), *((1.0 - MARGIN) * each for each in limits))
 
 
 class Profile(NamedTuple):

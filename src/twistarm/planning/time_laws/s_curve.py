@@ -61,7 +61,8 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     fine, piece = path.in_pieces(path.length / PIECES)
     bounds = replace(bounds, ceiling=bounds.ceiling_of(path)[piece])
     search = _Search(fine, _Needs(fine, bounds), LimitedPath.of(fine, bounds), first_grid(fine.breakpoints))
-    ceiling, rise = _ceiling(fine, bounds), _slowest_rise(bounds)
+    ceiling, limited = _ceiling(fine, bounds), np.isfinite(bounds.acceleration)
+    rise = float((bounds.acceleration[limited] / bounds.jerk[limited]).max())  # of the slowest rate to its limit [s]
     fastest = search.fastest(ceiling)
 
     def tried(i: int) -> _Tried:
@@ -145,12 +146,6 @@ def _ceiling(path: JointPath, bounds: PathBounds) -> Array:
     return np.asarray(np.fmin(bounds.ceiling_of(path), np.fmin.reduce(slow, axis=1)))
 
 
-def _slowest_rise(bounds: PathBounds) -> float:
-    """The longest time [s] in which a rate comes to its acceleration limit."""
-    limited = np.isfinite(bounds.acceleration)
-    return float((bounds.acceleration[limited] / bounds.jerk[limited]).max())
-
-
 class _Needs:
     """Needs of a time law along a path with derivatives p', p'', p''' of the rows p = C q."""
 
@@ -186,5 +181,4 @@ def _widened(ceiling: Array, breakpoints: Array, window: float) -> Array:
     reach = 0.5 * window * ceiling[slow, None]
     before, after = breakpoints[slow, None] - reach, breakpoints[slow + 1, None] + reach
     near = (breakpoints[:-1] < after) & (breakpoints[1:] > before)
-    wide: Array = np.where(near, ceiling[slow, None], np.inf).min(axis=0, initial=np.inf)
-    return wide
+    return np.where(near, ceiling[slow, None], np.inf).min(axis=0, initial=np.inf)

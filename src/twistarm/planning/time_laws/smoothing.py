@@ -69,8 +69,7 @@ class _Average:
         coefficients = derivative(self.integral, order)
         tau = times - self.starts[now], times - self.window - self.starts[before]
         late, early = (evaluate(coefficients[:, i], t[:, None])[:, 0] for i, t in zip((now, before), tau, strict=True))
-        quotient: Array = (late - early) / self.window
-        return quotient
+        return (late - early) / self.window
 
     def _piece(self, times: Array) -> Indices:
         return np.searchsorted(self.starts[1:], times, side="right")
@@ -90,5 +89,4 @@ def _reached(average: _Average, places: Array) -> Array:
     for _ in range(CORRECTIONS):
         with np.errstate(divide="ignore", invalid="ignore"):
             at = np.fmin(np.fmax(at - (evaluate(own, at) - places) / evaluate(slope, at), low), high)
-    reached: Array = times[index] + at
-    return reached
+    return times[index] + at

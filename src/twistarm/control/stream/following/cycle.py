@@ -183,7 +183,9 @@ class Following(Cycles[FollowCycle]):
             return self._reported(now, None, None, blind)
         lag = None if theta is None else frozen(np.abs(theta - self.state.theta))
         strayed = "" if theta is None else self._watch.deviation(theta)
-        barrier = self._barrier()
+        barrier = self.interlock.look().barrier
+        if barrier:  # enabling does not resume the motion
+            self.control.pause(barrier)
         self._astray = bool(strayed) or self.interlock.word == EMERGENCY_STOP
         paused = self.control.pause_reason or ("stopped" if self.control.stopped else "")
         self.tally.count(blind=blind, barred=barrier, uncommanded="" if barrier else paused)
@@ -212,13 +214,6 @@ class Following(Cycles[FollowCycle]):
         self._start_at(theta, now)
         self._leg = Leg.of(self._commanded_arm, way_there(self._commanded_arm, theta, self.motion))
         self._clock = MotionClock(0.0, 0.0)
-
-    def _barrier(self) -> str:
-        """Why the interlock forbids motion. It pauses the motion, and enabling does not resume it."""
-        permission = self.interlock.look()
-        if permission.barrier:
-            self.control.pause(permission.barrier)
-        return permission.barrier
 
     def _along(self, now: float, hold: str) -> Setpoint:
         """A step along the path: toward rest for a reason to `hold`, else toward the requested speed."""

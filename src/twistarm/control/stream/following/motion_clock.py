@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....arm.arm import Arm
-from ....planning.piecewise import shifted
+from ....planning.piecewise import derivative, shifted
 from ....planning.trajectory import Trajectory
 from ....planning.within import stretch_needed
 from ....support.checks import Array
@@ -85,9 +85,8 @@ class Bounds(NamedTuple):
         pieces = slice(first, last + 1)
         starts, ends = knots[pieces], knots[first + 1 : last + 2]
         low, high = np.clip(begin, starts, ends) - starts, np.clip(end, starts, ends) - starts
-        series = shifted(leg.rows[:, pieces], 0.5 * (low + high))[::-1]
-        half = 0.5 * (high - low)
-        return cls(*_enclosed(_derivative(series), half), *_enclosed(_derivative(_derivative(series)), half))
+        moved, half = shifted(leg.rows[:, pieces], 0.5 * (low + high)), 0.5 * (high - low)
+        return cls(*_enclosed(derivative(moved)[::-1], half), *_enclosed(derivative(moved, 2)[::-1], half))
 
     def largest_share(self, rate: float, change: float, dt: float, limit: Array) -> float:
         """The largest share 0 … 1 of a rate change over dt that keeps the accelerations below `limit`.
@@ -110,13 +109,7 @@ class Bounds(NamedTuple):
         along = slope * self.lowest_velocity, slope * self.highest_velocity
         highest = np.maximum(*along) + np.maximum(self.highest_acceleration, 0.0) * square
         lowest = np.minimum(*along) + np.minimum(self.lowest_acceleration, 0.0) * square
-        worst: Array = np.maximum(highest, -lowest)
-        return worst
-
-
-def _derivative(series: Array) -> Array:
-    powers = np.arange(1.0, len(series))
-    return series[1:] * powers[:, None, None] if len(series) > 1 else np.zeros_like(series)
+        return np.maximum(highest, -lowest)
 
 
 def _enclosed(series: Array, half: Array) -> tuple[Array, Array]:

@@ -229,11 +229,7 @@ def _true(value: Any, name: str) -> bool:
     return True
 
 
-def _pose_command(arm: Arm, given: Mapping[str, Any]) -> PoseCommand:
-    speeds = {name: given[name] for name in ("linear_speed", "angular_speed") if name in given}
-    return PoseCommand(given["pose"], (0.0,) * 6, **speeds)
-
-
+SPEEDS = {"linear_speed": number, "angular_speed": number}
 _Build = Callable[[Arm, dict[str, Any]], AnyCommand]
 
 _COMMANDS: Mapping[str, tuple[Mapping[str, Check], Mapping[str, Check], _Build]] = {
@@ -245,8 +241,8 @@ _COMMANDS: Mapping[str, tuple[Mapping[str, Check], Mapping[str, Check], _Build]]
     "jog": ({"jog": _rates}, {}, lambda arm, given: JogCommand.of(arm, given["jog"])),
     "pose": (
         {"pose": _pose},
-        {"linear_speed": number, "angular_speed": number},
-        _pose_command,
+        SPEEDS,
+        lambda arm, given: PoseCommand(given["pose"], **{name: given[name] for name in SPEEDS if name in given}),
     ),
     "stop": ({"stop": _true}, {}, lambda arm, given: JogCommand(np.zeros(arm.n))),
 }
