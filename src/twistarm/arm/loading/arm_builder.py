@@ -12,17 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...description.bounds import WIDE
 from ...description.companions.arm_file import ArmSpecification
 from ...description.document import LARGEST, Reading
 from ...description.packages import PackageIndex
 from ...description.planar import coordinate_names
 from ...description.urdf import build_description
+from ...description.writing import add_joint, add_mimic
 from ...limits.joint_limits import JointLimits
 from ...support.checks import Array, as_number, as_pose, as_rotation, frozen, require_one
 from ...support.errors import InputError, listed, shown
 from ...theory import joints
-from ...theory.rotations import to_rpy
 from ...theory.screws import inverse
 from ..arm import Arm
 from .load import assemble, prove
@@ -319,25 +318,10 @@ def _number(value: float, name: str) -> float:
 
 def _write(robot: ET.Element, part: _Part, parent: str, child: str, origin: Array) -> str:
     """Add the joint and its child link. Return the name of the link."""
-    ET.SubElement(robot, "link", name=child)
-    joint = ET.SubElement(robot, "joint", name=part.name, type=part.kind)
-    ET.SubElement(joint, "parent", link=parent)
-    ET.SubElement(joint, "child", link=child)
-    ET.SubElement(joint, "origin", xyz=_text(origin[:3, 3]), rpy=_text(to_rpy(origin[:3, :3])))
-    if part.kind != "fixed":
-        ET.SubElement(joint, "axis", xyz=_text(part.axis))
-    if part.limit:
-        # Readers of URDF refuse infinity; WIDE replaces it.
-        numbers = {name: repr(float(np.clip(value, -WIDE, WIDE))) for name, value in part.limit.items()}
-        ET.SubElement(joint, "limit", numbers)
+    joint = add_joint(robot, part.name, part.kind, (parent, child), origin, part.axis, part.limit)
     if part.master:
-        ET.SubElement(joint, "mimic", joint=part.master, multiplier=repr(part.multiplier), offset="0")
+        add_mimic(joint, part.master, part.multiplier)
     return child
-
-
-def _text(numbers: Array) -> str:
-    """Digits that read back as the same numbers. Adding 0 drops the sign of a zero."""
-    return " ".join(repr(float(number) + 0.0) for number in numbers)
 
 
 def _check_name(name: object, what: str) -> None:

@@ -52,7 +52,7 @@ def load_arm(
     ignore_packages: Iterable[str] = (),
     env_vars: Iterable[str] = (),
 ) -> Arm:
-    """Load an arm from a URDF or xacro file, an arm.toml, or by its name in the catalogue (`available_arms()`).
+    """Load an arm from a URDF, xacro or MJCF file, an arm.toml, or by its name in the catalogue (`available_arms()`).
 
     An arm.json of `Arm.bake` is read without Pinocchio. Of the options it takes only `limits`. Arguments win over the
     arm.toml, and the arm.toml wins over the SRDF.
@@ -61,7 +61,7 @@ def load_arm(
     independently, and the two are compared at five random configurations (`arm.proof`).
 
     Args:
-        source: A URDF or xacro file, an arm.toml, a baked arm.json, or a name of `available_arms()`.
+        source: A URDF, xacro or MJCF file, an arm.toml, a baked arm.json, or a name of `available_arms()`.
         base: The base link. By default the root link, or, on a vehicle, the first link of the arm itself.
         tip: The tip link. By default the tip of the SRDF's only arm group, or the link that is most likely the tool; a
             finding names it and the other candidates.
@@ -248,7 +248,7 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     why = why_no_file(path)
     if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         near = closest(path.name, _names_beside(path))
-        remedy = f"give a URDF or xacro file, an arm.toml or an arm of the catalogue{near}"
+        remedy = f"give a URDF, xacro or MJCF file, an arm.toml or an arm of the catalogue{near}"
         raise refusal("file-not-found", Place(text[:200]), why, remedy)
     names = available_arms()
     raise UnknownNameError(
@@ -299,6 +299,8 @@ def _semantics(
     description: Description, specification: ArmSpecification
 ) -> tuple[Semantics | None, tuple[Finding, ...]]:
     """The named SRDF or the one beside the description, and the findings about it."""
+    if specification.srdf is None and description.mjcf:
+        return description.semantics, ()
     if specification.srdf is None:
         semantics, noted = srdf_beside(description)
     else:

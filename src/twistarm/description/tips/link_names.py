@@ -23,7 +23,7 @@ _CAMERA = r"camera|lidar|gimbal|kinect|(?:^|_)(cam|eyes?|radar|ptz|antenna)(?:_|
 PARTS = {
     part: re.compile(pattern)
     for part, pattern in {
-        "flange": rf"(?:^|_)flange{_ENDING}",
+        "flange": rf"(?:^|_)(flange|attachment){_ENDING}",
         "carrier": rf"(?:^|_)(gripper|hand|claw|suction|suction_cup|vacuum|pen|nozzle|probe|magnet|scoop){_ENDING}",
         "finger": (
             r"finger|knuckle|thumb|claw|jaw|grip|grab|palm|pinc|clamp|tong|"
