@@ -234,11 +234,9 @@ class ArmBuilder:
 
     def build(self, *, limits: JointLimits | Mapping[str, Any] | None = None) -> Arm:
         """Read the arm from `urdf()` and prove it against Pinocchio. `limits` are as in `load_arm`."""
-        source = Path(self.name)
-        description = build_description(self.urdf(), Reading(source, PackageIndex(source)))
-        specification = ArmSpecification(source, "ArmBuilder", base=BASE, tip=self._tool)
-        arm = assemble(replace(description, path=None), specification, {} if limits is None else limits)
-        return replace(arm, proof=prove(arm))
+        return arm_of_urdf(
+            self.urdf(), ArmSpecification(Path(self.name), "ArmBuilder", base=BASE, tip=self._tool), limits
+        )
 
     # -- inside --------------------------------------------------------------------------------------------------
 
@@ -256,6 +254,16 @@ class ArmBuilder:
         if self._tool in links or f"{self._tool}_mount" in self._names:
             raise InputError(f"the tool's name {self._tool!r} clashes with a joint's or its link's; rename the tool")
         return self
+
+
+def arm_of_urdf(
+    text: str, specification: ArmSpecification, limits: JointLimits | Mapping[str, Any] | None = None
+) -> Arm:
+    """The arm of a URDF text that no file holds, proven against Pinocchio."""
+    source = specification.description
+    description = build_description(text, Reading(source, PackageIndex(source)))
+    arm = assemble(replace(description, path=None), specification, {} if limits is None else limits)
+    return replace(arm, proof=prove(arm))
 
 
 def _turn(name: str, axis: ArrayLike, frame: Array, limit: Mapping[str, float]) -> _Part:

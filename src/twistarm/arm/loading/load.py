@@ -16,12 +16,13 @@ from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_
 from ...description.companions.arm_group import ArmGroup, arm_groups
 from ...description.companions.companion_files import path_from, srdf_beside
 from ...description.companions.srdf import Semantics, note_names, read_srdf
+from ...description.document import Reading
 from ...description.expansion.left_out import blaming
 from ...description.findings import Finding, Place, finding, refusal
-from ...description.packages import package_names, variable_names
+from ...description.packages import PackageIndex, package_names, variable_names
 from ...description.tips.choice import choose_ends, note_choice
 from ...description.tree import Description
-from ...description.urdf import read_description
+from ...description.urdf import build_description, read_description
 from ...limits.joint_limits import JointLimits
 from ...support.checks import frozen, require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
@@ -189,7 +190,11 @@ def specify(
 
 
 def read(specification: ArmSpecification) -> Description:
-    """The description that a specification names."""
+    """The description that a specification names, or that of its table."""
+    if specification.dh is not None:
+        file = specification.description.resolve()
+        text = specification.dh.urdf(specification.name or file.stem)
+        return build_description(text, Reading(file, PackageIndex(file), show_lines=False))
     return read_description(
         specification.description,
         package_dirs=specification.package_dirs,

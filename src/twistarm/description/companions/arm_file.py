@@ -15,6 +15,7 @@ from ...support.checks import Array, as_vector, frozen, require_one
 from ...support.errors import InputError
 from ...support.files import as_path, is_file
 from ...theory.rotations import from_rpy
+from ..dh import BASE, TOOL, DhTable, Limits, read_dh
 from ..findings import Place, refusal
 from ..packages import is_too_wide, package_names
 from .toml_entries import bounded, number_of, numbers_of, only, parse_toml, table_of, text_of, unusable
@@ -56,7 +57,8 @@ class ArmSpecification:
     `source` is the user's name for it: the description, an arm.toml or a name of the catalogue. `other_chain` tells
     that the caller chose another base or tip, so that the other data need not fit. An arm.toml may come from a
     stranger. So only the caller sets `env_vars`, the variables that the description may read. `mesh_dirs` are the
-    package folders that an arm.toml names outside its tree. They give only meshes.
+    package folders that an arm.toml names outside its tree. They give only meshes. A table `dh` stands in the place of
+    a description.
     """
 
     description: Path
@@ -77,11 +79,13 @@ class ArmSpecification:
     joint_limits: str | os.PathLike[str] | None = None
     motors: tuple[Motor, ...] = ()
     other_chain: bool = False
+    dh: DhTable | None = None
 
 
 _TEXTS = ("name", "source", "base", "tip", "srdf", "joint_limits")
 _KEYS = (
     *_TEXTS,
+    "dh",
     "tool",
     "xacro_args",
     "package_dirs",
@@ -100,23 +104,25 @@ def read_arm_file(path: Path) -> ArmSpecification:
     for key in _TEXTS:
         if key in content:
             text_of(content[key], key, path)
-    if "source" not in content:
-        raise unusable(path, 'it names no source: write source = "my_arm.urdf"')
+    if ("source" in content) == ("dh" in content):
+        raise unusable(path, 'it needs one source: write source = "my_arm.urdf", or a table [dh]')
+    dh, limits = _dh(content, path) if "dh" in content else (None, {})
     folders = _folders(content, path)
     far = tuple(folder for folder in folders if _is_elsewhere(folder, path))
     poses = table_of(content, "poses", path)
     return ArmSpecification(
-        description=_file(content["source"], "source", path),
+        description=path if dh else _file(content["source"], "source", path),
         source=str(path),
         name=content.get("name"),
-        base=content.get("base"),
-        tip=content.get("tip"),
+        base=content.get("base", dh and BASE),
+        tip=content.get("tip", dh and TOOL),
+        dh=dh,
         tool=_tool(content, path),
         xacro_args=table_of(content, "xacro_args", path),
         package_dirs=tuple(folder for folder in folders if folder not in far),
         mesh_dirs=far,
         ignore_packages=_without(content, path),
-        limits=_limits(content, path),
+        limits=limits | _limits(content, path),
         locked_joints={
             joint: bounded(value, path, f"locked_joints.{joint}")
             for joint, value in table_of(content, "locked_joints", path).items()
@@ -126,6 +132,22 @@ def read_arm_file(path: Path) -> ArmSpecification:
         joint_limits=_file(content["joint_limits"], "joint_limits", path) if "joint_limits" in content else None,
         motors=_motors(content, path),
     )
+
+
+def _dh(content: Mapping[str, Any], path: Path) -> tuple[DhTable, Limits]:
+    """The table in the file, or in a CSV file that it names, with the limits in that."""
+    entries = table_of(content, "dh", path)
+    only(entries, ("table", "convention", "joints", "types", "base"), path, "in dh")
+    rows: Any = entries.get("table")
+    convention, limits = entries.get("convention", "standard"), Limits()
+    given: dict[str, Any] = {key: entries[key] for key in ("joints", "types") if key in entries}
+    try:
+        if isinstance(rows, str):
+            table, limits = read_dh(_file(rows, "dh.table", path), convention)
+            rows, given = table.rows, {"joints": table.joints, "types": table.types} | given
+        return DhTable(rows, convention, **given, base=_pose(entries, "base", path)), limits
+    except InputError as error:
+        raise unusable(path, f"dh: {error}") from error
 
 
 def _file(name: str, key: str, path: Path) -> Path:
@@ -173,20 +195,26 @@ def _tool(content: Mapping[str, Any], path: Path) -> Tool | None:
     if "tool" not in content:
         return None
     table = table_of(content, "tool", path)
-    only(table, ("name", "xyz", "rpy"), path, "in tool")
     name = text_of(table.get("name"), "tool.name", path)
-    g = np.eye(4)
-    g[:3, 3] = _three(table, "xyz", path)
-    g[:3, :3] = from_rpy(_three(table, "rpy", path))
-    return Tool(name, frozen(g))
+    return Tool(name, _pose(content, "tool", path, "name"))
 
 
-def _three(table: Mapping[str, Any], key: str, path: Path) -> Array:
+def _pose(content: Mapping[str, Any], key: str, path: Path, *more: str) -> Array:
+    """The pose (4, 4) of a table with xyz and rpy, the identity without one."""
+    table, g = table_of(content, key, path), np.eye(4)
+    only(table, (*more, "xyz", "rpy"), path, f"in {key}")
+    g[:3, 3] = _three(table, f"{key}.xyz", path)
+    g[:3, :3] = from_rpy(_three(table, f"{key}.rpy", path))
+    return frozen(g)
+
+
+def _three(table: Mapping[str, Any], place: str, path: Path) -> Array:
     try:
-        numbers = require_one(as_vector(table.get(key, (0.0, 0.0, 0.0)), f"tool.{key}"), f"tool.{key}", 1)
+        given = table.get(place.rpartition(".")[2], (0.0, 0.0, 0.0))
+        numbers = require_one(as_vector(given, place), place, 1)
     except InputError as error:
         raise unusable(path, str(error)) from error
-    return np.array([bounded(number, path, f"tool.{key}") for number in numbers])
+    return np.array([bounded(number, path, place) for number in numbers])
 
 
 def _motors(content: Mapping[str, Any], path: Path) -> tuple[Motor, ...]:
