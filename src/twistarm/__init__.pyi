@@ -38,6 +38,7 @@ from .design import check_panel as check_panel
 from .design import compare_designs as compare_designs
 from .design import load_panel as load_panel
 from .design import payload as payload
+from .export.urdf import to_urdf as to_urdf
 from .ik import AllSolutions as AllSolutions
 from .ik import AllSolutionsBatch as AllSolutionsBatch
 from .ik import Approach as Approach

@@ -158,7 +158,7 @@ def test_an_arm_toml_may_hold_the_table(tmp_path: Path) -> None:
         ('[dh]\ntable = [[0, 0, 0, 0]]\ntypes = ["ball"]', "revolute or prismatic"),
         ('[dh]\ntable = [[0, 0, 0, 0]]\nconvention = "classic"', "standard"),
         ('[dh]\ntable = "lost.csv"', "lost.csv"),
-        ('source = "a.urdf"\n[dh]\ntable = [[0, 0, 0, 0]]', "one source"),
+        ('source = "a.urdf"\n[dh]\ntable = [[0, 0, 0, 0]]', "a source and a table"),
     ],
 )
 def test_an_unusable_table_in_an_arm_toml_is_told(text: str, said: str, tmp_path: Path) -> None:

@@ -20,13 +20,10 @@ from ...support.errors import InputError
 from ...theory.joints import plane_axes
 from ...theory.screws import inverse, to_screw
 from ..arm import Arm, require_arm
-from .arm_builder import arm_of_urdf
+from .arm_builder import UNIT, arm_of_urdf
 
 PARALLEL = 1e-7
 """Axes at a smaller angle [rad] count as parallel. The foot of their common normal is beyond double precision."""
-
-UNIT = 1e-12
-"""Largest rounding of a unit twist, and of the pitch of a revolute one."""
 
 SAMPLES = 20
 """Random configurations at which a table is compared with its arm."""

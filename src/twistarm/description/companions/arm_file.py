@@ -105,7 +105,8 @@ def read_arm_file(path: Path) -> ArmSpecification:
         if key in content:
             text_of(content[key], key, path)
     if ("source" in content) == ("dh" in content):
-        raise unusable(path, 'it needs one source: write source = "my_arm.urdf", or a table [dh]')
+        what = "it has a source and a table [dh]" if "dh" in content else "it names no source"
+        raise unusable(path, f'{what}: write source = "my_arm.urdf" or a table [dh]')
     dh, limits = _dh(content, path) if "dh" in content else (None, {})
     folders = _folders(content, path)
     far = tuple(folder for folder in folders if _is_elsewhere(folder, path))
