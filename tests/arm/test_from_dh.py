@@ -114,12 +114,12 @@ def test_screws_without_a_table_are_refused(screws: np.ndarray) -> None:
         to_dh(arm_from_screws(screws, np.eye(4)))
 
 
-def test_a_csv_file_has_units_names_types_and_limits(tmp_path: Path) -> None:
+def test_a_csv_file_has_names_types_and_limits(tmp_path: Path) -> None:
     path = tmp_path / "scara.csv"
     path.write_text(
-        "joint, type, a [mm], alpha [deg], d, lower, upper, velocity\n"
-        "one, revolute, 300, 0, 0.4, -2, 2, 3\n"
-        "two, revolute, 200, 180, 0, , , 3\n"
+        "joint, type, a, alpha, d, lower, upper, velocity\n"
+        "one, revolute, 0.3, 0, 0.4, -2, 2, 3\n"
+        "two, revolute, 0.2, 3.141592653589793, 0, , , 3\n"
         "lift, prismatic, 0, 0, 0.1, 0, 0.2,\n"
     )
     arm = arm_from_dh(path)
@@ -133,8 +133,8 @@ def test_a_csv_file_has_units_names_types_and_limits(tmp_path: Path) -> None:
 def test_an_arm_toml_may_hold_the_table(tmp_path: Path) -> None:
     path = tmp_path / "arm.toml"
     path.write_text(
-        'name = "bent"\n[dh]\nconvention = "modified"\ntable = [[0, 0, 0.2, 0], [0.3, 1.5708, 0, 0.1]]\n'
-        'joints = ["waist", "bend"]\nbase = { xyz = [0, 0, 0.5], rpy = [0, 0, 0.3] }\n'
+        'name = "bent"\n[dh]\nconvention = "modified"\nbase = { xyz = [0, 0, 0.5], rpy = [0, 0, 0.3] }\n'
+        'rows = [{ joint = "waist", d = 0.2 }, { joint = "bend", a = 0.3, alpha = 1.5708, theta = 0.1 }]\n'
         '[tool]\nname = "pen"\nxyz = [0.1, 0, 0]\n[limits.bend]\nlower = -1\nupper = 2\n'
     )
     arm = load_arm(path)
@@ -151,14 +151,19 @@ def test_an_arm_toml_may_hold_the_table(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[dh]\ntable = [[0, 0, 0]]", "rows of a, alpha, d, theta"),
-        ('[dh]\ntable = [[0, 0, 0, "x"]]', "table"),
-        ("[dh]", "table"),
-        ("[dh]\ntable = [[0, 0, 0, 0]]\njoints = 3", "joints"),
-        ('[dh]\ntable = [[0, 0, 0, 0]]\ntypes = ["ball"]', "revolute or prismatic"),
-        ('[dh]\ntable = [[0, 0, 0, 0]]\nconvention = "classic"', "standard"),
+        ("[dh]\nrows = [[0, 0, 0]]", "must be tables"),
+        ('[dh]\nrows = [{ a = "x" }]', "row 1: a must be a number"),
+        ("[dh]\nrows = [{ a = inf }]", "finite"),
+        ("[dh]\nrows = [{ a = true }]", "must be a number"),
+        ("[dh]", "rows of a, alpha, d, theta"),
+        ("[dh]\nrows = [{ joint = 3 }]", "joints"),
+        ("[dh]\nrows = [{ phi = 3 }]", "unknown column 'phi'"),
+        ('[dh]\nrows = [{ type = "ball" }]', "revolute or prismatic"),
+        ('[dh]\nrows = [{ a = 1 }]\nconvention = "classic"', "standard"),
+        ("[dh]\nrows = [{ a = 1, lower = 2, upper = 1 }]", "swapped"),
         ('[dh]\ntable = "lost.csv"', "lost.csv"),
-        ('source = "a.urdf"\n[dh]\ntable = [[0, 0, 0, 0]]', "a source and a table"),
+        ("[dh]\ntable = 3", "dh.table"),
+        ('source = "a.urdf"\n[dh]\nrows = [{ a = 1 }]', "a source and a table"),
     ],
 )
 def test_an_unusable_table_in_an_arm_toml_is_told(text: str, said: str, tmp_path: Path) -> None:
@@ -170,17 +175,16 @@ def test_an_unusable_table_in_an_arm_toml_is_told(text: str, said: str, tmp_path
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "must name columns"),
-        ("a,alpha,d,theta", "must name columns"),
-        ("1,2,3,4\n1,2,3,4", "must name columns"),
-        ("a,alpha,d,phi\n1,2,3,4", "must name columns"),
-        ("a,a\n1,2", "must name columns"),
-        ("a [kg],alpha\n1,2", "in 'kg'"),
+        ("", "rows of a, alpha, d, theta"),
+        ("a,alpha,d,theta", "rows of a, alpha, d, theta"),
+        ("1,2,3,4\n1,2,3,4", "unknown column '1'"),
+        ("a,alpha,d,phi\n1,2,3,4", "unknown column 'phi'"),
+        ("a,a\n1,2", "a column twice"),
         ("a,alpha\n1", "line 2"),
-        ("a,alpha\n1,b", "line 2"),
+        ("a,alpha\n1,b", "row 1: alpha"),
         ("a,type\n1,ball", "revolute or prismatic"),
         ("a,joint\n1,x\n2,x", "different names"),
-        ("a,lower\n1,nan", "line 2"),
+        ("a,lower\n1,nan", "row 1: lower"),
     ],
 )
 def test_an_unusable_csv_file_is_told(text: str, said: str, tmp_path: Path) -> None:

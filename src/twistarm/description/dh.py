@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from ..support.checks import Array, Rechecked, as_floats, as_pose, frozen, require_choice, require_names, require_one
-from ..support.csv_lines import FACTORS, Bounds, Row, csv_lines, csv_rows, quantity_and_unit
-from ..support.errors import InputError
+from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
+from ..support.errors import InputError, shown
 from ..theory.rotations import exp
 from .bounds import LIMIT_NAMES
 from .document import LARGEST
@@ -20,12 +23,11 @@ CONVENTIONS = ("standard", "modified")
 TYPES = ("revolute", "prismatic")
 BASE, TOOL = "base", "tool"
 
-UNITS = {"a": "m", "alpha": "rad", "d": "m", "theta": "rad"}
-"""The columns of a table in their order, with their units."""
+PARAMETERS = ("a", "alpha", "d", "theta")
+WORDS = ("joint", "type")
+COLUMNS = (*PARAMETERS, *WORDS, *LIMIT_NAMES)
 
 BOUNDS = Bounds(bytes=1_000_000, lines=1_000)
-
-Limits = dict[str, dict[str, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +35,8 @@ class DhTable(Rechecked):
     """Denavit–Hartenberg parameters of an arm: `rows` (n, 4) are a [m], α [rad], d [m], θ [rad] of each joint.
 
     The joint's coordinate is added to θ, or to d where its type is prismatic. `base` (4, 4) is frame 0 seen from the
-    base. `tool` (4, 4) is the tool seen from frame n. `residual` [m, rad] is the largest difference from the arm that
-    the table was computed from.
+    base. `tool` (4, 4) is the tool seen from frame n. `limits` are {joint: {"lower": …, "upper": …, "velocity": …,
+    "effort": …}}. `residual` [m, rad] is the largest difference from the arm that the table was computed from.
 
     The standard convention is T = R_z(θ) T_z(d) T_x(a) R_x(α) (Denavit and Hartenberg 1955; Paul 1981). The modified
     one is T = R_x(α) T_x(a) R_z(θ) T_z(d), with a and α of the link before (Craig 1986, §3.4).
@@ -49,6 +51,7 @@ class DhTable(Rechecked):
     base: Array = field(default_factory=lambda: np.eye(4))
     tool: Array = field(default_factory=lambda: np.eye(4))
     residual: float = 0.0
+    limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         rows = as_floats(self.rows, "table", "rows of a [m], alpha [rad], d [m], theta [rad]")
@@ -77,9 +80,10 @@ class DhTable(Rechecked):
             places, end = [self.base @ fixed[0], *fixed[1:]], self.tool
         robot, link = ET.Element("robot", name=name), BASE
         ET.SubElement(robot, "link", name=BASE)
-        limit = {"lower": -np.inf, "upper": np.inf, "velocity": np.inf, "effort": np.inf}
         for joint, kind, place in zip(self.joints, self.types, places, strict=True):
-            kind = "continuous" if kind == TYPES[0] else kind
+            limit = dict.fromkeys(LIMIT_NAMES, np.inf) | {"lower": -np.inf} | dict(self.limits.get(joint, {}))
+            turning = "continuous" if np.isinf([limit["lower"], limit["upper"]]).all() else "revolute"
+            kind = turning if kind == TYPES[0] else kind
             add_joint(robot, joint, kind, (link, f"{joint}_link"), place, (0.0, 0.0, 1.0), limit)
             link = f"{joint}_link"
         add_joint(robot, f"{TOOL}_mount", "fixed", (link, TOOL), end)
@@ -95,33 +99,36 @@ class DhTable(Rechecked):
         return about_z @ about_x if self.convention == "standard" else about_x @ about_z
 
 
-def read_dh(path: str | os.PathLike[str], convention: str = "standard") -> tuple[DhTable, Limits]:
-    """The table in a CSV file, and the limits in it by joint.
+def table_of_rows(
+    rows: Iterable[Mapping[str, Any]], convention: str = "standard", base: Array | None = None
+) -> DhTable:
+    """The table of rows by column. A missing number is 0. Raises InputError with the row."""
+    numbers, limits, names, types = [], {}, [], []
+    for i, row in enumerate(rows, start=1):
+        if unknown := next((key for key in row if key not in COLUMNS), None):
+            raise InputError(f"row {i}: unknown column {shown(unknown)}; allowed are {', '.join(COLUMNS)}")
+        given = {key: _number(value, i, key) for key, value in row.items() if key not in WORDS and value != ""}
+        names.append(row.get("joint", f"joint{i}"))
+        types.append(row.get("type", TYPES[0]))
+        numbers.append([given.get(key, 0.0) for key in PARAMETERS])
+        limits[str(names[-1])] = {key: given[key] for key in LIMIT_NAMES if key in given}
+    table = np.reshape(numbers, (len(numbers), 4))
+    return DhTable(table, convention, tuple(names), tuple(types), np.eye(4) if base is None else base, limits=limits)
 
-    Its header names a, alpha, d and theta, each with or without a unit (`a [mm]`, `alpha [deg]`). A missing column is
-    0. Further columns are joint, type, lower, upper, velocity and effort, in SI. Raises InputError with the line.
-    """
-    known = {word: word for word in (*UNITS, "joint", "type", *LIMIT_NAMES)} | {"α": "alpha", "θ": "theta"}
+
+def rows_of_csv(path: str | os.PathLike[str]) -> list[dict[str, str]]:
+    """The rows of a CSV file by the columns that its first line names."""
     header, *rows = [*csv_rows(csv_lines(path, BOUNDS), str(path))] or [Row(0, [])]
-    columns = {quantity_and_unit(cell.strip(), known): k for k, cell in enumerate(header.cells)}
-    at = {str(name): k for (name, _), k in columns.items()}
-    if not rows or not {*UNITS} & {*at} or len(at) < len(header.cells) or "None" in at:
-        raise InputError(f"{path}: its first line must name columns, each once, out of {', '.join(known)}; then rows")
-    table, limits = np.zeros((len(rows), len(UNITS))), Limits()
-    given = [(name, unit or UNITS[str(name)]) for name, unit in columns if name in UNITS]
-    for name, unit in given:
-        if unit not in FACTORS[UNITS[str(name)]]:
-            raise InputError(f"{path}: {name} is in {unit!r}; allowed are {', '.join(FACTORS[UNITS[str(name)]])}")
-    for i, row in enumerate(rows):
-        numbers = row.numbers([at[str(name)] for name, _ in given], len(header.cells), str(path))
-        for (name, unit), number in zip(given, numbers, strict=True):
-            table[i, [*UNITS].index(str(name))] = number * FACTORS[UNITS[str(name)]][unit]
-    words = {
-        name: tuple(row.cells[at[name]].strip() for row in rows) if name in at else () for name in ("joint", "type")
-    }
-    made = DhTable(table, convention, words["joint"], words["type"])
-    for joint, row in zip(made.joints, rows, strict=True):
-        said = [name for name in LIMIT_NAMES if name in at and row.cells[at[name]].strip()]
-        numbers = row.numbers([at[name] for name in said], len(header.cells), str(path))
-        limits[joint] = dict(zip(said, numbers, strict=True))
-    return made, limits
+    names = [cell.strip() for cell in header.cells]
+    for row in rows:
+        row.numbers([], len(names), str(path))
+    if len(set(names)) < len(names):
+        raise InputError(f"{path}: its first line names a column twice; it names columns out of {', '.join(COLUMNS)}")
+    return [dict(zip(names, map(str.strip, row.cells), strict=True)) for row in rows]
+
+
+def _number(value: Any, row: int, column: str) -> float:
+    with suppress(TypeError, ValueError, OverflowError):
+        if not isinstance(value, bool) and not np.isnan(number := float(value)):
+            return number
+    raise InputError(f"row {row}: {column} must be a number; got {shown(value)}")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...description.companions.arm_file import ArmSpecification
-from ...description.dh import BASE, TOOL, TYPES, DhTable, read_dh
+from ...description.dh import BASE, TOOL, TYPES, DhTable, rows_of_csv, table_of_rows
 from ...limits.joint_limits import JointLimits
 from ...support.checks import Array
 from ...support.errors import InputError
@@ -45,8 +45,8 @@ def arm_from_dh(
     The joint's coordinate is added to θ, which is its fixed offset, or to d for a prismatic joint.
 
     Args:
-        table: Rows (n, 4), a `DhTable`, or the path of a CSV file (`a [mm], alpha [deg], d, theta, joint, type,
-            lower, upper, velocity, effort`). An arm.toml with [dh] is for `load_arm`.
+        table: Rows (n, 4), a `DhTable`, or the path of a CSV file. Its first line names columns out of a, alpha, d,
+            theta, joint, type, lower, upper, velocity, effort. An arm.toml with [dh] is for `load_arm`.
         convention: "standard" or "modified". A `DhTable` has its own.
         joints: The n joint names; by default joint1, joint2 and so on.
         types: "revolute" or "prismatic" for each joint; by default revolute.
@@ -60,15 +60,15 @@ def arm_from_dh(
 
     Raises:
         InputError: A wrong shape, name, type, convention or pose, or a file that is no table.
+        DescriptionError: Limits of the table leave a joint no room.
     """
-    noted: Mapping[str, Mapping[str, float]] = {}
     if isinstance(table, (str, os.PathLike)):
-        table, noted = read_dh(table, convention)
+        table = table_of_rows(rows_of_csv(table), convention)
     made = table if isinstance(table, DhTable) else DhTable(np.asarray(table), convention)
     given = {"joints": tuple(joints), "types": tuple(types)}
     poses = {key: np.asarray(g) for key, g in {"base": base, "tool": tool}.items() if g is not None}
     made = replace(made, **{key: words for key, words in given.items() if words}, **poses)  # type: ignore[arg-type]
-    specification = ArmSpecification(Path(name), "DH table", base=BASE, tip=TOOL, limits=noted)
+    specification = ArmSpecification(Path(name), "DH table", base=BASE, tip=TOOL)
     return arm_of_urdf(made.urdf(name), specification, limits)
 
 

@@ -15,7 +15,7 @@ from ...support.checks import Array, as_vector, frozen, require_one
 from ...support.errors import InputError
 from ...support.files import as_path, is_file
 from ...theory.rotations import from_rpy
-from ..dh import BASE, TOOL, DhTable, Limits, read_dh
+from ..dh import BASE, TOOL, DhTable, rows_of_csv, table_of_rows
 from ..findings import Place, refusal
 from ..packages import is_too_wide, package_names
 from .toml_entries import bounded, number_of, numbers_of, only, parse_toml, table_of, text_of, unusable
@@ -107,7 +107,7 @@ def read_arm_file(path: Path) -> ArmSpecification:
     if ("source" in content) == ("dh" in content):
         what = "it has a source and a table [dh]" if "dh" in content else "it names no source"
         raise unusable(path, f'{what}: write source = "my_arm.urdf" or a table [dh]')
-    dh, limits = _dh(content, path) if "dh" in content else (None, {})
+    dh = _dh(content, path) if "dh" in content else None
     folders = _folders(content, path)
     far = tuple(folder for folder in folders if _is_elsewhere(folder, path))
     poses = table_of(content, "poses", path)
@@ -123,7 +123,7 @@ def read_arm_file(path: Path) -> ArmSpecification:
         package_dirs=tuple(folder for folder in folders if folder not in far),
         mesh_dirs=far,
         ignore_packages=_without(content, path),
-        limits=limits | _limits(content, path),
+        limits=_limits(content, path),
         locked_joints={
             joint: bounded(value, path, f"locked_joints.{joint}")
             for joint, value in table_of(content, "locked_joints", path).items()
@@ -135,18 +135,16 @@ def read_arm_file(path: Path) -> ArmSpecification:
     )
 
 
-def _dh(content: Mapping[str, Any], path: Path) -> tuple[DhTable, Limits]:
-    """The table in the file, or in a CSV file that it names, with the limits in that."""
+def _dh(content: Mapping[str, Any], path: Path) -> DhTable:
+    """The table in the file, or in a CSV file that it names."""
     entries = table_of(content, "dh", path)
-    only(entries, ("table", "convention", "joints", "types", "base"), path, "in dh")
-    rows: Any = entries.get("table")
-    convention, limits = entries.get("convention", "standard"), Limits()
-    given: dict[str, Any] = {key: entries[key] for key in ("joints", "types") if key in entries}
+    only(entries, ("table", "rows", "convention", "base"), path, "in dh")
+    file, rows = entries.get("table"), entries.get("rows", [])
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise unusable(path, f"dh.rows must be tables, each [[dh.rows]]; got {rows!r}")
     try:
-        if isinstance(rows, str):
-            table, limits = read_dh(_file(rows, "dh.table", path), convention)
-            rows, given = table.rows, {"joints": table.joints, "types": table.types} | given
-        return DhTable(rows, convention, **given, base=_pose(entries, "base", path)), limits
+        rows = rows if file is None else rows_of_csv(_file(text_of(file, "dh.table", path), "dh.table", path))
+        return table_of_rows(rows, entries.get("convention", "standard"), _pose(entries, "base", path))
     except InputError as error:
         raise unusable(path, f"dh: {error}") from error
 
