@@ -53,7 +53,7 @@ def random_table(rng: np.random.Generator, convention: str) -> DhTable:
     rows[rng.random(n) < 0.3, 1] = HALF
     types = tuple(rng.choice(["revolute", "revolute", "prismatic"], n))
     poses = (about(i, rng.uniform(-3, 3), 0.3) @ about(2, rng.uniform(-3, 3), 0.2) for i in (0, 1))
-    return DhTable(rows, convention, (), types, *poses)
+    return DhTable(rows, convention, None, types, *poses)
 
 
 @pytest.mark.parametrize("convention", ["standard", "modified"])

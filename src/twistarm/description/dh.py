@@ -11,7 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from ..support.checks import Array, Rechecked, as_floats, as_pose, frozen, require_choice, require_names, require_one
+from ..support.checks import (
+    Array,
+    Rechecked,
+    as_floats,
+    as_number,
+    as_pose,
+    as_reals,
+    frozen,
+    require_choice,
+    require_mapping,
+    require_names,
+    require_one,
+)
 from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ..support.errors import InputError, shown
 from ..theory.rotations import exp
@@ -27,6 +39,8 @@ PARAMETERS = ("a", "alpha", "d", "theta")
 WORDS = ("joint", "type")
 COLUMNS = (*PARAMETERS, *WORDS, *LIMIT_NAMES)
 
+EXAMPLE = "{'joint1': {'upper': 1.0}}"
+
 BOUNDS = Bounds(bytes=1_000_000, lines=1_000)
 
 
@@ -41,13 +55,14 @@ class DhTable(Rechecked):
     The standard convention is T = R_z(θ) T_z(d) T_x(a) R_x(α) (Denavit and Hartenberg 1955; Paul 1981). The modified
     one is T = R_x(α) T_x(a) R_z(θ) T_z(d), with a and α of the link before (Craig 1986, §3.4).
 
-    Raises InputError for another convention, shape or type, for names that do not fit, and for numbers beyond 1e9.
+    The default names are joint1, joint2 and so on, and the default type is revolute. Raises InputError for another
+    convention, shape or type, for names that do not fit, and for numbers beyond 1e9.
     """
 
     rows: Array
     convention: str = "standard"
-    joints: tuple[str, ...] = ()
-    types: tuple[str, ...] = ()
+    joints: tuple[str, ...] | None = None
+    types: tuple[str, ...] | None = None
     base: Array = field(default_factory=lambda: np.eye(4))
     tool: Array = field(default_factory=lambda: np.eye(4))
     residual: float = 0.0
@@ -60,43 +75,54 @@ class DhTable(Rechecked):
                 f"table must be rows of a, alpha, d, theta (n, 4), none beyond {LARGEST:g}; got {rows.shape}"
             )
         n = len(rows)
-        names = require_names(self.joints, "joints") if self.joints else tuple(f"joint{i + 1}" for i in range(n))
-        types = require_names(self.types, "types") if self.types else (TYPES[0],) * n
+        names = [f"joint{i + 1}" for i in range(n)] if self.joints is None else require_names(self.joints, "joints")
+        types = (TYPES[0],) * n if self.types is None else require_names(self.types, "types")
         if len(names) != n or len(set(names)) != n or not all(name.strip() and name.isprintable() for name in names):
             raise InputError(f"joints must be {n} different names, one per row of the table; got {list(names)}")
         if len(types) != n or not set(types) <= set(TYPES):
             raise InputError(f"types must be {n} words, each {' or '.join(TYPES)}; got {list(types)}")
         require_choice(self.convention, CONVENTIONS, "convention")
+        for joint, given in require_mapping(self.limits, "limits", EXAMPLE).items():
+            given = require_mapping(given, f"limits[{shown(joint)}]", EXAMPLE)
+            if joint not in names or not given.keys() <= set(LIMIT_NAMES):
+                raise InputError(
+                    f"limits must be of joints of the table, by {', '.join(LIMIT_NAMES)}; got {shown(joint)}"
+                )
+            for word, value in given.items():
+                as_reals(value, f"limits[{joint!r}][{word!r}]")
         poses = {name: frozen(require_one(as_pose(getattr(self, name), name), name, 2)) for name in (BASE, TOOL)}
-        for name, value in {"rows": frozen(rows), "joints": names, "types": types, **poses}.items():
+        read = {"rows": frozen(rows), "joints": tuple(names), "types": tuple(types)}
+        for name, value in {**read, **poses, "residual": as_number(self.residual, "residual")}.items():
             object.__setattr__(self, name, value)
 
-    def urdf(self, name: str) -> str:
-        """The URDF of the table's arm, from the link `base` to the link `tool`. Each joint is unbounded."""
-        fixed = [self._fixed(row) for row in self.rows]
-        if self.convention == "standard":
-            places, end = [self.base, *fixed[:-1]], fixed[-1] @ self.tool
-        else:
-            places, end = [self.base @ fixed[0], *fixed[1:]], self.tool
-        robot, link = ET.Element("robot", name=name), BASE
-        ET.SubElement(robot, "link", name=BASE)
-        for joint, kind, place in zip(self.joints, self.types, places, strict=True):
-            limit = dict.fromkeys(LIMIT_NAMES, np.inf) | {"lower": -np.inf} | dict(self.limits.get(joint, {}))
-            turning = "continuous" if np.isinf([limit["lower"], limit["upper"]]).all() else "revolute"
-            kind = turning if kind == TYPES[0] else kind
-            add_joint(robot, joint, kind, (link, f"{joint}_link"), place, (0.0, 0.0, 1.0), limit)
-            link = f"{joint}_link"
-        add_joint(robot, f"{TOOL}_mount", "fixed", (link, TOOL), end)
-        ET.indent(robot)
-        return ET.tostring(robot, encoding="unicode") + "\n"
 
-    def _fixed(self, row: Array) -> Array:
-        """The transform (4, 4) of a row with its coordinate at 0."""
-        a, alpha, d, theta = row
-        about_x, about_z = np.eye(4), np.eye(4)
-        about_x[:3, :3], about_x[0, 3] = exp(np.array([1.0, 0.0, 0.0]), alpha), a
-        about_z[:3, :3], about_z[2, 3] = exp(np.array([0.0, 0.0, 1.0]), theta), d
-        return about_z @ about_x if self.convention == "standard" else about_x @ about_z
+def dh_urdf(table: DhTable, name: str) -> str:
+    """The URDF of the table's arm, from the link `base` to the link `tool`."""
+    fixed = [_fixed(row, table.convention) for row in table.rows]
+    if table.convention == "standard":
+        places, end = [table.base, *fixed[:-1]], fixed[-1] @ table.tool
+    else:
+        places, end = [table.base @ fixed[0], *fixed[1:]], table.tool
+    robot, link = ET.Element("robot", name=name), BASE
+    ET.SubElement(robot, "link", name=BASE)
+    for joint, kind, place in zip(table.joints or (), table.types or (), places, strict=True):
+        limit = dict.fromkeys(LIMIT_NAMES, np.inf) | {"lower": -np.inf} | dict(table.limits.get(joint, {}))
+        turning = "continuous" if np.isinf([limit["lower"], limit["upper"]]).all() else "revolute"
+        kind = turning if kind == TYPES[0] else kind
+        add_joint(robot, joint, kind, (link, f"{joint}_link"), place, (0.0, 0.0, 1.0), limit)
+        link = f"{joint}_link"
+    add_joint(robot, f"{TOOL}_mount", "fixed", (link, TOOL), end)
+    ET.indent(robot)
+    return ET.tostring(robot, encoding="unicode") + "\n"
+
+
+def _fixed(row: Array, convention: str) -> Array:
+    """The transform (4, 4) of a row with its coordinate at 0."""
+    a, alpha, d, theta = row
+    about_x, about_z = np.eye(4), np.eye(4)
+    about_x[:3, :3], about_x[0, 3] = exp(np.array([1.0, 0.0, 0.0]), alpha), a
+    about_z[:3, :3], about_z[2, 3] = exp(np.array([0.0, 0.0, 1.0]), theta), d
+    return about_z @ about_x if convention == "standard" else about_x @ about_z
 
 
 def table_of_rows(

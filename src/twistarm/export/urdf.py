@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..arm.loading.arm_builder import builder_of
-from ..checking.doctor.repair import repaired
+from ..checking.doctor.repair import COPY, repaired
 from ..description.bounds import LIMIT_NAMES, WIDE
 from ..description.geometry import read_origin
 from ..description.source_text import SourceText
@@ -18,7 +18,7 @@ from ..description.writing import add_joint, number_text
 from ..limits.joint_limits import slides
 from ..support.checks import Array
 from ..support.errors import InputError
-from ..support.files import as_path
+from ..support.files import as_path, writable
 from ..theory.rotations import to_rpy
 from ..theory.screws import exp
 
@@ -37,12 +37,13 @@ def to_urdf(arm: Arm, folder: str | os.PathLike[str] = ".") -> str:
         folder: The folder of the file. Relative paths of meshes begin there.
 
     Raises:
-        InputError: A joint turns or slides by another rate than its coordinate, or follows several.
+        InputError: There is no such folder. A joint turns or slides by another rate than its coordinate, or follows
+            several.
     """
     description = require_arm(arm).description
     if description is None:
         return builder_of(arm).urdf()
-    source = SourceText(repaired(description, as_path(folder).resolve()).text)
+    source = SourceText(repaired(description, writable(as_path(folder) / COPY, over_description=True).parent).text)
     written = {joint.get("name", ""): joint for joint in source.robot.findall("joint")}
     for name, affine in arm.couplings.items():
         read = description.joints[name]

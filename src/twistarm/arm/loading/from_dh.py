@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...description.companions.arm_file import ArmSpecification
-from ...description.dh import BASE, TOOL, TYPES, DhTable, rows_of_csv, table_of_rows
+from ...description.dh import BASE, CONVENTIONS, TOOL, TYPES, DhTable, dh_urdf, rows_of_csv, table_of_rows
 from ...limits.joint_limits import JointLimits
-from ...support.checks import Array
+from ...support.checks import Array, require_choice
 from ...support.errors import InputError
 from ...theory.joints import plane_axes
 from ...theory.screws import inverse, to_screw
 from ..arm import Arm, require_arm
-from .arm_builder import UNIT, arm_of_urdf
+from .arm_builder import UNIT, ArmBuilder, arm_of_urdf
 
 PARALLEL = 1e-7
 """Axes at a smaller angle [rad] count as parallel. The foot of their common normal is beyond double precision."""
@@ -33,8 +33,8 @@ def arm_from_dh(
     table: ArrayLike | DhTable | str | os.PathLike[str],
     convention: str = "standard",
     *,
-    joints: Sequence[str] = (),
-    types: Sequence[str] = (),
+    joints: Sequence[str] | None = None,
+    types: Sequence[str] | None = None,
     base: ArrayLike | None = None,
     tool: ArrayLike | None = None,
     limits: JointLimits | Mapping[str, Any] | None = None,
@@ -64,12 +64,12 @@ def arm_from_dh(
     """
     if isinstance(table, (str, os.PathLike)):
         table = table_of_rows(rows_of_csv(table), convention)
-    made = table if isinstance(table, DhTable) else DhTable(np.asarray(table), convention)
-    given = {"joints": tuple(joints), "types": tuple(types)}
-    poses = {key: np.asarray(g) for key, g in {"base": base, "tool": tool}.items() if g is not None}
-    made = replace(made, **{key: words for key, words in given.items() if words}, **poses)  # type: ignore[arg-type]
+    made: Any = table if isinstance(table, DhTable) else DhTable(table, convention)  # type: ignore[arg-type]
+    given = {"joints": joints, "types": types, "base": base, "tool": tool}
+    made = replace(made, **{key: value for key, value in given.items() if value is not None})
+    ArmBuilder(name)  # which checks the name
     specification = ArmSpecification(Path(name), "DH table", base=BASE, tip=TOOL)
-    return arm_of_urdf(made.urdf(name), specification, limits)
+    return arm_of_urdf(dh_urdf(made, name), specification, limits)
 
 
 def to_dh(arm: Arm, convention: str = "standard") -> DhTable:
@@ -79,8 +79,14 @@ def to_dh(arm: Arm, convention: str = "standard") -> DhTable:
     the normal through the frame before is taken. a is never negative. Axes within 1e-7 rad count as parallel, and
     `residual` tells by how much [m, rad] the table then differs from the arm. Source: Craig, §3.4; Paul, §2.8.
 
-    Raises InputError for an arm with coupled or helical joints, or twists that are not of unit length.
+    Args:
+        arm: An arm of turns and slides, one for each coordinate.
+        convention: "standard" or "modified".
+
+    Raises:
+        InputError: The arm has coupled or helical joints, or twists that are not of unit length.
     """
+    require_choice(convention, CONVENTIONS, "convention")
     moving = require_arm(arm).coupling.A.any(axis=1)
     A, screws = arm.coupling.A[moving], to_screw(arm.screws[:, moving].T)
     slides = np.isinf(screws.pitch)
