@@ -72,7 +72,7 @@ def test_every_body_and_site_stands_where_mujoco_puts_it(path: Path) -> None:
             compared += name != "world"
         np.testing.assert_allclose(arm.fk(theta), theirs[arm.tip], atol=TOL)
     named = {model.body(i).name for i in range(1, model.nbody)} | {model.site(i).name for i in range(model.nsite)}
-    assert compared == 20 * len(named - {"", "box"})  # the loose box is no part of the arm
+    assert compared == 20 * len(named - {"", "box", "target"})  # not of the arm
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
@@ -111,9 +111,10 @@ def test_a_scene_gives_tool_poses_pairs_and_efforts() -> None:
     assert (arm.name, arm.base, arm.tip) == ("scene", "world", "pinch")
     assert arm.joint_names == ("joint1", "joint2", "joint3", "joint4")
     assert arm.limits.effort.tolist() == [87.0, 60.0, 2 * 87.0, 12.0]
-    assert arm.named_states["home"].tolist() == [0.0, -0.5, 1.0, 0.2]
+    states = {name: theta.tolist() for name, theta in arm.named_states.items()}
+    assert states == {"home": [0.0, -0.5, 1.0, 0.2], "up": [0.0, 0.0, 0.0, 0.0], "bent": [0.1, 0.2, 0.3, 0.4]}
     assert arm.disabled_collisions == {("link1", "link3")}
-    assert "box" not in arm.description.links
+    assert not arm.description.links.keys() & {"box", "target"}
     assert arm.couplings["finger_joint2"] == ("finger_joint1", 1.0, 0.0)
     assert {one.code for one in arm.findings} >= {"mjcf-scenery-left-out", "srdf-found", "ready-named"}
     assert pickle.loads(pickle.dumps(arm)).description.mjcf == arm.description.mjcf

@@ -49,7 +49,12 @@ class Mjcf:
         if name not in self.classes:
             remedy = f"correct the name{closest(name, self.classes)}"
             raise self.error(element, f"its default class {name!r} does not exist", remedy)
-        return {**self.classes[name].get(_kind(element), {}), **element.attrib}
+        defaults = self.classes[name].get(_kind(element), {})
+        given = {**defaults, **element.attrib}
+        if "size" in element.attrib:  # fewer numbers leave the rest of the default
+            own = given["size"].split()
+            given["size"] = " ".join([*own, *defaults.get("size", "").split()[len(own) :]])
+        return given
 
     def reading_of(self, element: ET.Element) -> Reading:
         """The reading of the element's file."""

@@ -91,6 +91,7 @@ class _Writer:
         self._joints = {joint.get("name", "") for joint in mjcf.root.iter("joint")}
         self._moving: dict[str, Moving] = {}
         self._layout: list[tuple[tuple[str, ...], int]] = []
+        self._carried: set[str] = set()
         self._pairs: set[tuple[str, str]] = set()
         self._efforts: dict[str, float] = {}
         for actuator in mjcf.each("actuator", *ACTUATORS):
@@ -114,7 +115,9 @@ class _Writer:
         for part, frame, around in parts:
             with self.mjcf.told(part):
                 if part.tag == "geom":
-                    body = self._geom(self.mjcf.attributes(part, around), link, frame, from_geoms and link != ROOT)
+                    body = self._geom(
+                        self.mjcf.attributes(part, around), link, frame, from_geoms and link in self._carried
+                    )
                     bodies += [body] if body and from_geoms else []
                 elif part.tag == "inertial" and not from_geoms:
                     bodies.append(explicit_body(dict(part.attrib), self.mjcf))
@@ -161,12 +164,15 @@ class _Writer:
             for part, local, around in self._parts(body, np.eye(4), childclass)
             if part.tag in ("joint", "freejoint")
         ]
+        if body.get("mocap") == "true":
+            return self._note("mjcf-scenery-left-out", f"the mocap body {name!r}")
         if any(part.tag == "freejoint" or given.get("type") == "free" for part, given, _ in found):
             self._layout.append(((), 7))
             if len([*body.iter("joint")]) == sum(part.tag == "joint" for part, *_ in found):
                 return self._note("mjcf-scenery-left-out", f"the free body {name!r}")
             self._note("mjcf-scenery-left-out", f"the free joint of {name!r}, which stands where the file puts it")
             found = []
+        self._carried |= {name} if found or parent in self._carried else set()
         link = parent
         for i, (joint, given, local) in enumerate(found):
             joint.set("name", joint.get("name") or free_name(f"{name}_joint", self._joints))
@@ -273,13 +279,14 @@ class _Writer:
         return Semantics(reading.path, name, states=tuple(states), disabled=frozenset(self._pairs))
 
     def _values(self, key: ET.Element) -> dict[str, float]:
-        """A keyframe's value of each joint. Empty if it has another length than the model."""
+        """A keyframe's value of each joint. Empty unless its length is the model's, with or without free bodies."""
         qpos, length = several(key.get("qpos", "")), sum(length for _, length in self._layout)
+        layout = self._layout if len(qpos) == length else [part for part in self._layout if part[0]]
         values: dict[str, float] = {}
-        if len(qpos) != length:
+        if len(qpos) != sum(length for _, length in layout):
             self._note("mjcf-part-not-read", f"the keyframe {key.get('name')!r} ({len(qpos)} numbers for {length})")
             return values
-        for names, length in self._layout:
+        for names, length in layout:
             numbers, qpos = qpos[:length], qpos[length:]
             if length == 4:
                 numbers = to_rpy(from_quaternion_wxyz(numbers))[::-1].tolist()

@@ -9,7 +9,7 @@ _ENDING = r"(_(link|frame|point|site))*(_\d+)?$"
 _TOOLS = (
     "tool0",
     "tcp|tool_cent(er|re)(_point)?",
-    "grasp(ing)?(_?(target|cent(er|re)))?|gripper_(frame|cent(er|re)|tip)|ee_gripper|pinch",
+    "grasp(ing)?(_?(target|cent(er|re)))?|gripper_?(frame|cent(er|re)|tip)|ee_gripper|pinch",
     r"tool(_?tip)?\d*",
     r"ee\d*|eef|end_?effector\d*",
     "end_?effector_.*|end",
