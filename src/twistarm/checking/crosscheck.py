@@ -15,7 +15,6 @@ from ..support.display import Brief
 from ..support.errors import ComparisonError, InputError, MissingExtraError
 from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import adjoint, inverse
-from .mujoco_reader import mujoco_poses
 from .native_joints import native_kinematics
 from .other_readers import as_written, beyond_yourdfpy, most_configurations, yourdfpy_poses
 
@@ -341,6 +340,8 @@ def _mujoco(arm: Arm, theta: Array) -> list[EngineComparison]:
     """Compare with MuJoCo's reading of an MJCF."""
     if arm.description is None or not arm.description.mjcf:
         return []
+    from .mujoco_reader import mujoco_poses  # brings the reader of MJCF with it, which most programs do not need
+
     theta = _fewer(theta[:WRITTEN_SAMPLES], len(arm.description.links), USUAL_LINKS)
     try:
         theirs = mujoco_poses(arm.description.mjcf, _joint_values(arm, theta))

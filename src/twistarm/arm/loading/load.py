@@ -16,7 +16,6 @@ from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_
 from ...description.companions.arm_group import ArmGroup, arm_groups
 from ...description.companions.companion_files import path_from, srdf_beside
 from ...description.companions.srdf import Semantics, note_names, read_srdf
-from ...description.dh import dh_urdf
 from ...description.document import Reading
 from ...description.expansion.left_out import blaming
 from ...description.findings import Finding, Place, finding, refusal
@@ -193,6 +192,8 @@ def specify(
 def read(specification: ArmSpecification) -> Description:
     """The description that a specification names, or that of its table."""
     if specification.dh is not None:
+        from ...description.dh import dh_urdf  # few arms have a table
+
         file = specification.description.resolve()
         text = dh_urdf(specification.dh, specification.name or file.stem)
         return build_description(text, Reading(file, PackageIndex(file), show_lines=False))

@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,10 +15,12 @@ from ...support.checks import Array, as_vector, frozen, require_one
 from ...support.errors import InputError
 from ...support.files import as_path, is_file
 from ...theory.rotations import from_rpy
-from ..dh import BASE, TOOL, DhTable, rows_of_csv, table_of_rows
 from ..findings import Place, refusal
 from ..packages import is_too_wide, package_names
 from .toml_entries import bounded, number_of, numbers_of, only, parse_toml, table_of, text_of, unusable
+
+if TYPE_CHECKING:
+    from ..dh import DhTable
 
 MOTOR_LIMITS = ("lower", "upper", "velocity", "acceleration", "effort")
 """Limits that a motor may have. Data sheets give no jerk."""
@@ -115,8 +117,8 @@ def read_arm_file(path: Path) -> ArmSpecification:
         description=path if dh else _file(content["source"], "source", path),
         source=str(path),
         name=content.get("name"),
-        base=content.get("base", dh and BASE),
-        tip=content.get("tip", dh and TOOL),
+        base=content.get("base", dh and "base"),
+        tip=content.get("tip", dh and "tool"),
         dh=dh,
         tool=_tool(content, path),
         xacro_args=table_of(content, "xacro_args", path),
@@ -137,6 +139,8 @@ def read_arm_file(path: Path) -> ArmSpecification:
 
 def _dh(content: Mapping[str, Any], path: Path) -> DhTable:
     """The table in the file, or in a CSV file that it names."""
+    from ..dh import rows_of_csv, table_of_rows  # few arms have one
+
     entries = table_of(content, "dh", path)
     only(entries, ("table", "rows", "convention", "base"), path, "in dh")
     file, rows = entries.get("table"), entries.get("rows", [])
