@@ -240,7 +240,7 @@ class ArmBuilder:
     def build(self, *, limits: JointLimits | Mapping[str, Any] | None = None) -> Arm:
         """Read the arm from `urdf()` and prove it against Pinocchio. `limits` are as in `load_arm`."""
         return arm_of_urdf(
-            self.urdf(), ArmSpecification(Path(self.name), "ArmBuilder", base=BASE, tip=self._tool), limits
+            self.urdf(), ArmSpecification(Path(self.name), "ArmBuilder", base=self._base, tip=self._tool), limits
         )
 
     # -- inside --------------------------------------------------------------------------------------------------
