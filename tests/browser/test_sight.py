@@ -213,6 +213,157 @@ def test_an_unmet_target_is_drawn_with_the_arm_that_would_meet_it(page: Any) -> 
     assert page.evaluate(GHOST)[1:3] == [0, 0]
 
 
+def outside(page: Any, point: Any) -> float:
+    """How far a point of the base frame lies beyond the nearest edge of the picture [px]; below 0: inside."""
+    x, y, _ = page.evaluate(PROJECT, [list(point)])
+    box = page.locator("#pane").bounding_box()
+    over = page.locator("#switches").bounding_box()
+    top = over["y"] + over["height"]
+    return float(max(box["x"] - x, x - box["x"] - box["width"], top - y, y - box["y"] - box["height"]))
+
+
+CAMERA = "twistarm.view.viewer.camera.position.toArray()"
+STILL = "twistarm.parts.follow.moving === null"
+TARGET = "twistarm.parts.target.given?.position"
+TOOL = "twistarm.parts.target.tool.position.toArray()"
+
+
+def release(page: Any) -> None:
+    page.get_by_role("button", name="Let go").click()
+    until(page, "twistarm.parts.target.given === null")
+
+
+def test_the_camera_follows_a_target_that_is_typed_or_dragged_out_of_the_picture(page: Any) -> None:
+    for far in ([3.0, 1.0, 0.4], [-0.5, 9.0, 0.2], [0.1, 0.1, -4.0]):
+        page.evaluate(ASK, [far, [0, 0, 0, 1]])
+        until(page, f"String({TARGET}) === '{','.join(f'{x:g}' for x in far)}'")
+        until(page, STILL)
+        assert outside(page, far) < -10
+        assert outside(page, page.evaluate(TOOL)) < -10
+    page.evaluate("twistarm.view.fit()")
+    assert outside(page, far) < 0
+    release(page)
+    page.evaluate("twistarm.view.fit()")
+    page.get_by_label("Drag tool").check()
+    after_frames(page)
+    x, y, _ = page.evaluate(PROJECT, [page.evaluate(TOOL)])
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(1, 11):
+        page.mouse.move(x + 0.1 * step * (1400 - x), y)  # beyond the window, 1280 px wide
+        after_frames(page)
+    until(page, STILL)
+    assert outside(page, page.evaluate("twistarm.parts.target.asked.position.toArray()")) < -10
+    assert outside(page, page.evaluate(TOOL)) < -10
+    page.mouse.up()
+    page.get_by_label("Drag tool").uncheck()
+    release(page)
+
+
+def test_the_camera_follows_the_tool_unless_a_hand_turns_the_view_or_looks_elsewhere(
+    shown: Callable[[str], tuple[Any, Viewer]], page: Any
+) -> None:
+    _, viewer = shown(ARM.name)
+    start, end = ARM.ready.copy(), ARM.ready.copy()
+    end[0] += 2.0
+
+    def show(theta: Any) -> None:
+        viewer.show(theta)
+        until(page, f"twistarm.state.frame.theta[0] === {float(theta[0])!r}")
+        after_frames(page)
+
+    def look_at(point: Any) -> None:
+        """From nearby, as if a hand had turned the view."""
+        page.evaluate(
+            """([x, y, z]) => {
+              const { camera, controls } = twistarm.view.viewer;
+              controls.target.set(x, z, -y);
+              camera.position.set(x + 0.7, z + 0.5, -y + 0.7);
+              controls.update();
+              camera.updateMatrixWorld();
+              twistarm.view.turned = true;
+            }""",
+            list(point),
+        )
+
+    tool = [ARM.fk(theta)[:3, 3] for theta in (start, end)]
+    look_at(tool[0])
+    show(end)
+    until(page, STILL)
+    assert outside(page, tool[1]) < -10
+    show(start)
+    until(page, STILL)
+    look_at(tool[0])
+    page.mouse.move(700, 600)
+    page.mouse.down()
+    page.mouse.move(703, 602)
+    held = page.evaluate(CAMERA)
+    show(end)
+    assert_allclose(page.evaluate(CAMERA), held, atol=1e-9)
+    page.mouse.up()
+    look_at([0.0, 0.0, 0.0])  # neither where the tool is nor where it comes to
+    assert min(outside(page, each) for each in tool) > 0
+    elsewhere = page.evaluate(CAMERA)
+    show(start)
+    assert_allclose(page.evaluate(CAMERA), elsewhere, atol=1e-9)
+
+
+DRAWN = """() => {
+  const seen = [];
+  twistarm.parts.ghost.frame.traverseVisible(({ isMesh }) => isMesh && seen.push(isMesh));
+  const { group, handles } = twistarm.view.handles;
+  const ball = handles.find(({ kind }) => kind === "free");
+  return [seen.length, group.visible && ball.material.color.getHexString()];
+}"""
+"""How many parts of the target's own frame are drawn, and the colour of the ball of the handles where they are."""
+
+
+def test_the_target_is_drawn_while_there_is_one_and_shares_its_frame_with_the_tool(page: Any) -> None:
+    g = ARM.fk(ARM.ready)
+    xyzw = Rotation.from_matrix(g[:3, :3]).as_quat().tolist()
+    page.get_by_label("What the tool is to meet").select_option("pose")
+    unmet = (g[:3, 3] + [0, 0, 5]).tolist()
+    near = (g[:3, 3] - [0, 0, 0.05]).tolist()
+    page.get_by_role("tab", name="Poses").click()
+    for place, met in ((near, True), (unmet, False)):
+        page.evaluate(ASK, [place, xyzw])
+        until(page, f"twistarm.parts.target.given?.met === {str(met).lower()}")
+        after_frames(page)
+        parts, handles = page.evaluate(DRAWN)
+        assert parts == (1 if met else 4)  # its ball, and the axes that are not those of the tool's frame
+        assert not handles
+        page.get_by_label("Frames").uncheck()
+        until(page, "!twistarm.view.node('/frames').visible")
+        after_frames(page)
+        assert page.evaluate(DRAWN)[0] == 4
+        page.get_by_label("Frames").check()
+        page.get_by_label("Drag tool").check()
+        until(page, "twistarm.view.node('/frames').visible")
+        after_frames(page)
+        parts, handles = page.evaluate(DRAWN)
+        assert parts == (0 if met else 3)
+        css = "getComputedStyle(document.documentElement).getPropertyValue"
+        assert f"#{handles}" == page.evaluate(f"{css}('{'--met' if met else '--warn'}').trim()")
+        lengths = page.evaluate(LENGTHS)
+        assert max(lengths[: 3 if met else 0] or lengths[3:]) < 82  # px: within the cones of the handles
+        page.get_by_label("Drag tool").uncheck()
+    page.get_by_role("tab", name="Move").click()
+    release(page)
+
+
+LENGTHS = """() => {
+  const { camera, renderer, scene } = twistarm.view.viewer;
+  const height = renderer.domElement.clientHeight;
+  scene.updateMatrixWorld(true);
+  return [...twistarm.view.node("/frames/tool").children, ...twistarm.parts.ghost.axes].map((axis) => {
+    const size = new MeshCat.THREE.Box3().setFromObject(axis).getSize(new MeshCat.THREE.Vector3()).length();
+    const away = -axis.getWorldPosition(new MeshCat.THREE.Vector3()).applyMatrix4(camera.matrixWorldInverse).z;
+    return (size * height) / (2 * away * Math.tan((camera.fov * Math.PI) / 360));
+  });
+}"""
+"""How long the axes of the tool's and of the target's frame are [px], seen across."""
+
+
 def test_a_grab_that_just_misses_a_handle_does_not_turn_the_view(page: Any) -> None:
     page.get_by_label("Drag tool").check()
     after_frames(page)

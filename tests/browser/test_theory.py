@@ -172,7 +172,7 @@ def test_columns_ellipsoids_and_labels(page: Any, viewer: Viewer) -> None:
     for name in ("Columns of Jᵇ", "Angular ellipsoid"):  # by keyboard
         page.locator("#theory-layers").get_by_label(name, exact=True).focus()
         page.keyboard.press("Space")
-    until(page, "Object.values(twistarm.parts.theory.visible).filter(Boolean).length >= 9")
+    until(page, "Object.values(twistarm.parts.theory.visible).filter(Boolean).length >= 8")
     drawn = shown(page, theta)
     assert_columns(drawn, ARM, theta)
     assert_ellipsoids(drawn, ARM, theta)
@@ -366,15 +366,14 @@ def test_the_reach(page: Any, viewer: Viewer, tmp_path: Path, open_page: Opened)
 
 
 def test_numbers_are_asked_for_while_the_panel_is_open(page: Any, viewer: Viewer) -> None:
-    numbers = "twistarm.parts.theory.visible.numbers"
-    until(page, numbers)
-    viewer._server.post("another page", lambda stage: stage.set_visible("numbers", False))  # leaves its panel
-    viewer.theta  # noqa: B018  # applied
-    until(page, numbers)
-    page.get_by_role("tab", name="Move").click()
-    until(page, f"!{numbers}")
-    page.get_by_role("tab", name="Theory").click()
-    until(page, numbers)
+    def needed() -> bool:
+        return "theory" in viewer._server.ask(lambda stage: stage.needed)
+
+    page.evaluate("twistarm.parts.layers.show({ screw: false })")
+    for tab, open_ in (("Move", False), ("Theory", True), ("Move", False)):
+        page.get_by_role("tab", name=tab).click()
+        until(page, "!twistarm.link.underway")
+        assert needed() == open_ or page.evaluate("twistarm.parts.layers.needed").count("true") > 0
 
 
 def test_the_stand_alone_page(open_page: Opened, tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 // The doctor's findings, gravest first; the chosen one is pointed at in the view.
 
 import { $, element } from "./element.js";
+import { tell } from "./words.js";
 
 const TAKEN = "several-tips"; // the finding that says which link was taken as the tool, where nobody said
 const WORDS = { error: "error", warning: "warning", info: "remark" };
@@ -22,7 +23,7 @@ export class Findings {
     this.buttons.clear();
     $("findings").hidden = findings.length === 0 && note === "";
     $("findings-count").textContent = counted(counts);
-    $("findings-note").textContent = note;
+    tell($("findings-note"), note);
     $("findings-list").replaceChildren(...findings.map((finding) => this.item(finding)));
     this.taken = findings.find(({ code }) => code === TAKEN);
     $("tip-taken").hidden = !this.taken;

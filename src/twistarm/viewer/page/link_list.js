@@ -67,7 +67,7 @@ export class LinkList {
 }
 
 // As drawn, times `opacity`. What is seen through is what lies behind the arm: its own back stays hidden.
-function soften(material, opacity) {
+export function soften(material, opacity) {
   material.userData.drawn ??= { opacity: material.opacity, transparent: material.transparent };
   const { drawn } = material.userData;
   material.opacity = opacity * drawn.opacity;

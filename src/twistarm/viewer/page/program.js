@@ -6,6 +6,7 @@ import { PoseList } from "./pose_list.js";
 import { read, written } from "./pose_file.js";
 import { fileName, save } from "./saving.js";
 import { typed } from "./units.js";
+import { tell } from "./words.js";
 
 const OUTDATED = "The motion was planned with other settings: plan again.";
 const SETTINGS = ["plan-kind", "plan-stop", "plan-corner", "plan-linear-speed"];
@@ -118,7 +119,8 @@ export class Program {
     const word = this.failed ? "Not planned anew; still loaded" : "Planned";
     const done = this.planned && this.duration !== null ? `${word}: ${this.duration.toFixed(2)} s` : "";
     const outdated = this.planned && !same(this.asked, this.settings);
-    $("program-note").textContent = outdated ? OUTDATED : [done, this.note].filter(Boolean).join("; ");
+    if (outdated) tell($("program-note"), OUTDATED);
+    else tell($("program-note"), done || this.note, done && this.note ? [this.note] : []);
     $("program-note").classList.toggle("stale", outdated || !this.planned);
     $("plan").disabled = this.driven || this.poses.length < 2;
     $("plan").title = this.poses.length < 2 ? "Record two poses first" : "Through the poses in their order, within the limits";

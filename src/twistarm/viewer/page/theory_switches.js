@@ -69,7 +69,7 @@ export class Switches {
   }
 
   show(layers) {
-    for (const [layer, label] of this.boxes) label.firstChild.checked = layers[layer];
+    for (const [layer, label] of this.boxes) label.firstChild.checked = Boolean(layers[layer]);
     const drawn = Object.keys(LAYERS).filter((layer) => layers[layer]);
     $("theory-legend").hidden = !drawn.some((layer) => !["labels", "reach"].includes(layer));
   }

@@ -11,6 +11,15 @@ export const DIRECTION = [0.95, -1.15, 0.62];
 const NOTHING = [new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5)]; // where nothing is drawn
 const SOON = 300; // ms until what has come to be drawn is
 
+// Call `act(renderer, scene, camera)` before every picture, whichever camera it is, and wherever it has gone.
+export function beforeRender({ viewer: { scene } }, act) {
+  const before = scene.onBeforeRender;
+  scene.onBeforeRender = (...drawn) => {
+    before.apply(scene, drawn);
+    act(...drawn);
+  };
+}
+
 export class View {
   constructor(pane) {
     this.viewer = new MeshCat.Viewer(pane);
@@ -29,9 +38,12 @@ export class View {
     for (const name of ["Lights", "Grid", "Axes"]) this.viewer.delete_path([name]);
     this.viewer.set_property(["Background"], "visible", false);
     this.light();
+    this.free = { top: 0, bottom: 0 }; // see `covered`
+    this.follow = null; // its places are to be seen
     this.handles = null; // of the tool, where there are any: their corners(eye, height) are to be seen
     this.turned = false; // by somebody's hand
     this.viewer.controls.addEventListener("start", () => (this.turned = true));
+    if (window.parent !== window) pane.addEventListener("wheel", leaveToThePage, { capture: true });
     this.dark = matchMedia("(prefers-color-scheme: dark)");
     this.dark.addEventListener("change", () => this.furnish());
     const room = new ResizeObserver(() => this.reframe());
@@ -73,7 +85,7 @@ export class View {
 
   // Take away what was drawn: another process may answer after a reconnection.
   clear() {
-    for (const layer of ["arm", "screws", "frames", "path", "drawn"]) this.viewer.delete_path([layer]);
+    for (const layer of ["arm", "beside", "screws", "frames", "path", "drawn"]) this.viewer.delete_path([layer]);
   }
 
   // {path: sixteen numbers, column by column}
@@ -103,10 +115,10 @@ export class View {
     return new THREE.Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
   }
 
-  // The ray of the pointer, in base axes.
+  // The ray of the pointer, in base axes; beyond the picture, that of its edge: what is dragged there stays in the picture.
   ray(event) {
     const caster = new THREE.Raycaster();
-    caster.setFromCamera(this.onScreen(event), this.viewer.camera);
+    caster.setFromCamera(this.onScreen(event).clampScalar(-1, 1), this.viewer.camera);
     return caster.ray.applyMatrix4(this.viewer.scene.matrixWorld.clone().invert());
   }
 
@@ -148,15 +160,16 @@ export class View {
 
   // There is more room than before, or less: whose view nobody has turned sees the whole arm still.
   reframe() {
+    this.free = covered(this.viewer.dom_element);
     if (this.radius === undefined || this.turned) this.viewer.set_3d_pane_size();
     else this.fit();
   }
 
-  // Look at the whole arm, and give floor and light its size.
-  fit() {
+  // Look at the whole arm, and give floor and light its size. `more`: other points (world) to be seen.
+  fit(more = []) {
     this.turned = false;
     const { camera, controls } = this.viewer;
-    const { position, target } = this.standpoint(DIRECTION);
+    const { position, target } = this.standpoint(DIRECTION, more);
     camera.position.copy(position);
     controls.target.copy(target);
     controls.update();
@@ -164,13 +177,15 @@ export class View {
   }
 
   // Where the camera must stand, and what it must look at, to see all that is shown from a direction in base axes.
-  standpoint([x, y, z]) {
-    const { scene, camera, dom_element } = this.viewer;
+  standpoint([x, y, z], swept = []) {
+    const { scene, camera, renderer, dom_element } = this.viewer;
+    this.free = covered(dom_element);
     this.viewer.set_3d_pane_size();
     scene.updateMatrixWorld(true);
+    scene.onBeforeRender(renderer, scene, camera); // what keeps its size on the screen
     const arm = corners(this.node("/arm"));
     // The tool and its way may lie away from what is drawn.
-    const beside = ["/frames/space", "/frames/tool", "/path", "/obstacles"].flatMap((path) => corners(this.node(path)));
+    const beside = ["/frames/space", "/frames/tool", "/path", "/obstacles", "/beside"].flatMap((path) => corners(this.node(path)));
     const all = [...(arm.length ? arm : NOTHING), ...beside];
     const box = new THREE.Box3().setFromPoints(all);
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
@@ -180,9 +195,10 @@ export class View {
     this.aim(center);
     Object.assign(camera, { fov: 32, near: this.radius / 50, far: this.radius * 100 });
     camera.updateProjectionMatrix();
-    const seen = ["/arm", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach", "/drawn"].flatMap((path) => corners(this.node(path), true));
+    const seen = ["/arm", "/beside", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach", "/drawn"].flatMap((path) => corners(this.node(path), true)).concat(swept);
+    const followed = [...(this.follow?.places.values() ?? [])];
     const towards = new THREE.Vector3(x, z, -y).normalize();
-    const frame = (more) => framed([...(seen.length ? seen : all), ...more], towards, camera, covered(dom_element));
+    const frame = (more) => framed([...(seen.length ? seen : all), ...followed, ...more], towards, camera, this.free);
     // Handles keep their size on the screen: from farther away they reach farther.
     return [1, 2, 3].reduce((found) => frame(this.handles?.corners(found.position, dom_element.offsetHeight) ?? []), frame([]));
   }
@@ -217,6 +233,11 @@ export class View {
     this.fixtures.position.z = this.floor - 1e-4 * this.radius;
     this.viewer.set_dirty();
   }
+}
+
+// In a frame the wheel scrolls the page around it; with Ctrl or ⌘ it zooms.
+function leaveToThePage(event) {
+  if (!event.ctrlKey && !event.metaKey) event.stopPropagation();
 }
 
 // Lines every `cell` metres that fade away towards `reach`.

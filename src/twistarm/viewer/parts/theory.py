@@ -19,9 +19,6 @@ from ..scene.axes import AXIS_HALF, PITCHLESS, anchors, arm_size
 from ..scene.nodes import screw_path
 from .part import Part, Show
 
-SHOWN = ("numbers", "screw", "spatial_columns", "body_columns", "linear_ellipsoid", "angular_ellipsoid")
-"""The layers that need these numbers."""
-
 LINEAR = 0.25
 """Drawn length [m] of 1 m/s; a screw's v and the axes of the linear ellipsoid are drawn to it."""
 
@@ -47,7 +44,7 @@ class Theory(Part):
     def messages(self, show: Show) -> Iterator[Message]:
         """The joints' axes; and the numbers, where they are looked at."""
         yield self._axes
-        if any(show.visible[layer] for layer in SHOWN):
+        if "theory" in show.needed:
             if show.theta is not self._theta:
                 self._moved = self._which_moved(show)
                 self._theta = show.theta
