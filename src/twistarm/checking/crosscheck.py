@@ -330,11 +330,12 @@ def _mujoco(arm: Arm, theta: Array) -> list[EngineComparison]:
     from .mujoco_reader import mujoco_poses  # brings the reader of MJCF with it, which most programs do not need
 
     theta = _fewer(theta[:WRITTEN_SAMPLES], len(arm.description.links), USUAL_LINKS)
+    values = joint_values(arm, theta)
     try:
-        theirs = mujoco_poses(arm.description.mjcf, _joint_values(arm, theta))
+        theirs = mujoco_poses(arm.description.mjcf, values)
     except (MissingExtraError, InputError) as error:
         return [_skipped("all links", "mujoco", str(error))]
-    ours = arm.description.link_poses(_joint_values(arm, theta))
+    ours = arm.description.link_poses(values)
     difference = np.stack([ours[link] - theirs[link] for link in ours if link in theirs], axis=1)
     return [_compared("all links", ("walk", "mujoco"), difference, theta, POSE_TOL * _size(arm))]
 

@@ -24,7 +24,7 @@ from ...support.errors import InputError, listed, shown
 from ...theory import joints
 from ...theory.screws import inverse, to_screw
 from ..arm import Arm
-from .load import assemble, prove
+from .load import assemble, proven
 
 BASE = "base"
 """The root link: the base frame, in which everything is given."""
@@ -291,11 +291,10 @@ def builder_of(arm: Arm) -> ArmBuilder:
 def arm_of_urdf(
     text: str, specification: ArmSpecification, limits: JointLimits | Mapping[str, Any] | None = None
 ) -> Arm:
-    """The arm of a URDF text that no file holds, proven against Pinocchio."""
+    """The arm of a URDF text that no file holds, proven as one from a file is."""
     source = specification.description
     description = build_description(text, Reading(source, PackageIndex(source)))
-    arm = assemble(replace(description, path=None), specification, {} if limits is None else limits)
-    return replace(arm, proof=prove(arm))
+    return proven(assemble(replace(description, path=None), specification, {} if limits is None else limits))
 
 
 def _turn(name: str, axis: ArrayLike, frame: Array, limit: Mapping[str, float]) -> _Part:

@@ -103,9 +103,14 @@ def load_arm(
     description = read(specification)
     with blaming(description.findings):
         arm = assemble(description, specification, {} if limits is None else limits)
+    return proven(arm)
+
+
+def proven(arm: Arm) -> Arm:
+    """The arm with its proof, or without Pinocchio with a finding."""
     missing = why_no_pinocchio()
     if missing:
-        place = Place(Path(specification.source).name)
+        place = Place(Path(arm.source).name)
         unproven = finding("not-compared", place, "its kinematics are not compared with Pinocchio's", missing)
         return replace(arm, findings=(*arm.findings, unproven))
     return replace(arm, proof=prove(arm))
