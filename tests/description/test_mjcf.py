@@ -151,6 +151,7 @@ ONE = '<body name="a"><joint name="j"/><geom size="0.1"/>{}</body>'
         (ONE.format('<site name="s" quat="0 0 0 0"/>'), "site 's'"),
         (ONE.format('<joint name="k" class="none"/>'), "class 'none' does not exist"),
         (ONE.format('<geom type="box" size="1"/>'), "needs a size of 3"),
+        (ONE.format('<geom type="capsule" size="-1 2" mass="2"/>'), "none negative"),
         (ONE.format('<geom mesh="lost"/>'), "'lost'"),
         (ONE.format('<body pos="1 2"/>'), "3 finite numbers"),
         ('<include file="lost.xml"/>', "lost.xml"),

@@ -60,8 +60,10 @@ class Shapes:
             middle = np.eye(4)
             middle[:3, :3], middle[:3, 3] = from_z(a - b), (a + b) / 2
             size, g = [*size[:1] * (SIZES[kind] - 1), float(np.linalg.norm(a - b)) / 2], frame @ middle
-        if len(size) < SIZES[kind]:
-            raise ValueError(f"a {kind} needs a size of {SIZES[kind]} numbers; got {given.get('size', '')[:60]!r}")
+        if len(size) < SIZES[kind] or min(size) < 0.0:
+            raise ValueError(
+                f"a {kind} needs a size of {SIZES[kind]} numbers, none negative; got {given.get('size', '')[:60]!r}"
+            )
         shape = {"radius": number_text(size[:1]), "length": number_text([2 * size[-1]])}
         if kind in ("box", "sphere"):
             shape = {"size": number_text(2 * x for x in size[:3])} if kind == "box" else {"radius": shape["radius"]}
