@@ -18,6 +18,8 @@ from twistarm.support.errors import DescriptionError, TwistarmError
 DATA = Path(__file__).parents[1] / "data" / "mjcf"
 FILES = sorted(DATA.glob("*.xml"))
 TOL = 1e-12
+UNNAMED = "body10_joint"
+"""What a joint of the body without a name is called in several_joints.xml."""
 
 
 def file(name: str) -> str:
@@ -42,7 +44,7 @@ def moved(model: mujoco.MjModel, data: mujoco.MjData, arm: Arm, theta: np.ndarra
             R = turned(2, values[f"{name}_rz"]) @ turned(1, values[f"{name}_ry"]) @ turned(0, values[f"{name}_rx"])
             mujoco.mju_mat2Quat(data.qpos[at : at + 4], R.ravel())
         elif model.jnt_type[i] != mujoco.mjtJoint.mjJNT_FREE:
-            data.qpos[at] = values.get(name or "shoulder_body_joint", 0.0)
+            data.qpos[at] = values.get(name or UNNAMED, 0.0)
     for i in range(model.neq):
         if model.eq_active0[i] and not model.eq_data[i, 2:5].any():
             one, other = model.jnt_qposadr[model.eq_obj1id[i]], model.eq_obj2id[i]
@@ -147,6 +149,7 @@ ONE = '<body name="a"><joint name="j"/><geom size="0.1"/>{}</body>'
 @pytest.mark.parametrize(
     ("text", "said"),
     [
+        (ONE.format("") * 4001, "at most 4,000"),
         (ONE.format('<joint type="cart"/>'), "joint type 'cart'"),
         (ONE.format('<site name="s" quat="0 0 0 0"/>'), "site 's'"),
         (ONE.format('<joint name="k" class="none"/>'), "class 'none' does not exist"),

@@ -85,7 +85,9 @@ def _parts(joint: ET.Element, names: tuple[str, str, str], between: list[str], a
 
 
 def free_name(name: str, taken: set[str]) -> str:
-    """The name, with underscores added if it is taken. It goes into `taken`."""
+    """The name, with an underscore, a number or more underscores added if it is taken. It goes into `taken`."""
+    for more in ("_", str(len(taken))):
+        name += more if name in taken else ""
     while name in taken:
         name += "_"
     taken.add(name)

@@ -37,7 +37,7 @@ Rates = dict[str, dict[str, float]]
 
 _MACRO = re.compile(r"<xacro:macro\s[^>]*?\bname\s*=\s*[\"']([^\"']+)")
 
-_MJCF = re.compile(r"<mujoco[\s>]")
+_MJCF = re.compile(r"<mujoco[\s/>]")
 
 _JOINT_TYPES: tuple[JointType, ...] = get_args(JointType)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -13,6 +14,7 @@ from ...support.checks import Array
 from ...support.errors import DescriptionError, closest
 from ...theory import rotations
 from ...theory.joints import plane_axes
+from .. import structure
 from ..document import MAX_NESTING, MAX_PARTS, Reading, floats, parse_xml
 from ..expansion.confinement import Confinement
 from ..expansion.work import Refused
@@ -24,6 +26,16 @@ MAIN = "main"
 ACTUATORS = ("general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle")
 """One kind of element under several names. They share their defaults."""
 
+KINDS = ("joint", "site", "geom", "mesh", "material", ACTUATORS[0])
+"""Elements with defaults that are read."""
+
+MOST_ATTRIBUTES = 100
+"""Of the defaults of one kind. No element has as many, and each class inside takes them over."""
+
+MOST = {"body": structure.MAX_PARTS["link"], "geom": structure.MAX_PARTS["visual"]}
+MOST |= dict.fromkeys(("joint", "site", "key", "default"), structure.MAX_PARTS["joint"])
+"""Most elements of a kind, as of a URDF."""
+
 Attributes = dict[str, str]
 
 
@@ -31,7 +43,7 @@ Attributes = dict[str, str]
 class Mjcf:
     """An MJCF in one piece. `readings` know the files and lines of its elements, the main file first.
 
-    `classes` has the defaults of each class by tag, with those of the classes around it.
+    `classes` has the defaults of each class by kind, with those that the class around it had when it began.
     """
 
     root: ET.Element
@@ -52,8 +64,8 @@ class Mjcf:
         defaults = self.classes[name].get(_kind(element), {})
         given = {**defaults, **element.attrib}
         if "size" in element.attrib:  # fewer numbers leave the rest of the default
-            own = given["size"].split()
-            given["size"] = " ".join([*own, *defaults.get("size", "").split()[len(own) :]])
+            words = given["size"].split()
+            given["size"] = " ".join([*words, *defaults.get("size", "").split()[len(words) :]])
         return given
 
     def reading_of(self, element: ET.Element) -> Reading:
@@ -107,6 +119,11 @@ def read_mjcf(root: ET.Element, reading: Reading) -> Mjcf:
     """
     mjcf = Mjcf(root, [reading])
     _place_includes(root, mjcf, Confinement(reading.path, reading.packages))
+    counts = Counter(element.tag for element in root.iter())
+    for tag, most in MOST.items():
+        if counts[tag] > most:
+            what = f"it has {counts[tag]:,} elements <{tag}>; at most {most:,} are read"
+            raise refusal("too-many-parts", reading.whole, what, "is it a whole scene? leave out all but the robot")
     for compiler in root.findall("compiler"):
         mjcf.compiler.update(compiler.attrib)
     for default in root.findall("default"):
@@ -150,13 +167,17 @@ def _included(element: ET.Element, mjcf: Mjcf, confinement: Confinement) -> ET.E
 
 def _read_defaults(default: ET.Element, name: str, mjcf: Mjcf) -> None:
     """Read the defaults of a class before those of the classes inside, which start from them."""
+    kinds = mjcf.classes[name]
     for element in default:
-        mjcf.classes[name].setdefault(_kind(element), {}).update(element.attrib)
+        if _kind(element) in KINDS:
+            kinds[_kind(element)] = {**kinds.get(_kind(element), {}), **element.attrib}
+            if len(kinds[_kind(element)]) > MOST_ATTRIBUTES:
+                raise mjcf.error(element, f"it has more than {MOST_ATTRIBUTES} attributes")
     for inner in default.findall("default"):
         called = inner.get("class", "")
         if not called or called in mjcf.classes:
             raise mjcf.error(inner, f"the name {called!r} of a class is empty or taken", "give each class its own name")
-        mjcf.classes[called] = {kind: dict(given) for kind, given in mjcf.classes[name].items()}
+        mjcf.classes[called] = dict(kinds)
         _read_defaults(inner, called, mjcf)
 
 

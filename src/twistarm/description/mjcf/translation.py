@@ -155,7 +155,7 @@ class _Writer:
         return body
 
     def _body(self, body: ET.Element, parent: str, frame: Array, childclass: str) -> None:
-        name = body.get("name") or free_name(f"{parent}_body", self._links)
+        name = body.get("name") or free_name(f"body{len(self._links)}", self._links)
         body.set("name", name)
         with self.mjcf.told(body):
             g = frame @ self.mjcf.pose(dict(body.attrib))
