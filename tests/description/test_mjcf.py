@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import pickle
 import random
+import sys
 from pathlib import Path
 
 import mujoco
@@ -105,6 +106,12 @@ def test_the_crosscheck_asks_mujoco(path: Path) -> None:
     assert result.ok
     assert "mujoco" not in result.left_out
     assert 0 < result.worst("mujoco") < TOL
+
+
+def test_without_mujoco_the_crosscheck_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    result = crosscheck(load_arm(file("ball")), 5)
+    assert "pip install 'twistarm[mjcf]'" in result.left_out["mujoco"]
 
 
 def test_a_scene_gives_tool_poses_pairs_and_efforts() -> None:
