@@ -31,6 +31,13 @@ def xacro(body: str, *, files: Mapping[str, str] | None = None, **load: Any) -> 
     return Case({"arm.urdf.xacro": text, **(files or {})}, load)
 
 
+def mjcf(scenery: str, more: str = "") -> Case:
+    """A two-joint arm on a floor, in MuJoCo's format."""
+    arm = '<body name="tool0" pos="0 0 1"><joint name="b" axis="1 0 0"/></body>'
+    arm = f'<body name="upper"><joint name="a" axis="0 1 0" range="-1 1"/>{arm}</body>'
+    return Case({"arm.xml": f"<mujoco><worldbody>{scenery}{arm}</worldbody>{more}</mujoco>"})
+
+
 def beside(name: str, text: str, *, arm: str | None = None, **load: Any) -> Case:
     return Case({"arm.urdf": arm or two_joints(), name: text}, load)
 
@@ -122,6 +129,11 @@ CASES: dict[str, Case] = {
     "xml-malformed": urdf("<robot><link></robot>"),
     "document-type-refused": urdf('<!DOCTYPE robot [<!ENTITY x "y">]><robot name="r"/>'),
     "no-robot": urdf('<robot name="empty"/>'),
+    # MJCF
+    "mjcf-unusable": mjcf('<include file="lost.xml"/>'),
+    "mjcf-scenery-left-out": mjcf('<geom type="plane" size="1 1 1"/>'),
+    "mjcf-part-not-read": mjcf('<replicate count="2"/>'),
+    "mjcf-loop-open": mjcf("", '<equality><connect body1="upper" body2="tool0" anchor="0 0 0"/></equality>'),
     # the tree
     "version-unknown": urdf(two_joints().replace('<robot ', '<robot version="3.0" ')),
     "name-missing": urdf(two_joints().replace('<link name="upper"/>', '<link name="upper"/><link/>')),

@@ -4,6 +4,8 @@ from .arm.arm import Coupling as Coupling
 from .arm.arm import Proof as Proof
 from .arm.from_screws import arm_from_screws as arm_from_screws
 from .arm.loading.arm_builder import ArmBuilder as ArmBuilder
+from .arm.loading.from_dh import arm_from_dh as arm_from_dh
+from .arm.loading.from_dh import to_dh as to_dh
 from .arm.loading.load import available_arms as available_arms
 from .arm.loading.load import load_arm as load_arm
 from .calibration import calibrate as calibrate
@@ -29,12 +31,14 @@ from .control.servo import ServoState as ServoState
 from .control.servo import ServoStatus as ServoStatus
 from .control.servo import TwistCommand as TwistCommand
 from .control.servo import servo_step as servo_step
+from .description.dh import DhTable as DhTable
 from .description.findings import Finding as Finding
 from .design import best_parking as best_parking
 from .design import check_panel as check_panel
 from .design import compare_designs as compare_designs
 from .design import load_panel as load_panel
 from .design import payload as payload
+from .export.urdf import to_urdf as to_urdf
 from .ik import AllSolutions as AllSolutions
 from .ik import AllSolutionsBatch as AllSolutionsBatch
 from .ik import Approach as Approach

@@ -110,6 +110,8 @@ GOOD: dict[str, Any] = {
 MEASURED = calibration.Measurements(ARM.random_theta(0, 40), ARM.fk(ARM.random_theta(0, 40))[:, :3, 3])
 CALIBRATION = calibration.calibrate(ARM, MEASURED)
 
+TABLE = twistarm.DhTable(np.array([[0.3, 0.0, 0.1, 0.0], [0.2, 0.5, 0.0, 0.1]]))
+
 MAP = twistarm.reach_map(ARM, 0.5, method="fk", samples=1000)
 DESIGNS = twistarm.sweep({"a": ARM}, None, lambda arm: {"n": arm.n})
 
@@ -118,6 +120,9 @@ PANEL = {"panel": Panel((PRESSED,), np.eye(4)), "base": np.eye(4), "scene": None
 
 BY_CALL: dict[str, dict[str, Any]] = {
     "check_panel": PANEL,
+    "arm_from_dh": {"table": TABLE.rows, "convention": "standard", "base": np.eye(4), "tool": np.eye(4)},
+    "DhTable": vars(TABLE),
+    "to_urdf": {"folder": "."},
     "best_parking": PANEL,
     "load_panel": {"path": "panel.toml"},
     "reach_map": {"voxel": 0.5, "directions": "down", "method": "fk", "samples": 10, "folder": "chunks"},
@@ -206,7 +211,7 @@ OBJECTS: dict[type, Any] = {
         stream.FollowControl(), stream.Metronome(0.01), stream.MonotonicClock(), stream.Signer(KEY),
         stream.Verifier(KEY),
         stream.Streaming(ARM, Says(None), SIMULATED, SIMULATED), stream.Following(ARM, MOTION, SIMULATED, SIMULATED),
-        twistarm.CrossCheck("x", ()), MAP, DESIGNS,
+        twistarm.CrossCheck("x", ()), MAP, DESIGNS, TABLE,
     )
 }  # fmt: skip
 """An object of each class whose methods are called."""

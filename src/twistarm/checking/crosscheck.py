@@ -1,4 +1,4 @@
-"""The cross-check: product of exponentials, Pinocchio, yourdfpy and finite differences."""
+"""The cross-check: product of exponentials, Pinocchio, yourdfpy, MuJoCo and finite differences."""
 
 from __future__ import annotations
 
@@ -122,8 +122,9 @@ def crosscheck(
 
     Further comparisons are J^s = Ad(g) J^b, J^b against fourth-order central differences of Pinocchio's pose, and every
     link's pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the unrepaired text of the file, or
-    xacro's output without our changes. Both give every link's pose; Pinocchio gives the position limits too. Masses are
-    not compared. A quantity that an engine lacks is "not compared", with the reason.
+    xacro's output without our changes. Both give every link's pose; Pinocchio gives the position limits too. MuJoCo
+    reads an MJCF, and gives the pose of every body and site. Masses are not compared. A quantity that an engine lacks
+    is "not compared", with the reason.
 
     Errors are absolute, in metres and radians (entries of R). The tolerance is `POSE_TOL`, times the arm's size beyond
     1 m, and larger for the unrepaired text.
@@ -150,6 +151,7 @@ def crosscheck(
         lambda: _links(arm, theta),
         lambda: _as_written(arm, theta),
         lambda: _yourdfpy(arm, theta),
+        lambda: _mujoco(arm, theta),
     ]
     rows: list[EngineComparison] = []
     for done, part in enumerate(parts, start=1):
@@ -319,6 +321,23 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[EngineComparison]:
         _compared("all links", ("walk", "yourdfpy"), difference, subset, tolerance),
         _skipped("Jacobians", "yourdfpy", "yourdfpy computes none"),
     ]
+
+
+def _mujoco(arm: Arm, theta: Array) -> list[EngineComparison]:
+    """Compare with MuJoCo's reading of an MJCF."""
+    if arm.description is None or not arm.description.mjcf:
+        return []
+    from .mujoco_reader import mujoco_poses  # brings the reader of MJCF with it, which most programs do not need
+
+    theta = _fewer(theta[:WRITTEN_SAMPLES], len(arm.description.links), USUAL_LINKS)
+    values = joint_values(arm, theta)
+    try:
+        theirs = mujoco_poses(arm.description.mjcf, values)
+    except (MissingExtraError, InputError) as error:
+        return [_skipped("all links", "mujoco", str(error))]
+    ours = arm.description.link_poses(values)
+    difference = np.stack([ours[link] - theirs[link] for link in ours if link in theirs], axis=1)
+    return [_compared("all links", ("walk", "mujoco"), difference, theta, POSE_TOL * _size(arm))]
 
 
 def _skipped(quantity: str, engine: str, reason: str) -> EngineComparison:

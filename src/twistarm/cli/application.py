@@ -45,8 +45,8 @@ BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 app = typer.Typer(
     name="twistarm",
     cls=Group,
-    help="Kinematics of robot arms in the language of screws. ARM is a URDF or xacro file, an arm.toml, or a name "
-    "that `twistarm arms` lists.",
+    help="Kinematics of robot arms in the language of screws. ARM is a URDF, xacro or MJCF file, an arm.toml, or a "
+    "name that `twistarm arms` lists.",
     pretty_exceptions_enable=False,
 )
 for command in (

@@ -177,7 +177,7 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
         if len(open_tags) > MAX_NESTING:
             place = replace(reading.whole, line=parser.CurrentLineNumber)
             what = f"elements are nested more than {MAX_NESTING} deep"
-            raise refusal("xml-malformed", place, what, "is it a URDF or xacro file?")
+            raise refusal("xml-malformed", place, what, "is it a robot's description?")
         reading.lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
 
     def end(tag: str) -> None:

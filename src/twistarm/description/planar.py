@@ -44,7 +44,7 @@ def split_planar_joints(robot: ET.Element, reading: Reading) -> dict[str, str]:
             continue
         _note_limits(joint, reading)
         names = _coordinates(joint, joints, reading)
-        between = [_free(f"{name}_link", links) for name in names[:2]]
+        between = [free_name(f"{name}_link", links) for name in names[:2]]
         made[joint] = _parts(joint, names, between, plane_axes(normal))
         new_links = [ET.Element("link", name=name) for name in between]
         whole |= dict.fromkeys(names, joint.get("name", ""))
@@ -84,8 +84,10 @@ def _parts(joint: ET.Element, names: tuple[str, str, str], between: list[str], a
     return parts
 
 
-def _free(name: str, taken: set[str]) -> str:
-    """The name, with underscores added if it is taken. It goes into `taken`."""
+def free_name(name: str, taken: set[str]) -> str:
+    """The name, with an underscore, a number or more underscores added if it is taken. It goes into `taken`."""
+    for more in ("_", str(len(taken))):
+        name += more if name in taken else ""
     while name in taken:
         name += "_"
     taken.add(name)

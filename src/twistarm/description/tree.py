@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from ..support.checks import Array
 from ..support.errors import listed, unknown_name
 from ..theory.screws import exp
 from .findings import Finding, Place, refusal
+
+if TYPE_CHECKING:
+    from .companions.srdf import Semantics
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed", "planar", "floating"]
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
@@ -102,7 +105,8 @@ class Description:
     """Links and joints after all repairs, with the findings of the reading.
 
     `text` is the expanded description as written, for the engines of the crosscheck. `repaired` is the kinematic part
-    of it with all repairs, for Pinocchio.
+    of it with all repairs, for Pinocchio. An MJCF has its own text with includes in `mjcf`, and says more in
+    `semantics`.
     """
 
     name: str
@@ -113,6 +117,8 @@ class Description:
     text: str = field(repr=False)
     repaired: str = field(repr=False)
     findings: tuple[Finding, ...] = ()
+    mjcf: str = field(default="", repr=False)
+    semantics: Semantics | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         source = f" from {self.path.name}" if self.path else ""

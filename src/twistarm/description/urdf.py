@@ -37,6 +37,8 @@ Rates = dict[str, dict[str, float]]
 
 _MACRO = re.compile(r"<xacro:macro\s[^>]*?\bname\s*=\s*[\"']([^\"']+)")
 
+_MJCF = re.compile(r"<mujoco[\s/>]")
+
 _JOINT_TYPES: tuple[JointType, ...] = get_args(JointType)
 
 
@@ -49,7 +51,7 @@ def read_description(
     ignore_packages: Iterable[str] = (),
     env_vars: Iterable[str] = (),
 ) -> Description:
-    """The description in a URDF or xacro file.
+    """The description in a URDF, xacro or MJCF file.
 
     `mesh_dirs` are folders with packages that give only meshes. Parts of the packages in `ignore_packages` are left
     out. `env_vars` names the environment variables that the file may read (`expand_xacro`).
@@ -57,7 +59,7 @@ def read_description(
     Raises DescriptionError (file, element, remedy) for text that cannot be a robot: not XML, two roots, a cycle, an
     undefined link, a duplicate name, a zero axis on a moving joint, a malformed number.
     """
-    file = existing_file(path, "a URDF or xacro file, an arm.toml or a catalogue name").resolve()
+    file = existing_file(path, "a URDF, xacro or MJCF file, an arm.toml or a catalogue name").resolve()
     packages = package_index(file, package_dirs, mesh_dirs)
     if is_xacro(file):
         text, noted, _ = expand_xacro(file, packages, xacro_args, ignore_packages, env_vars)
@@ -71,7 +73,23 @@ def read_description(
         text, reading = read_text(file), Reading(file, packages)
     reading.findings.take(noted)
     with blaming(noted):
+        if may_be_mjcf(text) and (root := parse_xml(text, reading)).tag == "mujoco":
+            return _of_mjcf(root, reading)
         return build_description(text, reading)
+
+
+def may_be_mjcf(text: str) -> bool:
+    """Whether a text may be an MJCF. A URDF may hold settings for MuJoCo in such an element too."""
+    return _MJCF.search(text) is not None
+
+
+def _of_mjcf(root: ET.Element, reading: Reading) -> Description:
+    """The tree of an MJCF, read as the URDF that it is translated to."""
+    from .mjcf.translation import translated  # most programs read none
+
+    urdf, mjcf, semantics = translated(root, reading)
+    description = build_description(urdf, replace(reading, show_lines=False, lines={}))
+    return replace(description, mjcf=mjcf, semantics=semantics)
 
 
 def _require_links(text: str, file: Path) -> None:
@@ -87,9 +105,8 @@ def build_description(text: str, reading: Reading) -> Description:
     """The tree of an expanded URDF text."""
     robot = parse_xml(text, reading)
     if robot.tag != "robot":
-        raise refusal(
-            "no-robot", reading.whole, f"its root element is <{robot.tag}>, not <robot>", "is it a URDF file?"
-        )
+        what = f"its root element is <{robot.tag}>, not <robot> or <mujoco>"
+        raise refusal("no-robot", reading.whole, what, "is it a robot's description?")
     _name_robot(robot, reading)
     check_structure(robot, reading)
     settle_version(robot, reading)

@@ -12,23 +12,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...description.bounds import WIDE
 from ...description.companions.arm_file import ArmSpecification
 from ...description.document import LARGEST, Reading
 from ...description.packages import PackageIndex
 from ...description.planar import coordinate_names
 from ...description.urdf import build_description
+from ...description.writing import add_joint, add_mimic
 from ...limits.joint_limits import JointLimits
 from ...support.checks import Array, as_number, as_pose, as_rotation, frozen, require_one
 from ...support.errors import InputError, listed, shown
 from ...theory import joints
-from ...theory.rotations import to_rpy
-from ...theory.screws import inverse
+from ...theory.screws import inverse, to_screw
 from ..arm import Arm
-from .load import assemble, prove
+from .load import assemble, proven
 
 BASE = "base"
 """The root link: the base frame, in which everything is given."""
+
+
+UNIT = 1e-12
+"""Largest rounding of a unit twist, and of the pitch of a revolute one for each metre of reach."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +65,7 @@ class ArmBuilder:
     _names: tuple[str, ...] = field(default=(), repr=False)
     _home: Array | None = field(default=None, repr=False)
     _tool: str = field(default="", repr=False)
+    _base: str = field(default=BASE, repr=False)
 
     def __post_init__(self) -> None:
         _check_name(self.name, "the arm's name")
@@ -224,8 +228,8 @@ class ArmBuilder:
         if not self._parts:
             raise InputError(f"{self.name} has no joints: add one, .revolute(name, axis, point) say")
         robot = ET.Element("robot", name=self.name)
-        ET.SubElement(robot, "link", name=BASE)
-        parent, last = BASE, np.eye(4)
+        ET.SubElement(robot, "link", name=self._base)
+        parent, last = self._base, np.eye(4)
         for part in self._parts:
             parent, last = _write(robot, part, parent, f"{part.name}_link", inverse(last) @ part.frame), part.frame
         mount = _Part(f"{self._tool}_mount", "fixed", self._home, np.zeros(3))
@@ -235,11 +239,9 @@ class ArmBuilder:
 
     def build(self, *, limits: JointLimits | Mapping[str, Any] | None = None) -> Arm:
         """Read the arm from `urdf()` and prove it against Pinocchio. `limits` are as in `load_arm`."""
-        source = Path(self.name)
-        description = build_description(self.urdf(), Reading(source, PackageIndex(source)))
-        specification = ArmSpecification(source, "ArmBuilder", base=BASE, tip=self._tool)
-        arm = assemble(replace(description, path=None), specification, {} if limits is None else limits)
-        return replace(arm, proof=prove(arm))
+        return arm_of_urdf(
+            self.urdf(), ArmSpecification(Path(self.name), "ArmBuilder", base=self._base, tip=self._tool), limits
+        )
 
     # -- inside --------------------------------------------------------------------------------------------------
 
@@ -253,10 +255,46 @@ class ArmBuilder:
 
     def _checked(self) -> ArmBuilder:
         """Return the builder. Raise InputError if the tool has the name of a link, or its mount the name of a joint."""
-        links = [BASE, *(f"{name}_link" for name in self._names)]
+        links = [self._base, *(f"{name}_link" for name in self._names)]
         if self._tool in links or f"{self._tool}_mount" in self._names:
             raise InputError(f"the tool's name {self._tool!r} clashes with a joint's or its link's; rename the tool")
         return self
+
+
+def builder_of(arm: Arm) -> ArmBuilder:
+    """The builder of an arm that has no description, from its screws, home, coupling and limits.
+
+    Raises InputError for a joint that turns or slides by another rate than its coordinate, or follows several.
+    """
+    builder = ArmBuilder(arm.name, _base=arm.base)
+    moving = [(name, to_screw(arm.screws[:, i]), arm.coupling.A[i]) for i, name in enumerate(arm.moving_names)]
+    for name, screw, row in moving:
+        if not row.any():  # a locked joint
+            continue
+        j, *others = np.flatnonzero(row)
+        master, rate = arm.joint_names[j], float(row[j])
+        if others or master not in arm.moving_names or abs(screw.magnitude - 1.0) > UNIT:
+            raise InputError(f"{arm.name}: URDF has no joint like {name!r}: it turns or slides by a rate of its own")
+        bounds = {field: float(getattr(arm.limits, field)[j]) for field in ("lower", "upper", "velocity", "effort")}
+        limit = _limit(**bounds) if master == name else _limit()
+        slides = bool(np.isinf(screw.pitch))
+        last = builder._parts[-1].frame[:3, 3] if builder._parts else np.zeros(3)
+        frame = _at(screw.axis, last if slides else screw.point)
+        parts = [(_slide if slides else _turn)(name, screw.axis, frame, limit)]
+        if not slides and abs(screw.pitch) > UNIT * arm.reach:
+            parts.append(replace(_slide(f"{name}_z", screw.axis, frame, _limit()), multiplier=float(screw.pitch)))
+        follows = [part if part.name == master else replace(part, master=master) for part in parts]
+        builder = builder._with(name, *(replace(p, multiplier=rate * p.multiplier) if p.master else p for p in follows))
+    return builder.tool(arm.home, arm.tip)
+
+
+def arm_of_urdf(
+    text: str, specification: ArmSpecification, limits: JointLimits | Mapping[str, Any] | None = None
+) -> Arm:
+    """The arm of a URDF text that no file holds, proven as one from a file is."""
+    source = specification.description
+    description = build_description(text, Reading(source, PackageIndex(source)))
+    return proven(assemble(replace(description, path=None), specification, {} if limits is None else limits))
 
 
 def _turn(name: str, axis: ArrayLike, frame: Array, limit: Mapping[str, float]) -> _Part:
@@ -318,25 +356,10 @@ def _number(value: float, name: str) -> float:
 
 def _write(robot: ET.Element, part: _Part, parent: str, child: str, origin: Array) -> str:
     """Add the joint and its child link. Return the name of the link."""
-    ET.SubElement(robot, "link", name=child)
-    joint = ET.SubElement(robot, "joint", name=part.name, type=part.kind)
-    ET.SubElement(joint, "parent", link=parent)
-    ET.SubElement(joint, "child", link=child)
-    ET.SubElement(joint, "origin", xyz=_text(origin[:3, 3]), rpy=_text(to_rpy(origin[:3, :3])))
-    if part.kind != "fixed":
-        ET.SubElement(joint, "axis", xyz=_text(part.axis))
-    if part.limit:
-        # Readers of URDF refuse infinity; WIDE replaces it.
-        numbers = {name: repr(float(np.clip(value, -WIDE, WIDE))) for name, value in part.limit.items()}
-        ET.SubElement(joint, "limit", numbers)
+    joint = add_joint(robot, part.name, part.kind, (parent, child), origin, part.axis, part.limit)
     if part.master:
-        ET.SubElement(joint, "mimic", joint=part.master, multiplier=repr(part.multiplier), offset="0")
+        add_mimic(joint, part.master, part.multiplier)
     return child
-
-
-def _text(numbers: Array) -> str:
-    """Digits that read back as the same numbers. Adding 0 drops the sign of a zero."""
-    return " ".join(repr(float(number) + 0.0) for number in numbers)
 
 
 def _check_name(name: object, what: str) -> None:

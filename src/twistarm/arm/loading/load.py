@@ -16,12 +16,13 @@ from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_
 from ...description.companions.arm_group import ArmGroup, arm_groups
 from ...description.companions.companion_files import path_from, srdf_beside
 from ...description.companions.srdf import Semantics, note_names, read_srdf
+from ...description.document import Reading
 from ...description.expansion.left_out import blaming
 from ...description.findings import Finding, Place, finding, refusal
-from ...description.packages import package_names, variable_names
+from ...description.packages import PackageIndex, package_names, variable_names
 from ...description.tips.choice import choose_ends, note_choice
 from ...description.tree import Description
-from ...description.urdf import read_description
+from ...description.urdf import build_description, read_description
 from ...limits.joint_limits import JointLimits
 from ...support.checks import frozen, require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
@@ -53,7 +54,7 @@ def load_arm(
     ignore_packages: Iterable[str] = (),
     env_vars: Iterable[str] = (),
 ) -> Arm:
-    """Load an arm from a URDF or xacro file, an arm.toml, or by its name in the catalogue (`available_arms()`).
+    """Load an arm from a URDF, xacro or MJCF file, an arm.toml, or by its name in the catalogue (`available_arms()`).
 
     An arm.json of `Arm.bake` is read without Pinocchio. Of the options it takes only `limits`. Arguments win over the
     arm.toml, and the arm.toml wins over the SRDF.
@@ -62,7 +63,7 @@ def load_arm(
     independently, and the two are compared at five random configurations (`arm.proof`).
 
     Args:
-        source: A URDF or xacro file, an arm.toml, a baked arm.json, or a name of `available_arms()`.
+        source: A URDF, xacro or MJCF file, an arm.toml, a baked arm.json, or a name of `available_arms()`.
         base: The base link. By default the root link, or, on a vehicle, the first link of the arm itself.
         tip: The tip link. By default the tip of the SRDF's only arm group, or the link that is most likely the tool; a
             finding names it and the other candidates.
@@ -102,9 +103,14 @@ def load_arm(
     description = read(specification)
     with blaming(description.findings):
         arm = assemble(description, specification, {} if limits is None else limits)
+    return proven(arm)
+
+
+def proven(arm: Arm) -> Arm:
+    """The arm with its proof, or without Pinocchio with a finding."""
     missing = why_no_pinocchio()
     if missing:
-        place = Place(Path(specification.source).name)
+        place = Place(Path(arm.source).name)
         unproven = finding("not-compared", place, "its kinematics are not compared with Pinocchio's", missing)
         return replace(arm, findings=(*arm.findings, unproven))
     return replace(arm, proof=prove(arm))
@@ -188,7 +194,13 @@ def specify(
 
 
 def read(specification: ArmSpecification) -> Description:
-    """The description that a specification names."""
+    """The description that a specification names, or that of its table."""
+    if specification.dh is not None:
+        from ...description.dh import dh_urdf  # few arms have a table
+
+        file = specification.description.resolve()
+        text = dh_urdf(specification.dh, specification.name or file.stem)
+        return build_description(text, Reading(file, PackageIndex(file), show_lines=False))
     return read_description(
         specification.description,
         package_dirs=specification.package_dirs,
@@ -247,7 +259,7 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     why = why_no_file(path)
     if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         near = closest(path.name, _names_beside(path))
-        remedy = f"give a URDF or xacro file, an arm.toml or an arm of the catalogue{near}"
+        remedy = f"give a URDF, xacro or MJCF file, an arm.toml or an arm of the catalogue{near}"
         raise refusal("file-not-found", Place(text[:200]), why, remedy)
     names = available_arms()
     raise UnknownNameError(
@@ -298,6 +310,8 @@ def _semantics(
     description: Description, specification: ArmSpecification
 ) -> tuple[Semantics | None, tuple[Finding, ...]]:
     """The named SRDF or the one beside the description, and the findings about it."""
+    if specification.srdf is None and description.mjcf:
+        return description.semantics, ()
     if specification.srdf is None:
         semantics, noted = srdf_beside(description)
     else:

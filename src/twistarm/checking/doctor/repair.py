@@ -36,6 +36,8 @@ SAMPLES = 20
 SAME = 1e-12
 """[m, rad], for each metre that the robot is large: the numbers are written in full."""
 
+COPY = "copy.urdf"
+
 _FIND = re.compile(r"^\$\(find\s+([^)\s]+)\)/?")
 _SCHEME = re.compile(r"^\w+://")
 
@@ -60,15 +62,19 @@ def repair(description: Description, output: str | os.PathLike[str]) -> Repair:
         raise InputError(f"the repaired copy is plain URDF: name it *.urdf; got {target.name!r}")
     if description.path is not None and target.exists() and os.path.samefile(target, description.path):
         raise InputError(f"{target} is the description itself, which stays unchanged: give another name")
+    return repaired(description, target.parent)
+
+
+def repaired(description: Description, folder: Path) -> Repair:
+    """The repaired text for a file in `folder`, where relative paths of meshes begin."""
     source = SourceText(description.text)
-    folder = target.parent
     changes = [
         *(change for joint in source.robot.findall("joint") for change in _joint(source, joint, description)),
         *(change for link in source.robot.findall("link") for change in _inertials(source, link)),
         *(change for mesh in source.robot.iter("mesh") for change in _mesh(source, mesh, description, folder)),
     ]
     text = source.edited()
-    copy = build_description(text, Reading(target, package_index(target)))
+    copy = build_description(text, Reading(folder / COPY, package_index(folder / COPY)))
     problem = difference(description, copy)
     if problem:
         raise InputError(f"the repaired copy would be another robot: {problem}; please report it with the description")

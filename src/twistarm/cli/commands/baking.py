@@ -1,4 +1,4 @@
-"""`bake`: the arm as a file of numbers, for Python without Pinocchio, C++, MATLAB and MoveIt."""
+"""`bake`: the arm as a file of numbers, for Python without Pinocchio, C++, MATLAB and MoveIt, and as a URDF."""
 
 from __future__ import annotations
 
@@ -7,28 +7,36 @@ from typing import Annotated
 
 from ...arm.arm import Arm
 from ...arm.baking import SUFFIX, digest_of, text_of
-from ...export import limits_yaml, matlab
+from ...export import limits_yaml, matlab, urdf
 from ...export.cpp_header import SUFFIXES, core_headers, cpp_header, namespace_of
 from ..options import Json, takes_arm
 from ..output import print_json, say
 from ..outputs import STDOUT, Force, Format, outputs_of, repeated
 
-Output = Annotated[list[str] | None, repeated("*.json, *.hpp, *.m or *.yaml, by default ARM.json")]
+Output = Annotated[list[str] | None, repeated("*.json, *.hpp, *.m, *.yaml or *.urdf, by default ARM.json")]
 
 
 @takes_arm
 def bake(arm: Arm, output: Output = None, form: Format = None, force: Force = False, json: Json = False) -> None:
-    """Write the arm as numbers: arm.json, a C++17 header, a MATLAB function, or joint limits."""
-    kinds = {"json": (SUFFIX,), "hpp": SUFFIXES, "m": (matlab.SUFFIX,), "yaml": limits_yaml.SUFFIXES}
+    """Write the arm as numbers: arm.json, a C++17 header, a MATLAB function, joint limits, or a URDF."""
+    kinds = {
+        "json": (SUFFIX,),
+        "hpp": SUFFIXES,
+        "m": (matlab.SUFFIX,),
+        "yaml": limits_yaml.SUFFIXES,
+        "urdf": (urdf.SUFFIX,),
+    }
     outputs = outputs_of(output or f"{Path(arm.name).name}.{form or 'json'}", kinds, form, force=force, json=json)
     include = core_headers() if any(kind == "hpp" for kind, _ in outputs.files) else None
     function = next((Path(name).name for kind, name in outputs.files if kind == "m" and name != STDOUT), None)
+    folder = next((Path(name).parent for kind, name in outputs.files if kind == "urdf"), Path())
     written = outputs.write(
         {
             "json": lambda: text_of(arm),
             "hpp": lambda: cpp_header(arm),
             "m": lambda: matlab.matlab_text(arm, function),
             "yaml": lambda: limits_yaml.limits_yaml(arm),
+            "urdf": lambda: urdf.to_urdf(arm, folder),
         }
     )
     if json:
@@ -42,5 +50,6 @@ def bake(arm: Arm, output: Output = None, form: Format = None, force: Force = Fa
             "m": f"{arm.name} as a function of MATLAB and Octave, which tests itself: arm = {Path(name).stem}(); "
             "arm.check()",
             "yaml": f"joint limits of {arm.name}, for MoveIt, ros2_control and --limits",
+            "urdf": f"{arm.name} as a description; the same arm is --base {arm.base} --tip {arm.tip}{then}",
         }
         say(f"{name}: {described[kind]}", file=outputs.words)

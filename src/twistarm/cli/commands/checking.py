@@ -36,7 +36,7 @@ Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configu
 def check(
     source: str, load: dict[str, Any], samples: Samples = 1000, against: Against = None, json: Json = False
 ) -> int:
-    """Compare product of exponentials, Pinocchio and yourdfpy on an arm or a folder; --against lists changes."""
+    """Compare product of exponentials, Pinocchio, yourdfpy and MuJoCo; --against lists changes."""
     if Path(source).is_dir():
         if against is not None:
             raise InputError("--against compares one arm; name that arm instead of a folder")
@@ -60,7 +60,7 @@ def _good(result: CrossCheck, difference: Difference | None) -> bool:
 
 def verdict(result: CrossCheck) -> str:
     """What the rows come to, in one line."""
-    silent = [engine for engine in result.left_out if engine in ("pinocchio", "yourdfpy")]
+    silent = [engine for engine in result.left_out if engine in ("pinocchio", "yourdfpy", "mujoco")]
     agree = f"the engines agree, but {' and '.join(silent)} compared nothing" if silent else "all engines agree"
     return f"{result.arm}: {agree if result.ok else 'THE ENGINES DISAGREE'}"
 

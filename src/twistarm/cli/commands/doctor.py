@@ -10,7 +10,7 @@ from rich.table import Table
 
 from ...checking.doctor import Diagnosis, examine
 from ...checking.doctor.folder import is_part
-from ...checking.doctor.repair import Repair, repair
+from ...checking.doctor.repair import COPY, Repair, repair
 from ...checking.doctor.statements import summary
 from ...checking.doctor.wording import codes_page
 from ...description.findings import CODES, Finding
@@ -66,7 +66,7 @@ def doctor(
         raise refusal_of(diagnosis.findings)
     made = None
     if output is not None and diagnosis.description is not None:
-        made = repair(diagnosis.description, "copy.urdf" if output == STDOUT else output)
+        made = repair(diagnosis.description, COPY if output == STDOUT else output)
     outputs = outputs_of(output, {"urdf": (".urdf",)}, force=force, json=json, over_description=True)
     if made is not None:
         outputs.write({"urdf": lambda: made.text})

@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from ...theory.rotations import from_rpy
 from ..findings import Place, refusal
 from ..packages import is_too_wide, package_names
 from .toml_entries import bounded, number_of, numbers_of, only, parse_toml, table_of, text_of, unusable
+
+if TYPE_CHECKING:
+    from ..dh import DhTable
 
 MOTOR_LIMITS = ("lower", "upper", "velocity", "acceleration", "effort")
 """Limits that a motor may have. Data sheets give no jerk."""
@@ -56,7 +59,8 @@ class ArmSpecification:
     `source` is the user's name for it: the description, an arm.toml or a name of the catalogue. `other_chain` tells
     that the caller chose another base or tip, so that the other data need not fit. An arm.toml may come from a
     stranger. So only the caller sets `env_vars`, the variables that the description may read. `mesh_dirs` are the
-    package folders that an arm.toml names outside its tree. They give only meshes.
+    package folders that an arm.toml names outside its tree. They give only meshes. A table `dh` stands in the place of
+    a description.
     """
 
     description: Path
@@ -77,11 +81,13 @@ class ArmSpecification:
     joint_limits: str | os.PathLike[str] | None = None
     motors: tuple[Motor, ...] = ()
     other_chain: bool = False
+    dh: DhTable | None = None
 
 
 _TEXTS = ("name", "source", "base", "tip", "srdf", "joint_limits")
 _KEYS = (
     *_TEXTS,
+    "dh",
     "tool",
     "xacro_args",
     "package_dirs",
@@ -100,17 +106,20 @@ def read_arm_file(path: Path) -> ArmSpecification:
     for key in _TEXTS:
         if key in content:
             text_of(content[key], key, path)
-    if "source" not in content:
-        raise unusable(path, 'it names no source: write source = "my_arm.urdf"')
+    if ("source" in content) == ("dh" in content):
+        what = "it has a source and a table [dh]" if "dh" in content else "it names no source"
+        raise unusable(path, f'{what}: write source = "my_arm.urdf" or a table [dh]')
+    dh = _dh(content, path) if "dh" in content else None
     folders = _folders(content, path)
     far = tuple(folder for folder in folders if _is_elsewhere(folder, path))
     poses = table_of(content, "poses", path)
     return ArmSpecification(
-        description=_file(content["source"], "source", path),
+        description=path if dh else _file(content["source"], "source", path),
         source=str(path),
         name=content.get("name"),
-        base=content.get("base"),
-        tip=content.get("tip"),
+        base=content.get("base", dh and "base"),
+        tip=content.get("tip", dh and "tool"),
+        dh=dh,
         tool=_tool(content, path),
         xacro_args=table_of(content, "xacro_args", path),
         package_dirs=tuple(folder for folder in folders if folder not in far),
@@ -126,6 +135,22 @@ def read_arm_file(path: Path) -> ArmSpecification:
         joint_limits=_file(content["joint_limits"], "joint_limits", path) if "joint_limits" in content else None,
         motors=_motors(content, path),
     )
+
+
+def _dh(content: Mapping[str, Any], path: Path) -> DhTable:
+    """The table in the file, or in a CSV file that it names."""
+    from ..dh import rows_of_csv, table_of_rows  # few arms have one
+
+    entries = table_of(content, "dh", path)
+    only(entries, ("table", "rows", "convention", "base"), path, "in dh")
+    file, rows = entries.get("table"), entries.get("rows", [])
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise unusable(path, f"dh.rows must be tables, each [[dh.rows]]; got {rows!r}")
+    try:
+        rows = rows if file is None else rows_of_csv(_file(text_of(file, "dh.table", path), "dh.table", path))
+        return table_of_rows(rows, entries.get("convention", "standard"), _pose(entries, "base", path))
+    except InputError as error:
+        raise unusable(path, f"dh: {error}") from error
 
 
 def _file(name: str, key: str, path: Path) -> Path:
@@ -173,20 +198,26 @@ def _tool(content: Mapping[str, Any], path: Path) -> Tool | None:
     if "tool" not in content:
         return None
     table = table_of(content, "tool", path)
-    only(table, ("name", "xyz", "rpy"), path, "in tool")
     name = text_of(table.get("name"), "tool.name", path)
-    g = np.eye(4)
-    g[:3, 3] = _three(table, "xyz", path)
-    g[:3, :3] = from_rpy(_three(table, "rpy", path))
-    return Tool(name, frozen(g))
+    return Tool(name, _pose(content, "tool", path, "name"))
 
 
-def _three(table: Mapping[str, Any], key: str, path: Path) -> Array:
+def _pose(content: Mapping[str, Any], key: str, path: Path, *more: str) -> Array:
+    """The pose (4, 4) of a table with xyz and rpy, the identity without one."""
+    table, g = table_of(content, key, path), np.eye(4)
+    only(table, (*more, "xyz", "rpy"), path, f"in {key}")
+    g[:3, 3] = _three(table, f"{key}.xyz", path)
+    g[:3, :3] = from_rpy(_three(table, f"{key}.rpy", path))
+    return frozen(g)
+
+
+def _three(table: Mapping[str, Any], place: str, path: Path) -> Array:
     try:
-        numbers = require_one(as_vector(table.get(key, (0.0, 0.0, 0.0)), f"tool.{key}"), f"tool.{key}", 1)
+        given = table.get(place.rpartition(".")[2], (0.0, 0.0, 0.0))
+        numbers = require_one(as_vector(given, place), place, 1)
     except InputError as error:
         raise unusable(path, str(error)) from error
-    return np.array([bounded(number, path, f"tool.{key}") for number in numbers])
+    return np.array([bounded(number, path, place) for number in numbers])
 
 
 def _motors(content: Mapping[str, Any], path: Path) -> tuple[Motor, ...]:

@@ -9,7 +9,7 @@ _ENDING = r"(_(link|frame|point|site))*(_\d+)?$"
 _TOOLS = (
     "tool0",
     "tcp|tool_cent(er|re)(_point)?",
-    "grasp(ing)?(_?(target|cent(er|re)))?|gripper_(frame|cent(er|re)|tip)|ee_gripper|pinch",
+    "grasp(ing)?(_?(target|cent(er|re)))?|gripper_?(frame|cent(er|re)|tip)|ee_gripper|pinch",
     r"tool(_?tip)?\d*",
     r"ee\d*|eef|end_?effector\d*",
     "end_?effector_.*|end",
@@ -23,7 +23,7 @@ _CAMERA = r"camera|lidar|gimbal|kinect|(?:^|_)(cam|eyes?|radar|ptz|antenna)(?:_|
 PARTS = {
     part: re.compile(pattern)
     for part, pattern in {
-        "flange": rf"(?:^|_)flange{_ENDING}",
+        "flange": rf"(?:^|_)(flange|attachment){_ENDING}",
         "carrier": rf"(?:^|_)(gripper|hand|claw|suction|suction_cup|vacuum|pen|nozzle|probe|magnet|scoop){_ENDING}",
         "finger": (
             r"finger|knuckle|thumb|claw|jaw|grip|grab|palm|pinc|clamp|tong|"

@@ -1,0 +1,139 @@
+"""Arms from tables of Denavit–Hartenberg parameters, and the table of an arm."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...description.companions.arm_file import ArmSpecification
+from ...description.dh import BASE, CONVENTIONS, TOOL, TYPES, DhTable, dh_urdf, rows_of_csv, table_of_rows
+from ...limits.joint_limits import JointLimits
+from ...support.checks import Array, require_choice
+from ...support.errors import InputError
+from ...theory.joints import plane_axes
+from ...theory.screws import inverse, to_screw
+from ..arm import Arm, require_arm
+from .arm_builder import UNIT, ArmBuilder, arm_of_urdf
+
+PARALLEL = 1e-7
+"""Axes at a smaller angle [rad] count as parallel. The foot of their common normal is beyond double precision."""
+
+SAMPLES = 20
+"""Random configurations at which a table is compared with its arm."""
+
+
+def arm_from_dh(
+    table: ArrayLike | DhTable | str | os.PathLike[str],
+    convention: str = "standard",
+    *,
+    joints: Sequence[str] | None = None,
+    types: Sequence[str] | None = None,
+    base: ArrayLike | None = None,
+    tool: ArrayLike | None = None,
+    limits: JointLimits | Mapping[str, Any] | None = None,
+    name: str = "arm",
+) -> Arm:
+    """An arm from rows of a [m], α [rad], d [m] and θ [rad], by the convention of `DhTable`.
+
+    The joint's coordinate is added to θ, which is its fixed offset, or to d for a prismatic joint.
+
+    Args:
+        table: Rows (n, 4), a `DhTable`, or the path of a CSV file. Its first line names columns out of a, alpha, d,
+            theta, joint, type, lower, upper, velocity, effort. An arm.toml with [dh] is for `load_arm`.
+        convention: "standard" or "modified". A `DhTable` has its own.
+        joints: The n joint names; by default joint1, joint2 and so on.
+        types: "revolute" or "prismatic" for each joint; by default revolute.
+        base: Frame 0 seen from the base (4, 4); by default the identity.
+        tool: The tool seen from frame n (4, 4); by default the identity.
+        limits: Limits as in `load_arm`; by default those of the file, else unbounded.
+        name: The arm's name.
+
+    Returns:
+        The `Arm`, with a description and a Pinocchio model, from the link `base` to the link `tool`.
+
+    Raises:
+        InputError: A wrong shape, name, type, convention or pose, or a file that is no table.
+        DescriptionError: Limits of the table leave a joint no room.
+    """
+    if isinstance(table, (str, os.PathLike)):
+        table = table_of_rows(rows_of_csv(table), convention)
+    made: Any = table if isinstance(table, DhTable) else DhTable(table, convention)  # type: ignore[arg-type]
+    given = {"joints": joints, "types": types, "base": base, "tool": tool}
+    made = replace(made, **{key: value for key, value in given.items() if value is not None})
+    ArmBuilder(name)  # which checks the name
+    specification = ArmSpecification(Path(name), "DH table", base=BASE, tip=TOOL)
+    return arm_of_urdf(dh_urdf(made, name), specification, limits)
+
+
+def to_dh(arm: Arm, convention: str = "standard") -> DhTable:
+    """The Denavit–Hartenberg table of an arm, with poses of base and tool before and behind it.
+
+    Each frame lies on the common normal of two successive axes, the last of them the tool's z axis. Of parallel axes
+    the normal through the frame before is taken. a is never negative. Axes within 1e-7 rad count as parallel, and
+    `residual` tells by how much [m, rad] the table then differs from the arm. Source: Craig, §3.4; Paul, §2.8.
+
+    Args:
+        arm: An arm of turns and slides, one for each coordinate.
+        convention: "standard" or "modified".
+
+    Raises:
+        InputError: The arm has coupled or helical joints, or twists that are not of unit length.
+    """
+    require_choice(convention, CONVENTIONS, "convention")
+    moving = require_arm(arm).coupling.A.any(axis=1)
+    A, screws = arm.coupling.A[moving], to_screw(arm.screws[:, moving].T)
+    slides = np.isinf(screws.pitch)
+    if not np.array_equal(A, np.eye(arm.n)):
+        raise InputError(f"{arm.name} has coupled joints; a DH table has one independent joint in each row")
+    if (np.abs(screws.magnitude - 1.0) > UNIT).any() or (np.abs(screws.pitch[~slides]) > UNIT * arm.reach).any():
+        raise InputError(f"{arm.name} has joints with a pitch or a rate; a DH table has only turns and slides")
+    axes = np.vstack([screws.axis, arm.home[:3, 2]])
+    points = np.vstack([screws.point, arm.home[:3, 3]])
+    frame = np.eye(4)
+    frame[:3, :3] = plane_axes(axes[0])
+    frame[:3, 3] = np.zeros(3) if slides[0] else axes[0] * -(axes[0] @ points[0]) + points[0]
+    base, frames = frame, [frame]
+    for i in range(arm.n):
+        here = frame[:3, 3]  # a slide's axis may pass through any point
+        one, other = (here if j < arm.n and slides[j] else points[j] for j in (i, i + 1))
+        x, feet = _normal((axes[i], one), (axes[i + 1], other), frame)
+        k = i + 1 if convention == "standard" else i
+        frame = np.eye(4)
+        frame[:3, :3], frame[:3, 3] = plane_axes(axes[k], x), feet[k - i]
+        frames.append(frame)
+    steps = [inverse(one) @ other for one, other in pairwise(frames)]
+    rows = np.array([_row(T, convention) for T in steps])
+    types = tuple(TYPES[int(slide)] for slide in slides)
+    table = DhTable(rows, convention, arm.joint_names, types, base, inverse(frame) @ arm.home)
+    theta = arm.random_theta(0, SAMPLES)
+    return replace(table, residual=float(np.abs(arm_from_dh(table).fk(theta) - arm.fk(theta)).max()))
+
+
+def _normal(line: tuple[Array, Array], other: tuple[Array, Array], frame: Array) -> tuple[Array, tuple[Array, Array]]:
+    """The direction (3,) of the common normal of two lines (axis, point), and its feet on both."""
+    (z, p), (w, q) = line, other
+    across = np.cross(z, w)
+    sine = float(np.linalg.norm(across))
+    if sine < PARALLEL:
+        foot = p + z * (z @ (frame[:3, 3] - p))
+        far = q + w * (w @ (foot - q))
+        return (far - foot if np.linalg.norm(far - foot) > UNIT else frame[:3, 0]), (foot, far)
+    foot, far = (p + z * (np.cross(q - p, w) @ across / sine**2), q + w * (np.cross(q - p, z) @ across / sine**2))
+    return across * (-1.0 if (far - foot) @ across < 0 else 1.0) / sine, (foot, far)
+
+
+def _row(T: Array, convention: str) -> Array:
+    """a, α, d and θ of a transform (4, 4) of that form."""
+    R, p = T[:3, :3], T[:3, 3]
+    if convention == "standard":
+        theta, alpha = np.arctan2(R[1, 0], R[0, 0]), np.arctan2(R[2, 1], R[2, 2])
+        return np.array([p[0] * np.cos(theta) + p[1] * np.sin(theta), alpha, p[2], theta])
+    theta, alpha = np.arctan2(-R[0, 1], R[0, 0]), np.arctan2(-R[1, 2], R[2, 2])
+    return np.array([p[0], alpha, p[2] * np.cos(alpha) - p[1] * np.sin(alpha), theta])

@@ -1,0 +1,160 @@
+"""Denavit–Hartenberg tables: their check, their CSV files, and the URDF of one."""
+
+from __future__ import annotations
+
+import os
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..support.checks import (
+    Array,
+    Rechecked,
+    as_floats,
+    as_number,
+    as_pose,
+    as_reals,
+    frozen,
+    require_choice,
+    require_mapping,
+    require_names,
+    require_one,
+)
+from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
+from ..support.errors import InputError, shown
+from ..theory.rotations import exp
+from .bounds import LIMIT_NAMES
+from .document import LARGEST
+from .writing import add_joint
+
+CONVENTIONS = ("standard", "modified")
+TYPES = ("revolute", "prismatic")
+BASE, TOOL = "base", "tool"
+
+PARAMETERS = ("a", "alpha", "d", "theta")
+WORDS = ("joint", "type")
+COLUMNS = (*PARAMETERS, *WORDS, *LIMIT_NAMES)
+
+EXAMPLE = "{'joint1': {'upper': 1.0}}"
+
+BOUNDS = Bounds(bytes=1_000_000, lines=1_000)
+
+
+@dataclass(frozen=True, eq=False)
+class DhTable(Rechecked):
+    """Denavit–Hartenberg parameters of an arm: `rows` (n, 4) are a [m], α [rad], d [m], θ [rad] of each joint.
+
+    The joint's coordinate is added to θ, or to d where its type is prismatic. `base` (4, 4) is frame 0 seen from the
+    base. `tool` (4, 4) is the tool seen from frame n. `limits` are {joint: {"lower": …, "upper": …, "velocity": …,
+    "effort": …}}. `residual` [m, rad] is the largest difference from the arm that the table was computed from.
+
+    The standard convention is T = R_z(θ) T_z(d) T_x(a) R_x(α) (Denavit and Hartenberg 1955; Paul 1981). The modified
+    one is T = R_x(α) T_x(a) R_z(θ) T_z(d), with a and α of the link before (Craig 1986, §3.4).
+
+    The default names are joint1, joint2 and so on, and the default type is revolute. Raises InputError for another
+    convention, shape or type, for names that do not fit, and for numbers beyond 1e9.
+    """
+
+    rows: Array
+    convention: str = "standard"
+    joints: tuple[str, ...] | None = None
+    types: tuple[str, ...] | None = None
+    base: Array = field(default_factory=lambda: np.eye(4))
+    tool: Array = field(default_factory=lambda: np.eye(4))
+    residual: float = 0.0
+    limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        rows = as_floats(self.rows, "table", "rows of a [m], alpha [rad], d [m], theta [rad]")
+        if rows.ndim != 2 or rows.shape[1] != 4 or not len(rows) or np.abs(rows).max() > LARGEST:
+            raise InputError(
+                f"table must be rows of a, alpha, d, theta (n, 4), none beyond {LARGEST:g}; got {rows.shape}"
+            )
+        n = len(rows)
+        names = [f"joint{i + 1}" for i in range(n)] if self.joints is None else require_names(self.joints, "joints")
+        types = (TYPES[0],) * n if self.types is None else require_names(self.types, "types")
+        if len(names) != n or len(set(names)) != n or not all(name.strip() and name.isprintable() for name in names):
+            raise InputError(f"joints must be {n} different names, one per row of the table; got {list(names)}")
+        if len(types) != n or not set(types) <= set(TYPES):
+            raise InputError(f"types must be {n} words, each {' or '.join(TYPES)}; got {list(types)}")
+        require_choice(self.convention, CONVENTIONS, "convention")
+        for joint, given in require_mapping(self.limits, "limits", EXAMPLE).items():
+            given = require_mapping(given, f"limits[{shown(joint)}]", EXAMPLE)
+            if joint not in names or not given.keys() <= set(LIMIT_NAMES):
+                raise InputError(
+                    f"limits must be of joints of the table, by {', '.join(LIMIT_NAMES)}; got {shown(joint)}"
+                )
+            for word, value in given.items():
+                as_reals(value, f"limits[{joint!r}][{word!r}]")
+        poses = {name: frozen(require_one(as_pose(getattr(self, name), name), name, 2)) for name in (BASE, TOOL)}
+        read = {"rows": frozen(rows), "joints": tuple(names), "types": tuple(types)}
+        for name, value in {**read, **poses, "residual": as_number(self.residual, "residual")}.items():
+            object.__setattr__(self, name, value)
+
+
+def dh_urdf(table: DhTable, name: str) -> str:
+    """The URDF of the table's arm, from the link `base` to the link `tool`."""
+    fixed = [_fixed(row, table.convention) for row in table.rows]
+    if table.convention == "standard":
+        places, end = [table.base, *fixed[:-1]], fixed[-1] @ table.tool
+    else:
+        places, end = [table.base @ fixed[0], *fixed[1:]], table.tool
+    robot, link = ET.Element("robot", name=name), BASE
+    ET.SubElement(robot, "link", name=BASE)
+    for joint, kind, place in zip(table.joints or (), table.types or (), places, strict=True):
+        limit = dict.fromkeys(LIMIT_NAMES, np.inf) | {"lower": -np.inf} | dict(table.limits.get(joint, {}))
+        turning = "continuous" if np.isinf([limit["lower"], limit["upper"]]).all() else "revolute"
+        kind = turning if kind == TYPES[0] else kind
+        add_joint(robot, joint, kind, (link, f"{joint}_link"), place, (0.0, 0.0, 1.0), limit)
+        link = f"{joint}_link"
+    add_joint(robot, f"{TOOL}_mount", "fixed", (link, TOOL), end)
+    ET.indent(robot)
+    return ET.tostring(robot, encoding="unicode") + "\n"
+
+
+def _fixed(row: Array, convention: str) -> Array:
+    """The transform (4, 4) of a row with its coordinate at 0."""
+    a, alpha, d, theta = row
+    about_x, about_z = np.eye(4), np.eye(4)
+    about_x[:3, :3], about_x[0, 3] = exp(np.array([1.0, 0.0, 0.0]), alpha), a
+    about_z[:3, :3], about_z[2, 3] = exp(np.array([0.0, 0.0, 1.0]), theta), d
+    return about_z @ about_x if convention == "standard" else about_x @ about_z
+
+
+def table_of_rows(
+    rows: Iterable[Mapping[str, Any]], convention: str = "standard", base: Array | None = None
+) -> DhTable:
+    """The table of rows by column. A missing number is 0. Raises InputError with the row."""
+    numbers, limits, names, types = [], {}, [], []
+    for i, row in enumerate(rows, start=1):
+        if unknown := next((key for key in row if key not in COLUMNS), None):
+            raise InputError(f"row {i}: unknown column {shown(unknown)}; allowed are {', '.join(COLUMNS)}")
+        given = {key: _number(value, i, key) for key, value in row.items() if key not in WORDS and value != ""}
+        names.append(row.get("joint", f"joint{i}"))
+        types.append(row.get("type", TYPES[0]))
+        numbers.append([given.get(key, 0.0) for key in PARAMETERS])
+        limits[str(names[-1])] = {key: given[key] for key in LIMIT_NAMES if key in given}
+    table = np.reshape(numbers, (len(numbers), 4))
+    return DhTable(table, convention, tuple(names), tuple(types), np.eye(4) if base is None else base, limits=limits)
+
+
+def rows_of_csv(path: str | os.PathLike[str]) -> list[dict[str, str]]:
+    """The rows of a CSV file by the columns that its first line names."""
+    header, *rows = [*csv_rows(csv_lines(path, BOUNDS), str(path))] or [Row(0, [])]
+    names = [cell.strip() for cell in header.cells]
+    for row in rows:
+        row.numbers([], len(names), str(path))
+    if len(set(names)) < len(names):
+        raise InputError(f"{path}: its first line names a column twice; it names columns out of {', '.join(COLUMNS)}")
+    return [dict(zip(names, map(str.strip, row.cells), strict=True)) for row in rows]
+
+
+def _number(value: Any, row: int, column: str) -> float:
+    with suppress(TypeError, ValueError, OverflowError):
+        if not isinstance(value, bool) and not np.isnan(number := float(value)):
+            return number
+    raise InputError(f"row {row}: {column} must be a number; got {shown(value)}")

@@ -1,0 +1,1 @@
+"""MuJoCo's MJCF to URDF, which the rest of the package reads."""

@@ -1,0 +1,294 @@
+"""MJCF to a URDF text: bodies and sites become links, and joints keep their names."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from ...support.checks import Array
+from ...theory.rotations import from_quaternion_wxyz, to_rpy
+from ...theory.screws import exp
+from ..companions.srdf import GroupState, Semantics
+from ..document import Reading, floats
+from ..inertial import Body
+from ..planar import free_name
+from ..writing import add_joint, add_mimic, add_origin
+from .document import ACTUATORS, MAIN, Attributes, Mjcf, read_mjcf
+from .shapes import Shapes, explicit_body, inertial_of, kind_of, several
+
+ROOT = "world"
+"""MuJoCo's name of the body that carries all others."""
+
+TURNS = ("_rz", "_ry", "_rx")
+"""Endings of the coordinates of a ball, in the order of `ArmBuilder.spherical`."""
+
+TOLD = {
+    "mjcf-scenery-left-out": ("left out", "describe obstacles in a scene.toml"),
+    "mjcf-part-not-read": ("not read", "write it out as bodies and joints, if the arm needs it"),
+    "mjcf-loop-open": ("not kept: the joints move freely", "lock or couple them in a URDF copy"),
+}
+"""The codes of findings about parts of an MJCF, what becomes of the parts, and the remedy."""
+
+SHOWN = 8
+"""Most parts in one finding."""
+
+NOT_READ = ("composite", "flexcomp", "attach", "replicate", "plugin")
+SECTIONS = ("tendon", "deformable")
+
+
+class Translated(NamedTuple):
+    """The URDF text, the MJCF as one text in which every body and joint has a name, and its poses and pairs."""
+
+    urdf: str
+    mjcf: str
+    semantics: Semantics | None
+
+
+class Moving(NamedTuple):
+    """A hinge or slide that was written: its element, its frame (4, 4), its twist (6,), its value at rest."""
+
+    element: ET.Element
+    origin: Array
+    twist: Array
+    rest: float
+
+
+def translated(root: ET.Element, reading: Reading) -> Translated:
+    """Translate an MJCF. What URDF has no word for is left out, with findings in `reading`.
+
+    A joint that does not turn about its body's origin, or is not 0 at rest, gets a link between. A ball becomes three
+    turns, the Euler angles ZYX. Free bodies without joints are left out, and other free bodies stand still. Raises
+    DescriptionError for an unusable element.
+    """
+    writer = _Writer(read_mjcf(root, reading))
+    writer.inside(root.findall("worldbody"), ROOT, MAIN)
+    writer.couple()
+    semantics = writer.semantics(reading)
+    for code, parts in writer.noted.items():
+        what, remedy = TOLD[code]
+        more = f" and {len(parts) - SHOWN} more" if len(parts) > SHOWN else ""
+        reading.note(code, None, f"{', '.join([*parts][:SHOWN])}{more}: {what}", remedy)
+    for link in writer.robot.findall("link"):
+        link.extend(writer.contents.get(link.get("name", ""), ()))
+    return Translated(ET.tostring(writer.robot, "unicode"), ET.tostring(root, "unicode"), semantics)
+
+
+class _Writer:
+    """The URDF as far as it is written. `layout` has the joints of each part of a keyframe's qpos, and its length."""
+
+    def __init__(self, mjcf: Mjcf) -> None:
+        self.mjcf = mjcf
+        self.robot = ET.Element("robot", name=mjcf.root.get("model") or mjcf.readings[0].path.stem)
+        ET.SubElement(self.robot, "link", name=ROOT)
+        self.contents: dict[str, list[ET.Element]] = {}
+        self.noted: dict[str, dict[str, None]] = {}
+        self._shapes = Shapes(mjcf)
+        self._links = {ROOT, *(body.get("name", "") for body in mjcf.root.iter("body"))}
+        self._joints = {joint.get("name", "") for joint in mjcf.root.iter("joint")}
+        self._moving: dict[str, Moving] = {}
+        self._layout: list[tuple[tuple[str, ...], int]] = []
+        self._carried: set[str] = set()
+        self._pairs: set[tuple[str, str]] = set()
+        self._efforts: dict[str, float] = {}
+        for actuator in mjcf.each("actuator", *ACTUATORS):
+            with mjcf.told(actuator):
+                self._keep_effort(mjcf.attributes(actuator), actuator.tag)
+        for section in SECTIONS:
+            for part in mjcf.root.findall(section):
+                self._note("mjcf-scenery-left-out", f"<{part.tag}>")
+
+    def _note(self, code: str, part: str) -> None:
+        self.noted.setdefault(code, {})[part] = None
+
+    # -- bodies ------------------------------------------------------------------------------------------------------
+
+    def inside(self, elements: list[ET.Element], link: str, childclass: str) -> None:
+        """Write what the elements of one body hold."""
+        parts = [part for element in elements for part in self._parts(element, np.eye(4), childclass)]
+        rule = self.mjcf.compiler.get("inertiafromgeom", "auto")
+        from_geoms = rule == "true" or (rule == "auto" and all(part.tag != "inertial" for part, *_ in parts))
+        bodies: list[Body] = []
+        for part, frame, around in parts:
+            with self.mjcf.told(part):
+                if part.tag == "geom":
+                    body = self._geom(
+                        self.mjcf.attributes(part, around), link, frame, from_geoms and link in self._carried
+                    )
+                    bodies += [body] if body and from_geoms else []
+                elif part.tag == "inertial" and not from_geoms:
+                    bodies.append(explicit_body(dict(part.attrib), self.mjcf))
+                elif part.tag == "site" and part.get("name"):
+                    name, pose = part.get("name", ""), self.mjcf.pose(self.mjcf.attributes(part, around))
+                    part.set("name", free_name(f"{name}_site" if name in self._links else name, self._links))
+                    self._fixed(part.get("name", ""), link, frame @ pose)
+                elif part.tag in NOT_READ:
+                    named = part.get("name") or part.get("prefix", "")
+                    self._note("mjcf-part-not-read", f"<{part.tag}> {named}".strip())
+        self.contents.setdefault(link, []).extend(inertial_of(bodies) if link != ROOT else [])
+        for part, frame, around in parts:
+            if part.tag == "body":
+                self._body(part, link, frame, around)
+
+    def _parts(self, element: ET.Element, frame: Array, childclass: str) -> Iterator[tuple[ET.Element, Array, str]]:
+        """The elements of a body, also those in frames, each with its frame (4, 4) and the class around it."""
+        around = element.get("childclass", childclass)
+        for part in element:
+            if part.tag != "frame":
+                yield part, frame, around
+                continue
+            with self.mjcf.told(part):
+                inner = frame @ self.mjcf.pose(dict(part.attrib))
+            yield from self._parts(part, inner, around)
+
+    def _geom(self, given: Attributes, link: str, frame: Array, weighs: bool) -> Body | None:
+        shapes, body = self._shapes.of(given, frame)
+        self.contents.setdefault(link, []).extend(shapes)
+        kind = kind_of(given)
+        if weighs and kind == "mesh" and given.get("mass") != "0":
+            self._note("mjcf-part-not-read", f"the mass of a mesh of {link!r}")
+        elif kind in ("plane", "hfield", "ellipsoid", "sdf"):
+            self._note("mjcf-scenery-left-out", f"a shape of type {kind}")
+        return body
+
+    def _body(self, body: ET.Element, parent: str, frame: Array, childclass: str) -> None:
+        name = body.get("name") or free_name(f"body{len(self._links)}", self._links)
+        body.set("name", name)
+        with self.mjcf.told(body):
+            g = frame @ self.mjcf.pose(dict(body.attrib))
+        found = [
+            (part, self.mjcf.attributes(part, around), local)
+            for part, local, around in self._parts(body, np.eye(4), childclass)
+            if part.tag in ("joint", "freejoint")
+        ]
+        if body.get("mocap") == "true":
+            return self._note("mjcf-scenery-left-out", f"the mocap body {name!r}")
+        if any(part.tag == "freejoint" or given.get("type") == "free" for part, given, _ in found):
+            self._layout.append(((), 7))
+            if len([*body.iter("joint")]) == sum(part.tag == "joint" for part, *_ in found):
+                return self._note("mjcf-scenery-left-out", f"the free body {name!r}")
+            self._note("mjcf-scenery-left-out", f"the free joint of {name!r}, which stands where the file puts it")
+            found = []
+        self._carried |= {name} if found or parent in self._carried else set()
+        link = parent
+        for i, (joint, given, local) in enumerate(found):
+            joint.set("name", joint.get("name") or free_name(f"{name}_joint", self._joints))
+            with self.mjcf.told(joint):
+                link, g = self._joint(joint, given, link, g, local, "" if i < len(found) - 1 else name)
+        if link not in (parent, name):  # MuJoCo lets a body and its parent overlap
+            self._pairs.add((min(parent, name), max(parent, name)))
+        if link != name:
+            self._fixed(name, link, g)
+        return self.inside([body], name, childclass)
+
+    def _fixed(self, name: str, parent: str, g: Array) -> None:
+        add_joint(self.robot, free_name(f"{name}_fixed", self._joints), "fixed", (parent, name), g)
+
+    def _joint(
+        self, joint: ET.Element, given: Attributes, link: str, g: Array, local: Array, body: str
+    ) -> tuple[str, Array]:
+        """Write a joint on `link`, in the body's frame `g`. Return the link beyond, and the body's frame in it.
+
+        `local` (4, 4) is the frame that the joint is given in. The link beyond is the `body`, if its frame fits.
+        """
+        name, kind, origin = joint.get("name", ""), given.get("type", "hinge"), np.eye(4)
+        if kind not in ("hinge", "slide", "ball"):
+            raise ValueError(f"joint type {kind[:60]!r} is none of hinge, slide, ball, free")
+        origin[:3, 3] = local[:3, :3] @ floats(given.get("pos", "0 0 0"), 3) + local[:3, 3]
+        axis = local[:3, :3] @ floats(given.get("axis", "0 0 1"), 3)
+        axis = axis / max(float(np.linalg.norm(axis)), 1e-300)
+        twist = np.concatenate([np.zeros(3), axis] if kind == "hinge" else [axis, np.zeros(3)])
+        (rest,) = floats(given.get("ref", "0"), 1) if kind != "ball" else (0.0,)
+        rest = self.mjcf.angle(rest) if kind == "hinge" else rest
+        back = exp(twist, -rest) @ np.linalg.inv(origin)
+        limit = self._limit(name, kind, given) if kind != "ball" else {}
+        turns = [(name, "prismatic" if kind == "slide" else "revolute" if "lower" in limit else "continuous", axis)]
+        if kind == "ball":
+            turns = [(name + end, "continuous", along) for end, along in zip(TURNS, np.eye(3)[::-1], strict=True)]
+        self._layout.append((tuple(turn for turn, *_ in turns), 4 if kind == "ball" else 1))
+        fits = bool(body) and np.array_equal(back, np.eye(4))
+        ends = [link, *(free_name(f"{turn}_link", self._links) for turn, *_ in turns[: -1 if fits else None])]
+        place = g @ origin
+        for (turn, sort, along), pair in zip(turns, pairwise([*ends, body] if fits else ends), strict=True):
+            element = add_joint(self.robot, turn, sort, pair, place, along, limit)
+            if kind != "ball":
+                self._moving[name] = Moving(element, place, twist, rest)
+            place = np.eye(4)
+        return body if fits else ends[-1], back
+
+    def _limit(self, name: str, kind: str, given: Attributes) -> dict[str, float]:
+        """The numbers of `<limit>`. MJCF has no limits of velocity; 0 is read as "not given"."""
+        lower, upper = (self.mjcf.angle(x) if kind == "hinge" else x for x in floats(given.get("range", "0 0"), 2))
+        automatic = self.mjcf.compiler.get("autolimits", "true") == "true" and (lower, upper) != (0.0, 0.0)
+        bounds = {"lower": lower, "upper": upper}
+        if not {"true": True, "false": False}.get(given.get("limited", ""), automatic):
+            bounds = {"lower": -np.inf, "upper": np.inf} if kind == "slide" else {}
+        effort = self._efforts.get(name, 0.0)
+        if "actuatorfrcrange" in given and given.get("actuatorfrclimited") != "false":
+            effort = max(map(abs, floats(given["actuatorfrcrange"], 2)))
+        return {**bounds, "velocity": 0.0, "effort": effort}
+
+    def _keep_effort(self, given: Attributes, tag: str) -> None:
+        """Keep the largest effort that an actuator brings to its joint."""
+        words = given.get("forcerange") if given.get("forcelimited") != "false" else None
+        words, joint = words or (given.get("ctrlrange") if tag == "motor" else None), given.get("joint", "")
+        if words:
+            effort = max(map(abs, floats(words, 2))) * abs([*several(given.get("gear", "1")), 1.0][0])
+            self._efforts[joint] = max(self._efforts.get(joint, 0.0), effort)
+
+    # -- what stands beside the bodies -------------------------------------------------------------------------------
+
+    def couple(self) -> None:
+        """Make followers of joints by `equality`: q₁ − rest₁ = a₀ + a₁ (q₂ − rest₂)."""
+        for element in (part for section in self.mjcf.root.findall("equality") for part in section):
+            if element.get("active") == "false":
+                continue
+            first, second = element.get("joint1", ""), element.get("joint2", "")
+            with self.mjcf.told(element):
+                given = several(element.get("polycoef", ""))
+            a0, a1, *higher = [*given, *(0.0, 1.0, 0.0, 0.0, 0.0)[len(given) :]]
+            follower, master = self._moving.get(first), self._moving.get(second)
+            free = follower is not None and follower.element.find("mimic") is None
+            if element.tag != "joint" or follower is None or not free or any(higher) or (second and master is None):
+                named = element.get("name") or " ".join(filter(None, (first, second)))
+                self._note("mjcf-loop-open", f"<{element.tag}> {named}".strip())
+            elif master is None:  # the joint stands still
+                follower.element.set("type", "fixed")
+                follower.element[:] = [part for part in follower.element if part.tag in ("parent", "child")]
+                add_origin(follower.element, follower.origin @ exp(follower.twist, follower.rest + a0))
+                del self._moving[first]
+            else:
+                add_mimic(follower.element, second, a1, follower.rest + a0 - a1 * master.rest)
+
+    def semantics(self, reading: Reading) -> Semantics | None:
+        """The keyframes as named poses, and the pairs of `contact/exclude`; None if there are none."""
+        for exclude in self.mjcf.each("contact", "exclude"):
+            one, other = sorted((exclude.get("body1", ""), exclude.get("body2", "")))
+            self._pairs.add((one, other))
+        states = []
+        for key in self.mjcf.each("keyframe", "key"):
+            with self.mjcf.told(key):
+                values = self._values(key) if key.get("name") and "qpos" in key.attrib else {}
+            states += [GroupState(key.get("name", ""), "", values)] if values else []
+        if not states and not self._pairs:
+            return None
+        name = self.robot.get("name", "")
+        return Semantics(reading.path, name, states=tuple(states), disabled=frozenset(self._pairs))
+
+    def _values(self, key: ET.Element) -> dict[str, float]:
+        """A keyframe's value of each joint. Empty unless its length is the model's, with or without free bodies."""
+        qpos, length = several(key.get("qpos", "")), sum(length for _, length in self._layout)
+        layout = self._layout if len(qpos) == length else [part for part in self._layout if part[0]]
+        values: dict[str, float] = {}
+        if len(qpos) != sum(length for _, length in layout):
+            self._note("mjcf-part-not-read", f"the keyframe {key.get('name')!r} ({len(qpos)} numbers for {length})")
+            return values
+        for names, length in layout:
+            numbers, qpos = qpos[:length], qpos[length:]
+            if length == 4:
+                numbers = to_rpy(from_quaternion_wxyz(numbers))[::-1].tolist()
+            values |= dict(zip(names, numbers, strict=False))
+        return values

@@ -1,0 +1,193 @@
+"""Denavit–Hartenberg tables against a product of four matrices, both ways, and from files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from twistarm import Arm, DhTable, InputError, arm_from_dh, arm_from_screws, crosscheck, joints, load_arm, to_dh
+from twistarm.support.errors import DescriptionError
+
+TOL = 1e-12
+HALF = np.pi / 2
+UR5 = [  # a, alpha, d, theta of the maker's table
+    [0.0, HALF, 0.089159, 0.0],
+    [-0.425, 0.0, 0.0, 0.0],
+    [-0.39225, 0.0, 0.0, 0.0],
+    [0.0, HALF, 0.10915, 0.0],
+    [0.0, -HALF, 0.09465, 0.0],
+    [0.0, 0.0, 0.0823, 0.0],
+]
+
+
+def about(axis: int, angle: float, way: float) -> np.ndarray:
+    """A turn about an axis and a way along it."""
+    c, s, i, j = np.cos(angle), np.sin(angle), (axis + 1) % 3, (axis + 2) % 3
+    T = np.eye(4)
+    T[i, i] = T[j, j] = c
+    T[j, i], T[i, j], T[axis, 3] = s, -s, way
+    return T
+
+
+def by_product(table: DhTable, theta: np.ndarray) -> np.ndarray:
+    """The forward kinematics as the textbooks write it."""
+    g = table.base
+    for (a, alpha, d, angle), kind, q in zip(table.rows, table.types, theta, strict=True):
+        turn, way = (angle, d + q) if kind == "prismatic" else (angle + q, d)
+        z, x = about(2, turn, way), about(0, alpha, a)
+        g = g @ (z @ x if table.convention == "standard" else x @ z)
+    return g @ table.tool
+
+
+def require_same(arm: Arm, table: DhTable) -> None:
+    for theta in arm.random_theta(1, 50):
+        np.testing.assert_allclose(arm.fk(theta), by_product(table, theta), atol=TOL)
+
+
+def random_table(rng: np.random.Generator, convention: str) -> DhTable:
+    n = int(rng.integers(1, 8))
+    rows = rng.uniform(-1, 1, (n, 4)) * [0.5, np.pi, 0.5, np.pi]
+    rows[rng.random((n, 4)) < 0.3] = 0.0
+    rows[rng.random(n) < 0.3, 1] = HALF
+    types = tuple(rng.choice(["revolute", "revolute", "prismatic"], n))
+    poses = (about(i, rng.uniform(-3, 3), 0.3) @ about(2, rng.uniform(-3, 3), 0.2) for i in (0, 1))
+    return DhTable(rows, convention, None, types, *poses)
+
+
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_an_arm_moves_as_its_table_says(convention: str) -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(15):
+        table = random_table(rng, convention)
+        require_same(arm_from_dh(table), table)
+    arm = arm_from_dh(UR5, convention, name="ur5")
+    require_same(arm, DhTable(np.array(UR5), convention))
+    assert crosscheck(arm, 20).ok
+
+
+@pytest.mark.parametrize("to", ["standard", "modified"])
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_an_arm_gives_a_table_that_moves_alike(convention: str, to: str) -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(15):
+        table = random_table(rng, convention)
+        arm = arm_from_dh(table)
+        again = to_dh(arm, to)
+        assert again.residual < TOL
+        require_same(arm, again)
+
+
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "ur5", "panda"])
+def test_real_arms_have_a_table(name: str, convention: str) -> None:
+    arm = load_arm(name)
+    table = to_dh(arm, convention)
+    theta = arm.random_theta(1, 20)
+    difference = max(np.abs(by_product(table, q) - arm.fk(q)).max() for q in theta)
+    assert difference <= max(TOL, 2 * table.residual)
+    assert table.residual < 1e-9
+    assert table.joints == arm.joint_names
+
+
+def test_the_makers_table_of_the_ur5_comes_back() -> None:
+    """Up to signs of a and α, which turn with the common normals."""
+    table = to_dh(arm_from_dh(UR5))
+    np.testing.assert_allclose(np.abs(table.rows[:, 0]), np.abs(UR5)[:, 0], atol=TOL)
+    np.testing.assert_allclose(np.abs(np.sin(table.rows[:, 1])), np.abs(np.sin(UR5))[:, 1], atol=TOL)
+
+
+def test_nearly_parallel_axes_tell_their_residual() -> None:
+    tilted = [np.sin(3e-8), 0.0, np.cos(3e-8)]
+    screws = np.hstack([joints.revolute([0, 0, 1], [0, 0, 0]), joints.revolute(tilted, [0.5, 0, 0])])
+    table = to_dh(arm_from_screws(screws, about(0, 0.0, 1.0)))
+    assert 1e-9 < table.residual < 1e-7
+
+
+@pytest.mark.parametrize(
+    "screws",
+    [joints.helical([0, 0, 1], [0, 0, 0], 0.1), 2.0 * joints.revolute([0, 0, 1], [0, 0, 0])],
+)
+def test_screws_without_a_table_are_refused(screws: np.ndarray) -> None:
+    with pytest.raises(InputError, match="pitch or a rate"):
+        to_dh(arm_from_screws(screws, np.eye(4)))
+
+
+def test_a_csv_file_has_names_types_and_limits(tmp_path: Path) -> None:
+    path = tmp_path / "scara.csv"
+    path.write_text(
+        "joint, type, a, alpha, d, lower, upper, velocity\n"
+        "one, revolute, 0.3, 0, 0.4, -2, 2, 3\n"
+        "two, revolute, 0.2, 3.141592653589793, 0, , , 3\n"
+        "lift, prismatic, 0, 0, 0.1, 0, 0.2,\n"
+    )
+    arm = arm_from_dh(path)
+    rows = np.array([[0.3, 0, 0.4, 0], [0.2, np.pi, 0, 0], [0, 0, 0.1, 0]])
+    require_same(arm, DhTable(rows, types=("revolute", "revolute", "prismatic")))
+    assert arm.joint_names == ("one", "two", "lift")
+    assert arm.limits.lower.tolist() == [-2, -np.inf, 0]
+    assert arm.limits.velocity.tolist() == [3, 3, np.inf]
+
+
+def test_an_arm_toml_may_hold_the_table(tmp_path: Path) -> None:
+    path = tmp_path / "arm.toml"
+    path.write_text(
+        'name = "bent"\n[dh]\nconvention = "modified"\nbase = { xyz = [0, 0, 0.5], rpy = [0, 0, 0.3] }\n'
+        'rows = [{ joint = "waist", d = 0.2 }, { joint = "bend", a = 0.3, alpha = 1.5708, theta = 0.1 }]\n'
+        '[tool]\nname = "pen"\nxyz = [0.1, 0, 0]\n[limits.bend]\nlower = -1\nupper = 2\n'
+    )
+    arm = load_arm(path)
+    rows = np.array([[0, 0, 0.2, 0], [0.3, 1.5708, 0, 0.1]])
+    table = DhTable(rows, "modified", base=about(2, 0.3, 0.5), tool=about(0, 0.0, 0.1))
+    require_same(arm, table)
+    assert (arm.name, arm.tip, arm.joint_names) == ("bent", "pen", ("waist", "bend"))
+    assert (arm.limits.lower[1], arm.limits.upper[1]) == (-1, 2)
+    (tmp_path / "table.csv").write_text("a,alpha,d,theta,lower,upper\n0.3,0,0,0,-1,1\n")
+    path.write_text('[dh]\ntable = "table.csv"\n')
+    assert load_arm(path).limits.upper.tolist() == [1.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[dh]\nrows = [[0, 0, 0]]", "must be tables"),
+        ('[dh]\nrows = [{ a = "x" }]', "row 1: a must be a number"),
+        ("[dh]\nrows = [{ a = inf }]", "finite"),
+        ("[dh]\nrows = [{ a = true }]", "must be a number"),
+        ("[dh]", "rows of a, alpha, d, theta"),
+        ("[dh]\nrows = [{ joint = 3 }]", "joints"),
+        ("[dh]\nrows = [{ phi = 3 }]", "unknown column 'phi'"),
+        ('[dh]\nrows = [{ type = "ball" }]', "revolute or prismatic"),
+        ('[dh]\nrows = [{ a = 1 }]\nconvention = "classic"', "standard"),
+        ("[dh]\nrows = [{ a = 1, lower = 2, upper = 1 }]", "swapped"),
+        ('[dh]\ntable = "lost.csv"', "lost.csv"),
+        ("[dh]\ntable = 3", "dh.table"),
+        ('source = "a.urdf"\n[dh]\nrows = [{ a = 1 }]', "a source and a table"),
+    ],
+)
+def test_an_unusable_table_in_an_arm_toml_is_told(text: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "arm.toml").write_text(text)
+    with pytest.raises(DescriptionError, match=said):
+        load_arm(tmp_path / "arm.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "rows of a, alpha, d, theta"),
+        ("a,alpha,d,theta", "rows of a, alpha, d, theta"),
+        ("1,2,3,4\n1,2,3,4", "unknown column '1'"),
+        ("a,alpha,d,phi\n1,2,3,4", "unknown column 'phi'"),
+        ("a,a\n1,2", "a column twice"),
+        ("a,alpha\n1", "line 2"),
+        ("a,alpha\n1,b", "row 1: alpha"),
+        ("a,type\n1,ball", "revolute or prismatic"),
+        ("a,joint\n1,x\n2,x", "different names"),
+        ("a,lower\n1,nan", "row 1: lower"),
+    ],
+)
+def test_an_unusable_csv_file_is_told(text: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_text(text)
+    with pytest.raises(InputError, match=said):
+        arm_from_dh(tmp_path / "table.csv")

@@ -1,0 +1,95 @@
+"""Arms of every origin as a URDF: it loads back as the same arm, by Pinocchio's own reading too."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+import pytest
+
+from twistarm import Arm, ArmBuilder, InputError, arm_from_dh, arm_from_screws, joints, load_arm, to_urdf
+from urdf_text import two_joints
+
+TOL = 1e-12
+MJCF = Path(__file__).parents[1] / "data" / "mjcf"
+
+
+def came_back(arm: Arm, folder: Path, name: str = "copy.urdf") -> Arm:
+    (folder / name).write_text(to_urdf(arm, folder), encoding="utf-8")
+    return load_arm(folder / name, base=arm.base, tip=arm.tip)
+
+
+def require_same(arm: Arm, other: Arm) -> None:
+    assert other.joint_names == arm.joint_names
+    for field in ("lower", "upper", "velocity", "effort"):
+        np.testing.assert_allclose(getattr(other.limits, field), getattr(arm.limits, field), rtol=TOL, err_msg=field)
+    theta = arm.random_theta(0, 30)
+    np.testing.assert_allclose(other.fk(theta), arm.fk(theta), atol=TOL)
+    np.testing.assert_allclose(other.spatial_jacobian(theta), arm.spatial_jacobian(theta), atol=TOL)
+
+
+@pytest.mark.parametrize("path", sorted(MJCF.glob("*.xml")), ids=lambda path: path.stem)
+def test_an_mjcf_comes_back(path: Path, tmp_path: Path) -> None:
+    arm = load_arm(path)
+    again = came_back(arm, tmp_path)
+    require_same(arm, again)
+    ours, theirs = (each.description.links for each in (arm, again))
+    shapes = ("shape", "size", "mesh", "colour")
+    for link in ours:
+        for one, other in zip(ours[link].visuals, theirs[link].visuals, strict=True):
+            assert [getattr(one, word) for word in shapes] == [getattr(other, word) for word in shapes]
+    if not arm.couplings.keys() - set(arm.joint_names):  # Pinocchio reads mimics only if asked
+        model = pinocchio.buildModelFromXML((tmp_path / "copy.urdf").read_text())
+        assert [str(name) for name in model.names][1:] == list(arm.joint_names)
+
+
+def test_screws_come_back(tmp_path: Path) -> None:
+    columns = [
+        joints.revolute([0, 1, 1], [0.1, 0, 0.3]),
+        joints.helical([0, 0, 1], [0.2, 0, 0], 0.02),
+        joints.prismatic([1, 0, 1]),
+        joints.revolute([1, 0, 0], [0, 0.4, 0.5]),
+    ]
+    home = np.eye(4)
+    home[:3, 3] = 0.3, 0.2, 0.9
+    limits = {"lower": [-1, -20, 0, -2], "upper": [2, 20, 0.4, 2], "velocity": [1, 2, 0.1, 3]}
+    arm = arm_from_screws(np.hstack(columns), home, joints=["a", "b", "c", "d"], limits=limits)
+    require_same(arm, came_back(arm, tmp_path))
+
+
+@pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "panda"])
+def test_a_baked_arm_comes_back(name: str, tmp_path: Path) -> None:
+    arm = load_arm(name)
+    arm.bake(tmp_path / "arm.json")
+    baked = load_arm(tmp_path / "arm.json")
+    require_same(arm, came_back(baked, tmp_path))
+
+
+def test_dh_and_builder_come_back(tmp_path: Path) -> None:
+    for arm in (
+        arm_from_dh([[0.3, 1.2, 0.1, 0.4], [0.2, -0.5, 0.3, 0.0]], "modified", limits={"upper": {"joint1": 1.0}}),
+        ArmBuilder("thread").helical("a", [0, 0, 1], [0, 0, 0], 0.1).planar("p", [0, 1, 1]).tool(np.eye(4)).build(),
+    ):
+        require_same(arm, came_back(arm, tmp_path))
+
+
+def test_locks_limits_and_tools_are_kept(tmp_path: Path) -> None:
+    """Of xacro with a locked slide, an arm.toml's limits, and a tool of the caller's."""
+    tool = joints.revolute([1, 2, 3], [0.1, 0.2, 0.3])[:, 0]
+    g = load_arm("rover_arm").with_tool(np.eye(4), "x").home @ np.eye(4)
+    arm = load_arm("rover_arm", locked_joints={"slide": 0.1}, limits={"upper": {"elbow": 1.25}, "velocity": 0.5})
+    g[:3, 3] = tool[:3]
+    arm = arm.with_tool(g, "pen")
+    require_same(arm, came_back(arm, tmp_path))
+
+
+def test_limits_of_a_continuous_joint_are_kept(tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_text(two_joints(inside="", kind="continuous"))
+    arm = load_arm(tmp_path / "arm.urdf", limits={"lower": -1.0, "upper": 1.5})
+    require_same(arm, came_back(arm, tmp_path))
+
+
+def test_twists_that_urdf_lacks_are_refused() -> None:
+    with pytest.raises(InputError, match="a rate of its own"):
+        to_urdf(arm_from_screws(3.0 * joints.revolute([0, 0, 1], [1, 0, 0]), np.eye(4)))
