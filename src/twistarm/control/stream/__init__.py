@@ -13,6 +13,7 @@ from .links.state_inbox import StateInbox
 from .links.udp import UdpFeedback, UdpSink, UdpSource
 from .metronome import Metronome, MonotonicClock
 from .protocols import Clock, Feedback, Measured, Reading, Setpoint, Sink, Source, UndeliveredError
+from .recording import Recorder
 from .report import Ending, StreamReport
 from .simulation import SimulatedJoints
 from .streaming import Streaming, run
@@ -32,6 +33,7 @@ __all__ = [
     "Metronome",
     "MonotonicClock",
     "Reading",
+    "Recorder",
     "SerialRobot",
     "SerialSource",
     "Setpoint",
