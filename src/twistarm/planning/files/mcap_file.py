@@ -165,11 +165,16 @@ def _motion(arm: Arm, reader: Any, store: Any) -> dict[str, Any]:
     """Return the setpoints of a recording, its only JointTrajectory, or its joint states, as plain data."""
 
     def heard(kind: str, ending: str = "") -> Iterator[tuple[int, Any]]:
+        layout = store.get_msgdef(kind)
         topics = [each for each in reader.connections if each.msgtype == kind and each.topic.endswith(ending)]
         for number, (_, time, data) in enumerate(reader.messages(topics) if topics else ()):
             if number == MAX_MESSAGES:
                 raise InputError(f"it has more than {MAX_MESSAGES:,} messages on *{ending}")
-            yield time, store.deserialize_cdr(data, kind)
+            decode = layout.deserialize_cdr_le if data[1] else layout.deserialize_cdr_be
+            yield (
+                time,
+                decode(data[4:], 0, layout.cls, store)[0],
+            )  # rclpy leaves bytes after it, which the store refuses
 
     names, points, begin = list(arm.joint_names), list[dict[str, Any]](), 0
     motions = list(dict(heard(TRAJECTORY, SETPOINTS)).items())  # of one instant the last counts
