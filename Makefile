@@ -53,7 +53,7 @@ test-ros-here: $(ROS)/ready
 
 $(ROS)/ready: pyproject.toml tests/ros/requirements.txt $(CORE)
 	$(PYTHON) -m venv $(ROS)
-	$(ROS)/bin/python -m pip install --quiet --requirement tests/ros/requirements.txt --editable '.[mcap]' hypothesis pytest
+	$(ROS)/bin/python -m pip install --quiet --requirement tests/ros/requirements.txt --editable '.[mcap,plan]' hypothesis pytest
 	@touch $@
 
 docs: $(VENV)/dev
