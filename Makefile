@@ -12,7 +12,7 @@ CORE := $(shell find core -path core/tests -prune -o -type f -print)
 # Tests start hundreds of programs: what Python has compiled once is kept, wherever that is switched off.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo guide test test-all test-pythons test-ros test-ros-here docs pictures bench lint lint-page format coverage dist clean
+.PHONY: demo guide test test-all test-pythons test-ros test-ros-here docs pictures bench lint lint-page format coverage dist wheels clean
 
 demo: $(VENV)/base
 	$(BIN)/twistarm demo
@@ -27,12 +27,15 @@ test: $(VENV)/dev
 test-all: test
 	$(BIN)/python -m pytest -m slow -s
 
-# Each in an environment of its own, build/python3.X, one after the other; a Python of PATH or of pyenv that starts.
+# A Python of PATH or of pyenv that starts.
+FIND = python=; for each in python$$version $(PYENV_ROOT)/versions/$$version.*/bin/python$$version; do \
+	    "$$each" -c '' 2>/dev/null && python=$$each && break; \
+	  done
+
+# Each in an environment of its own, build/python3.X, one after the other.
 test-pythons:
 	@failed=; for version in $(PYTHONS); do \
-	  python=; for each in python$$version $(PYENV_ROOT)/versions/$$version.*/bin/python$$version; do \
-	    "$$each" -c '' 2>/dev/null && python=$$each && break; \
-	  done; \
+	  $(FIND); \
 	  if [ -n "$$python" ]; then \
 	    echo "== Python $$version: $$python"; \
 	    $(MAKE) test PYTHON="$$python" VENV=build/python$$version || failed="$$failed $$version"; \
@@ -95,6 +98,17 @@ dist: $(VENV)/dev
 	rm -rf dist
 	$(BIN)/python -m build
 	$(BIN)/twine check --strict dist/*
+
+# The wheel of each Python, and the one without the core for any system; each installed and tested without a compiler.
+wheels: $(VENV)/dev
+	rm -rf dist
+	@failed=; for version in $(PYTHONS); do \
+	  $(FIND); \
+	  if [ -z "$$python" ] || ! $(BIN)/python tools/wheels.py "$$python"; then failed="$$failed $$version"; fi; \
+	done; \
+	TWISTARM_PURE_PYTHON=1 $(BIN)/python tools/wheels.py $(BIN)/python || failed="$$failed pure"; \
+	$(BIN)/twine check --strict dist/* || failed="$$failed twine"; \
+	[ -z "$$failed" ] || { echo "not built or not green:$$failed"; exit 1; }
 
 clean:
 	rm -rf $(VENV) tools/page/node_modules build dist docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis

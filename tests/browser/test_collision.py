@@ -47,7 +47,9 @@ def test_collisions_are_shown_and_obstacles_changed_and_saved(page: Any, tmp_pat
             box = page.get_by_label(f"stone, {axis}, metres")
             box.fill(f"{value:.4f}")
             box.press("Enter")
-        until(page, "document.getElementById('collides').textContent.startsWith('Collision: ')")
+        # The first number alone brings them together: the scene is asked once all three have been answered.
+        until(page, "twistarm.link.underway === 0 && twistarm.link.pending.size === 0")
+        assert page.locator("#collides").inner_text().startswith("Collision: ")
         scene = viewer.scene
         assert scene is not None
         hit = {name for contact in scene.contacts(arm.ready) for name in contact.links} - {"stone"}

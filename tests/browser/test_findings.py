@@ -194,3 +194,38 @@ def test_findings_sent_again_keep_what_is_chosen_if_it_is_still_there(live: Any,
     assert live.locator("#findings").is_hidden()
     live.evaluate("(message) => twistarm.findings.show(message)", message)
     assert live.locator("#findings").is_visible()
+
+
+LOOK = """(selector) => [...document.querySelectorAll(selector)].map((each) => {
+  const canvas = document.createElement("canvas").getContext("2d");
+  const light = (colour) => {
+    canvas.fillStyle = colour;
+    canvas.fillRect(0, 0, 1, 1);
+    const parts = [...canvas.getImageData(0, 0, 1, 1).data].slice(0, 3).map((part) => part / 255);
+    const linear = parts.map((part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+  };
+  let behind = each;
+  while (getComputedStyle(behind).backgroundColor === "rgba(0, 0, 0, 0)") behind = behind.parentElement;
+  const { color } = getComputedStyle(each);
+  const [one, other] = [light(color), light(getComputedStyle(behind).backgroundColor)];
+  const contrast = (Math.max(one, other) + 0.05) / (Math.min(one, other) + 0.05);
+  return [each.textContent, getComputedStyle(each, "::before").content, color, contrast];
+})"""
+"""Words, sign, colour and contrast (WCAG 2.2) of elements."""
+
+
+def test_a_warning_has_a_sign_a_word_and_a_colour_in_both_themes(live: Any) -> None:
+    until(live, "document.querySelector('#findings-count .warning')")
+    colours = set()
+    for theme in ("light", "dark"):
+        live.emulate_media(color_scheme=theme)
+        seen = live.evaluate(LOOK, "#findings-count .warning, #findings .warning .severity")
+        assert len(seen) >= 2
+        for words, sign, colour, contrast in seen:
+            assert "warning" in words
+            assert "⚠" in sign
+            assert contrast >= 4.5
+            colours.add(colour)
+    assert len(colours) == 2
+    live.emulate_media(color_scheme="light")

@@ -116,7 +116,7 @@ def test_a_drag_ends_at_the_limit_and_escape_takes_it_back(desk: Callable[[str],
 def test_an_axis_seen_from_its_edge_turns_with_what_is_near(desk: Callable[[str], tuple[Any, Viewer]]) -> None:
     page, viewer = desk("ur5")
     page.evaluate("twistarm.presets.go('top')")
-    until(page, "twistarm.presets.moving === null")
+    until(page, "twistarm.presets.moving === 0")
     held = Held(page, viewer.arm, *UR5[1:])
     page.mouse.move(*held.aim)
     page.mouse.down()

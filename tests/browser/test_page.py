@@ -78,17 +78,31 @@ def test_the_view_is_not_blank_and_shows_the_arm(page: Any, arm: Arm, viewer: Vi
     assert 0.02 < changed < 0.6  # the arm takes a good part of the view, and leaves the ground in sight
 
 
-def test_buttons_switches_and_a_second_page(page: Any, other: Any, viewer: Viewer, arm: Arm) -> None:
+def test_pages_share_the_arm_and_each_has_its_own_layers(page: Any, other: Any, viewer: Viewer, arm: Arm) -> None:
     settled(page, viewer.url)
     settled(other, viewer.url)
     page.get_by_role("button", name="zero").click()
     until(other, "twistarm.state.frame.theta.every((value) => value === 0)")
+    shown = "['screws', 'frames', 'collision'].map((each) => twistarm.view.node(`/${each}`).visible)"
     other.get_by_label("Screws", exact=True).uncheck()
-    until(page, "!twistarm.view.node('/screws').visible")
-    assert page.locator("#legend").is_hidden()
+    other.get_by_label("Collision", exact=True).check()
+    other.get_by_role("tab", name="Theory").click()
+    other.locator("#theory-layers").get_by_label("Linear ellipsoid").check()
+    until(other, "twistarm.parts.theory.linear.group.visible")
+    assert other.locator("#legend").is_hidden()
+    viewer.show_frames(False)  # a program switches them on all pages
+    for each in (page, other):
+        until(each, "!twistarm.view.node('/frames').visible && twistarm.view.node('/arm').visible")
+        assert not each.get_by_label("Frames").is_checked()
+    assert page.evaluate(shown) == [True, False, False]
+    assert not page.evaluate("twistarm.parts.theory.linear.group.visible")
+    page.get_by_label("Frames").check()
+    assert other.evaluate(shown) == [False, False, True]
+    settled(other, viewer.url)  # loaded again, it keeps them
+    until(other, "twistarm.parts.theory.linear.group.visible")
+    assert other.evaluate(shown) == [False, False, True]
     viewer.show_frames(False)
-    until(page, "!twistarm.view.node('/frames').visible && twistarm.view.node('/arm').visible")
-    assert not page.get_by_label("Frames").is_checked()
+    until(page, "!twistarm.view.node('/frames').visible")
     page.locator('input[data-joint="finger_left"]').press("End")
     until(other, "twistarm.state.frame.others.finger_left > 0.01")
     assert_drawn(other, arm)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +14,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from arms import ARMS, DRAWN, assert_drawn
-from twistarm import Arm, load_trajectory
+from twistarm import Arm, load_arm, load_trajectory
 from twistarm.arm.usual_limits import with_defaults
 from twistarm.planning.joint_space import plan_joint
 from twistarm.planning.trajectory import Trajectory
@@ -168,7 +169,7 @@ def test_the_list_is_edited_by_keyboard_and_mouse_on_two_pages(page: Any, other:
     until_listed(other, ["half a name", "c"])
     plan(page, "trapezoid")
     until(other, "document.getElementById('plan-kind').value === 'trapezoid'")  # of all pages
-    assert "straight in joint space" in other.locator("#program-note").inner_text()
+    assert "straight in joint space" in other.locator("#program-note").text_content()
     other.get_by_label("Kind of motion").select_option("quintic")
     assert other.locator("#program-note").inner_text() == "The motion was planned with other settings: plan again."
     plan(other, "quintic")
@@ -229,6 +230,7 @@ def test_a_plot_is_clicked_to_seek_and_hovered_to_read(page: Any, arm: Arm, view
         page.evaluate("document.getElementById('pane').getBoundingClientRect().bottom")
         <= page.locator("#plots").bounding_box()["y"]
     )
+    page.get_by_text("View", exact=True).click()
     page.get_by_role("checkbox", name="Radians").check()
     assert velocity.locator("text.title").text_content() == f"Velocity, rad/s · limit ±{np.radians(limit):.2f}"
     page.get_by_role("checkbox", name="Plots").uncheck()
@@ -420,3 +422,46 @@ def test_a_stand_alone_page_has_speed_loop_and_plots(page: Any, arm: Arm, tmp_pa
     until(page, "!twistarm.state.frame.running")
     assert shown(page)["time"] == pytest.approx(0.5 * motion.duration, rel=0.02)
     assert_allclose(shown(page)["theta"], motion(shown(page)["time"]), atol=2e-4)
+
+
+def test_a_pose_is_kept_in_the_arms_own_file_by_a_button_that_names_it(page: Any, tmp_path: Path) -> None:
+    folder = tmp_path / "arm"
+    shutil.copytree(Path(__file__).parents[2] / "robots/rover_arm", folder)
+    file = next(folder.glob("*.toml"))
+    before = file.read_bytes()
+    theta = [0.1, 0.2, -0.3, 0.4, 0.5]
+    with Viewer(load_arm(file), theta, open_browser=False) as viewer:
+        record(open_poses(page, viewer), viewer, theta, "on the rack")
+        viewer.show([0.0, 0.0, 0.0, 0.0, 0.0])
+        page.locator("#keep summary").click()
+        page.get_by_label("Pose to keep").select_option("on the rack")
+        assert '[poses."on the rack"]' in page.locator("#keep-text").inner_text()
+        page.get_by_role("button", name="Save in arm.toml").click()
+        until(page, "document.getElementById('keep-save').textContent.startsWith('Replace on the rack')")
+        assert file.read_bytes().startswith(before)
+        assert load_arm(file).named_states["on the rack"].tolist() == theta
+        page.get_by_label("Pose to keep").select_option("the pose on show")
+        page.get_by_label("Name of the pose in arm.toml").fill("flat")
+        assert page.locator("#keep-text").inner_text().startswith("[poses.flat]\nslide = 0\n")
+        page.get_by_role("button", name="Save in arm.toml").click()
+        until(page, "document.getElementById('keep-save').textContent.startsWith('Replace flat')")
+        page.goto("about:blank")
+    assert load_arm(file).named_states["flat"].tolist() == [0.0] * 5
+
+
+def test_kinds_that_the_moves_do_not_allow_are_greyed_and_no_radius_stops(page: Any, arm: Arm, viewer: Viewer) -> None:
+    open_poses(page, viewer)
+    for theta in postures(arm, 2):
+        record(page, viewer, theta)
+    kind, run = page.get_by_label("Kind of motion"), page.get_by_role("button", name="Plan", exact=True)
+    kind.select_option("cubic")
+    assert run.is_enabled()
+    page.get_by_label("Move to pose 2").select_option("line")
+    until(page, "document.querySelector('#plan-kind [value=cubic]').disabled")
+    assert run.is_disabled()
+    assert "joint moves alone" in page.locator("#program-note").inner_text()
+    page.get_by_label("Move to pose 2").select_option("joint")
+    until(page, "!document.querySelector('#plan-kind [value=cubic]').disabled")
+    page.get_by_label("Round corners within").fill("0")
+    run.click()
+    until(page, "twistarm.parts.program.asked?.stop === true")

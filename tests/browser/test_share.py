@@ -105,6 +105,7 @@ def test_the_saved_page_shows_the_same_and_its_joints_move(page: Any, tmp_path: 
         until(page, "document.getElementById('theory-joint').length === 3")
         page.get_by_label("Joint whose screw and columns are drawn").select_option(label="c")
         page.locator("#plots-joints button").nth(2).click()
+        page.get_by_text("View", exact=True).click()
         page.get_by_label("Radians", exact=True).check()
         stood = page.evaluate(look), page.evaluate(chosen)
         page.get_by_text("Share", exact=True).click()

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -14,10 +16,10 @@ from scipy.spatial.transform import Rotation
 
 from arms import load
 from test_target import PROJECT
-from twistarm import solve_ik
+from twistarm import load_arm, solve_ik
 from twistarm.ik import Pose
 from twistarm.viewer import Viewer
-from waiting import after_frames, draw, until
+from waiting import after_frames, draw, settled, until
 
 pytestmark = pytest.mark.browser
 
@@ -76,25 +78,26 @@ def in_view(page: Any) -> bool:
 
 
 @pytest.mark.smoke
-def test_presets_and_the_faces_of_the_cube_show_the_arm_from_that_side(page: Any) -> None:
-    page.get_by_text("View", exact=True).click()
+def test_the_faces_of_the_cube_show_the_arm_from_that_side(page: Any) -> None:
     first = page.evaluate(TOWARDS)
-    for button, side in (("Front", "front"), ("Side", "right"), ("Top", "top")):
-        page.get_by_role("button", name=button, exact=True).click()
-        until(page, "twistarm.presets.moving === null")
+    for side in ("front", "right", "top"):  # by keyboard
+        face = page.get_by_role("button", name=side, exact=True)
+        face.focus()
+        page.keyboard.press("Enter")
+        until(page, "twistarm.presets.moving === 0")
         assert_allclose(page.evaluate(TOWARDS), SIDES[side], atol=2e-3)
         assert in_view(page)
-    page.get_by_role("button", name="Iso", exact=True).click()
-    until(page, "twistarm.presets.moving === null")
+    page.get_by_role("button", name="Fit view", exact=True).click()
     assert_allclose(page.evaluate(TOWARDS), first, atol=1e-6)
-    page.keyboard.press("Escape")
-    assert page.locator("#sight-menu").is_hidden()
     for side in ("back", "left"):
         page.evaluate(f"document.querySelector('#cube [title=\"Look from the {side}\"]').click()")
-        until(page, "twistarm.presets.moving === null")
+        until(page, "twistarm.presets.moving === 0")
         assert_allclose(page.evaluate(TOWARDS), SIDES[side], atol=2e-3)
         after_frames(page)
         assert in_front(page) == side
+    page.get_by_role("button", name="front", exact=True).focus()
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.textContent") == "back"
 
 
 def in_front(page: Any) -> str:
@@ -108,26 +111,72 @@ def test_links_are_hidden_and_seen_through_and_another_page_can_be_told(page: An
     forearm = page.evaluate("twistarm.state.hello.links.forearm")
     shown = f"twistarm.view.node({forearm!r}).visible"
     page.get_by_text("View", exact=True).click()
-    page.get_by_role("checkbox", name="forearm", exact=True).uncheck()
+    page.get_by_role("button", name="Hide forearm", exact=True).focus()
+    page.keyboard.press("Enter")
     assert not page.evaluate(shown)
     page.get_by_role("slider", name="Opacity").fill("0.4")
-    opacity = f"""(() => {{
+    page.get_by_role("button", name="See through upper_arm", exact=True).click()
+    opacity = """(name) => {
       const found = [];
-      twistarm.view.node({forearm!r}).traverse(({{ material }}) => material && found.push(material.opacity));
+      const node = twistarm.view.node(twistarm.state.hello.links[name]);
+      node.traverse(({ material }) => material && found.push(material.opacity));
       return found;
-    }})()"""
-    assert set(page.evaluate(opacity)) == {0.4}
+    }"""
+    assert set(page.evaluate(opacity, "forearm")) == {0.4}
+    assert max(page.evaluate(opacity, "upper_arm")) < 0.2
     told = page.evaluate("twistarm.parts.links.remembered()")
-    assert told == {"hidden": ["forearm"], "opacity": 0.4}
+    assert (told["hidden"], told["faint"], told["opacity"]) == (["forearm"], ["upper_arm"], 0.4)
     page.get_by_role("button", name="All", exact=True).click()
     assert page.evaluate(shown)
-    assert set(page.evaluate(opacity)) == {1}
+    assert set(page.evaluate(opacity, "upper_arm")) == {1}
     page.evaluate("(told) => twistarm.parts.links.recall(told)", told)
     assert not page.evaluate(shown)
-    assert not page.get_by_role("checkbox", name="forearm", exact=True).is_checked()
+    assert page.get_by_role("button", name="Hide forearm", exact=True).get_attribute("aria-pressed") == "true"
     page.keyboard.press("Escape")
+
+
+TREE = """() => {
+  const name = (item) => item?.querySelector("button").title.replace("Hide ", "") ?? null;
+  const items = [...document.querySelectorAll("#links li")];
+  return Object.fromEntries(items.map((item) => [name(item), name(item.parentElement.closest("li"))]));
+}"""
+
+EXTRAS = """() => twistarm.parts.links.bodies.map(({ node, mesh }) => {
+  mesh.updateMatrixWorld(true);
+  const size = new MeshCat.THREE.Vector3();
+  if (mesh.geometry) new MeshCat.THREE.Box3().setFromBufferAttribute(mesh.geometry.attributes.position).getSize(size);
+  return [node, mesh.matrix.toArray(), size.toArray()];
+})"""
+
+
+def test_each_link_has_its_place_in_the_tree_a_frame_an_inertia_and_collision_shapes(page: Any) -> None:
     assert ARM.description is not None
-    assert page.locator("#links label").count() == len(ARM.description.links)
+    joints = ARM.description.joints.values()
+    parents = {joint.child: joint.parent for joint in joints}
+    assert page.evaluate(TREE) == {name: parents.get(name) for name in ARM.description.links}
+    page.get_by_text("View", exact=True).click()
+    for words in ("Frame of", "Inertia of", "Collision shapes of"):
+        page.get_by_role("button", name=f"{words} forearm", exact=True).click()
+    until(page, "twistarm.parts.links.bodies.length >= 3")  # the shapes come from the process
+    frame, inertia, *shapes = page.evaluate(EXTRAS)
+    pose = ARM.poses(ARM.ready)["forearm"]
+    assert_allclose(np.reshape(frame[1], (4, 4)).T, pose, atol=1e-9)
+    assert {each[0] for each in shapes} == {frame[0]}
+    written = ElementTree.fromstring(ARM.description.text).find("link[@name='forearm']/inertial")
+    assert written is not None
+    numbers = {part.tag: part.attrib for part in written}
+    assert "rpy" not in numbers["origin"] or set(numbers["origin"]["rpy"].split()) == {"0"}
+    xx, xy, xz, yy, yz, zz = (float(numbers["inertia"][name]) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    a, b, c = inertia[2]  # of a uniform box, where it is drawn
+    moments = float(numbers["mass"]["value"]) / 12 * np.diag([b * b + c * c, a * a + c * c, a * a + b * b])
+    g = np.linalg.inv(pose) @ np.reshape(inertia[1], (4, 4)).T
+    assert_allclose(g[:3, 3], [float(x) for x in numbers["origin"]["xyz"].split()], atol=1e-9)
+    about = g[:3, :3] @ moments @ g[:3, :3].T
+    assert_allclose(about, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], atol=1e-6 * np.trace(moments))
+    assert not page.evaluate("twistarm.view.node('/collision').visible")
+    page.get_by_role("button", name="All", exact=True).click()
+    assert page.evaluate("twistarm.parts.links.bodies.length") == 0
+    page.keyboard.press("Escape")
 
 
 def test_the_link_under_the_pointer_is_named_unless_the_view_turns(page: Any) -> None:
@@ -213,6 +262,157 @@ def test_an_unmet_target_is_drawn_with_the_arm_that_would_meet_it(page: Any) -> 
     assert page.evaluate(GHOST)[1:3] == [0, 0]
 
 
+def outside(page: Any, point: Any) -> float:
+    """How far a point of the base frame lies beyond the nearest edge of the picture [px]; below 0: inside."""
+    x, y, _ = page.evaluate(PROJECT, [list(point)])
+    box = page.locator("#pane").bounding_box()
+    over = page.locator("#switches").bounding_box()
+    top = over["y"] + over["height"]
+    return float(max(box["x"] - x, x - box["x"] - box["width"], top - y, y - box["y"] - box["height"]))
+
+
+CAMERA = "twistarm.view.viewer.camera.position.toArray()"
+STILL = "twistarm.parts.follow.moving === 0"
+TARGET = "twistarm.parts.target.given?.position"
+TOOL = "twistarm.parts.target.tool.position.toArray()"
+
+
+def release(page: Any) -> None:
+    page.get_by_role("button", name="Let go").click()
+    until(page, "twistarm.parts.target.given === null")
+
+
+def test_the_camera_follows_a_target_that_is_typed_or_dragged_out_of_the_picture(page: Any) -> None:
+    for far in ([3.0, 1.0, 0.4], [-0.5, 9.0, 0.2], [0.1, 0.1, -4.0]):
+        page.evaluate(ASK, [far, [0, 0, 0, 1]])
+        until(page, f"String({TARGET}) === '{','.join(f'{x:g}' for x in far)}'")
+        until(page, STILL)
+        assert outside(page, far) < -10
+        assert outside(page, page.evaluate(TOOL)) < -10
+    page.evaluate("twistarm.view.fit()")
+    assert outside(page, far) < 0
+    release(page)
+    page.evaluate("twistarm.view.fit()")
+    page.get_by_label("Drag tool").check()
+    after_frames(page)
+    x, y, _ = page.evaluate(PROJECT, [page.evaluate(TOOL)])
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(1, 11):
+        page.mouse.move(x + 0.1 * step * (1400 - x), y)  # beyond the window, 1280 px wide
+        after_frames(page)
+    until(page, STILL)
+    assert outside(page, page.evaluate("twistarm.parts.target.asked.position.toArray()")) < -10
+    assert outside(page, page.evaluate(TOOL)) < -10
+    page.mouse.up()
+    page.get_by_label("Drag tool").uncheck()
+    release(page)
+
+
+def test_the_camera_follows_the_tool_unless_a_hand_turns_the_view_or_looks_elsewhere(
+    shown: Callable[[str], tuple[Any, Viewer]], page: Any
+) -> None:
+    _, viewer = shown(ARM.name)
+    start, end = ARM.ready.copy(), ARM.ready.copy()
+    end[0] += 2.0
+
+    def show(theta: Any) -> None:
+        viewer.show(theta)
+        until(page, f"twistarm.state.frame.theta[0] === {float(theta[0])!r}")
+        after_frames(page)
+
+    def look_at(point: Any) -> None:
+        """From nearby, as if a hand had turned the view."""
+        page.evaluate(
+            """([x, y, z]) => {
+              const { camera, controls } = twistarm.view.viewer;
+              controls.target.set(x, z, -y);
+              camera.position.set(x + 0.7, z + 0.5, -y + 0.7);
+              controls.update();
+              camera.updateMatrixWorld();
+              twistarm.view.turned = true;
+            }""",
+            list(point),
+        )
+
+    tool = [ARM.fk(theta)[:3, 3] for theta in (start, end)]
+    look_at(tool[0])
+    show(end)
+    until(page, STILL)
+    assert outside(page, tool[1]) < -10
+    show(start)
+    until(page, STILL)
+    look_at(tool[0])
+    page.mouse.move(700, 600)
+    page.mouse.down()
+    page.mouse.move(703, 602)
+    held = page.evaluate(CAMERA)
+    show(end)
+    assert_allclose(page.evaluate(CAMERA), held, atol=1e-9)
+    page.mouse.up()
+    look_at([0.0, 0.0, 0.0])  # neither where the tool is nor where it comes to
+    assert min(outside(page, each) for each in tool) > 0
+    elsewhere = page.evaluate(CAMERA)
+    show(start)
+    assert_allclose(page.evaluate(CAMERA), elsewhere, atol=1e-9)
+
+
+DRAWN = """() => {
+  const seen = [];
+  twistarm.parts.ghost.frame.traverseVisible(({ isMesh }) => isMesh && seen.push(isMesh));
+  const { group, handles } = twistarm.view.handles;
+  const ball = handles.find(({ kind }) => kind === "free");
+  return [seen.length, group.visible && ball.material.color.getHexString()];
+}"""
+"""How many parts of the target's own frame are drawn, and the colour of the ball of the handles where they are."""
+
+
+def test_the_target_is_drawn_while_there_is_one_and_shares_its_frame_with_the_tool(page: Any) -> None:
+    g = ARM.fk(ARM.ready)
+    xyzw = Rotation.from_matrix(g[:3, :3]).as_quat().tolist()
+    page.get_by_label("What the tool is to meet").select_option("pose")
+    unmet = (g[:3, 3] + [0, 0, 5]).tolist()
+    near = (g[:3, 3] - [0, 0, 0.05]).tolist()
+    page.get_by_role("tab", name="Poses").click()
+    for place, met in ((near, True), (unmet, False)):
+        page.evaluate(ASK, [place, xyzw])
+        until(page, f"twistarm.parts.target.given?.met === {str(met).lower()}")
+        after_frames(page)
+        parts, handles = page.evaluate(DRAWN)
+        assert parts == (1 if met else 4)  # its ball, and the axes that are not those of the tool's frame
+        assert not handles
+        page.get_by_label("Frames").uncheck()
+        until(page, "!twistarm.view.node('/frames').visible")
+        after_frames(page)
+        assert page.evaluate(DRAWN)[0] == 4
+        page.get_by_label("Frames").check()
+        page.get_by_label("Drag tool").check()
+        until(page, "twistarm.view.node('/frames').visible")
+        after_frames(page)
+        parts, handles = page.evaluate(DRAWN)
+        assert parts == (0 if met else 3)
+        css = "getComputedStyle(document.documentElement).getPropertyValue"
+        assert f"#{handles}" == page.evaluate(f"{css}('{'--met' if met else '--warn'}').trim()")
+        lengths = page.evaluate(LENGTHS)
+        assert max(lengths[: 3 if met else 0] or lengths[3:]) < 82  # px: within the cones of the handles
+        page.get_by_label("Drag tool").uncheck()
+    page.get_by_role("tab", name="Move").click()
+    release(page)
+
+
+LENGTHS = """() => {
+  const { camera, renderer, scene } = twistarm.view.viewer;
+  const height = renderer.domElement.clientHeight;
+  scene.updateMatrixWorld(true);
+  return [...twistarm.view.node("/frames/tool").children, ...twistarm.parts.ghost.axes].map((axis) => {
+    const size = new MeshCat.THREE.Box3().setFromObject(axis).getSize(new MeshCat.THREE.Vector3()).length();
+    const away = -axis.getWorldPosition(new MeshCat.THREE.Vector3()).applyMatrix4(camera.matrixWorldInverse).z;
+    return (size * height) / (2 * away * Math.tan((camera.fov * Math.PI) / 360));
+  });
+}"""
+"""How long the axes of the tool's and of the target's frame are [px], seen across."""
+
+
 def test_a_grab_that_just_misses_a_handle_does_not_turn_the_view(page: Any) -> None:
     page.get_by_label("Drag tool").check()
     after_frames(page)
@@ -283,3 +483,50 @@ def test_shapes_in_one_plane_do_not_flicker(shown: Callable[[str], tuple[Any, Vi
         seen = np.asarray(picture).astype(int)[int(y.min()) : int(y.max()), int(x.min()) : int(x.max())]
         assert len(seen) > 10
         assert (seen[..., 0] > seen[..., 2] + 40).mean() > 0.95
+
+
+URDF = """<robot name="scaled"><link name="base"/><link name="arm"><visual><origin xyz="{half} 0 0"/><geometry>
+<box size="{long} {wide} {wide}"/></geometry></visual></link><link name="tip"/>
+<joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
+<joint name="end" type="fixed"><parent link="arm"/><child link="tip"/><origin xyz="{long} 0 0"/></joint></robot>"""
+
+SCALE = """() => {
+  const { floor, viewer } = twistarm.view;
+  viewer.scene.updateMatrixWorld(true);
+  const size = new MeshCat.THREE.Box3().setFromObject(floor.bar).getSize(new MeshCat.THREE.Vector3()).toArray();
+  const [text, pane] = [floor.text, document.getElementById("pane")].map((each) => each.getBoundingClientRect());
+  const across = text.left >= pane.left && text.right <= pane.right && text.width > 0;
+  const inside = across && text.top >= pane.top && text.bottom <= pane.bottom;
+  const away = viewer.camera.position.distanceTo(viewer.controls.target);
+  return [floor.text.textContent, size, inside, viewer.camera.near / away, viewer.camera.far / away];
+}"""
+
+
+@pytest.mark.parametrize("long", [48.0, 1.3, 0.05])
+def test_the_floor_has_a_scale_that_suits_the_arm(page: Any, tmp_path: Path, long: float) -> None:
+    (tmp_path / "scaled.urdf").write_text(URDF.format(long=long, half=long / 2, wide=long / 20))
+    arm = load_arm(tmp_path / "scaled.urdf")
+    with page.context.browser.new_context() as context, Viewer(arm, open_browser=False) as viewer:
+        fresh = settled(context.new_page(), viewer.url)
+        for zoom in (1.0, 0.1):
+            fresh.evaluate(
+                """(zoom) => {
+                  const { camera, controls } = twistarm.view.viewer;
+                  camera.position.sub(controls.target).multiplyScalar(zoom).add(controls.target);
+                  twistarm.view.viewer.set_dirty();
+                }""",
+                zoom,
+            )
+            after_frames(fresh)
+            words, size, inside, near, far = fresh.evaluate(SCALE)
+            number, unit = words.split()
+            assert unit == "m"
+            assert f"{float(number):e}"[0] in "125"
+            assert f"{float(number):e}"[1:6] == ".0000"
+            assert max(size) == pytest.approx(float(number), rel=1e-6)
+            assert inside
+            assert near < 0.05
+            assert far > 2
+            if zoom == 1.0:
+                assert 0.1 < float(number) / long < 0.6

@@ -186,7 +186,7 @@ def test_out_of_reach_the_nearest_is_shown_and_the_page_says_why(rover: Desk) ->
     words = rover.page.locator("#target-words")
     assert words.inner_text().startswith("✕ not met")
     assert "iterations" not in words.inner_text()
-    first = words.locator(".first")
+    first = words.locator(".short")
     lines = first.evaluate("(text) => text.clientHeight / parseFloat(getComputedStyle(text).lineHeight)")
     assert lines < 2.5
     assert all(line.strip() in words.locator("details").text_content() for line in expected.explain().splitlines())
@@ -303,7 +303,11 @@ def test_g_takes_the_handles_and_a_servo_takes_them_away(rover: Desk) -> None:
 def test_tolerances_are_typed_beside_the_target_and_hold_at_once(rover: Desk) -> None:
     rover.reset("position")
     p = rover.drawn()[:3, 3]
-    rover.page.evaluate("([x, y, z]) => twistarm.parts.target.type([x + 0.4, y, z, 0, 0, 0])", p.tolist())
+    upright = """([x, y, z]) => {
+      const { Vector3, Quaternion } = MeshCat.THREE;
+      twistarm.parts.target.ask({ position: new Vector3(x + 0.4, y, z), quaternion: new Quaternion() });
+    }"""
+    rover.page.evaluate(upright, p.tolist())
     assert not rover.answered()["met"]
     rover.page.locator("#target-position-tol").fill("500")
     rover.page.locator("#target-position-tol").press("Enter")
@@ -366,3 +370,49 @@ def test_all_configurations_are_stepped_through_and_drawn(rover: Desk) -> None:
     assert np.abs(viewer.theta - START).max() < 1e-6
     viewer.show(arm.ready)
     until(page, "document.getElementById('solutions').hidden")
+
+
+def test_an_orientation_is_shown_and_typed_in_three_ways(rover: Desk) -> None:
+    page = rover.page
+    rover.reset("pose", theta=np.array([0.0, 0.4, -0.9, 0.3, 0.6]))
+    R = rover.drawn()[:3, :3]
+    way = page.get_by_label("Orientation in numbers")
+    way.select_option("quaternion")
+    shown = [float(page.locator(f"#tool-{name}").inner_text().replace("−", "-")) for name in ("qx", "qy", "qz", "qw")]
+    expected = Rotation.from_matrix(R).as_quat()
+    assert_allclose(shown, expected * np.sign(expected @ shown), atol=6e-4)
+    wanted = Rotation.from_euler("ZYX", [0.2, 0.5, 0.3])
+    for name, value in zip(("qx", "qy", "qz", "qw"), 3 * wanted.as_quat(), strict=True):  # of any length
+        box = page.get_by_label(f"tool {name}", exact=True)
+        box.fill(f"{value:.9f}")
+        box.press("Enter")
+        given = rover.answered()
+    assert np.linalg.norm(given["xyzw"]) == pytest.approx(1.0, abs=1e-12)
+    assert (Rotation.from_quat(given["xyzw"]) * wanted.inv()).magnitude() < 1e-8
+    way.select_option("axis")
+    for name, value in {"axis x": 0, "axis y": 2, "axis z": 0, "angle": "270 deg"}.items():
+        box = page.get_by_label(f"tool {name}" + (", degrees" if name == "angle" else ""), exact=True)
+        box.fill(str(value))
+        box.press("Enter")
+        given = rover.answered()
+    assert (Rotation.from_quat(given["xyzw"]) * Rotation.from_rotvec([0, 1.5 * np.pi, 0]).inv()).magnitude() < 1e-8
+    assert page.get_by_label("tool angle, degrees").input_value() == "270.0"
+    way.select_option("rpy")
+
+
+def test_four_zeros_are_no_orientation(rover: Desk) -> None:
+    rover.reset("pose")
+    page = rover.page
+    page.get_by_label("Orientation in numbers").select_option("quaternion")
+    before = rover.viewer.theta
+    for name in ("qx", "qy", "qz", "qw"):
+        box = page.get_by_label(f"tool {name}", exact=True)
+        box.fill("0")
+        box.press("Enter")
+    until(page, "!document.getElementById('error').hidden")
+    assert "not 0" in page.get_by_role("alert").inner_text()
+    page.reload()
+    until(page, "globalThis.twistarm?.state.fitted")
+    assert page.get_by_label("Orientation in numbers").input_value() == "quaternion"  # kept in the browser
+    assert_allclose(rover.viewer.theta, before, atol=np.pi)
+    page.get_by_label("Orientation in numbers").select_option("rpy")

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from twistarm import Arm, InputError, arm_from_screws, guide, joints
 from twistarm.guide.teaching import outlet, stills, svg
@@ -45,39 +46,51 @@ def test_what_is_drawn_later_has_the_style_too() -> None:
     assert "#000000" not in svg.of(fig)
 
 
-def test_no_white_space_and_nothing_cut() -> None:
-    """A line within a cube, and one that leaves it: without a box, the picture is as large as they are."""
-    heights = []
-    for length in (1.0, 1.4):
-        fig, ax = guide.axes3(box=False)
-        ax.plot([0.5, 0.5], [0.5, 0.5], [0, length])
-        guide.fit(ax, [[0, 0, 0], [1, 1, 1]])
-        heights.append(picture_height(svg.of(fig)))
-    assert np.isclose(heights[1] / heights[0], 1.4, rtol=0.1)
+def numbers(text: str) -> Any:
+    return np.array(text.split(), float)
 
 
-def picture_height(element: str) -> float:
-    return float(re.search(r'viewBox="0 0 [\d.]+ ([\d.]+)"', element)[1])  # type: ignore[index]
+def test_a_page_finds_the_places_that_matplotlib_draws() -> None:
+    """Places around the centre, turned to the direction of view, are the line. All stays in the picture."""
+    fig, ax = guide.axes3(box=False, elev=30, azim=-50)
+    ax.plot([0, 1, 1], [0, 0.5, -0.2], [0, 0.3, 0.8])
+    element = svg.of(fig)
+    eye, centre, at = (re.search(rf'data-{name}="([^"]+)"', element)[1] for name in ("eye", "centre", "at"))  # type: ignore[index]
+    places = numbers(at).reshape(-1, 3)
+    azim, elev = numbers(eye)
+    seen = Rotation.from_euler("ZY", [azim, -elev], degrees=True).inv().apply(places)[:, 1:] * [1, -1]
+    drawn = re.search(r'data-at=.*?<path d="([^"]+)"', element, re.DOTALL)[1]  # type: ignore[index]
+    assert np.allclose(numbers(centre) + seen, numbers(re.sub("[ML]", "", drawn)).reshape(-1, 2), atol=0.2)
+    sides = numbers(re.search(r'viewBox="0 0 ([^"]+)"', element)[1])  # type: ignore[index]
+    assert 0.8 < 2 * np.linalg.norm(places, axis=1).max() / sides.min() < 1.0
+
+
+def test_a_motion_is_at_its_end_on_paper() -> None:
+    fig, ax = guide.axes3()
+    places = np.array([[0.0, 0.0, 0.0], [0.2, 0.0, 0.1], [0.5, 0.1, 0.1]])
+    guide.plot_motion(guide.plot_point, ax, places, "p")
+    assert [np.ravel(line.get_data_3d()).tolist() for line in ax.lines] == [places[-1].tolist()]
+    assert [len(each.split(";")) for each in re.findall(r'data-at="([^"]+)"', svg.of(fig))][-2:] == [3, 3]
 
 
 @pytest.mark.parametrize(
     "name", ["two_link", *(pytest.param(k, marks=pytest.mark.slow) for k in SLIDERS if k != "two_link")]
 )
 def test_each_slider_has_a_drawing_for_paper(name: str) -> None:
-    fig, words = stills.SLIDERS[name](SLIDERS[name])
+    fig, words = stills.slider(name, SLIDERS[name])
     assert len(words) > 20
     assert svg.of(fig).startswith("<svg ")
 
 
 @pytest.mark.parametrize("kind", ["revolute", "prismatic", "helical", "cylindrical", "planar", "spherical"])
 def test_each_joint_is_drawn(kind: str) -> None:
-    assert kind in stills.SLIDERS["joint"]({"type": kind})[1]
+    assert kind in stills.slider("joint", {"type": kind})[1]
 
 
 def test_the_cubic_meets_its_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = {"start": 10.0, "end": 40.0, "duration": 2.0, "velocity_start": 5.0, "velocity_end": -3.0}
     for kind in ("cubic", "quintic"):
-        fig, _ = stills.SLIDERS["spline"]({"kind": kind, **wanted})
+        fig, _ = stills.slider("spline", {"kind": kind, **wanted})
         angle, velocity = (fig.axes[k].lines[0].get_ydata() for k in (0, 1))
         assert np.allclose([angle[0], angle[-1], velocity[0], velocity[-1]], [10, 40, 5, -3])
 

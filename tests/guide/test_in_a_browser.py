@@ -1,12 +1,12 @@
-"""The site in a real browser, opened from disk: no error, no request elsewhere, nothing that axe-core finds, and
-sliders whose numbers are right.
+"""The site in a real browser, opened from disk: no error, no request elsewhere, nothing that axe-core finds, figures
+that turn, and sliders whose numbers are right.
 """
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from small_course import LESSON, ROVER
 from twistarm.guide.building.building import Built, build
-from twistarm.guide.building.pages import SCRIPTS, site_text
+from twistarm.guide.building.pages import SCRIPTS, site_file
 from twistarm.guide.teaching import outlet
 from twistarm.guide.teaching.saying import SLIDERS, slider
 from twistarm.support.errors import TwistarmError
@@ -105,6 +105,56 @@ def test_the_scene_is_drawn_from_disk(built: Built, browser: Any) -> None:
     page.close()
 
 
+def test_a_figure_is_turned_zoomed_and_left_alone(built: Built, browser: Any) -> None:
+    page = browser.new_page()
+    seen = watched(page)
+    page.goto((built.folder / f"{LESSON}.html").as_uri())
+    figure = page.locator("figure > .turns").first
+    figure.scroll_into_view_if_needed()
+    looks = [figure.inner_html()]
+
+    def changes(act: Callable[[], object]) -> bool:
+        act()
+        looks.append(figure.inner_html())
+        return looks[-1] != looks[-2]
+
+    def drag() -> None:
+        figure.hover()
+        page.mouse.down()
+        page.mouse.move(500, 300)
+        page.mouse.up()
+
+    def wheel() -> None:
+        figure.hover()
+        page.mouse.wheel(0, 90)
+        page.wait_for_timeout(200)
+
+    assert changes(drag)
+    assert changes(lambda: page.keyboard.press("ArrowLeft"))
+    assert not changes(wheel), "the page scrolls"
+    page.keyboard.down("Control")
+    assert changes(wheel)
+    page.keyboard.up("Control")
+    page.keyboard.press("0")
+    assert page.locator("figure > .turns").count() == page.locator("figure > .picture:has([data-eye])").count()
+    assert seen == []
+    page.close()
+
+
+@pytest.mark.parametrize("motion", ["no-preference", "reduce"])
+def test_a_slider_plays_and_stops_where_the_reader_takes_it(motion: Any, bench: Any) -> None:
+    page = bench("twist")
+    page.emulate_media(reduced_motion=motion)
+    page.get_by_role("button", name="Play").click()
+    turn = page.get_by_label("θ", exact=False).first
+    page.wait_for_timeout(1200)
+    page.get_by_role("button", name="Pause").click()
+    stopped = float(turn.input_value())
+    assert stopped > 90
+    page.wait_for_timeout(200)
+    assert float(turn.input_value()) == stopped
+
+
 def test_without_scripts_questions_answers_and_drawings_are_there(built: Built, browser: Any) -> None:
     context = browser.new_context(java_script_enabled=False)
     page = context.new_page()
@@ -126,7 +176,7 @@ def bench(browser: Any, tmp_path: Path) -> Iterator[Any]:
         shown: list[outlet.Shown] = []
         with outlet.installed(shown.append):
             slider(name, "?", "!", **numbers)
-        scripts = "".join(f"<script>{site_text(name)}</script>" for name in SCRIPTS)
+        scripts = "".join(f"<script>{site_file(name).decode()}</script>" for name in SCRIPTS)
         file = tmp_path / "slider.html"
         file.write_text(f"<meta charset=utf-8>{shown[0].html(None)}{scripts}", "utf-8")
         page = browser.new_page()

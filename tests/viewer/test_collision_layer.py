@@ -31,7 +31,7 @@ def scene_of(arm: Arm = ARM) -> Scene:
 def ready(scene: Scene | None = None, arm: Arm = ARM) -> Stage:
     """A stage whose layer is on and whose checks are prepared."""
     stage = Stage(arm, None, scene)
-    ask(stage, "visible", what="collision", visible=True)
+    stage.needed = frozenset({"collision"})
     done(stage.collisions.due(stage))
     return stage
 
@@ -54,13 +54,13 @@ def test_without_a_scene_nothing_is_made_until_the_layer_is_switched_on() -> Non
     }  # fmt: skip
     with pytest.raises(InputError, match="switch the layer Collision on"):
         put(stage, "a", "sphere", [0.1])
-    ask(stage, "visible", what="collision", visible=True)
+    stage.needed = frozenset({"collision"})
     job = stage.collisions.due(stage)
     assert stage.collisions.due(stage) is None, "it is under way"
     done(job)
     assert said(stage, "collision")["ready"]
     bare = Stage(arm_from_screws(np.eye(6)[:, 5:], home=np.eye(4)))
-    ask(bare, "visible", what="collision", visible=True)
+    bare.needed = frozenset({"collision"})
     assert bare.collisions.due(bare) is None
 
 
@@ -77,7 +77,7 @@ def test_links_in_collision_and_the_nearest_pair_are_told() -> None:
     hit = said(stage, "collision")
     assert set(hit["links"]) == {name for contact in scene.contacts(theta) for name in contact.links}
     assert hit["nearest"]["metres"] < 0.0
-    ask(stage, "visible", what="collision", visible=False)
+    stage.needed = frozenset()
     off = said(stage, "collision")
     assert off["links"] == hit["links"], "a link in collision is red without the layer, too"
     assert off["nearest"] is None

@@ -1,48 +1,58 @@
-"""A second arm in the scene: its rods are where forward kinematics puts them, and follow joints of the same kind."""
+"""A second arm in the scene: live pages get its shapes and its kinematics, saved pages neither."""
 
 from __future__ import annotations
 
 import base64
+from pathlib import Path
+from typing import Any
 
-import numpy as np
 import pytest
+import trimesh
 
 from catalogue import load
-from twistarm import InputError, Viewer
-from twistarm.viewer.scene.placement import Beside
+from test_viewer_scene import drawn_by
+from twistarm import InputError, Viewer, load_arm
+from twistarm.viewer.scene.arm_scene import Scene
 from twistarm.viewer.stage import Stage
 
 pytest.importorskip("meshcat")
 
-
-@pytest.mark.parametrize(
-    ("name", "followed"),
-    [
-        ("ur5", [1, 2, 3, 4]),  # the rover's slide has no slide to follow it
-        ("rr_planar", [1, 2]),
-        ("stanford", [1, 2, 0, 3, 4, None]),
-    ],
-)
-def test_it_follows_turning_joints_and_slides_in_order(rover, name, followed):
-    arm = load(name)
-    theta = rover.random_theta(3)
-    x = arm.ready.copy()
-    for i, its in enumerate(followed):
-        x[i] = x[i] if its is None else theta[its]
-    x = np.clip(x, arm.limits.lower, arm.limits.upper)
-    stage = Stage(rover, theta, None, Beside(arm, rover))
-    moved = {path: g for path, g in stage._placement.at(theta, {})["transforms"].items() if path.startswith("/beside/")}
-    last = np.reshape(moved[f"/beside/rod:{arm.screws.shape[1] - 1}"], (4, 4)).T
-    assert last @ arm.home == pytest.approx(arm.fk(x), abs=1e-9)
-    drawn = b"".join(Beside(arm, rover).objects)
-    assert all(path.encode() in drawn for path in moved)
+MESH = """<robot name="two"><link name="base"/>
+<link name="part"><visual><geometry><mesh filename="{}"/></geometry></visual></link>
+<joint name="turn" type="revolute"><parent link="base"/><child link="part"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>"""
 
 
-def test_live_pages_alone_show_both(rover):
-    with Viewer(rover, open_browser=False, beside=load("ur5")) as viewer:
-        assert sum(b"/beside/" in each for each in viewer._server.scene.objects) > 6
+def test_every_shape_of_the_second_arm_is_below_its_node(tmp_path: Path) -> None:
+    trimesh.creation.box((0.1, 0.2, 0.3)).export(tmp_path / "part.stl")
+    (tmp_path / "arm.urdf").write_text(MESH.format(tmp_path / "part.stl"))
+    arm = load_arm(tmp_path / "arm.urdf", tip="part")
+    alone = {path: each for path, each in drawn_by(Scene(arm).whole()).items() if path.startswith("/arm/")}
+    assert any("/part0" in path for path in alone), "the mesh was read"
+    scene = Scene(arm, beside=arm)
+    assert scene.left == 2
+    for exact in (False, True):
+        both = drawn_by(scene.whole())
+        assert {path for path in both if path.startswith("/beside/")} == {f"/beside{path}" for path in alone}
+        assert {path for path in both if path.startswith("/arm/")} == set(alone)
+        scene.draw_again(exact)
+    assert all(b"/beside/" not in each for each in scene.whole().successor(arm).whole().objects)
+
+
+@pytest.mark.parametrize("name", ["ur5", "rr_planar"])
+def test_live_pages_alone_show_both(rover: Any, name: str) -> None:
+    other = load(name)
+    with Viewer(rover, open_browser=False, beside=other) as viewer:
+        hello = viewer._server.stage.hello({})["beside"]
+        assert hello["arm"]["name"] == other.name
+        assert hello["theta"] == other.ready.tolist()
+        nodes = {f"/beside{path}/" for path in hello["kinematics"]["nodes"] if path.startswith("/arm/")}
+        drawn = [path for path in drawn_by(viewer._server.scene) if path.startswith("/beside/")]
+        assert len(drawn) > 2
+        assert sum(path.startswith(tuple(nodes)) for path in drawn) > 1, "they stand in nodes that move"
         saved = viewer._exhibit(None).data()["objects"]
         assert saved
         assert not any(b"/beside/" in base64.b64decode(each) for each in saved)
         with pytest.raises(InputError):
-            Viewer(rover, open_browser=False, beside="ur5")
+            Viewer(rover, open_browser=False, beside="ur5")  # type: ignore[arg-type]
+    assert Stage(rover).hello({})["beside"] is None

@@ -11,10 +11,9 @@ import pytest
 from twistarm import Arm
 from twistarm.support.errors import InputError
 from twistarm.viewer import Viewer
-from twistarm.viewer.parts.theory import SHOWN
 from twistarm.viewer.protocol.change_publisher import ChangePublisher
 from twistarm.viewer.stage import Stage
-from viewer_page import Page, swing, visit
+from viewer_page import Page, swing
 
 
 def read(texts: dict[str, str]) -> dict[str, Any]:
@@ -87,24 +86,26 @@ def test_a_newcomer_takes_nothing_from_those_who_are_there(viewer: Viewer) -> No
     with Page(viewer) as page:
         viewer._server.ask(lambda stage: stage.set_visible("frames", False))  # and nobody is told as yet
         newcomer = page.other()
-        assert not newcomer.latest["visible"]["frames"]
-        page.until(lambda: not page.latest["visible"]["frames"])
+        assert newcomer.latest["visible"]["frames"] == [False, 1]
+        page.until(lambda: not page.latest["visible"]["frames"][0])
         newcomer.close()
 
 
-def test_numbers_end_with_the_last_page_and_what_people_switched_on_stays(viewer: Viewer) -> None:
+def test_what_a_page_needs_is_made_while_one_page_needs_it(viewer: Viewer) -> None:
     with Page(viewer) as page:
-        for layer in SHOWN:
-            page.ask(type="visible", what=layer, visible=True)
         other = page.other()
+        for each in (page, other):
+            each.ask(type="needs", theory=True, collision=False, reach=False)
+        other.until(lambda: "theory" in other.latest)
         other.close()
         other.until_closed()
-        page.ask(type="visible", what="frames", visible=True)
-        assert page.latest["visible"]["numbers"]
+        assert viewer._server.ask(lambda stage: stage.needed) == {"theory"}
+        page.ask(type="needs", theory=False, collision=False, reach=False)
+        assert viewer._server.ask(lambda stage: stage.needed) == set()
+        page.ask(type="needs", theory=True, collision=False, reach=False)
         page.close()
         page.until_closed()
-    later = visit(viewer).latest["visible"]
-    assert [layer for layer in SHOWN if not later[layer]] == ["numbers"]
+    assert viewer._server.ask(lambda stage: stage.needed) == set()
 
 
 def test_a_speed_that_python_set_is_kept_when_a_page_loops(arm: Arm, viewer: Viewer) -> None:

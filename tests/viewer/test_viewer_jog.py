@@ -159,7 +159,7 @@ def test_commands_move_nothing_on_show_and_send_no_frames(viewer: Viewer) -> Non
         for _ in range(50):
             jog(page)
             page.ask(type="stop")
-        page.ask(type="visible", what="frames", visible=False)
+        viewer.show_frames(False)
         onlooker.until(lambda: bool(onlooker.latest))
         assert set(onlooker.latest) == {"visible"}
         onlooker.close()
@@ -186,7 +186,7 @@ def test_what_would_move_the_arm_under_the_servo_s_hands_is_refused(viewer: View
                 "a servo drives pair: sliders, poses and trajectories are free"
             )
         assert_array_equal(viewer.theta, held)
-        page.ask(type="visible", what="screws", visible=False)
+        page.ask(type="needs", theory=True, collision=False, reach=False)
         assert "error" not in page.latest
 
 

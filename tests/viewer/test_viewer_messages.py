@@ -22,7 +22,7 @@ from twistarm.viewer.parts.servo_words import servo_words
 from twistarm.viewer.parts.tool_path import tool_path
 from twistarm.viewer.protocol.messages import SCHEMA, failure, number_of, parse
 from twistarm.viewer.scene.arm_scene import Scene
-from twistarm.viewer.stage import LAYERS, Stage
+from twistarm.viewer.stage import Stage
 from viewer_page import THETA, Page, matrix, visit
 
 BAD_MESSAGES: list[tuple[Any, str]] = [
@@ -48,7 +48,7 @@ BAD_MESSAGES: list[tuple[Any, str]] = [
     ('{"type": "pose", "name": "redy", "ease": true}', "no pose 'redy' in small; closest: 'ready'"),
     ('{"type": "pose", "name": "\\ud800", "ease": true}', "no pose"),
     ('{"type": "play"}', "nothing to play: no trajectory is loaded"),
-    ('{"type": "visible", "what": "grid", "visible": true}', "no layer 'grid'"),
+    ('{"type": "needs", "theory": true, "collision": 1, "reach": false}', "collision must be true or false; got 1"),
 ]
 
 
@@ -118,8 +118,6 @@ def test_a_page_moves_the_arm_and_python_and_other_pages_see_it(arm: Arm, viewer
         path = other.latest["hello"]["links"]["right"]
         expected = arm.poses([0.1, 0.2, 0.05], {"finger": 0.03})["right"]
         assert_array_equal(matrix(other.latest["frame"]["transforms"][path]), expected)
-        page.ask(type="visible", what="screws", visible=False)
-        other.until(lambda: not other.latest["visible"]["screws"])
         other.close()
     assert_array_equal(viewer.theta, [0.1, 0.2, 0.05])
 
@@ -131,8 +129,9 @@ def told(arm: Arm) -> Iterator[dict[str, Any]]:
     yield {"type": "notice", "words": "loaded again", "wrong": False}
     yield from ({"type": "done", "number": 1}, {"type": "work", "jobs": [{"key": "plan", "share": 0.5}]})
     yield from stage.messages()
-    for layer in LAYERS:
-        done(ask(stage, "visible", what=layer, visible=True))
+    stage.needed = frozenset({"theory", "collision", "reach"})
+    done(stage.reach.due(stage))
+    done(stage.collisions.due(stage))
     for name, theta in (("a", THETA), ("b", (0.0, 0.1, 0.05))):
         done(ask(stage, "theta", theta=list(theta)))
         done(ask(stage, "record", name=name))

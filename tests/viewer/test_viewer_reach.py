@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
 
 from catalogue import load
-from recorded_poses import ask, done
+from recorded_poses import done
 from twistarm import Arm, InputError, ReachMap, Viewer, reach_map
 from twistarm.cli.application import run
 from twistarm.support.strict_json import encode
@@ -80,10 +80,11 @@ def test_nothing_reached_is_drawn_as_nothing(m: ReachMap) -> None:
 
 def test_a_quick_map_is_made_when_it_is_first_switched_on() -> None:
     stage = Stage(ROVER)
-    assert ask(stage, "visible", what="frames", visible=True) is None
-    assert ask(stage, "visible", what="reach", visible=False) is None
-    job = ask(stage, "visible", what="reach", visible=True)
+    assert stage.reach.due(stage) is None
+    stage.needed = frozenset({"reach"})
+    job = stage.reach.due(stage)
     assert job is not None
+    assert stage.reach.due(stage) is None, "it is under way"
     assert job.key == "reach"
     assert drawn_on(stage) == []
     shares: list[float] = []
@@ -95,8 +96,7 @@ def test_a_quick_map_is_made_when_it_is_first_switched_on() -> None:
     assert 20 * first["voxel"] < 2 * sphere(ROVER)[1] < 40 * first["voxel"]
     p = ROVER.fk(ROVER.random_theta(3, 500))[:, :3, 3]
     assert (shares_at(first, p) > 0).mean() > 0.99
-    assert ask(stage, "visible", what="reach", visible=False) is None
-    assert ask(stage, "visible", what="reach", visible=True) is None
+    assert stage.reach.due(stage) is None
 
 
 def test_it_ends_where_a_later_job_waits() -> None:
@@ -109,12 +109,13 @@ def test_it_ends_where_a_later_job_waits() -> None:
 
 def test_a_map_of_the_program_stays_before_a_quick_one(m: ReachMap) -> None:
     stage, drawn = Stage(ROVER), drawing(m)
-    job = ask(stage, "visible", what="reach", visible=True)
+    stage.needed = frozenset({"reach"})
+    job = stage.reach.due(stage)
     stage.show_reach(drawn)
     done(job)
     assert drawn_on(stage) == [drawn]
     stage.show_reach(None)
-    assert not stage.visible["reach"]
+    assert stage.visible["reach"] == [False, 2]
 
 
 def test_a_map_stays_with_an_arm_that_reaches_the_same(m: ReachMap) -> None:
@@ -124,7 +125,7 @@ def test_a_map_stays_with_an_arm_that_reaches_the_same(m: ReachMap) -> None:
     for new in (same, other):
         carry(stage, new)
     assert (len(drawn_on(same)), len(drawn_on(other))) == (1, 0)
-    assert other.visible["reach"]
+    assert other.visible["reach"][0]
 
 
 def test_it_is_saved_while_it_is_seen(m: ReachMap) -> None:
@@ -134,6 +135,8 @@ def test_it_is_saved_while_it_is_seen(m: ReachMap) -> None:
     assert on_show(stage, scene).reach == drawing(m)
     stage.show_reach(None)
     assert on_show(stage, scene).reach is None
+    stage.needed = frozenset({"reach"})  # a page shows it
+    assert on_show(stage, scene).reach == drawing(m)
 
 
 def test_a_map_of_another_arm_is_refused(arm: Arm, viewer: Viewer, m: ReachMap) -> None:
@@ -142,10 +145,10 @@ def test_a_map_of_another_arm_is_refused(arm: Arm, viewer: Viewer, m: ReachMap) 
     own = reach_map(arm, 0.3, "position", method="fk", samples=1000)
     viewer.show_reach(own)
     with Page(viewer) as page:
-        page.until(lambda: page.latest.get("visible", {}).get("reach"))
+        page.until(lambda: page.latest.get("visible", {}).get("reach", [False])[0])
         assert page.latest["reach"] == drawing(own)
         viewer.show_reach(None)
-        page.until(lambda: not page.latest["visible"]["reach"])
+        page.until(lambda: not page.latest["visible"]["reach"][0])
 
 
 def test_the_command_shows_a_map(

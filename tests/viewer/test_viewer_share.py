@@ -45,7 +45,7 @@ def load_paused(viewer: Viewer, motion: Trajectory, time: float) -> None:
 def test_the_page_has_every_joint_and_layer_as_it_stands(arm: Arm, viewer: Viewer) -> None:
     with Page(viewer) as page:
         page.ask(type="joint", name="finger", value=0.03)
-        page.ask(type="visible", what="frames", visible=False)
+    viewer.show_frames(False)
     data = downloaded(viewer)
     assert data["others"] == {"finger": 0.03}
     assert data["visible"]["frames"] is False

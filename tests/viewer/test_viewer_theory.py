@@ -198,7 +198,7 @@ def told(stage: Stage, kind: str = "theory") -> dict[str, Any] | None:
 
 def switched_on(arm: Arm) -> Stage:
     stage = Stage(arm)
-    ask(stage, "visible", what="numbers", visible=True)
+    stage.needed = frozenset({"theory"})
     return stage
 
 
@@ -211,14 +211,10 @@ def test_nothing_is_computed_unless_somebody_looks() -> None:
     stage = Stage(ARMS["rover_arm"])
     assert told(stage) is None
     assert told(stage, "axes") is told(stage, "axes")
-    for layer in ("numbers", "screw", "spatial_columns", "body_columns", "linear_ellipsoid", "angular_ellipsoid"):
-        ask(stage, "visible", what=layer, visible=True)
-        assert told(stage) is not None
-        ask(stage, "visible", what=layer, visible=False)
-        assert told(stage) is None
-    for layer in ("labels", "reach"):
-        ask(stage, "visible", what=layer, visible=True)
-        assert told(stage) is None
+    stage.needed = frozenset({"theory"})
+    assert told(stage) is not None
+    stage.needed = frozenset({"collision", "reach"})
+    assert told(stage) is None
 
 
 def test_a_posture_is_computed_once() -> None:

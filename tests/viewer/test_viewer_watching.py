@@ -63,7 +63,7 @@ def two_poses(viewer: Viewer) -> None:
         page.ask(type="record", name="two")
         page.ask(type="joint", name="pitch", value=-0.7)
         page.ask(type="joint", name="finger", value=0.03)
-        page.ask(type="visible", what="frames", visible=False)
+    viewer.show_frames(False)
 
 
 # another arm ------------------------------------------------------------------------------------------
@@ -82,7 +82,7 @@ def test_theta_poses_layers_and_motion_stay_where_the_arm_allows_them(viewer: Vi
     assert list(viewer.recorded) == ["one", "two"]
     page = visit(viewer)
     assert page.latest["frame"]["others"] == {"finger": 0.03}
-    assert not page.latest["visible"]["frames"]
+    assert page.latest["visible"]["frames"] == [False, 1]
     assert page.latest["player"]["duration"] == motion.duration
     assert_allclose(page.latest["path"]["points"][0], longer.fk(np.zeros(3))[:3, 3], atol=1e-6)
     tighter = changed(path, ('upper="1.5"', 'upper="0.5"'), ('lower="-1.5"', 'lower="-0.5"'))

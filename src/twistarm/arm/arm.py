@@ -47,8 +47,8 @@ from . import engine
 from .almost_exact import almost_exact, rounding_of
 from .baking import write_baked
 from .configurations import Configurations, named_ready, theta_by_joint
-from .kinematics import ByExponentials, ByPinocchio
-from .pinocchio_model import PinocchioModel
+from .kinematics import ByExponentials, ByPinocchio, walked_poses
+from .pinocchio_model import PinocchioModel, why_no_pinocchio
 from .ready_pose.search import computed_ready
 from .roll_axis import roll_axis
 
@@ -233,8 +233,8 @@ class Arm:
 
     @cached_property
     def _readable(self) -> ByExponentials | ByPinocchio:
-        """The kinematics in Python: by Pinocchio, or by exponentials without a description."""
-        if self.description is None:
+        """The kinematics in Python: by Pinocchio, or by exponentials without it or without a description."""
+        if self.description is None or why_no_pinocchio():
             return ByExponentials(self.screws, self.home, self.coupling.A)
         return ByPinocchio(self.pinocchio, self.base, self.tip_link, self.tool)
 
@@ -277,6 +277,8 @@ class Arm:
             return self.fk(theta)
         if self.description is None:
             return self._identity(theta)
+        if why_no_pinocchio():
+            return self.poses(theta)[frame]
         model = self.pinocchio
         return self._each(
             lambda rows: np.array([model.link_pose(model.q(row), self.base, frame) for row in rows]), theta, (4, 4)
@@ -300,18 +302,25 @@ class Arm:
         )
         if self.description is None:
             return {self.base: self._identity(x), self.tip: self.fk(x)}
-        model = self.pinocchio
-        each = [model.link_poses(model.q(row, other_joints), self.base) for row in x.reshape(-1, self.n)]
-        if x.ndim == 1:  # called for every frame of a view
-            poses = {link: each[0][link] for link in self.description.links}
-        else:
-            poses = {
-                link: np.array([poses[link] for poses in each]).reshape(*x.shape[:-1], 4, 4)
-                for link in self.description.links
-            }
+        poses = self._link_poses(x, other_joints or {})
         if self.tip not in poses:
             poses[self.tip] = poses[self.tip_link] @ self.tool
         return poses
+
+    def _link_poses(self, x: Array, others: Mapping[str, float]) -> dict[str, Array]:
+        """Pose (..., 4, 4) of every link of the description in the base frame."""
+        assert self.description is not None
+        rows = x.reshape(-1, self.n)
+        if why_no_pinocchio():
+            return {link: g.reshape(*x.shape[:-1], 4, 4) for link, g in walked_poses(self, rows, others).items()}
+        model = self.pinocchio
+        each = [model.link_poses(model.q(row, others), self.base) for row in rows]
+        if x.ndim == 1:  # called for every frame of a view
+            return {link: each[0][link] for link in self.description.links}
+        return {
+            link: np.array([poses[link] for poses in each]).reshape(*x.shape[:-1], 4, 4)
+            for link in self.description.links
+        }
 
     # -- differential kinematics ---------------------------------------------------------------------------------
 

@@ -1,11 +1,14 @@
-"""Kinematics of a chain without the compiled core: by Pinocchio, or by exponentials without a description.
+"""Kinematics of a chain without the compiled core: by Pinocchio, or by exponentials if there is no Pinocchio model.
 
 Both have the methods of `_core.Chain`, for configurations (N, n).
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +16,9 @@ from ..support.checks import Array
 from ..theory import poe
 from ..theory.screws import adjoint, inverse
 from .pinocchio_model import PinocchioModel
+
+if TYPE_CHECKING:
+    from .arm import Arm
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,3 +70,22 @@ class ByPinocchio:
         """g_st (4, 4) and J^b (6, n) of one configuration (n,)."""
         g, J = self._model.pose_and_body_jacobian(theta, *self._links)
         return g @ self._tool, self._action @ J
+
+
+def walked_poses(arm: Arm, theta: Array, others: Mapping[str, float] = MappingProxyType({})) -> dict[str, Array]:
+    """Every link's pose (N, 4, 4) in the base frame by the joints' exponentials along the tree, theta (N, n)."""
+    assert arm.description is not None
+    poses = arm.description.link_poses(joint_values(arm, theta, others))
+    back = inverse(poses[arm.base])
+    return {link: np.broadcast_to(back @ g, (len(theta), 4, 4)) for link, g in poses.items()}
+
+
+def joint_values(arm: Arm, theta: Array, others: Mapping[str, float] = MappingProxyType({})) -> dict[str, Array]:
+    """The value (N,) of every moving joint of the description; joints outside the chain are at `others`, or 0."""
+    columns = {name: theta[:, i] for i, name in enumerate(arm.joint_names)}
+    columns |= {name: np.full(len(theta), value) for name, value in others.items()}
+    zero = np.zeros(len(theta))
+    return {
+        name: affine.multiplier * columns.get(affine.master or "", zero) + affine.offset
+        for name, affine in arm.couplings.items()
+    }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import tempfile
 import threading
@@ -16,6 +17,7 @@ from ..description.findings import refusal
 from ..description.tree import Description
 from ..support import wheels
 from ..support.checks import Array
+from ..support.errors import MissingExtraError
 
 MAX_MOVING_JOINTS = 150
 """Pinocchio's data holds four tensors of nv³ numbers: 0.12 GB here, and the doctor has two. The largest robot
@@ -164,6 +166,16 @@ class PinocchioModel:
 def import_pinocchio() -> Any:
     """The module of the `pin` wheel. Otherwise raise TwistarmError with the cause and the remedy."""
     return wheels.load(_WHEEL)
+
+
+@functools.cache
+def why_no_pinocchio() -> str:
+    """How to install Pinocchio; empty if it is installed."""
+    try:
+        import_pinocchio()
+    except MissingExtraError as missing:
+        return str(missing)
+    return ""
 
 
 def model_of(text: str) -> tuple[Any, str]:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
-from ..arm.kinematics import ByExponentials
+from ..arm.kinematics import ByExponentials, joint_values, walked_poses
+from ..arm.pinocchio_model import why_no_pinocchio
 from ..description.bounds import WIDE
 from ..support.checks import Array, as_whole, frozen, require_callback
 from ..support.display import Brief
@@ -192,6 +193,8 @@ def _pinocchio(arm: Arm, theta: Array) -> list[EngineComparison]:
     identity = _compared("J^s = Ad J^b", ("poe", "poe"), spatial - adjoint(g) @ body, theta, tolerance)
     if arm.description is None:
         return [identity]
+    if why_no_pinocchio():
+        return [_skipped("pose, J^s, J^b", "pinocchio", why_no_pinocchio()), identity]
     reference = arm.by_pinocchio(theta)
     return [*_kinematics(("poe", "pinocchio"), (g, spatial, body), reference, theta, tolerance), identity]
 
@@ -226,6 +229,8 @@ def by_exponentials(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
 
 def _native_joints(arm: Arm, theta: Array) -> list[EngineComparison]:
     """Against Pinocchio's own joint models: revolute, prismatic, helical, cylindrical, spherical, planar."""
+    if why_no_pinocchio():
+        return []
     A = arm.coupling.A
     theta = _fewer(theta, A.size, USUAL_PRODUCT)
     quantities = tuple(f"{name}, native joints" for name in ("pose", "J^s", "J^b"))
@@ -259,24 +264,24 @@ def _differences(arm: Arm, theta: Array) -> list[EngineComparison]:
 
 
 def _links(arm: Arm, theta: Array) -> list[EngineComparison]:
-    if arm.description is None:
+    if arm.description is None or why_no_pinocchio():
         return []
     theta = _fewer(theta, len(arm.description.links), USUAL_LINKS)
-    ours, reference = _walked_poses(arm, theta), arm.poses(theta)
+    ours, reference = walked_poses(arm, theta), arm.poses(theta)
     difference = np.stack([ours[link] - reference[link] for link in arm.description.links], axis=1)
     return [_compared("all links", ("walk", "pinocchio"), difference, theta, POSE_TOL * _size(arm))]
 
 
 def _as_written(arm: Arm, theta: Array) -> list[EngineComparison]:
     """Compare with Pinocchio's reading of the unchanged text."""
-    if arm.description is None:
+    if arm.description is None or why_no_pinocchio():
         return []
     theta = _fewer(theta[:WRITTEN_SAMPLES], len(arm.description.links), USUAL_LINKS)
     try:
-        theirs, written = as_written(arm.description, _joint_values(arm, theta), arm.base)
+        theirs, written = as_written(arm.description, joint_values(arm, theta), arm.base)
     except InputError as error:
         return [_skipped("all links", AS_WRITTEN, str(error))]
-    ours = _walked_poses(arm, theta)
+    ours = walked_poses(arm, theta)
     difference = np.stack([ours[link] for link in arm.description.links], axis=1) - theirs
     tolerance = WRITTEN_TOL * _size(arm)
     rows = [_compared("all links", ("walk", AS_WRITTEN), difference, theta, tolerance)]
@@ -290,24 +295,6 @@ def _as_written(arm: Arm, theta: Array) -> list[EngineComparison]:
     return rows
 
 
-def _walked_poses(arm: Arm, theta: Array) -> dict[str, Array]:
-    """Every link's pose in the base frame by our own walk of the description."""
-    assert arm.description is not None
-    poses = arm.description.link_poses(_joint_values(arm, theta))
-    back = inverse(poses[arm.base])
-    return {link: np.broadcast_to(back @ g, (len(theta), 4, 4)) for link, g in poses.items()}
-
-
-def _joint_values(arm: Arm, theta: Array) -> dict[str, Array]:
-    """The value (samples,) of every moving joint of the description."""
-    columns = {name: theta[:, i] for i, name in enumerate(arm.joint_names)}
-    zero = np.zeros(len(theta))
-    return {
-        name: affine.multiplier * columns.get(affine.master or "", zero) + affine.offset
-        for name, affine in arm.couplings.items()
-    }
-
-
 def _yourdfpy(arm: Arm, theta: Array) -> list[EngineComparison]:
     if arm.description is None:
         return [_skipped("all links", "yourdfpy", "the arm has no description")]
@@ -316,12 +303,12 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[EngineComparison]:
         return [_skipped("all links", "yourdfpy", reason)]
     subset = theta[: most_configurations(arm.description)]
     try:
-        theirs = yourdfpy_poses(arm.description, _joint_values(arm, subset), arm.base)
+        theirs = yourdfpy_poses(arm.description, joint_values(arm, subset), arm.base)
     except MissingExtraError as error:
         return [_skipped("all links", "yourdfpy", str(error))]
     except Exception as error:  # another project's reader: whatever it raises on a file is its answer
         return [_skipped("all links", "yourdfpy", f"yourdfpy cannot read it: {type(error).__name__}: {error}")]
-    ours = _walked_poses(arm, subset)
+    ours = walked_poses(arm, subset)
     ours[arm.tip_link] = by_exponentials(arm, subset)[0] @ inverse(arm.tool)
     difference = np.stack([ours[link] for link in arm.description.links], axis=1) - theirs
     engines = ("poe", "yourdfpy")

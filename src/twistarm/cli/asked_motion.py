@@ -98,13 +98,13 @@ class Typed:
         return plan_segments(self.arm, segments, start=start, limits=limits, progress=progress, **how), segments
 
     def by_waypoints(
-        self, typed: Sequence[str] | None, smooth: float | None, limits: JointLimits, progress: Progress
+        self, typed: Sequence[str] | None, smooth: str | None, limits: JointLimits, progress: Progress
     ) -> Planned:
         """A motion that passes the typed poses, or leaves them by up to `smooth` [°, or rad with --rad]."""
         how: Any = {"kind": self.kind or "cubic", "stop_at_waypoints": self.stop, "unwrap": self.unwrap}
         if smooth is not None:
-            angle = as_positive(smooth, "--smooth")
-            how["smooth"] = angle if self.radians else float(np.radians(angle))
+            (angle,) = parse_numbers(smooth, "rad", "--smooth", self.radians)
+            how["smooth"] = as_positive(angle, "--smooth")
         return plan_joint(self.arm, self.poses(typed), limits=limits, progress=progress, **how), []
 
     def through(self, goals: Sequence[Any], limits: JointLimits, progress: Progress) -> Planned:
@@ -136,7 +136,7 @@ def typed_targets(
         # Both kinds at once are refused where they are read.
         one_rpy, one_direction = (each[k % len(each)] if each else None for each in (rpy, direction))
         orientation = typed_orientation(one_rpy, None, None, one_direction, axis, radians)
-        targets.append(orientation.at(parse_numbers(text, 3, "--xyz")))
+        targets.append(orientation.at(parse_numbers(text, "m m m", "--xyz")))
     return targets
 
 

@@ -17,6 +17,7 @@ from ..arm.loading.load import load_arm
 from ..description.catalog import model_arms, own_arms
 from ..limits.joint_limits import slides
 from ..support.errors import InputError
+from .expression import ANGLE, LENGTH, SUCH_AS, evaluated
 from .typed import VALUES
 
 ENDINGS = (".urdf", ".xacro", ".toml", ".json")
@@ -185,15 +186,12 @@ def _locked(arm: Arm, pairs: list[str], radians: bool) -> dict[str, float]:
     locked_joints: dict[str, float] = {}
     for pair in pairs:
         name, _, text = pair.rpartition("=")
-        try:
-            value = float(text)
-        except ValueError:
-            value = np.nan
-        if not name.strip() or not np.isfinite(value):
-            raise InputError(f"--locked-joint takes JOINT=VALUE, in degrees or metres; got {pair!r}")
         joint = joints.get(name.strip())
-        length = joint is not None and slides(joint.type)
-        locked_joints[name.strip()] = value if radians or length else float(np.radians(value))
+        unit = LENGTH if joint is not None and slides(joint.type) else ANGLE
+        value = evaluated(text, unit, radians=radians)
+        if not name.strip() or not np.isfinite(value):
+            raise InputError(f"--locked-joint takes JOINT=VALUE with a value such as {SUCH_AS[unit]}; got {pair!r}")
+        locked_joints[name.strip()] = value
     return locked_joints
 
 

@@ -11,9 +11,9 @@ import typer
 from ..ik import Approach, Pose, Position
 from ..support.checks import Array, as_positive
 from ..support.errors import InputError
-from ..support.unit_hints import angle_hint
+from ..support.unit_hints import TURN, angle_hint
 from .csv_rows import Sheet, no_column
-from .typed import AXIS, RPY, WXYZ, XYZ, XYZW, parse_numbers
+from .typed import AXIS, RPY, WXYZ, XYZ, XYZW, length, parse_numbers
 
 Target = Pose | Approach | Position
 
@@ -41,10 +41,11 @@ Axis = Annotated[
     ),
 ]
 PositionTol = Annotated[
-    float | None, typer.Option(metavar="M", help="How far off a position is still met; 1e-6 m, with ik --all 1e-9 m.")
+    float | None,
+    typer.Option(parser=length, metavar="M", help="How far off a position is still met; 1e-6 m, with ik --all 1e-9 m."),
 ]
 OrientationTol = Annotated[
-    float | None,
+    str | None,
     typer.Option(
         metavar="ANGLE",
         help="How far the tool may be turned off [°, or rad with --rad]; 1e-6 rad, with ik --all 1e-9 rad.",
@@ -117,25 +118,25 @@ def typed_orientation(
     tool_axis = None if axis is None else _axis(axis)
     for option, text in given.items():
         if option == "--direction":
-            return Orientation(direction=parse_numbers(text, 3, option), axis=tool_axis)
+            return Orientation(direction=parse_numbers(text, "1 1 1", option), axis=tool_axis)
         if option == "--rpy":
-            angles = parse_numbers(text, 3, option)
-            turned = Pose.from_rpy(ORIGIN, angles if radians else np.radians(np.fmod(angles, 360.0)))
+            angles = parse_numbers(text, "rad rad rad", option, radians)
+            turned = Pose.from_rpy(ORIGIN, angles if radians else np.fmod(angles, TURN))
         else:
             order = "xyzw" if option == "--quaternion-xyzw" else "wxyz"
-            turned = Pose.from_quaternion(ORIGIN, **{order: parse_numbers(text, 4, option)})
+            turned = Pose.from_quaternion(ORIGIN, **{order: parse_numbers(text, "1 1 1 1", option)})
         return Orientation(rotation=turned.g[:3, :3])
     return Orientation(axis=tool_axis)
 
 
-def typed_tolerances(position: float | None, orientation: float | None, radians: bool) -> dict[str, Any]:
+def typed_tolerances(position: float | None, orientation: str | None, radians: bool) -> dict[str, Any]:
     """The tolerances that were typed [m, rad], as solvers and planners take them."""
     typed: dict[str, Any] = {}
     if position is not None:
         typed["position_tol"] = as_positive(position, "--position-tol")
     if orientation is not None:
-        angle = as_positive(orientation, "--orientation-tol")
-        typed["orientation_tol"] = angle if radians else float(np.radians(angle))
+        (angle,) = parse_numbers(orientation, "rad", "--orientation-tol", radians)
+        typed["orientation_tol"] = as_positive(angle, "--orientation-tol")
     return typed
 
 
@@ -147,7 +148,7 @@ def _axis(text: str) -> Array:
         axis["xyz".index(letter)] = -1.0 if text.strip()[0] in "-−" else 1.0
         return axis
     try:
-        return parse_numbers(text, 3, "--axis")
+        return parse_numbers(text, "1 1 1", "--axis")
     except InputError as error:
         raise InputError(f"--axis takes x, y, z, -x, -y, -z or three numbers; got {text!r}") from error
 

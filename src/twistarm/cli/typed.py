@@ -7,11 +7,13 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
+from typer import BadParameter
 from typer.core import TyperCommand, TyperGroup
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from ..support.errors import InputError, UnknownNameError, listed
+from ..support.errors import InputError, listed
+from .expression import ANGLE, LENGTH, SUCH_AS, UNIT, evaluated, is_part, separate
 from .output import as_written, note
 
 VALUES = "VALUES"
@@ -25,9 +27,6 @@ NUMBERS = (VALUES, POSE, XYZ, PLACE, RPY, WXYZ, XYZW, AXIS)
 
 ROUNDING = 1e-6
 """A smaller distance outside a limit [rad, m] is rounding of a printed number."""
-
-_AROUND = "[](),;"
-"""Signs around numbers in the output of Python, NumPy and --json."""
 
 
 class _Flags:
@@ -61,7 +60,7 @@ class Command(_Flags, TyperCommand):
 
 
 def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
-    """`words`, with numbers or joint=value pairs after one of `options` joined to one word."""
+    """`words`, with expressions or joint=value pairs after one of `options` joined to one word."""
     made: list[str] = []
     goes_on = False
     for i, word in enumerate(words):
@@ -77,18 +76,9 @@ def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
 
 
 def _is_part(word: str) -> bool:
-    """Whether a typed word is a number or joint=value."""
+    """Whether a typed word is a part of an expression or joint=value."""
     name, equals, value = word.rpartition("=")
-    try:
-        float(_plain(value if equals and not name.startswith("-") else word))
-    except ValueError:
-        return False
-    return True
-
-
-def _plain(text: str) -> str:
-    """`text` without brackets and commas around numbers, and with an ASCII minus."""
-    return text.translate({ord(sign): " " for sign in _AROUND} | {ord("−"): "-"}).strip()
+    return is_part(value if equals and not name.startswith("-") else word)
 
 
 def parse_theta(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None = None) -> Array:
@@ -104,12 +94,7 @@ def parse_theta(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | No
 
 def parse_joints(arm: Arm, text: str, name: str, radians: bool) -> dict[str, float]:
     """Typed `joint=value` pairs, {joint: value} [rad, m]; `name`: of the option."""
-    try:
-        names, values = _pairs(text)
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError(f"{name} takes joint=value, as in {name} {arm.joint_names[-1]}=10; got {text!r}") from error
+    names, values = _pairs(text, f"{name} takes joint=value, as in {name} {arm.joint_names[-1]}=10; got {text!r}")
     theta = _onto_limits(arm, _of_joints(arm, names, values, radians))
     return {joint: float(theta[arm.joint_names.index(joint)]) for joint in names}
 
@@ -120,25 +105,19 @@ def _onto_limits(arm: Arm, theta: Array) -> Array:
 
 
 def _typed(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None) -> Array:
-    try:
-        if "=" in text:
-            return _by_joint(arm, *_pairs(text), radians, rest)
-        theta = np.array([float(word) for word in _plain(text).split()])
-    except (UnknownNameError, InputError):
-        raise
-    except ValueError as error:
-        raise InputError(
-            f"{text!r} is neither joint values ({arm.n} numbers, or joint=value …) nor one of the poses "
-            f"{listed(arm.configurations)}"
-        ) from error
-    if theta.shape != (arm.n,):
-        raise InputError(f"{arm.name} takes {arm.n} values ({', '.join(arm.joint_names)}); got {len(theta)}: {text!r}")
-    for name, value in zip(arm.joint_names, theta, strict=True):
-        _require_finite(name, value, value)
-    return theta if radians else from_degrees(arm, theta)
+    poses = listed(arm.configurations)
+    neither = f"{text!r} is neither joint values ({arm.n} numbers, or joint=value …) nor one of the poses {poses}"
+    if "=" in text:
+        return _by_joint(arm, *_pairs(text, neither), radians, rest)
+    if not is_part("".join(text.split())):
+        raise InputError(neither)
+    values = separate(text)
+    if len(values) != arm.n:
+        raise InputError(f"{arm.name} takes {arm.n} values ({', '.join(arm.joint_names)}); got {len(values)}: {text!r}")
+    return _of_joints(arm, arm.joint_names, values, radians)
 
 
-def _by_joint(arm: Arm, names: list[str], values: list[float], radians: bool, rest: tuple[str, Array] | None) -> Array:
+def _by_joint(arm: Arm, names: list[str], values: list[str], radians: bool, rest: tuple[str, Array] | None) -> Array:
     """theta of typed joints, with the others as in `rest`."""
     typed = _of_joints(arm, names, values, radians)
     others = [name for name in arm.joint_names if name not in names]
@@ -149,52 +128,54 @@ def _by_joint(arm: Arm, names: list[str], values: list[float], radians: bool, re
     return np.where([joint in names for joint in arm.joint_names], typed, theta)
 
 
-def _of_joints(arm: Arm, names: list[str], values: list[float], radians: bool) -> Array:
+def _of_joints(arm: Arm, names: Sequence[str], values: Sequence[str], radians: bool) -> Array:
     """theta of typed joints, the others 0."""
     if len(set(names)) < len(names):
         raise InputError(f"a joint is named twice: {', '.join(names)}")
+    units = dict(zip(arm.joint_names, arm.units, strict=True))
+    numbers = [joint_value(*each, units.get(each[0], ANGLE), radians) for each in zip(names, values, strict=True)]
     others = [name for name in arm.joint_names if name not in names]
-    typed = arm.theta_from([*names, *others], [*values, *(0.0 for _ in others)])
-    return typed if radians else from_degrees(arm, typed)
+    return arm.theta_from([*names, *others], [*numbers, *(0.0 for _ in others)])
 
 
-def _pairs(text: str) -> tuple[list[str], list[float]]:
-    """Names and values of `joint=value` pairs, spaces inside names and around = allowed; else ValueError."""
-    pair = re.compile(r"[\s,]*([^=]+?)\s*=\s*([^\s=,]+)(?=[\s,]|$)")
+def joint_value(joint: str, text: str, unit: str, radians: bool) -> float:
+    """A joint's typed value [rad, m]."""
+    value = evaluated(text, unit, radians=radians)
+    if not np.isfinite(value):
+        raise InputError(f"{joint} takes a number such as {SUCH_AS[unit]}; got {text!r}")
+    return value
+
+
+def _pairs(text: str, otherwise: str) -> tuple[list[str], list[str]]:
+    """Names and values of `joint=value` pairs, spaces inside names and around = allowed; else InputError."""
+    pair = re.compile(rf"[\s,]*([^=]+?)\s*=\s*([^\s=,]+(?:\s+(?:{UNIT}))?)(?=[\s,]|$)", re.IGNORECASE)
     names, values, end = [], [], 0
     for match in pair.finditer(text):
         if match.start() != end:
-            raise ValueError(text)
-        name, value = match.groups()
-        try:
-            number = float(_plain(value))
-        except ValueError:
-            number = np.nan
-        _require_finite(name, number, value)
-        names.append(name)
-        values.append(number)
+            raise InputError(otherwise)
+        names.append(match[1])
+        values.append(match[2])
         end = match.end()
     if text[end:].strip(", "):
-        raise ValueError(text)
+        raise InputError(otherwise)
     return names, values
 
 
-def _require_finite(joint: str, number: float, typed: object) -> None:
-    if not np.isfinite(number):
-        raise InputError(f"{joint} takes a number, as in {joint}=10; got {typed}")
+def parse_numbers(text: str, units: str, name: str, radians: bool = False) -> Array:
+    """Numbers [rad, m] separated by spaces or commas, one for each of `units`, such as 'm m rad'."""
+    typed, quantities = separate(text), units.split()
+    numbers = [evaluated(*each, radians=radians) for each in zip(typed, quantities, strict=False)]
+    if len(typed) != len(quantities) or not np.isfinite(numbers).all():
+        zeros = " ".join("0" for _ in quantities)
+        such = SUCH_AS[quantities[0]]
+        count = "a number" if len(quantities) == 1 else f"{len(quantities)} numbers"
+        raise InputError(f"{name} takes {count} such as {such}, as in {name} {zeros}; got {text!r}")
+    return np.array(numbers)
 
 
-def from_degrees(arm: Arm, values: Array) -> Array:
-    """Typed values, degrees and metres, in rad and m."""
-    return np.where(np.array(arm.units) == "rad", np.radians(values), values)
-
-
-def parse_numbers(text: str, count: int, name: str) -> Array:
-    """`count` numbers separated by spaces or commas."""
-    try:
-        numbers = np.array([float(word) for word in _plain(text).split()])
-    except ValueError:
-        numbers = np.array([])
-    if numbers.shape != (count,) or not np.isfinite(numbers).all():
-        raise InputError(f"{name} takes {count} numbers, as in {name} {' '.join(['0'] * count)}; got {text!r}")
-    return numbers
+def length(text: object) -> float:
+    """The parser of an option that takes a length [m]."""
+    value = evaluated(str(text), LENGTH)
+    if not np.isfinite(value):
+        raise BadParameter(f"it takes a length such as {SUCH_AS[LENGTH]}; got {text}")
+    return value

@@ -74,6 +74,7 @@ CODES: dict[str, Code] = {
     "floating-in-chain": Code("error", "a floating joint between base and tip: its motion is not a joint angle"),
     "tool-name-taken": Code("error", "the tool has the name of a link"),
     "pose-unusable": Code("error", "a named pose does not fit the arm"),
+    "not-compared": Code("warning", "without Pinocchio nothing confirms the arm's kinematics"),
     "limits-unusable": Code("error", "limits given beside the description do not fit the arm"),
     "pose-left-out": Code("warning", "a named pose puts a locked joint elsewhere, or is not on the requested chain"),
     "actuator-left-out": Code("info", "a motor drives joints outside the chain that was asked for"),

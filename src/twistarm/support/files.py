@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import fcntl
 import os
 import shutil
 import stat
@@ -22,6 +21,9 @@ WRITTEN_YAML = "# written by twistarm"
 """What YAML of ours begins with: it is no team's own text and may be replaced."""
 
 NO_SUCH_FILE = "no such file"
+
+READING = sum(getattr(os, name, 0) for name in ("O_RDONLY", "O_NONBLOCK", "O_NOCTTY", "O_CLOEXEC", "O_BINARY"))
+"""How a file is opened to read, without waiting for a writer. A system has only some of these flags."""
 
 TEMPORARY = ".twistarm.part"
 """How the names of our temporary files end."""
@@ -53,7 +55,7 @@ def open_regular(path: str | os.PathLike[str]) -> BinaryIO:
     It is opened first and examined then, so that it cannot be replaced in between. A FIFO or a device neither blocks
     nor is read. Raises OSError, its `strerror` in words, if no regular file can be opened.
     """
-    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
+    descriptor = os.open(path, READING)
     try:
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):
             raise OSError(errno.EINVAL, "it is no regular file", os.fspath(path))
@@ -73,6 +75,8 @@ def opened_path(file: BinaryIO | int) -> Path:
     if os.fstat(descriptor).st_nlink == 0:
         raise OSError(errno.ENOENT, "it was deleted while it was being read")
     if sys.platform == "darwin":
+        import fcntl
+
         return Path(os.fsdecode(fcntl.fcntl(descriptor, fcntl.F_GETPATH, bytes(1024)).rstrip(b"\0")))
     return Path(os.readlink(f"/proc/self/fd/{descriptor}"))
 

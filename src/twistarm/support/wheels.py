@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from .errors import TwistarmError
+from .errors import MissingExtraError, TwistarmError
 
 _PATHS = ("PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH")
 """Variables by which a shell puts other modules and libraries before those of wheels."""
@@ -28,12 +28,12 @@ class Wheel:
 
 
 def load(wheel: Wheel) -> Any:
-    """The module. Raises TwistarmError in one line with its file and the remedy if unusable."""
+    """The module. MissingExtraError if it is not installed; TwistarmError with its file and the remedy if unusable."""
     try:
         module = import_module(wheel.module)
     except Exception as error:  # a foreign package may raise whatever it likes
         if isinstance(error, ModuleNotFoundError) and error.name == wheel.module:
-            raise TwistarmError(f"{wheel.module} is not installed; {_install(wheel)}") from error
+            raise MissingExtraError(f"{wheel.module} is not installed; {_install(wheel)}") from error
         spec = find_spec(wheel.module)
         cause = " ".join(str(error).split())[:200] or type(error).__name__
         raise _unfit(wheel, spec.origin if spec else None, f"cannot be imported ({cause})") from error

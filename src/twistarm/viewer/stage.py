@@ -20,6 +20,7 @@ from .parts.controls import Controls
 from .parts.findings import loaded
 from .parts.gauge import Gauge
 from .parts.history import History
+from .parts.keeping import Keeping
 from .parts.limit_checks import checked_theta, require_all_inside, require_inside
 from .parts.part import Part, Seen, Show
 from .parts.player import Player, Plots
@@ -28,37 +29,29 @@ from .parts.program import Program
 from .parts.reach import Reach
 from .parts.servo_words import SILENT
 from .parts.solutions import Answer, Solutions
-from .parts.summary import describe_arm, named_poses
+from .parts.summary import describe_arm, extra_joints, named_poses, rest
 from .parts.target import TargetPart
-from .parts.theory import SHOWN, Theory
+from .parts.theory import Theory
 from .protocol.change_publisher import Source
 from .protocol.jobs import Job
 from .protocol.messages import Message, Request
 from .scene.kinematics import kinematics
-from .scene.placement import Beside, Placement
+from .scene.placement import Placement
 
 DRIVING = ("theta", "joint", "pose", "random", "play", "seek", "target", "solution", "go", "plan")
 """Requests that move the arm, refused while a servo drives it."""
-
-LAYERS = {
-    "screws": True,
-    "frames": True,
-    "path": True,
-    **dict.fromkeys((*SHOWN, "labels", "reach", "collision"), False),
-}
-"""What can be switched on and off, and how it begins."""
 
 
 class Stage(Show):
     """The state that all pages show, with their requests and messages."""
 
     def __init__(
-        self, arm: Arm, theta: ArrayLike | None = None, scene: Scene | None = None, beside: Beside | None = None
+        self, arm: Arm, theta: ArrayLike | None = None, scene: Scene | None = None, beside: Arm | None = None
     ) -> None:
         super().__init__(arm, theta)
         self.scene = scene
-        self._placement = Placement(arm, beside)
-        self.visible = dict(LAYERS)
+        self._placement = Placement(arm)
+        self._beside = beside
         self.findings = loaded(arm)
         self.program = Program(arm, self.poses)
         self.reach = Reach()
@@ -66,6 +59,7 @@ class Stage(Show):
         self.collisions = Collisions(scene, self.solutions)
         self.history = History()
         self.controls = Controls()
+        self.keeping = Keeping()
         self.drawings: dict[str, Message] = {}  # by node
         self.parts: tuple[Part, ...] = (
             Player(),
@@ -79,6 +73,7 @@ class Stage(Show):
             self.solutions,
             self.collisions,
             self.controls,
+            self.keeping,
         )
         self.left: tuple[LeftOut, ...] = ()
         self.jogging = False
@@ -134,11 +129,8 @@ class Stage(Show):
             self._set_joint(fields["name"], fields["value"])
         elif request.kind == "pose":
             self.go(self._pose(fields["name"]), fields["ease"], now)
-        elif request.kind == "random":
-            self.go(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())), fields["ease"], now)
         else:
-            self.set_visible(fields["what"], fields["visible"])
-            return self.reach.switched(fields["what"], self)
+            self.go(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())), fields["ease"], now)
         return None
 
     def take_commands(self) -> None:
@@ -171,10 +163,8 @@ class Stage(Show):
         self.report = SILENT if report is None else dict(report)
 
     def set_visible(self, what: str, visible: bool) -> None:
-        """Switch a layer on or off."""
-        if what not in self.visible:
-            raise unknown_name("layer", what, self.visible, within="the scene", listing=", ".join(self.visible))
-        self.visible = {**self.visible, what: visible}
+        """Switch a layer of every page, which may then switch its own."""
+        self.visible = {**self.visible, what: [visible, self.visible[what][1] + 1]}
 
     def _drives(self, request: Request) -> bool:
         """Whether the request moves the arm. A gripper's joint is not part of it."""
@@ -205,9 +195,15 @@ class Stage(Show):
     # messages -----------------------------------------------------------------------------------------
 
     def hello(self, links: Mapping[str, str]) -> Message:
-        """Constant data: names, joints with units and slider ranges, poses, the node of each link, what moves it."""
-        moved = kinematics(self.arm, list(self.others))
-        return {"type": "hello", "arm": describe_arm(self.arm), "links": dict(links), "kinematics": moved}
+        """Constant data: names, joints with units and slider ranges, poses, the node of each link, what moves it.
+
+        The pages move a second arm `beside` themselves, from its ready pose.
+        """
+        beside = None
+        if (other := self._beside) is not None:
+            others = {name: rest(joint) for name, joint in extra_joints(other).items()}
+            beside = {**_described(other, list(others)), "theta": other.ready.tolist(), "others": others}
+        return {"type": "hello", **_described(self.arm, list(self.others)), "links": dict(links), "beside": beside}
 
     def messages(self) -> list[Message]:
         """Messages of the whole state, the frame last."""
@@ -236,3 +232,7 @@ class Stage(Show):
     def servo(self) -> Message:
         """Whether a servo drives the arm and takes commands, and its last status (None at first)."""
         return {"type": "servo", "jog": self.jogging, "driven": self.driven, **self.report}
+
+
+def _described(arm: Arm, others: list[str]) -> dict[str, Any]:
+    return {"arm": describe_arm(arm), "kinematics": kinematics(arm, others)}

@@ -27,7 +27,7 @@ def carry(old: Stage, new: Stage) -> list[str]:
     Common joints keep their values, or their limits. New joints take the ready pose. Layers and obstacles stay. Poses,
     the motion and a map stay if they fit the arm; omitted poses return with an arm that allows them.
     """
-    new.visible, new.tolerances = old.visible, old.tolerances
+    new.visible, new.needed, new.tolerances = old.visible, old.needed, old.tolerances
     new.controls.take_over(old.controls)
     new.drawings = old.drawings
     new.collisions.follow(old.collisions)

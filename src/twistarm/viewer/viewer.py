@@ -39,7 +39,6 @@ from .parts.tool_path import NO_PATH, tool_path
 from .protocol.messages import LARGEST_VALUE, Message, as_name
 from .scene.arm_scene import Scene as ArmScene
 from .scene.drawing import require_meshcat
-from .scene.placement import Beside
 from .scene.residuals import draw_residuals
 from .server.memory import Memory
 from .server.watching import Watch
@@ -63,8 +62,8 @@ class Viewer(Closeable):
     scene: obstacles and collision checks. The pages change this scene, so `solve_ik` and `plan` see their obstacles.
     Without one, the pages make a scene when the layer Collision is first switched on.
 
-    beside: another arm, drawn as translucent rods. Its joints follow those of `arm` in order, turning joints and slides
-    apart. `load` removes it, and saved pages leave it out.
+    beside: another arm to compare. Each page draws it as a ghost or side by side and moves it by its own sliders. Its
+    joints can follow those of `arm` with the same name. `load` removes it, and saved pages leave it out.
 
     The view is a context manager. Every method may be called from any thread. Methods that move or show something
     return at once. `theta` and `recorded` wait at most a frame. `save_html`, `save_png` and `inline(static=True)` wait
@@ -99,10 +98,9 @@ class Viewer(Closeable):
         self._watches: list[Watch] = []
         self._closed = threading.Event()
         memory = Memory(port) if keep else None
-        other = None if beside is None else Beside(require_arm(beside), arm)
-        drawn = ArmScene(arm)
-        drawn.draw_live([] if other is None else other.objects)
-        self._server = Server(Stage(arm, theta, scene, other), drawn, host, port, memory, stands=theta is not None)
+        other = None if beside is None else require_arm(beside)
+        stage, drawn = Stage(arm, theta, scene, other), ArmScene(arm, beside=other)
+        self._server = Server(stage, drawn, host, port, memory, stands=theta is not None)
         self.notes: tuple[str, ...] = () if memory is None else tuple(memory.notes)
         self.draw = Draw(self._put_drawing)
         self._server.start()
@@ -284,9 +282,7 @@ class Viewer(Closeable):
     def show_solutions(self, solutions: AllSolutions | None) -> None:
         """Draw each configuration of `solve_ik_all` faintly, for stepping through on the pages.
 
-        None draws none.
-
-        The arm goes to the nearest. Those outside the limits are red. Moving the arm releases them.
+        None draws none. The arm goes to the nearest. Those outside the limits are red. Moving the arm releases them.
         """
         self._require_open()
         arm = self.arm

@@ -30,6 +30,7 @@ from ..arm import Arm, Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..configurations import named_ready
 from ..kinematics import ByExponentials
+from ..pinocchio_model import why_no_pinocchio
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 
 PROOF_SAMPLES = 5
@@ -101,6 +102,11 @@ def load_arm(
     description = read(specification)
     with blaming(description.findings):
         arm = assemble(description, specification, {} if limits is None else limits)
+    missing = why_no_pinocchio()
+    if missing:
+        place = Place(Path(specification.source).name)
+        unproven = finding("not-compared", place, "its kinematics are not compared with Pinocchio's", missing)
+        return replace(arm, findings=(*arm.findings, unproven))
     return replace(arm, proof=prove(arm))
 
 

@@ -14,7 +14,7 @@ from ...support.errors import InputError
 from ...support.files import read_bounded
 from ..bodies import Body, Pair, Shapes, adjacent_pairs, sorted_pair
 from ..checker import Checker
-from ..pinocchio_model import import_pinocchio
+from ..pinocchio_model import import_pinocchio, why_no_pinocchio
 
 if TYPE_CHECKING:
     from ..arm import Arm
@@ -38,10 +38,10 @@ def overlapping_links(arm: Arm) -> Callable[[Array], frozenset[Pair]] | None:
     """A function from theta (n,) to the pairs of links that overlap, and links that reach below the base plane.
 
     What the first joint carries is tested against the rest and the base plane, except adjacent links and pairs that an
-    SRDF exempts. None for an arm without a description or with more than `MOST_SHAPES` or `MOST_PAIRS`.
+    SRDF exempts. None without Pinocchio or a description, and with more than `MOST_SHAPES` or `MOST_PAIRS`.
     """
     description = arm.description
-    if description is None:
+    if description is None or why_no_pinocchio():
         return None
     model, shapes = arm.pinocchio, _QuickShapes(import_pinocchio().coal)
     moved = description.beyond(arm.moving_names[0])

@@ -23,7 +23,7 @@ from ..asked_motion import motion_of_file, typed_targets
 from ..options import CONFIGURATION, Json, Radians, takes_arm, takes_source
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_typed, units
 from ..outputs import Force, outputs_of
-from ..typed import parse_theta
+from ..typed import length, parse_theta
 from .inspection import info_json
 from .kinematics import warn_outside
 from .motion import Directions, Positions, Rpys
@@ -32,7 +32,8 @@ Motion = Annotated[Path | None, typer.Option(metavar="FILE", help="Along a motio
 Panel = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]
 Mass = Annotated[float, typer.Option(metavar="KG", help="A wanted payload: what each joint and motor needs for it.")]
 Voxel = Annotated[
-    float | None, typer.Option(metavar="M", help="-o writes the payload over space, in cubes of this side.")
+    float | None,
+    typer.Option(parser=length, metavar="M", help="-o writes the payload over space, in cubes of this side."),
 ]
 SAMPLES = 200_000
 """Random configurations of a map of the payload: four seconds."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 import select
 import sys
-import termios
-import tty
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -151,6 +149,12 @@ def typed_keys() -> Iterator[Callable[[], str] | None]:
     None if stdin is no terminal, or belongs to another program in the foreground. The terminal is restored at the end.
     Ctrl-C still works.
     """
+    try:
+        import termios
+        import tty
+    except ImportError:  # Windows has no such terminals
+        yield None
+        return
     try:
         terminal = sys.stdin.fileno()
         before = termios.tcgetattr(terminal) if _is_ours(terminal) else None

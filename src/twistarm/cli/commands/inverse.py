@@ -106,7 +106,7 @@ def ik(
     how["scene"] = avoided(arm, avoid)
     if all_:
         stands = None if given is None else parse_joints(arm, given, "--fixed-joint", rad)
-        target = orientation.at(parse_numbers(str(xyz), 3, "--xyz"))
+        target = orientation.at(parse_numbers(str(xyz), "m m m", "--xyz"))
         with progress_bar("ik") as progress:
             solutions = solve_ik_all(
                 arm,
@@ -126,7 +126,7 @@ def ik(
         with progress_bar("ik") as progress:
             batch = solve_ik_batch(arm, asked, **how, threads=os.cpu_count() or 1, progress=progress)
         return tell_answers(sheet, batch, outputs, radians=rad, json=json)
-    solution = solve_ik(arm, orientation.at(parse_numbers(str(xyz), 3, "--xyz")), **how)
+    solution = solve_ik(arm, orientation.at(parse_numbers(str(xyz), "m m m", "--xyz")), **how)
     written = outputs.write({"csv": lambda: answers_csv(arm, [1], [solution])})
     if json:
         print_json(_as_json(arm, solution) | {"written": written})

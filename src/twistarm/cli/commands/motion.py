@@ -27,7 +27,7 @@ from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units
 from ..outputs import STDOUT, Force, Format, Outputs, outputs_of
 from ..targets import Axis, OrientationTol, PositionTol, typed_tolerances
-from ..typed import POSE, RPY, XYZ
+from ..typed import POSE, RPY, XYZ, length
 from ..wording import in_options
 
 MOST_STRETCHES = 8
@@ -94,7 +94,11 @@ Directions = Annotated[
 ]
 Blend = Annotated[
     float | None,
-    typer.Option(metavar="M", help="Round the corners of --line or --xyz inside this radius; without it: stop there."),
+    typer.Option(
+        parser=length,
+        metavar="M",
+        help="Round the corners of --line or --xyz inside this radius; without it: stop there.",
+    ),
 ]
 ToolSpeed = Annotated[
     float | None,
@@ -122,7 +126,7 @@ Unwrap = Annotated[
     ),
 ]
 Smooth = Annotated[
-    float | None,
+    str | None,
     typer.Option(
         metavar="ANGLE",
         help="How far the path may leave the poses of --to, recorded ones with noise, to be smooth [°, or rad with "

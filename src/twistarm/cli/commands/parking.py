@@ -63,14 +63,14 @@ def panel(
         as_positive(linear_speed, "--linear-speed")
     how = {"linear_speed": linear_speed, "unwrap": unwrap, "max_time": as_positive(max_time, "--max-time")}
     asked = load_panel(file)
-    place = None if base_pose is None else parse_numbers(base_pose, 3, "--base-pose")
+    place = None if base_pose is None else parse_numbers(base_pose, "m m rad", "--base-pose", rad)
     scene = avoided(arm, avoid)
     with progress_bar("tasks") as progress:
         if place is None:
             found = best_parking(arm, asked, scene, progress)
         else:
             x, y, yaw = place.tolist()
-            base = asked.base_at(x, y, yaw if rad else np.radians(yaw))
+            base = asked.base_at(x, y, yaw)
             found = check_panel(arm, asked, base, scene, progress)
     if not json:
         console(outputs.words).print(_table(found, rad))

@@ -15,7 +15,7 @@ from ..avoiding import Avoid, avoided
 from ..options import Json, takes_arm
 from ..output import console, number, print_json, progress_bar, say, table
 from ..outputs import STDOUT, Force, outputs_of
-from ..typed import parse_numbers
+from ..typed import length, parse_numbers
 
 KINDS = {"npz": (".npz",), "png": (".png",), "ply": (".ply",)}
 
@@ -30,7 +30,7 @@ Files = Annotated[
         "--output", "-o", metavar="FILE", help="The map to *.npz, slices to *.png, a cloud to *.ply; repeat it."
     ),
 ]
-Voxel = Annotated[float, typer.Option(metavar="M", help="Side of a cube, in metres.")]
+Voxel = Annotated[float, typer.Option(parser=length, metavar="M", help="Side of a cube, in metres.")]
 Directions = Annotated[
     str, typer.Option(metavar="WHICH", help="down, position (in any orientation), 26 (all around) or 'X Y Z'.")
 ]
@@ -78,7 +78,7 @@ def reach(
 
 def _direction(typed: str) -> Any:
     try:
-        return parse_numbers(typed, 3, "--directions")
+        return parse_numbers(typed, "1 1 1", "--directions")
     except InputError as error:
         raise InputError(
             f"--directions takes {', '.join(WORDS)} or three numbers, as in '0 0 -1'; got {typed!r}"

@@ -1,4 +1,4 @@
-"""`view`: the arm in the browser, as a stand-alone page or as a picture."""
+"""`view`: the arm in the browser, as a stand-alone page, a picture or a film."""
 
 from __future__ import annotations
 
@@ -12,17 +12,20 @@ from typing import Annotated, Any, TextIO
 
 import typer
 
+from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
 from ...collision import Scene
+from ...planning.trajectory import Trajectory
 from ...support.errors import InputError
 from ...sweeps import ReachMap
 from ...viewer import Viewer, page_html
+from ...viewer.files.film import webm_of
 from ...viewer.files.scene_snapshot import of_arm
 from ...viewer.files.screenshot import png_of
 from ...viewer.server.watching import loaded
 from ..asked_motion import motion_of_file
-from ..options import CONFIGURATION, Radians, SceneFile, takes_source
-from ..output import say, warn
+from ..options import CONFIGURATION, Json, Radians, SceneFile, takes_source
+from ..output import print_json, progress_bar, say, warn
 from ..outputs import Force, Format, outputs_of
 from ..typed import parse_theta
 from .kinematics import warn_outside
@@ -42,9 +45,11 @@ Output = Annotated[
         "--output",
         "-o",
         metavar="FILE",
-        help="Write a stand-alone page (*.html) or a picture (*.png) instead; - is standard output; repeat it.",
+        help="Write a stand-alone page (*.html), a picture (*.png) or a film of --play (*.webm) instead; - is standard "
+        "output; repeat it.",
     ),
 ]
+FrameRate = Annotated[int | None, typer.Option(min=1, max=120, help="Frames of the film in a second; 30.")]
 Play = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Play a motion that `twistarm plan` wrote, or that of a motion.toml."),
@@ -59,6 +64,8 @@ Browser = Annotated[
     ),
 ]
 
+KINDS = {"html": (".html", ".htm"), "png": (".png",), "webm": (".webm",)}
+
 FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
 
 
@@ -66,7 +73,7 @@ FILE_INSTEAD = ", or use -o FILE.html for a page that needs no server"
 def view(
     source: str,
     load: dict[str, Any],
-    beside: Annotated[str | None, typer.Argument(metavar="[ARM]", help="Another arm, as rods beside it.")] = None,
+    beside: Annotated[str | None, typer.Argument(metavar="[ARM]", help="Another arm to compare with it.")] = None,
     theta: Annotated[str | None, CONFIGURATION] = None,
     port: Port = 0,
     host: Host = "127.0.0.1",
@@ -78,13 +85,21 @@ def view(
     output: Output = None,
     form: Format = None,
     force: Force = False,
-    size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels of the picture; 1280x720.")] = None,
+    size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels of picture and film; 1280x720.")] = None,
+    frame_rate: FrameRate = None,
     rad: Radians = False,
+    json: Json = False,
 ) -> None:
     """Show the arm in the browser: move, drag, jog, record poses, see its screws. Serves until Ctrl-C."""
-    outputs = outputs_of(output, {"html": (".html", ".htm"), "png": (".png",)}, form, force=force)
-    if size is not None and all(kind != "png" for kind, _ in outputs.files):
-        raise InputError("--size is that of the picture: it goes with -o FILE.png")
+    outputs = outputs_of(output, KINDS, form, force=force, json=json)
+    written = {kind for kind, _ in outputs.files}
+    for name, idle, kinds in (
+        ("--size", size is None, "png webm"),
+        ("--frame-rate", frame_rate is None, "webm"),
+        ("--json", not json, "html png webm"),
+    ):
+        if not idle and written.isdisjoint(kinds.split()):
+            raise InputError(f"{name} goes with -o FILE.{' or -o FILE.'.join(kinds.split())}")
     pixels = _pixels(size or "1280x720")
     load_again = partial(load_arm, source, **load)
     arm, files = loaded(load_again)
@@ -103,8 +118,13 @@ def view(
         contents: dict[str, Callable[[], str | bytes]] = {
             "html": lambda: page_html(arm, x, trajectory=motion),
             "png": lambda: png_of(pixels, lambda: of_arm(arm, motion, start)),
+            "webm": lambda: _film(arm, motion, pixels, frame_rate or 30),
         }
-        outputs.say(outputs.write(contents))
+        names = outputs.write(contents)
+        if json:
+            print_json({"arm": arm.name, "written": names, "duration": motion and motion.duration})
+        else:
+            outputs.say(names)
         return
     obstacles = None if scene is None else Scene.load(arm, scene)
     other = None if beside is None else load_arm(beside, **load)
@@ -120,6 +140,11 @@ def view(
             viewer.watch(load_again, files, lambda words: say(words, file=sys.stderr))
         show_address(viewer, browser, instead=FILE_INSTEAD)
         viewer.wait()
+
+
+def _film(arm: Arm, motion: Trajectory | None, pixels: tuple[int, int], rate: int) -> bytes:
+    with progress_bar("filming") as progress:
+        return webm_of(arm, motion, pixels, rate, progress)
 
 
 def _pixels(text: str) -> tuple[int, int]:

@@ -26,12 +26,16 @@ def unusable(path: Path, what: str, remedy: str = "correct it there") -> Descrip
 
 def parse_toml(path: Path, what: str = "an arm.toml") -> dict[str, Any]:
     """The content of the file. DescriptionError, which names `what` it should be, if it is not TOML or too large."""
+    return toml_content(read_text(path, MAX_BYTES), path, what)
+
+
+def toml_content(text: str, path: Path, what: str = "an arm.toml") -> dict[str, Any]:
+    """The content of such a text."""
     if sys.version_info >= (3, 11):
         import tomllib
     else:
         import tomli as tomllib
 
-    text = read_text(path, MAX_BYTES)
     if max(map(len, text.splitlines()), default=0) > MAX_LINE:
         raise unusable(path, f"a line of more than {MAX_LINE:,} characters", f"break it; is it {what}?")
     try:

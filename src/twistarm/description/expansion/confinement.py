@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...support.caller_words import package_folder
-from ...support.files import open_regular, opened_path
+from ...support.files import READING, open_regular, opened_path
 from ..document import decoded
 from ..packages import SOURCES, PackageIndex, is_too_wide, package_name
 from .work import Refused
@@ -100,7 +100,7 @@ class Confinement:
 def _real(path: Path) -> Path:
     """The path without links, in the system's spelling of the open file (on macOS with the real case)."""
     try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
+        descriptor = os.open(path, READING)
     except OSError:
         return Path(os.path.realpath(path))
     try:

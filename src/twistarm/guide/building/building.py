@@ -20,7 +20,7 @@ from ...support.files import as_path, stamp, write_whole
 from ...viewer.server.watching import loaded
 from ..course import ERRATA, lesson_file, lessons
 from .cells import cells_of, title_of
-from .pages import SCRIPTS, STYLE, before_page, index_page, lesson_page, site_text
+from .pages import SCRIPTS, STYLE, before_page, index_page, lesson_page, site_file
 from .running import run_lessons
 
 RECORD = "twistarm-guide.json"
@@ -83,8 +83,8 @@ def build(
         write_whole(site / f"{name}.py", lesson_file(name).read_text("utf-8"))
         failed += [outcome["failed"]] if outcome["failed"] else []
         progress(done / len(pages))
-    for name in (STYLE, *SCRIPTS):
-        write_whole(site / "assets" / name, site_text(name))
+    for name in (*STYLE, *SCRIPTS):
+        write_whole(site / "assets" / name, site_file(name))
     write_whole(site / "index.html", index_page(titles, the_arm, failed))
     write_whole(site / "before.html", before_page(the_arm))
     if not failed:
@@ -102,7 +102,7 @@ def _made(site: Path) -> Path:
                 f"{site} holds something that the guide did not write (there is no {RECORD}); "
                 "give a new folder, or an empty one"
             )
-        for each in ("assets/sliders", "scenes"):
+        for each in ("assets/fonts", "assets/scripts", "scenes"):
             (site / each).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot write into {site}: {error.strerror or error}") from error

@@ -11,23 +11,29 @@ from typing import Any
 import twistarm
 
 from ...arm.arm import Arm
+from ...viewer.files.page_export import scoped
 from ..course import LESSONS, PARTS, SECTIONS, lessons
 from ..exercises.files import HERE
-from ..teaching.html import text
+from ..teaching.html import table, text
 from ..teaching.markup import block, inline
 
-STYLE = "style.css"
+STYLE = ("style.css", "fonts/stix-two-math.woff2", "fonts/OFL.txt")
 
-SCRIPTS = tuple(f"sliders/{name}.js" for name in ("numbers", "bench", "space", "plane", "start"))
-"""Of pages with sliders, in the order in which they need one another."""
+SCRIPTS = tuple(
+    f"scripts/{name}.js"
+    for name in ("playback", "numbers", "eye", "player", "space_figures", "bench", "space", "plane", "start")
+)
+"""Of pages with figures to turn or sliders, in the order in which they need one another."""
 
 Titles = Mapping[str, str]
 """Titles of the lessons by name."""
 
 
-def site_text(name: str) -> str:
-    """A file of the site as it comes with the package."""
-    return files("twistarm.guide").joinpath("site").joinpath(name).read_text("utf-8")
+def site_file(name: str) -> bytes:
+    """A file of the site as it comes with the package; the clock of motions is that of the view."""
+    if name == SCRIPTS[0]:
+        return scoped("playback.js").encode()
+    return files("twistarm.guide").joinpath("site").joinpath(name).read_bytes()
 
 
 def lesson_page(name: str, outcome: Mapping[str, Any], titles: Titles, arm: Arm) -> str:
@@ -52,66 +58,32 @@ def index_page(titles: Titles, arm: Arm, failed: Iterable[str]) -> str:
         for number, part in enumerate(PARTS, start=1)
         if any(name in titles for name in part.lessons)
     )
-    rows = "".join(
-        f'<tr><th scope="row">{section}</th><td>{escape(topic)}</td><td>{_link(name, titles)}</td></tr>'
-        for section, topic, name in SECTIONS
-        if name in titles
-    )
+    rows = [(section, topic, f"[{titles[name]}]({name}.html)") for section, topic, name in SECTIONS if name in titles]
     failures = "".join(f'<p class="failed" role="note">{escape(words)}</p>' for words in failed)
+    joints = f"{arm.n} joint{'s' * (arm.n != 1)}"
     body = (
         f"<h1>Screws, from the guide to your arm</h1>{failures}"
-        f"{block(INTRODUCTION.format(arm=_as_code(arm.name), n=_joints(arm)))}{parts}"
-        f'<h2 id="exercises">Exercises that grade themselves</h2>{block(EXERCISES)}'
-        '<h2 id="sections">Where each section of the guide is taught</h2>'
-        '<div class="wide" role="group" aria-label="Sections of the guide" tabindex="0"><table><thead><tr>'
-        '<th scope="col">Section</th><th scope="col">What is in it</th><th scope="col">Lesson</th></tr></thead>'
-        f"<tbody>{rows}</tbody></table></div>"
+        f"{block(_filled('index.md', arm=arm.name.replace('`', ''), joints=joints))}{parts}"
+        f"{block(_filled('exercises.md', here=str(HERE), first=LESSONS[0]))}"
+        f"{table(('Section', 'What is in it', 'Lesson'), rows, 'Sections of the guide')}"
     )
     first = "".join(_turn(name, titles, "next") for name in list(titles)[:1])
     onward = f'<nav class="neighbours" aria-label="Lessons"><span></span>{first}</nav>'
     return _page(kind="index", title="The guide", body=body, arm=arm, neighbours=onward)
 
 
-INTRODUCTION = """This course teaches what the team's guide to manipulation begins, and finishes it; you need not know
-that guide. Its lessons are run, not written: every number on these pages was computed when they were built, on {arm},
-an arm of {n}.
-
-[Before you begin](before.html) lists what you should know, and the letters and words that the lessons use.
-
-A lesson takes ten to twenty minutes. It begins with a question of an arm builder, states the law and its origin, and
-shows it on the arm. Where it asks you to **predict**, do so before you unfold the answer:
-what you got wrong is what you will remember. Work with a pencil and with Python."""
-
-
-EXERCISES = f"""Each lesson ends with exercises: functions to write, which are graded on random instances and on the
-screws of your arm. A mistake that is known is named.
-
-```sh
-twistarm guide exercises -o {HERE}
-twistarm guide check {HERE}/{LESSONS[0]}.py --arm my_arm.urdf
-twistarm guide progress {HERE}
-```
-
-The first writes the files to fill in, one for each lesson, and those for Octave and MATLAB; it never replaces one that
-is there. Without `--arm` the screws are those of the bundled rover arm. The last shows what is right and what is still
-to do.
-
-For Octave or MATLAB: fill in the functions in the folder `octave`, run a script there (`octave run_rotations.m`, or
-`run_rigid_motions.m`, `run_manipulator.m`), and have graded what it writes: `twistarm guide check
-{HERE}/octave/results_rotations.csv`."""
-
-
 def before_page(arm: Arm) -> str:
     """What a reader knows before the first lesson, the letters and the words."""
-    body = f"<h1>Before you begin</h1>{text(site_text('before.md'))}"
+    body = f"<h1>Before you begin</h1>{text(site_file('before.md').decode())}"
     return _page(kind="before", title="Before you begin", body=body, arm=arm)
 
 
 def _page(*, kind: str, title: str, body: str, arm: Arm, contents: str = "", neighbours: str = "") -> str:
-    scripts = SCRIPTS if "data-slider=" in body else ()
+    scripts = SCRIPTS if "data-slider=" in body or "data-eye=" in body else ()
     here = {name: ' aria-current="page"' if kind == name else "" for name in ("index", "before", "errata")}
-    return Template(site_text("page.html")).substitute(
-        here,
+    return _filled(
+        "page.html",
+        **here,
         kind=kind,
         title=escape(title),
         body=body,
@@ -121,6 +93,10 @@ def _page(*, kind: str, title: str, body: str, arm: Arm, contents: str = "", nei
         version=twistarm.__version__,
         script="".join(f'<script defer src="assets/{name}"></script>\n' for name in scripts),
     )
+
+
+def _filled(name: str, **words: str) -> str:
+    return Template(site_file(name).decode()).substitute(words)
 
 
 def _neighbours(name: str, titles: Titles) -> str:
@@ -151,11 +127,3 @@ def _lessons(names: Iterable[str], titles: Titles) -> str:
 
 def _link(name: str, titles: Titles) -> str:
     return f'<a href="{name}.html">{escape(titles[name])}</a>'
-
-
-def _joints(arm: Arm) -> str:
-    return f"{arm.n} joint{'s' * (arm.n != 1)}"
-
-
-def _as_code(name: str) -> str:
-    return f"`{name.replace('`', '')}`"

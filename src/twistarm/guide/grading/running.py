@@ -8,7 +8,6 @@ from __future__ import annotations
 import io
 import multiprocessing
 import os
-import resource
 import signal
 import sys
 import types
@@ -140,6 +139,8 @@ def _run_copy(work: Callable[[], None], printed: TextIO) -> None:
         warnings.simplefilter("ignore")
         with suppress(OSError, ValueError):
             pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
+            import resource
+
             most = MEMORY + pages * resource.getpagesize()
             resource.setrlimit(resource.RLIMIT_AS, (most, most))
         work()

@@ -42,7 +42,6 @@ size = 0.3 * arm.reach
 guide.plot_arm(ax, arm, theta, alpha=0.45, tool=False)
 guide.plot_frame(ax, np.eye(4), "A", size)
 guide.plot_frame(ax, g, "B", size)
-guide.fit(ax)
 nearest = "xyz"[int(np.argmax(np.abs(R[:, 2])))]
 guide.figure(
     fig,
@@ -133,7 +132,6 @@ for ax, product, words in zip(panels, (Rx @ Rz, Rz @ Rx), ("$R_x R_z$", "$R_z R_
     guide.plot_frame(ax, np.eye(3), "A", 1.0, alpha=0.5)
     guide.plot_frame(ax, product, "B", 0.65)
     ax.set_title(words, pad=0)
-    guide.fit(ax, [[-0.9, -0.9, -0.7], [0.9, 0.9, 1.1]])
 guide.figure(
     fig,
     "Two frames, turned by the same two quarter turns in either order: they point in different directions",

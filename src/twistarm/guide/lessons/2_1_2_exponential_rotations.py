@@ -36,7 +36,6 @@ def towards_the_eye(azim, elev=22.0):
 fig, ax = guide.axes3(box=False, azim=min(range(-55, 305, 10), key=towards_the_eye))
 guide.plot_frame(ax, np.eye(3), "A", alpha=0.5)
 guide.plot_frame(ax, R, "B")
-guide.fit(ax, [[-1.0] * 3, [1.0] * 3])
 guide.figure(
     fig,
     "Two frames with one origin. A, faint, has the axes of the base. B has the axes of the tool; the tip of each is a "
@@ -104,14 +103,19 @@ orbit = np.array([expm(rotations.skew(omega) * t) @ q0 for t in times])  # SciPy
 fig, ax = guide.axes3(box=False, height=4.0, elev=35, azim=-45)
 ax.plot(*orbit.T, color=guide.GREY, linestyle="-")
 guide.plot_vector(ax, [0, 0, 0], 1.1 * omega, r"$\omega$", guide.PINK)
-for k, name in ((0, "$q(0)$"), (60, "$q(t)$")):
-    guide.plot_vector(ax, [0, 0, 0], orbit[k], "", guide.INK)
-    ax.text(*(0.6 * orbit[k] - [0.1, 0.1, 0.05]), name, color=guide.INK, ha="center", va="center")
-    velocity = 0.6 * np.cross(omega, orbit[k])
-    guide.plot_vector(ax, orbit[k], velocity, "", guide.ORANGE)
+
+
+def draw_point(ax, q, name):
+    guide.plot_vector(ax, [0, 0, 0], q, "", guide.INK)
+    ax.text(*(0.6 * q - [0.1, 0.1, 0.05]), name, color=guide.INK, ha="center", va="center")
+    velocity = 0.6 * np.cross(omega, q)
+    guide.plot_vector(ax, q, velocity, "", guide.ORANGE)
     words = {"color": guide.ORANGE, "ha": "center", "va": "center"}
-    ax.text(*(orbit[k] + 1.35 * velocity), r"$\omega\times q$", **words)
-guide.fit(ax, [*orbit, [0, 0, 0], omega])
+    ax.text(*(q + 1.35 * velocity), r"$\omega\times q$", **words)
+
+
+draw_point(ax, q0, "$q(0)$")
+guide.plot_motion(draw_point, ax, orbit[::3], "$q(t)$")
 guide.figure(
     fig,
     "A point on a circle around an axis omega, at two instants. An arrow along the circle is its velocity, omega cross "

@@ -169,7 +169,6 @@ for start, name, colour in ((g_sc[:3, 3], "q", guide.PINK), (tip, "d", guide.AMB
     ax.text(*(start + 0.6 * (q_s[:3] - start)), f"   ${name}$   ", color=colour, ha=side)
 guide.plot_point(ax, q_s[:3], "", guide.INK)
 ax.text(*q_s[:3], "\nrock", color=guide.INK, ha="center", va="top")
-guide.fit(ax)
 guide.figure(
     fig,
     f"{arm.name} with the frames of its base, of a camera on one of its links and of its tool, which holds a "

@@ -49,7 +49,6 @@ fig, columns = guide.axes3(3, width=6.6, height=3.0, box=False)
 amounts = np.linspace(0, 5, 80)
 for ax, (name, xi) in zip(columns, kinds.items(), strict=True):
     slides = name == "prismatic"
-    ax.set_proj_type("ortho")
     path = screws.exp(xi, (0.08 if slides else 1.0) * amounts) @ [*p, 1]
     ax.plot(*path[:, :3].T, color=guide.INK, linestyle="-", linewidth=2.0)
     guide.plot_screw(
@@ -58,12 +57,12 @@ for ax, (name, xi) in zip(columns, kinds.items(), strict=True):
     if not slides:
         guide.plot_point(ax, q, "$q$")
     guide.plot_point(ax, p, "")
+    guide.plot_motion(guide.plot_point, ax, path[:, :3], "", guide.BLUE)
     ax.text(*(p + [0, 0, -0.1]), "$p$", ha="center", va="center")
     rate = (screws.hat(xi) @ [*p, 1])[:3]
     arrow = (0.3 if slides else 0.8) * rate
     guide.plot_vector(ax, p, arrow, "", guide.AMBER)
     ax.text(*(p + arrow + [0.08, 0, 0.03]), r"$\dot p$", color=guide.AMBER, ha="center", va="center")
-    guide.fit(ax, [[-0.05, -0.45, -0.45], [0.85, 0.45, 0.45]])
     ax.set_title(name)
 guide.figure(
     fig,
@@ -249,7 +248,7 @@ guide.predict(
 # %%
 fig, ax = guide.axes3(width=5.2, height=4.6)
 guide.plot_frame(ax, start, "1", 0.22 * arm.reach, alpha=0.5)
-guide.plot_frame(ax, end, "2", 0.22 * arm.reach)
+guide.plot_motion(guide.plot_frame, ax, path[1::2], "2", 0.22 * arm.reach)
 ax.plot(*places.T, color=guide.INK, linestyle="-", linewidth=2.4)
 ax.plot(*places[[0, -1]].T, color=guide.GREY, linestyle=":")
 # The part of the line that lies beside the tool is drawn.
@@ -261,7 +260,6 @@ if np.linalg.norm(beside - places.mean(axis=0)) < 4 * arm.reach:
         *np.array([beside - half, beside + half]).T, color=guide.PINK, linestyle=(0, (7, 2, 1.5, 2))
     )
     ax.text(*(beside + 1.15 * half), r"$\xi$", color=guide.PINK, ha="center", va="center")
-guide.fit(ax)
 guide.figure(
     fig,
     "The tool's frame at two poses, joined by an arc of a helix and by a dotted straight line. A "

@@ -75,7 +75,6 @@ for start, vector, name, colour in (
 ):
     guide.plot_vector(ax, start, vector, "", colour)
     ax.text(*(start + 1.25 * vector), name, color=colour, ha="center", va="center")
-guide.fit(ax)
 guide.figure(
     fig,
     f"{arm.name} with two arrows: one at the tool, the velocity of its origin, and one at the base's "

@@ -58,9 +58,9 @@ for ax, (name, columns) in zip(panels, one_each.items(), strict=True):
     )
     ax.plot(*path.T, color=guide.GREY, linestyle="-", linewidth=1.2)
     guide.plot_frame(ax, start, None, 0.16, alpha=0.4)
-    guide.plot_frame(ax, screws.exp(xi, amounts[name][-1]) @ start, None, 0.16)
+    poses = screws.exp(xi, np.linspace(0, amounts[name][-1], 30)) @ start
+    guide.plot_motion(guide.plot_frame, ax, poses, None, 0.16)
     ax.set_title(name)
-    guide.fit(ax, [[-0.12, -0.45, -0.45], [0.75, 0.45, 0.45]])
 guide.figure(
     fig,
     "Three drawings of an axis and of a frame that is carried by it: along a circle, along a straight "
@@ -103,7 +103,6 @@ freedoms = {name: int(np.linalg.matrix_rank(twists)) for name, twists in all_six
 # %%
 fig, panels = guide.axes3(columns=3, width=6.6, height=2.8, box=False, elev=24, azim=-58)
 for ax, (name, twists) in zip(panels, several.items(), strict=True):
-    ax.set_proj_type("ortho")
     for k, xi in enumerate(twists.T, start=1):
         slides = np.linalg.norm(xi[3:]) < 0.5
         beside = np.array([0.12, 0, 0]) if slides and name == "cylindrical" else np.zeros(3)
@@ -114,7 +113,6 @@ for ax, (name, twists) in zip(panels, several.items(), strict=True):
         ax.text(*(near - 0.5 * along), rf"$\xi_{k}$", color=colour, ha="center", va="center")
     guide.plot_point(ax, point)
     ax.set_title(name)
-    guide.fit(ax, np.asarray(point) + [[-0.42] * 3, [0.42] * 3])
 guide.figure(
     fig,
     "Three drawings: a turn and a slide along one line; two slides at right angles and a turn about "
@@ -290,7 +288,6 @@ where = guide.arm_points(arm, np.zeros(arm.n))[1:-1]
 for xi, near in zip(arm.screws.T, where, strict=True):
     slides = np.linalg.norm(xi[3:]) < 0.5
     guide.plot_screw(ax, xi, 0.35 * arm.reach, "", guide.ORANGE if slides else guide.PINK, near=near)
-guide.fit(ax)
 guide.figure(
     fig,
     f"{arm.name} with all joints at zero: round marks and lines for joints that turn; square marks "

@@ -39,7 +39,6 @@ if arm.description is not None:
         beside = arm.reach * np.array([-0.035, -0.025, -0.035])
         ax.text(*(pose[:3, 3] + beside), str(k), ha="center", va="center")
 guide.plot_frame(ax, np.eye(4), "s", 0.2 * arm.reach)
-guide.fit(ax)
 guide.figure(
     fig,
     f"The skeleton of {arm.name} from its base to its tool, with a numbered frame at each of its "
@@ -99,7 +98,6 @@ for k, (xi, near) in enumerate(zip(arm.screws.T, at_home[1:-1], strict=True), st
     if np.linalg.norm(along_the_arm - end, axis=1).min() < 0.05 * arm.reach:
         end[2] += 0.14 * arm.reach  # its letter is not drawn on the arm
     ax.text(*end, rf"$\xi_{{{k}}}$", color=colour, ha="center", va="center")
-guide.fit(ax)
 guide.figure(
     fig,
     f"{arm.name} with all joints at zero and the axis of each of its joints",

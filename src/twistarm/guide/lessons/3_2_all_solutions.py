@@ -148,7 +148,6 @@ for value in meetings:
     guide.plot_point(panels[2], (screws.exp(about_z, value) @ np.append(p, 1))[:3], "", guide.INK, "D")
 for ax, words in zip(panels, ("1: to a point", "2: by two axes", "3: to a distance"), strict=True):
     ax.set_title(words)
-    guide.fit(ax, [[-0.85] * 3, [0.85] * 3])
 guide.figure(
     fig,
     "Three drawings: a circle about an axis from p to q; two circles about two axes that cross in two marked points; a "
@@ -262,11 +261,7 @@ def draw_all(arm, configurations, words):
                 break
         else:
             shapes.append((points, [theta]))
-    everywhere = np.vstack([points for points, _ in shapes])
     tool = arm.fk(configurations[0])
-    axes = (
-        tool[:3, 3] + 0.25 * arm.reach * tool[:3, :3].T
-    )  # the ends of the tool's axes are to be seen, too
     across = float(np.degrees(np.arctan2(tool[1, 3], tool[0, 3]))) - 70.0  # looked at from the side
     groups = [shapes[j::4] for j in range(min(4, len(shapes)))]
     for first in range(0, len(groups), 2):
@@ -279,7 +274,6 @@ def draw_all(arm, configurations, words):
                 shade = SHADES[(first + j + i) % 4]
                 guide.plot_arm(ax, arm, same[0], shade, 1.0 if i == 0 else 0.45, tool=i == 0)
             ax.set_title(f"{ways[j]} way{'s' * (ways[j] > 1)}")
-            guide.fit(ax, [*everywhere, *axes])
         guide.figure(
             fig,
             f"{arm.name} with its tool at one and the same place, in {sum(ways)} of its configurations, on "

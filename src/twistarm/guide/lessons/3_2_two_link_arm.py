@@ -358,7 +358,6 @@ fig, ax = guide.axes3(width=5.0, height=4.2, elev=12 if upright else 45, azim=fl
 guide.plot_arm(ax, arm, theta, guide.BLUE, tool=False)
 guide.plot_arm(ax, arm, other, guide.ORANGE, alpha=0.7, tool=False)
 guide.plot_point(ax, here[first + 3], "", guide.INK, "D")
-guide.fit(ax, [*here, *there])
 guide.figure(
     fig,
     f"{arm.name} twice, with the elbow on either side; the {what} is at the same place both times",

@@ -323,11 +323,11 @@ for (name, way), colour, style in zip(
     ways.items(), (guide.BLUE, guide.INK, guide.ORANGE), ("-", ":", "--"), strict=True
 ):
     ax.plot(*way[:, :3, 3].T, color=colour, linestyle=style, linewidth=2.2, label=name)
+    guide.plot_motion(guide.plot_point, ax, way[::2, :3, 3], "", colour)
 size = 0.12 * arm.reach
 guide.plot_frame(ax, g0, None, size)
-guide.plot_frame(ax, g1, None, size)
+guide.plot_motion(guide.plot_frame, ax, by_screw[::4], None, size)
 ax.legend(loc="upper left")
-guide.fit(ax)
 guide.figure(
     fig,
     f"{arm.name} at both ends of a move, and three ways of its tool between them: straight in the joints, on a line, "

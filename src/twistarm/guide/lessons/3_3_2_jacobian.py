@@ -100,9 +100,6 @@ for k in np.argsort(-speeds, kind="stable"):
         right.text(*(p + 1.14 * arrow + [0, 0, 0.02 * arm.reach]), f"{k + 1}", color=guide.BLUE)
 left.set_title("the axes, where they stand now")
 right.set_title("the tool's velocity by each joint")
-seen = np.array([left.get_w_lims(), right.get_w_lims()]).reshape(2, 3, 2)
-for ax in (left, right):
-    guide.fit(ax, [seen[:, :, 0].min(axis=0), seen[:, :, 1].max(axis=0)], margin=0.1)
 guide.figure(
     fig,
     f"Left, {arm.name} as it waits with the axis of each joint where it stands now; right, at its tool, an arrow for "

@@ -179,7 +179,6 @@ guide.plot_arm(ax, arm, theta)
 for k in range(3):
     if sigma[k] > 0.02 * sigma[0]:
         guide.plot_vector(ax, arm.fk(theta)[:3, 3], 1.05 * size * sigma[k] * U[:, k], "", guide.ORANGE)
-guide.fit(ax)
 flat = int((sigma > 1e-6 * sigma[0]).sum())
 shape = {3: "an ellipsoid", 2: "a flat ellipse", 1: "a line", 0: "a point"}[flat]
 guide.figure(
@@ -283,7 +282,6 @@ points = guide.arm_points(arm, singular)[1:-1]
 for k, name in enumerate(arm.joint_names):
     if name in against:
         guide.plot_screw(ax, axes_there[:, k], 0.5 * arm.reach, near=points[follows[k]])
-guide.fit(ax)
 guide.figure(
     fig,
     f"{arm.name} in its worst configuration, with the axes of the joints that work against each other; behind it, "

@@ -11,7 +11,7 @@ from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory import poe
 from ...theory.screws import to_screw
-from .style import AXES, DASHES, FAINT, GREY, INK, PINK, SKY, use
+from .style import AXES, DASHES, INK, PINK, SKY, use
 
 
 def axes2(
@@ -33,9 +33,6 @@ def axes2(
         ylabel: What the ordinate is, with its unit.
         equal: Whether a length is the same along both axes; their limits grow for it. If you set limits, set
             `aspect="equal"` too: then the axes shrink.
-
-    Returns:
-        The figure and its axes.
     """
     from matplotlib.figure import Figure
 
@@ -50,67 +47,31 @@ def axes2(
 
 
 def axes3(
-    columns: int = 1,
-    width: float = 4.6,
-    height: float = 3.8,
-    *,
-    elev: float = 22.0,
-    azim: float = -55.0,
-    box: bool = True,
+    columns: int = 1, width: float = 4.6, height: float = 3.8, *, elev: float = 22, azim: float = -55, box: bool = True
 ) -> tuple[Any, Any]:
     """A figure with axes in space, as (figure, axes). Several columns give a list of axes.
 
-    Call `fit` at the end, so lengths are equal in each direction.
+    The figure is as large as what is drawn, and lengths are equal in each direction and panel. A page lets the reader
+    turn it.
 
     Args:
         columns: Axes side by side.
-        width: Of the figure [inches].
-        height: Of the figure [inches].
+        width: Of the figure [inches], as its height.
+        height: Of the figure.
         elev: Height of the eye [degrees].
         azim: Direction of the eye about z [degrees].
-        box: Whether walls, ticks and numbers are drawn.
-
-    Returns:
-        The figure and its axes.
+        box: Whether a floor with a scale is drawn.
     """
     from matplotlib.figure import Figure
 
     use()
     fig = Figure(figsize=(width, height), layout="constrained")
-    axes = [fig.add_subplot(1, columns, k + 1, projection="3d", computed_zorder=False) for k in range(columns)]
-    for ax in axes:
+    axes = fig.subplots(1, columns, subplot_kw={"projection": "3d", "computed_zorder": False, "proj_type": "ortho"})
+    for ax in np.atleast_1d(axes):
         ax.view_init(elev=elev, azim=azim)
-        ax.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
-        ax.tick_params(labelsize=8, pad=0)
-        ax.locator_params(nbins=4)
-        for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
-            axis.line.set_color(GREY)
-            axis._axinfo["grid"].update(color=FAINT, linewidth=0.6)
-        if not box:
-            ax.set_axis_off()
-    return fig, axes[0] if columns == 1 else axes
-
-
-def fit(ax: Any, points: ArrayLike | None = None, margin: float = 0.05) -> None:
-    """Make the axes in space a cube around what is drawn, or around points (..., 3).
-
-    Args:
-        ax: The axes.
-        points: What must be seen; without them the limits that there are.
-        margin: Room around it, as a share.
-    """
-    if points is None:
-        low, high = np.array([ax.get_xlim3d(), ax.get_ylim3d(), ax.get_zlim3d()]).T
-    else:
-        each = np.asarray(points, float).reshape(-1, 3)
-        low, high = each.min(axis=0), each.max(axis=0)
-    middle, half = (low + high) / 2, float((high - low).max()) / 2 * (1 + 2 * margin) or 0.5
-    for set_limits, centre in zip((ax.set_xlim3d, ax.set_ylim3d, ax.set_zlim3d), middle, strict=True):
-        set_limits(centre - half, centre + half)
-    ax.set_box_aspect((1, 1, 1), zoom=1.0 if ax.axison else 1.45)
-    if not ax.axison:  # nothing frames what is drawn, so nothing cuts it off
-        for artist in (*ax.lines, *ax.collections, *ax.texts):
-            artist.set(clip_on=False, in_layout=False)
+        ax.set_axis_off()
+        ax.floor = box
+    return fig, axes
 
 
 def plot_frame(ax: Any, g: ArrayLike, name: str | None = "", length: float = 1.0, alpha: float = 1.0) -> None:
@@ -150,7 +111,7 @@ def plot_vector(ax: Any, start: ArrayLike, vector: ArrayLike, name: str = "", co
     """
     a, d = np.asarray(start, float), np.asarray(vector, float)
     if len(a) == 3:
-        ax.quiver(*a, *d, color=colour, arrow_length_ratio=0.12, linewidth=2.0)
+        ax.plot(*_arrow(a, d, 0.12).T, color=colour, linestyle="-", linewidth=2.0)
     else:
         arrow = {"arrowstyle": "-|>", "shrinkA": 0, "shrinkB": 0, "mutation_scale": 11}
         ax.annotate("", a + d, a, arrowprops={**arrow, "color": colour, "linewidth": 2.0})
@@ -185,7 +146,8 @@ def plot_screw(
     axis, middle = screw.axis, np.asarray(near, float)
     point = middle if np.isinf(screw.pitch) else screw.point + axis * float((middle - screw.point) @ axis)
     if np.isinf(screw.pitch):
-        ax.quiver(*(point - length / 2 * axis), *(length * axis), color=colour, arrow_length_ratio=0.15, linewidth=2.0)
+        arrow = _arrow(point - length / 2 * axis, length * axis, 0.15)
+        ax.plot(*arrow.T, color=colour, linestyle="-", linewidth=2.0)
     else:
         line = np.array([point - length / 2 * axis, point + length / 2 * axis])
         ax.plot(*line.T, color=colour, linestyle=(0, (7, 2, 1.5, 2)), linewidth=1.6)
@@ -240,6 +202,16 @@ def arm_points(arm: Arm, theta: ArrayLike) -> Array:
             along = 0.0 if np.isinf(screw.pitch) else float((points[-1] - screw.point) @ screw.axis)
             points.append(points[-1] if np.isinf(screw.pitch) else screw.point + along * screw.axis)
     return np.array([*points, arm.fk(x)[:3, 3]])
+
+
+def _arrow(start: Array, vector: Array, share: float) -> Array:
+    """An arrow with a head of three barbs (k, 3), as long as `share` of it."""
+    across = np.linalg.svd(vector[None])[2][1:]
+    tip, barbs = start + vector, []
+    for turn in 2 * np.pi * np.arange(3) / 3:
+        aside = np.array([np.cos(turn), np.sin(turn)]) @ across * np.linalg.norm(vector)
+        barbs += [tip, tip + share * (0.4 * aside - vector)]
+    return np.array([start, *barbs, tip])
 
 
 def _sense(centre: Array, axis: Array, radius: float) -> Array:

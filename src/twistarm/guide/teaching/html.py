@@ -76,13 +76,7 @@ def _caption(caption: str) -> str:
 
 
 def scene(
-    arm: Arm,
-    theta: Array,
-    trajectory: Trajectory | None,
-    caption: str,
-    screws: bool,
-    alt: str,
-    folder: Path | None,
+    arm: Arm, theta: Array, trajectory: Trajectory | None, caption: str, screws: bool, alt: str, folder: Path | None
 ) -> str:
     """An arm to look at from all sides: a saved page in a frame, a drawing for paper."""
     shown = _snapshot(arm, theta, trajectory, screws)
@@ -126,7 +120,7 @@ def slider(name: str, question: str, answer: str, numbers: Mapping[str, Any]) ->
         f'<div class="slider" role="group" aria-label="To try: {escape(name.replace("_", " "))}">'
         f'<div class="question">{block(question)}</div>'
         f'<div class="stage" data-slider="{name}" data-numbers="{escape(json.dumps(numbers))}">'
-        f"{_picture(*stills.SLIDERS[name](numbers))}</div>{fold('Show the answer', block(answer))}</div>"
+        f"{_picture(*stills.slider(name, numbers))}</div>{fold('Show the answer', block(answer))}</div>"
     )
 
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
 from ...support.checks import Array
 from ...theory import joints, poe, rotations, screws
-from .figures import arm_points, axes2, axes3, fit, plot_arm, plot_frame, plot_point, plot_screw, plot_vector
+from .figures import arm_points, axes2, axes3, plot_arm, plot_frame, plot_point, plot_screw
 from .style import BLUE, GREY, INK, ORANGE
 
 Numbers = Mapping[str, Any]
@@ -23,39 +24,32 @@ def arm(arm: Arm, theta: Array) -> Any:
     moved = poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)
     for xi, point in zip(moved.T, arm_points(arm, theta)[1:-1], strict=True):
         plot_screw(ax, xi, length=0.35 * arm.reach, near=point)
-    fit(ax)
     return fig
 
 
-def _frame(n: Numbers) -> tuple[Any, str]:
-    angles = [n["alpha"], n["beta"], n["gamma"]]
-    R = rotations.from_euler(n["order"], np.radians(angles))
-    degrees = ", ".join(f"{angle:g}°" for angle in angles)
-    return _rotated(R), f"A frame B turned against a frame A by the {n['order']} Euler angles {degrees}"
+def slider(name: str, n: Numbers) -> tuple[Any, str]:
+    """The first picture of a slider, and its text alternative."""
+    draw, words = SLIDERS[name]
+    return draw(n), words.format(**n)
 
 
-def _axis_angle(n: Numbers) -> tuple[Any, str]:
+def _frame(n: Numbers) -> Any:
+    return _moved(rotations.from_euler(n["order"], np.radians([n["alpha"], n["beta"], n["gamma"]])))
+
+
+def _axis_angle(n: Numbers) -> Any:
     axis = np.asarray(n["axis"], float) / np.linalg.norm(n["axis"])
-    fig = _rotated(rotations.exp(axis, np.radians(n["angle"])))
-    plot_screw(fig.axes[0], np.append(np.zeros(3), axis), length=2.6, name=r"$\omega$")
-    return fig, f"A frame B turned against a frame A by {n['angle']:g}° about one axis, which is drawn"
+    return _moved(rotations.exp(axis, np.radians(n["angle"])), [np.append(np.zeros(3), axis)])
 
 
-def _twist(n: Numbers) -> tuple[Any, str]:
+def _twist(n: Numbers) -> Any:
     axis = np.asarray(n["axis"], float) / np.linalg.norm(n["axis"])
     xi = joints.helical(axis, n["point"], n["pitch"])[:, 0]
-    fig, ax = axes3()
-    angles = np.radians(n["angle"]) * np.linspace(0, 1, 60)
-    path = screws.exp(xi, angles)[:, :3, 3]
-    plot_frame(ax, np.eye(4), "A", 0.5, alpha=0.45)
-    plot_frame(ax, screws.exp(xi, angles[-1]), "B", 0.5)
-    plot_screw(ax, xi, 1.8, r"$\xi$")
-    ax.plot(*path.T, color=GREY)
-    fit(ax, [*path, *np.eye(3), -0.4 * np.eye(3)[2]])
-    return fig, f"A frame carried along a screw of pitch {n['pitch']:g} m/rad by {n['angle']:g}°"
+    path = screws.exp(xi, np.radians(n["angle"]) * np.linspace(0, 1, 60))
+    return _moved(path[-1], [xi], path[:, :3, 3])
 
 
-def _joint(n: Numbers) -> tuple[Any, str]:
+def _joint(n: Numbers) -> Any:
     z, x, o = (0, 0, 1), (1, 0, 0), (0, 0, 0)
     twists = {
         "revolute": joints.revolute(z, o),
@@ -65,74 +59,65 @@ def _joint(n: Numbers) -> tuple[Any, str]:
         "planar": joints.planar(z, o, x),
         "spherical": joints.spherical(o),
     }[n["type"]]
+    return _moved(np.eye(4), twists.T)
+
+
+def _moved(g: Array, twists: Iterable[Array] = (), path: ArrayLike = ((0, 0, 0),)) -> Any:
+    """Frame B at g, seen from frame A, with the axes of twists (k, 6) and a path (m, 3)."""
     fig, ax = axes3(box=False)
-    plot_frame(ax, np.eye(4), "", 0.6, alpha=0.5)
-    for k, xi in enumerate(twists.T, start=1):
-        plot_screw(ax, xi, 1.6, rf"$\xi_{k}$")
-    fit(ax, [[-0.8] * 3, [0.8] * 3])
-    count = twists.shape[1]
-    return fig, f"A {n['type']} joint: the axis of each of its {count} freedom{'s' * (count > 1)}"
+    plot_frame(ax, np.eye(4), "A", alpha=0.45)
+    plot_frame(ax, g, "B")
+    for xi in twists:
+        plot_screw(ax, xi, 2.6)
+    ax.plot(*np.transpose(path), color=GREY)
+    return fig
 
 
-def _two_link(n: Numbers) -> tuple[Any, str]:
-    fig, ax = axes2(width=3.9, height=3.6, xlabel="x [m]", ylabel="y [m]", equal=True)
-    _links(ax, n)
-    words = f"A two-link arm with links of {n['l1']:g} m and {n['l2']:g} m"
-    return fig, f"{words}, its joints at {n['theta1']:g}° and {n['theta2']:g}°"
-
-
-def _ellipsoid(n: Numbers) -> tuple[Any, str]:
-    fig, ax = axes2(width=3.9, height=3.6, xlabel="x [m]", ylabel="y [m]", equal=True)
-    elbow, tool = _links(ax, n)
+def _ellipsoid(n: Numbers) -> Any:
+    fig, elbow, tool = _links(n)
     J = np.array([[-tool[1], -(tool - elbow)[1]], [tool[0], (tool - elbow)[0]]])
     turn = np.linspace(0, 2 * np.pi, 200)
-    ax.plot(*(tool[:, None] + 0.4 * J @ [np.cos(turn), np.sin(turn)]), color=ORANGE, linestyle="-")
-    return fig, "A two-link arm, and about its tool the ellipse of the velocities that joint rates of norm one reach"
+    fig.axes[0].plot(*(tool[:, None] + 0.4 * J @ [np.cos(turn), np.sin(turn)]), color=ORANGE, linestyle="-")
+    return fig
 
 
-def _spline(n: Numbers) -> tuple[Any, str]:
+def _links(n: Numbers) -> tuple[Any, Array, Array]:
+    fig, ax = axes2(width=3.9, height=3.6, xlabel="x [m]", ylabel="y [m]", equal=True)
+    first, both = np.radians([n["theta1"], n["theta1"] + n["theta2"]])
+    elbow = n["l1"] * np.array([np.cos(first), np.sin(first)])
+    tool: Array = elbow + n["l2"] * np.array([np.cos(both), np.sin(both)])
+    ax.plot(*np.array([[0, 0], elbow, tool]).T, color=INK, linewidth=4, linestyle="-", solid_capstyle="round")
+    for point, name in (([0, 0], ""), (elbow, ""), (tool, "tool")):
+        plot_point(ax, point, name, BLUE)
+    return fig, elbow, tool
+
+
+def _spline(n: Numbers) -> Any:
     T, q0, q1, v0, v1 = (float(n[key]) for key in ("duration", "start", "end", "velocity_start", "velocity_end"))
+    values = np.array([q0, v0, 0.0, q1, v1, 0.0]).reshape(2, 3)[:, : 3 if n["kind"] == "quintic" else 2]
+    basis = [np.poly1d(row) for row in np.eye(values.size)]
+    rows = np.array([[each.deriv(k)(t) for each in basis] for t in (0, T) for k in range(values.shape[1])])
+    p = np.poly1d(np.linalg.solve(rows, values.ravel()))
     t = np.linspace(0, T, 200)
-    ends = [(0.0, q0, v0), (T, q1, v1)]
-    derivatives = range(3 if n["kind"] == "quintic" else 2)
-    basis = [np.poly1d(row) for row in np.eye(2 * len(derivatives))]
-    rows = np.array([[each.deriv(k)(at) for each in basis] for at, _, _ in ends for k in derivatives])
-    p = np.poly1d(np.linalg.solve(rows, np.array([[q, v, 0.0][k] for _, q, v in ends for k in derivatives])))
     fig, (left, right) = axes2(2, height=2.7, xlabel="t [s]")
     left.plot(t, p(t))
     left.set_ylabel("angle [°]")
     right.plot(t, p.deriv()(t), label="velocity [°/s]")
     right.plot(t, p.deriv(2)(t), label="acceleration [°/s²]")
     right.legend()
-    return fig, f"A {n['kind']} from {q0:g}° to {q1:g}° in {T:g} s: its angle, velocity and acceleration over time"
-
-
-def _rotated(R: Array) -> Any:
-    fig, ax = axes3(box=False)
-    plot_frame(ax, np.eye(3), "A", alpha=0.45)
-    plot_frame(ax, R, "B", 1.0)
-    fit(ax, [[-0.9] * 3, [0.9] * 3])
     return fig
 
 
-def _links(ax: Any, n: Numbers) -> tuple[Array, Array]:
-    first, both = np.radians(n["theta1"]), np.radians(n["theta1"] + n["theta2"])
-    elbow = n["l1"] * np.array([np.cos(first), np.sin(first)])
-    tool: Array = elbow + n["l2"] * np.array([np.cos(both), np.sin(both)])
-    ax.plot(*np.array([[0, 0], elbow, tool]).T, color=INK, linewidth=4, linestyle="-", solid_capstyle="round")
-    for point, name in (([0, 0], ""), (elbow, ""), (tool, "tool")):
-        plot_point(ax, point, name, BLUE)
-    plot_vector(ax, [0, 0], [n["l1"] / 3, 0], "", GREY)
-    return elbow, tool
+_TURNED = "A frame B turned against a frame A by "
+_TWO_LINKS = "A two-link arm with links of {l1:g} m and {l2:g} m, its joints at {theta1:g}° and {theta2:g}°"
 
-
-SLIDERS: dict[str, Callable[[Numbers], tuple[Any, str]]] = {
-    "frame": _frame,
-    "axis_angle": _axis_angle,
-    "twist": _twist,
-    "joint": _joint,
-    "two_link": _two_link,
-    "spline": _spline,
-    "ellipsoid": _ellipsoid,
+SLIDERS: dict[str, tuple[Callable[[Numbers], Any], str]] = {
+    "frame": (_frame, _TURNED + "the {order} Euler angles {alpha:g}°, {beta:g}°, {gamma:g}°"),
+    "axis_angle": (_axis_angle, _TURNED + "{angle:g}° about one axis, which is drawn"),
+    "twist": (_twist, "A frame carried along a screw of pitch {pitch:g} m/rad by {angle:g}°"),
+    "joint": (_joint, "A {type} joint: the axis of each of its freedoms"),
+    "two_link": (lambda n: _links(n)[0], _TWO_LINKS),
+    "spline": (_spline, "A {kind} from {start:g}° to {end:g}° in {duration:g} s, and its derivatives over time"),
+    "ellipsoid": (_ellipsoid, f"{_TWO_LINKS}, and the velocities of its tool at joint rates of norm one, an ellipse"),
 }
-"""The first picture of each slider, and its text alternative."""
+"""How the first picture of each slider is drawn, and its text alternative."""

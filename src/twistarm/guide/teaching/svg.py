@@ -7,39 +7,18 @@ import io
 import re
 from typing import Any
 
-import numpy as np
-
+from . import space
 from .style import COLOURS
 
 
 def of(figure: Any) -> str:
     """The figure as one `<svg>` element, hidden from screen readers, which read its words."""
     text = io.StringIO()
-    figure.savefig(text, format="svg", bbox_inches=_drawn(figure), metadata={"Date": None})
-    return as_element(text.getvalue())
-
-
-def _drawn(figure: Any) -> Any:
-    """The inked part of the figure's plane [inches]; axes in space leave or overstep room."""
-    from matplotlib.transforms import Bbox
-
-    beyond, fineness = 0.7, 50  # [inches] of the plane that are looked at around the figure; dots per inch
-    width, height = figure.get_size_inches()
-    plane = Bbox([[-beyond, -beyond], [width + beyond, height + beyond]])
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # it is laid out now
-    for legend in figure.legends:  # it stands on the edge of the figure, and not of the plane that is looked at
-        if legend.get_bbox_to_anchor() is figure.bbox:
-            legend.set_bbox_to_anchor((0, 0, 1, 1), figure.transFigure)
-    dots = io.BytesIO()
-    figure.savefig(dots, format="raw", dpi=fineness, bbox_inches=plane)
-    shape = tuple(round(side * fineness) for side in (plane.height, plane.width))
-    ink = np.frombuffer(dots.getvalue(), np.uint8).reshape(*shape, 4)[..., 3]
-    rows, columns = (np.flatnonzero(ink.any(axis=axis)) for axis in (1, 0))
-    if not rows.size:
-        return plane
-    low, high = np.array([columns[0], shape[0] - 1 - rows[-1]]), np.array([columns[-1] + 1, shape[0] - rows[0]])
-    return Bbox(np.array([low, high]) / fineness - beyond).padded(0.05)
+    panels = [ax for ax in figure.axes if ax.name == "3d"]
+    box = space.settle(panels) if panels else "tight"
+    attributes = space.places(panels, box)
+    figure.savefig(text, format="svg", bbox_inches=box, pad_inches=0.05, metadata={"Date": None})
+    return as_element(re.sub(r'id="(space-[\d-]+)"', lambda found: attributes[found[1]], text.getvalue()))
 
 
 def as_element(document: str) -> str:

@@ -134,10 +134,10 @@ def _style(link: re.Match[str]) -> str:
 
 def _program() -> str:
     """The modules in one script, because a file from disk cannot import any. Each module has a separate scope."""
-    return "\n".join(_scoped(name) for name in modules("standalone.js"))
+    return "\n".join(scoped(name) for name in modules("standalone.js"))
 
 
-def _scoped(name: str) -> str:
+def scoped(name: str) -> str:
     """A module as a constant that holds what it exports."""
     text = page_text(name)
     text = re.sub(r'^import (.*) from "\./(.*)\.js";$', r"const \1 = of_\2;", text, flags=re.MULTILINE)

@@ -144,14 +144,14 @@ def on_show(stage: Stage, scene: Scene) -> SceneSnapshot:
         scene,
         stage.theta.copy(),
         stage.others,
-        stage.visible,
+        {layer: on for layer, (on, _) in stage.visible.items()},
         stage.path,
         None if playback is None else replace(playback),
         None if unexamined else stage.findings,
         stage.poses.named(),
         stage.collisions.drawn,
         stage.collisions.shapes,
-        stage.reach.drawn if stage.visible["reach"] else None,
+        stage.reach.drawn if stage.visible["reach"][0] or "reach" in stage.needed else None,
         [*stage.drawings.values()],
     )
 

@@ -65,12 +65,14 @@ def write_picture(path: str | os.PathLike[str], size: tuple[int, int], show: Cal
 
 def png_of(size: tuple[int, int], show: Callable[[], SceneSnapshot]) -> bytes:
     """The picture that `write_picture` writes."""
-    wanted = _checked_size(size)
+    wanted = checked_size(size)
     with browser_at_work("draw") as (browser, folder):
-        return draw(browser, write_whole(folder / "arm.html", _page(show(), wanted)), wanted)
+        shown = replace(show(), playback=None)
+        return draw(browser, write_whole(folder / "arm.html", sized_page(shown, wanted)), wanted)
 
 
-def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
+def checked_size(size: tuple[int, int]) -> tuple[int, int]:
+    """`size`, or InputError if a picture cannot have it."""
     try:
         width, height = map(operator.index, size)
     except (TypeError, ValueError):
@@ -81,11 +83,11 @@ def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
     return width, height
 
 
-def _page(shown: SceneSnapshot, size: tuple[int, int]) -> str:
+def sized_page(shown: SceneSnapshot, size: tuple[int, int]) -> str:
     """The saved page at exactly this size, because windows have a minimal width and frames.
 
-    The arm rests and findings are hidden, so the doctor does not run.
+    Findings are hidden, so the doctor does not run.
     """
-    page = stand_alone(replace(shown, playback=None, findings=loaded(shown.arm)))
+    page = stand_alone(replace(shown, findings=loaded(shown.arm)))
     style = "<style>body {{ width: {}px; height: {}px; }}</style>\n</head>".format(*size)
     return page.replace("</head>", style, 1)

@@ -16,7 +16,7 @@ const THIN = 0.006; // the line between the nearest pair, beside the arm's radiu
 const UP = new THREE.Vector3(0, 1, 0); // along which three.js's cylinders stand
 
 export class Collision {
-  // `page` holds view, state and ask(request).
+  // `page` holds view, state and layers.
   constructor(page) {
     this.page = page;
     this.view = page.view;
@@ -27,13 +27,12 @@ export class Collision {
     this.nearest = new THREE.Group();
     this.pins = new Pins(page.view, "distance");
     this.messages = {
-      visible: (message) => this.reveal(message.collision),
       shapes: ({ bodies }) => this.draw("shapes", "/collision", bodies),
       obstacles: ({ obstacles }) => this.draw("obstacles", "/obstacles", obstacles),
       collision: (message) => this.tell(message),
     };
     this.view.onDrawn.push(() => this.paint()); // what is drawn anew
-    $("show-collision").addEventListener("change", ({ target }) => page.ask({ type: "visible", what: "collision", visible: target.checked }));
+    $("show-collision").addEventListener("change", ({ target }) => page.layers.show({ collision: target.checked }));
   }
 
   hello({ links }) {
@@ -44,9 +43,8 @@ export class Collision {
     this.tell({ links: [], words: [], nearest: null });
   }
 
-  reveal(on) {
-    $("show-collision").checked = on;
-    this.view.setVisible("collision", on);
+  layered({ collision }) {
+    $("show-collision").checked = collision;
   }
 
   // Bodies are made again only if others come, not if they have moved.
@@ -109,7 +107,7 @@ export class Collision {
       this.nearest.add(...[line, ...ends].map((part) => Object.assign(part, { renderOrder: 5 })));
       const far = `${(1000 * Math.abs(nearest.metres)).toFixed(Math.abs(nearest.metres) < 0.01 ? 1 : 0)} mm`;
       const text = element("span", nearest.metres < 0 ? "overlap" : "", nearest.metres < 0 ? `overlap ${far}` : far);
-      this.pins.show([{ layer: "collision", node: "/collision", at: line.position.clone(), text, down: 0, whole: true }]);
+      this.pins.show([{ layer: "collision", node: "/collision", at: line.position.clone(), text, whole: true }]);
     }
     this.view.viewer.set_dirty();
   }

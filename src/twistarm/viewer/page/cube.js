@@ -14,6 +14,7 @@ export class Cube {
     this.view = view;
     this.box = element("div");
     this.box.id = "cube";
+    Object.assign(this.box, { role: "group", ariaLabel: "Look from" });
     this.body = element("div", "body");
     this.body.append(...Object.keys(SIDES).filter((name) => name !== "iso").map((name) => face(name, go)));
     this.letters = ["x", "y", "z"].map((name) => element("span", `axis ${name}`, name));
@@ -37,7 +38,7 @@ export class Cube {
 }
 
 function face(name, go) {
-  const made = Object.assign(button("", name, `Look from the ${name}`, () => go(name)), { tabIndex: -1 });
+  const made = button("", name, `Look from the ${name}`, () => go(name));
   const out = new THREE.Vector3(...SIDES[name].map(Math.round));
   const up = new THREE.Vector3(...(UP[name] ?? [0, 0, 1]));
   const right = new THREE.Vector3().crossVectors(up, out);

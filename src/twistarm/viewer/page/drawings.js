@@ -24,7 +24,7 @@ export class Drawings {
     viewer.delete_path(this.view.split(node));
     for (const each of objects) viewer.handle_command_bytearray(bytes(each));
     this.texts.delete(node);
-    if (text) this.texts.set(node, { layer: "drawn", node: "/drawn", at: new THREE.Vector3(...text.at), text: element("span", "", text.words), down: 0 });
+    if (text) this.texts.set(node, { layer: "drawn", node: "/drawn", at: new THREE.Vector3(...text.at), text: element("span", "", text.words) });
     this.pins.show([...this.texts.values()]);
     viewer.set_dirty();
   }

@@ -7,6 +7,9 @@ import { THREE } from "./view.js";
 const FLAT = 0.002; // half a thickness, in sizes of the arm, at which a disc or a line is still seen
 
 export class Ellipsoid {
+  /** @type {InstanceType<typeof THREE.Mesh>} */ body;
+  /** @type {InstanceType<typeof THREE.Group>[]} */ rods;
+
   constructor(view, color) {
     this.color = color;
     this.group = new THREE.Group();

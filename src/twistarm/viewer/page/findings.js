@@ -1,6 +1,7 @@
 // The doctor's findings, gravest first; the chosen one is pointed at in the view.
 
 import { $, element } from "./element.js";
+import { tell } from "./words.js";
 
 const TAKEN = "several-tips"; // the finding that says which link was taken as the tool, where nobody said
 const WORDS = { error: "error", warning: "warning", info: "remark" };
@@ -21,8 +22,8 @@ export class Findings {
   show({ findings, counts, note }) {
     this.buttons.clear();
     $("findings").hidden = findings.length === 0 && note === "";
-    $("findings-count").textContent = counted(counts);
-    $("findings-note").textContent = note;
+    $("findings-count").replaceChildren(...counted(counts));
+    tell($("findings-note"), note);
     $("findings-list").replaceChildren(...findings.map((finding) => this.item(finding)));
     this.taken = findings.find(({ code }) => code === TAKEN);
     $("tip-taken").hidden = !this.taken;
@@ -76,6 +77,6 @@ export class Findings {
 // "3 warnings, 5 remarks"
 function counted(counts) {
   const parts = Object.entries(WORDS).filter(([severity]) => counts[severity])
-    .map(([severity, word]) => `${counts[severity]} ${word}${counts[severity] > 1 ? "s" : ""}`);
-  return parts.join(", ") || "none";
+    .map(([severity, word]) => element("span", severity, `${counts[severity]} ${word}${counts[severity] > 1 ? "s" : ""}`));
+  return parts.length === 0 ? ["none"] : parts.flatMap((part, i) => (i === 0 ? [part] : [", ", part]));
 }

@@ -30,7 +30,7 @@ export class Gamepad {
   }
 
   pad() {
-    return pads().find((pad) => pad.mapping === "standard");
+    return pads().find((pad) => pad?.mapping === "standard");
   }
 
   // What a person must know about the gamepad, "" where there is nothing to say.

@@ -3,7 +3,7 @@
 import { coloured } from "./arm_copy.js";
 import { Motion } from "./gizmo_motion.js";
 import { REACH, RING, makeHandles, makeTether, stretch } from "./gizmo_shapes.js";
-import { THREE } from "./view.js";
+import { THREE, beforeRender } from "./view.js";
 
 export class Gizmo {
   // `act` holds begin(), move(pose), end(), cancel(), and snap() whether to round; a pose is {position, quaternion}.
@@ -14,10 +14,11 @@ export class Gizmo {
     this.unit = 1;
     this.lit = null;
     this.motion = null;
-    this.missed = false;
+    this.standing = null;
     this.pose = { position: new THREE.Vector3(), quaternion: new THREE.Quaternion() };
     this.tool = this.pose;
     this.handles = makeHandles();
+    this.free = this.handles.filter(({ kind }) => kind === "free")[0];
     this.tether = makeTether();
     this.group = new THREE.Group();
     this.group.visible = false;
@@ -30,13 +31,10 @@ export class Gizmo {
 
   // With every picture, after the camera: whichever camera it is, and wherever it has gone.
   scale() {
-    const { scene } = this.view.viewer;
-    const before = scene.onBeforeRender;
-    scene.onBeforeRender = (renderer, drawn, camera, ...more) => {
-      before.call(scene, renderer, drawn, camera, ...more);
+    beforeRender(this.view, (renderer, scene, camera) => {
       if (this.group.visible) this.face(camera, renderer.domElement.clientHeight);
       if (this.tether.visible) stretch(this.tether, this.pose.position, this.tool.position, this.unit);
-    };
+    });
   }
 
   // How far they reach (world) in a view of this height [px], seen from `eye`; none where they are not shown.
@@ -76,24 +74,24 @@ export class Gizmo {
     this.view.viewer.set_dirty();
   }
 
-  // `allows(handle, direction)`: which handles, by their direction in base axes; `missed`: the tool is not at the target.
-  show(on, missed, allows) {
+  // `allows(handle, direction)`: which handles, by their direction in base axes; `met`: whether the tool meets the target,
+  // null where there is none.
+  show(on, met, allows) {
     for (const handle of this.handles) handle.allowed = allows(handle, this.direction(handle));
     const other = on !== this.group.visible;
     this.group.visible = on;
     if (other) this.view.reframe();
-    this.tether.visible = on && missed;
-    if (missed !== this.missed) this.warn(missed);
+    this.tether.visible = on && met === false;
+    if (met !== this.standing) this.tell(met);
     if (on) return;
     this.drop();
     this.light(null);
   }
 
-  warn(missed) {
-    const color = coloured("--warn");
-    this.missed = missed;
-    this.tether.material.color.set(color);
-    this.handles.find(({ kind }) => kind === "free").paint(missed ? color : null);
+  tell(met) {
+    this.standing = met;
+    this.tether.material.color.set(coloured("--warn"));
+    this.free.paint(met === null ? null : coloured(met ? "--met" : "--warn"));
     this.lit?.light(true);
   }
 

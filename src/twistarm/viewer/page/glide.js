@@ -12,6 +12,8 @@ export class Glide {
   constructor(place) {
     this.place = place;
     this.goal = null;
+    this.next = 0;
+    this.begun = 0;
   }
 
   go(start, goal) {

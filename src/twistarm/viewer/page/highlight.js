@@ -13,6 +13,10 @@ const LONGEST = 40; // letters
 const HEIGHT = 24; // of the name, px
 
 export class Highlight {
+  /** @type {InstanceType<typeof THREE.Box3>} of the node, in its own axes */ box;
+  /** @type {ReturnType<typeof arrow>} */ arrow;
+  /** @type {ReturnType<typeof label>} */ label;
+
   constructor(view) {
     this.view = view;
     this.node = null;
@@ -121,7 +125,7 @@ function arrow(length) {
 function label(name, { viewer }) {
   const text = cut(name, LONGEST);
   const canvas = document.createElement("canvas");
-  const pen = canvas.getContext("2d");
+  const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   const font = `600 ${HEIGHT}px ${getComputedStyle(document.body).fontFamily}`;
   pen.font = font;
   Object.assign(canvas, { width: Math.ceil(pen.measureText(text).width) + HEIGHT, height: 2 * HEIGHT });

@@ -12,6 +12,10 @@ const MOST_TURNS = 12;
 const STEPS = 24; // of a turn
 
 export class Instant {
+  /** @type {InstanceType<typeof THREE.Group>} */ line;
+  /** @type {InstanceType<typeof THREE.Group>} */ helix;
+  /** @type {Arrow} */ velocity;
+
   constructor(view) {
     this.group = new THREE.Group();
     this.group.visible = false;

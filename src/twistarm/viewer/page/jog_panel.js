@@ -4,6 +4,7 @@ import { $, $$ } from "./element.js";
 import { Gauge } from "./gauge.js";
 import { speedWords } from "./jog_line.js";
 import { JogPad } from "./jog_pad.js";
+import { tell } from "./words.js";
 
 const HINT = "Drive lets a servo on simulated joints move the arm by these buttons, by keys or a gamepad.";
 const OTHERS = "A servo of the program drives the arm.";
@@ -67,9 +68,8 @@ export class JogPanel {
       radio.checked = radio.value === this.on_unreachable;
       radio.disabled = others && !this.free;
     }
-    $("drive-note").textContent = others ? OTHERS : this.on ? this.note : HINT;
-    $("drive-note").title = this.on ? this.note : "";
-    $("drive-note").classList.toggle("limits", this.on);
+    $("jog-limits").textContent = { slide: "slide along", stop: "stop" }[this.on_unreachable];
+    tell($("drive-note"), others ? OTHERS : this.on ? this.note : HINT);
   }
 
   show() {

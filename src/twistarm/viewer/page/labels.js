@@ -7,8 +7,6 @@ import { Pins } from "./pins.js";
 import { THREE } from "./view.js";
 
 const LONGEST = 20; // letters of a name
-const NEAR = 0.04; // sizes of the arm: labels whose tips are nearer at rest stand below each other
-const LINE = 19; // px
 
 export class Labels extends Pins {
   constructor(view) {
@@ -17,13 +15,11 @@ export class Labels extends Pins {
   }
 
   build(axes) {
-    const tips = axes.joints.map(({ tip }) => new THREE.Vector3(...tip));
-    const joints = axes.joints.map(({ name, node, pitch }, i) => ({
-      layer: "screws", node, at: tips[i], text: joint(name, pitch),
-      down: LINE * tips.slice(0, i).filter((tip) => tip.distanceTo(tips[i]) < NEAR * axes.size).length,
+    const joints = axes.joints.map(({ name, node, tip, pitch }) => ({
+      layer: "screws", node, at: new THREE.Vector3(...tip), text: joint(name, pitch),
     }));
     const frames = [["S", "/frames/space"], ["T", "/frames/tool"]].map(([name, node]) => ({
-      layer: "frames", node, at: new THREE.Vector3(), text: element("span", "frame", name), down: 0,
+      layer: "frames", node, at: new THREE.Vector3(), text: element("span", "frame", name),
     }));
     this.show([...joints, ...frames]);
   }

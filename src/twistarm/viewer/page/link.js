@@ -6,11 +6,14 @@ const PATIENCE = 10000; // ms after which a request without an answer holds up t
 const EACH = ["record", "reorder", "delete", "undo", "redo", "press"]; // requests that add up: none stands for an earlier one
 
 export class Link {
+  /** @type {WebSocket} */ socket;
+
   // `on` holds message(object), object(bytes), status("live" | "offline"), idle(), refused().
   constructor(on) {
     this.on = on;
     this.pending = new Map();
     this.number = 0;
+    this.underway = 0;
     this.connect();
   }
 
@@ -80,7 +83,7 @@ export class Link {
 
   flush() {
     if (this.underway || this.socket.readyState !== WebSocket.OPEN || this.pending.size === 0) return;
-    const [place, request] = this.pending.entries().next().value;
+    const [[place, request]] = this.pending;
     this.pending.delete(place);
     this.underway = this.transmit(request);
     this.patience = setTimeout(() => {

@@ -12,14 +12,15 @@ const ASIDE = 14; // px
 export class LinkNames {
   constructor(view) {
     this.view = view;
+    /** @type {any} */
     this.carriers = null;
     this.words = [];
     this.caster = new THREE.Raycaster();
     this.last = 0;
     this.pressed = null;
-    this.waiting = null;
+    this.waiting = 0;
     this.label = Object.assign(element("div"), { id: "link-name", hidden: true });
-    document.querySelector("main").append(this.label);
+    view.viewer.dom_element.closest("main").append(this.label);
     const pane = view.viewer.dom_element;
     pane.addEventListener("pointermove", (event) => this.move(event));
     pane.addEventListener("pointerdown", (event) => this.press(event));
@@ -85,6 +86,7 @@ export class LinkNames {
     const { viewer } = this.view;
     if (viewer.dom_element.style.cursor === "grab") return null;
     this.caster.setFromCamera(this.view.onScreen(event), viewer.camera);
+    /** @type {any} */
     let nearest = null;
     for (const [path, words] of this.words) {
       const node = this.view.node(path);

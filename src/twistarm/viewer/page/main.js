@@ -1,9 +1,10 @@
 // The live page: what the process says is shown, what the person does is asked for.
 //
 // The page is made of parts. Each is given `page` and is a Part: it may have messages {type: function} that it shows,
-// hello(message) for an arm that is new to the page, placed(frame) after the arm has moved, offline() when the process
-// has gone.
+// hello(message) for an arm that is new to the page, layered(layers) after a layer was switched, placed(frame) after the
+// arm has moved, offline() when the process has gone.
 
+import { Beside } from "./beside.js";
 import { Collision } from "./collision.js";
 import { Controls } from "./controls.js";
 import { copyTheta } from "./copying.js";
@@ -11,16 +12,19 @@ import { Cube } from "./cube.js";
 import { Drawings } from "./drawings.js";
 import { $, $$ } from "./element.js";
 import { Findings } from "./findings.js";
+import { Follow } from "./follow.js";
 import { Ghost } from "./ghost.js";
 import { eases } from "./glide.js";
 import { Highlight } from "./highlight.js";
 import { History } from "./history.js";
 import { Jog } from "./jog.js";
 import { JogPanel } from "./jog_panel.js";
+import { Keeping } from "./keeping.js";
+import { Layers } from "./layers.js";
 import { Link } from "./link.js";
 import { LinkDrag } from "./link_drag.js";
-import { LinkList } from "./link_list.js";
 import { LinkNames } from "./link_names.js";
+import { LinkTree } from "./link_tree.js";
 import { Notice } from "./notice.js";
 import { Panel } from "./panel.js";
 import { Path } from "./path.js";
@@ -41,13 +45,14 @@ import { Theory } from "./theory.js";
 import { View } from "./view.js";
 import { Work } from "./work.js";
 
-const QUIET = ["jog", "jog_joints", "visible"]; // asked again and again, or unseen: an error stays to be read
+const QUIET = ["jog", "jog_joints", "needs"]; // asked again and again, or unseen: an error stays to be read
 const SILENCE = "The process has gone or does not answer: the panel rests until it does.";
 const STRANGER = "The view was started anew: open the address that it printed.";
 
 const schema = await (await fetch("schema.json")).json();
 const view = new View($("pane"));
 easeSoftware(view);
+/** @type {{hello: any, frame: any, fitted: boolean}} */
 const state = { hello: null, frame: null, fitted: false };
 const said = {}; // the last message of each type
 let silence = SILENCE; // why nothing can be asked
@@ -57,7 +62,7 @@ const panel = new Panel({
   pose: (name) => ask({ type: "pose", name, ease: eases() }),
   random: () => ask({ type: "random", ease: eases() }),
   copy: () => copyTheta(state.frame.theta),
-  visible: (what, visible) => ask({ type: "visible", what, visible }),
+  visible: (what, on) => layers.show({ [what]: on }),
   fit: () => view.fit(),
 });
 
@@ -75,14 +80,24 @@ const jog = new Jog({
   stop: () => link.interrupt({ type: "stop" }, { type: "jog" }, { type: "jog_joints" }),
 }, view);
 
+const layers = new Layers(view, {
+  shown(on) {
+    panel.showVisible(on);
+    for (const part of allParts()) part.layered?.(on);
+  },
+  need: (what) => ask({ type: "needs", ...what }),
+});
+
 const keepers = () => ({ ...parts, view, panel }); // of how the page stands
-const page = { view, panel, jog, state, ask, keepers };
+const page = { view, panel, jog, layers, state, ask, seek, keepers };
 const collision = new Collision(page);
 const parts = {
+  follow: new Follow(view, presets),
   tabs: new Tabs(),
-  sight: new Sight((side) => presets.go(side), (on) => ask({ type: "exact", on })),
-  links: new LinkList(view),
+  sight: new Sight((on) => ask({ type: "exact", on })),
+  links: new LinkTree(view, (on) => layers.want("collision", on)),
   linkNames: new LinkNames(view),
+  beside: new Beside(page),
   notice: new Notice(),
   jogging: new JogPanel(page),
   target: new Target(page),
@@ -90,17 +105,18 @@ const parts = {
   ghost: new Ghost(view),
   path: new Path(view),
   program: new Program(page),
+  keeping: new Keeping(page),
   player: new Player({
     play: () => ask({ type: "play" }),
     pause: () => ask({ type: "pause" }),
-    seek: (time) => ask({ type: "seek", time }),
+    seek,
     pace: (speed, loop) => ask({ type: "pace", speed, loop }),
   }),
   history: new History({
     undo: () => ask({ type: "undo", ease: eases() }),
     redo: () => ask({ type: "redo", ease: eases() }),
   }),
-  plots: new Plots((time) => ask({ type: "seek", time })),
+  plots: new Plots(seek),
   theory: new Theory(page),
   collision,
   scene: new ScenePanel(page, collision),
@@ -110,12 +126,13 @@ const parts = {
   work: new Work(),
   progress: new Progress((text) => panel.showStatus(text), look),
 };
-Object.assign(parts, { drag: new LinkDrag({ view, panel, findings, names: parts.linkNames, theory: parts.theory }) });
+Object.assign(parts, { drag: new LinkDrag({ view, panel, findings, names: parts.linkNames, theory: parts.theory }), layers });
 
 /**
  * @typedef {object} Part
  * @property {Object<string, (message: any) => void>} [messages]
  * @property {(message: any) => void} [hello]
+ * @property {(layers: any) => void} [layered]
  * @property {(frame: any) => void} [placed]
  * @property {() => void} [offline]
  */
@@ -142,15 +159,15 @@ function ask(request) {
   return sent;
 }
 
+function seek(time) {
+  return ask({ type: "seek", time });
+}
+
 // Nobody was asked: all stands as the process left it.
 function takeBack() {
   show({ type: "error", message: silence });
   putBack();
   for (const type of ["player", "program"]) if (said[type]) show(said[type]);
-  if (!said.visible) return;
-  panel.showVisible(said.visible);
-  parts.theory.switches.show(said.visible);
-  collision.reveal(said.visible.collision);
 }
 
 // What was refused goes back to where it stands.
@@ -180,10 +197,6 @@ const receive = {
     panel.show(message);
     look();
     for (const part of allParts()) part.placed?.(message);
-  },
-  visible(message) {
-    for (const layer of ["screws", "frames", "path"]) view.setVisible(layer, message[layer]);
-    panel.showVisible(message);
   },
   path: ({ points, ideal }) => panel.showPath(points.length + ideal.length > 0),
   servo(message) {

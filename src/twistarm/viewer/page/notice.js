@@ -1,6 +1,7 @@
 // What the process has to say of the arm on show as a whole, until it has something else to say.
 
 import { $ } from "./element.js";
+import { tell } from "./words.js";
 
 export class Notice {
   constructor() {
@@ -8,7 +9,7 @@ export class Notice {
   }
 
   show({ words, wrong }) {
-    $("notice").textContent = words;
+    tell($("notice"), words);
     $("notice").hidden = words === "";
     $("notice").classList.toggle("wrong", wrong);
   }

@@ -4,7 +4,7 @@ import { element } from "./element.js";
 import { figure, step, stride, typed, unitShown } from "./units.js";
 
 const STRIDES = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
-const NAMES = { "°": "degrees", rad: "radians", m: "metres" };
+const NAMES = { "°": "degrees", rad: "radians", m: "metres", 1: "" };
 
 export class NumberBox {
   // `act` holds send(value) in rad or m, complain(text, box), and settle(box) once there is nothing to complain of.
@@ -41,10 +41,10 @@ export class NumberBox {
     const { name, limits, unit } = this.joint;
     const [lower, upper] = limits.map((limit) => (limit === null ? null : figure(limit, unit, 3).replace("−", "-")));
     this.unit = NAMES[unitShown(unit)];
-    this.input.setAttribute("aria-label", `${name}, ${this.unit}`);
+    this.input.setAttribute("aria-label", [name, this.unit].filter(Boolean).join(", "));
     if (lower !== null) this.input.setAttribute("aria-valuemin", lower);
     if (upper !== null) this.input.setAttribute("aria-valuemax", upper);
-    this.input.title = `In ${this.unit}. Enter sends, Escape restores, ↑ ↓ step by ${stride(unit)}, with Shift ten times that.`;
+    this.input.title = `${this.unit && `In ${this.unit}. `}Enter sends, Escape restores, ↑ ↓ step by ${stride(unit)}, with Shift ten times that.`;
   }
 
   // `words`: the number and what is to be said of it.
@@ -104,7 +104,7 @@ export class NumberBox {
   remedy() {
     const pointed = this.input.value.replace(",", ".");
     const comma = pointed !== this.input.value && typed(pointed, this.joint.unit) !== null;
-    return comma ? `has a comma: write a point, as in ${pointed.trim()}` : `is no number of ${this.unit}, such as 0.5`;
+    return comma ? `has a comma: write a point, as in ${pointed.trim()}` : `is no number${this.unit && ` of ${this.unit}`}, such as 0.5`;
   }
 
   restore() {

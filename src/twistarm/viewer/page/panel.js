@@ -2,9 +2,10 @@
 
 import { $, button, element } from "./element.js";
 import { JointRow } from "./joint_row.js";
-import { steady } from "./kinematics.js";
 import { cut, writeName } from "./names.js";
-import { inRadians, setRadians, shown, signed } from "./units.js";
+import { ToolNumbers } from "./tool_numbers.js";
+import { inRadians, setRadians } from "./units.js";
+import { tell } from "./words.js";
 
 const LONGEST = 28; // letters of a frame's name
 
@@ -17,7 +18,7 @@ export class Panel {
     this.names = [];
     this.movers = []; // buttons that move the arm
     this.frame = null;
-    this.rpy = null; // as shown, or typed
+    this.tool = new ToolNumbers();
     this.wrong = null; // the box that the error is about
     this.held = null; // the joint under somebody's hand: its row is not moved from outside
     for (const what of ["screws", "frames", "path"]) {
@@ -43,7 +44,7 @@ export class Panel {
     rows.push(...arm.others.map((joint) => this.row({ ...joint, beside: true })));
     $("joints").replaceChildren(...rows);
     this.names = arm.joints.map((joint) => joint.name);
-    $("notes").replaceChildren(...notes.map((note) => element("li", "", note)));
+    tell($("notes"), notes[0] ?? "", notes.slice(1));
     for (const item of $("legend").children) item.hidden = !arm.screws.includes(item.className);
   }
 
@@ -80,10 +81,11 @@ export class Panel {
   }
 
   remembered() {
-    return { radians: inRadians() };
+    return { radians: inRadians(), orientation: this.tool.way };
   }
 
-  recall({ radians }) {
+  recall({ radians, orientation }) {
+    this.tool.choose(orientation);
     $("radians").checked = radians;
     this.switchUnits(radians);
   }
@@ -92,10 +94,7 @@ export class Panel {
     this.frame = frame;
     this.names.forEach((name, i) => this.showJoint(name, frame.theta[i]));
     for (const [name, value] of Object.entries(frame.others)) this.showJoint(name, value);
-    const { position } = frame.tool;
-    this.rpy = steady(frame.tool.rpy, this.rpy);
-    ["x", "y", "z"].forEach((axis, i) => { $(`tool-${axis}`).textContent = `${signed(position[i], 3)} m`; });
-    ["roll", "pitch", "yaw"].forEach((angle, i) => { $(`tool-${angle}`).textContent = shown(this.rpy[i], "rad"); });
+    this.tool.show(frame);
   }
 
   showJoint(name, number) {
@@ -149,7 +148,7 @@ export class Panel {
   showError(message) {
     const { wrong } = this;
     this.wrong = null;
-    $("error").textContent = message;
+    tell($("error"), message);
     $("error").hidden = message === "";
     wrong?.forgive();
   }

@@ -13,6 +13,7 @@ const THIN = 0.55; // the ideal, beside what is followed: within it, seen where 
 const BALL = 3.2; // the end, beside the line's radius
 const POSE = 0.13; // opacities
 const STOPPED = 0.3;
+/** @type {any} */
 const NOTHING = { points: [], ideal: [], radius: 0, waypoints: [], ids: [], stopped: null };
 
 export class Path {
@@ -82,7 +83,7 @@ export class Path {
   // Why it stops, in place.
   mark() {
     const { stopped } = this.data;
-    const pin = () => ({ layer: "path", node: "/path", at: new THREE.Vector3(...stopped.position), text: element("span", "", stopped.words), down: 0, whole: true });
+    const pin = () => ({ layer: "path", node: "/path", at: new THREE.Vector3(...stopped.position), text: element("span", "", stopped.words), whole: true });
     this.pins.show(stopped === null ? [] : [pin()]);
   }
 }

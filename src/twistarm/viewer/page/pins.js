@@ -1,8 +1,11 @@
-// Text pinned to places of the scene: it stands over the view, and goes along with what it belongs to.
+// Text pinned to places of the scene: it stands over the view, and goes along with what it belongs to. Texts avoid each
+// other and the edges of the picture.
 
 import { $, element } from "./element.js";
 
-const EDGE = 12; // px
+const EDGE = 8; // px
+const APART = 1; // px
+const PLACES = [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5]; // heights of the text from where it belongs, on its right and left: the first free one
 
 export class Pins {
   // `id` of the layer that holds the text; it is for the eye alone, and says nothing that does not stand elsewhere.
@@ -16,8 +19,8 @@ export class Pins {
     view.afterRender(() => this.follow());
   }
 
-  // `pins`: {layer, node, at, text, down, whole}: an element `down` px below the place `at` of a node, seen with a layer;
-  // `whole`: it stays in the view to be read.
+  // `pins`: {layer, node, at, text, whole}: an element at the place `at` of a node, seen with a layer; `whole`: also
+  // where its place is out of the picture.
   show(pins) {
     this.pins = pins;
     this.layer.replaceChildren(...pins.map(({ text }) => text));
@@ -25,18 +28,31 @@ export class Pins {
 
   // With the drawing, whatever moved: the camera or the arm.
   follow() {
-    if (this.layer.hidden) return;
+    if (this.layer.hidden || this.pins.length === 0) return;
     const { camera } = this.view.viewer;
-    const { offsetWidth: width, offsetHeight: height } = this.layer;
-    for (const { layer, node, at, text, down, whole } of this.pins) {
+    for (const { layer, node, at, text, whole } of this.pins) {
       const place = at.clone().applyMatrix4(this.view.node(node).matrixWorld);
       const ahead = place.clone().applyMatrix4(camera.matrixWorldInverse).z < -camera.near;
-      text.hidden = !ahead || !this.view.node(`/${layer}`).visible;
-      if (text.hidden) continue;
       const { x, y } = place.project(camera);
-      const [left, top] = [0.5 * (x + 1) * width, 0.5 * (1 - y) * height + down];
-      const most = whole ? width - text.offsetWidth - EDGE : Infinity;
-      text.style.transform = `translate(${Math.min(left, most).toFixed(2)}px, ${top.toFixed(2)}px)`;
+      text.hidden = !ahead || !this.view.node(`/${layer}`).visible || (!whole && Math.max(Math.abs(x), Math.abs(y)) > 1);
+      if (!text.hidden) this.put(text, x, y);
     }
+  }
+
+  put(text, x, y) {
+    const { offsetWidth: width, offsetHeight: height } = this.layer;
+    const { offsetWidth: wide, offsetHeight: high, offsetLeft, offsetTop } = text;
+    const { free, taken } = this.view;
+    const within = (place, size, from, to) => Math.max(from + EDGE, Math.min(place, to - EDGE - size));
+    const [right, down] = [0.5 * (x + 1) * width, 0.5 * (1 - y) * height + offsetTop];
+    const spots = PLACES.flatMap((place) => [right + offsetLeft, right - offsetLeft - wide].map((left) => ({
+      left: within(left, wide, 0, width),
+      top: within(down + place * (high + APART), high, free.top * height, (1 - free.bottom) * height),
+    })));
+    const clear = ({ left, top }) =>
+      !taken.some((each) => left < each.right && left + wide > each.left && top < each.bottom && top + high > each.top);
+    const { left, top } = spots.find(clear) ?? spots[0];
+    taken.push({ left, top, right: left + wide + APART, bottom: top + high + APART });
+    text.style.transform = `translate(${(left - offsetLeft).toFixed(2)}px, ${(top - offsetTop).toFixed(2)}px)`;
   }
 }

@@ -7,6 +7,7 @@ export class Playback {
     this.speed = speed;
     this.loop = loop;
     this.running = false;
+    this.last = 0;
     if (running) this.play();
   }
 

@@ -1,46 +1,79 @@
-// The tool's pose as six numbers to type, over the read-outs of where it is.
+// The tool's pose as numbers to type, over the read-outs of where it is.
 
 import { $, element } from "./element.js";
 import { NumberBox } from "./number_box.js";
+import { means, read, written, ZERO } from "./orientation.js";
+import { THREE } from "./view.js";
 import { shown } from "./units.js";
 
-const NAMES = ["x", "y", "z", "roll", "pitch", "yaw"];
-
 export class PoseBoxes {
-  // `act` holds send(numbers) with the six [m, rad], complain(text, box) and settle(box).
-  constructor(act) {
+  /** @type {NumberBox[]} */ boxes = [];
+  /** @type {any} as shown: x, y, z and the orientation */ numbers;
+
+  // `tool` holds the read-outs; `act` holds send(pose), complain(text, box) and settle(box).
+  constructor(tool, act) {
+    this.tool = tool;
     this.act = act;
-    this.numbers = [0, 0, 0, 0, 0, 0];
-    this.boxes = NAMES.map((name, i) => this.make(name, i));
+    this.disabled = [false, false];
+    tool.onBuilt.push(() => this.build());
+    this.build();
     $("radians").addEventListener("change", () => this.label());
+    $("tool-numbers").addEventListener("focusout", ({ relatedTarget }) => {
+      if (!$("tool-numbers").contains(relatedTarget)) this.typed = null;
+    });
   }
 
-  make(name, i) {
-    const quantity = { name: `tool ${name}`, unit: i < 3 ? "m" : "rad", limits: [null, null] };
-    const box = new NumberBox(quantity, {
-      send: (value) => this.act.send(this.numbers.map((number, k) => (k === i ? value : number))),
+  build() {
+    for (const box of this.boxes) box.abandon();
+    this.numbers = null;
+    this.typed = null; // an orientation as it is being typed, of any length, until the boxes are left
+    this.boxes = Object.entries(this.tool.units).map(([name, unit], i) => this.make(name, unit, i));
+    this.disable(...this.disabled);
+    if (this.pose) this.show(this.pose);
+  }
+
+  make(name, unit, i) {
+    const box = new NumberBox({ name: `tool ${name}`, unit, limits: [null, null] }, {
+      send: (value) => this.send(i, value),
       complain: (text, wrong) => this.act.complain(text, wrong),
       settle: (wrong) => this.act.settle(wrong),
     });
     const entry = element("dd", "entry");
     entry.append(box.input);
-    $(`tool-${name}`).after(entry);
+    this.tool.cells[i].after(entry);
     return box;
+  }
+
+  send(i, value) {
+    const { way } = this.tool;
+    const numbers = this.typed ? [...this.numbers.slice(0, 3), ...this.typed] : this.numbers;
+    const [x, y, z, ...turned] = numbers.with(i, value);
+    const quaternion = read(way, turned);
+    if (!quaternion) return this.act.complain(ZERO[way], this.boxes[i]);
+    this.numbers = [x, y, z, ...turned];
+    this.tool.last = turned;
+    if (way !== "rpy" && i >= 3) this.typed = turned;
+    return this.act.send({ position: new THREE.Vector3(x, y, z), quaternion });
   }
 
   // The unit on the page is another.
   label() {
     for (const box of this.boxes) box.label();
-    this.show(this.numbers);
+    this.show(this.pose);
   }
 
-  show(numbers) {
-    this.numbers = numbers;
-    this.boxes.forEach((box, i) => box.show(numbers[i], shown(numbers[i], box.joint.unit)));
+  show(pose) {
+    this.pose = pose;
+    const { way } = this.tool;
+    const held = this.typed && means(way, this.typed, pose.quaternion);
+    const turned = held ? this.typed : written(way, pose.quaternion, this.numbers?.slice(3) ?? this.tool.last);
+    this.numbers = [...pose.position.toArray(), ...turned];
+    this.boxes.forEach((box, i) => box.show(this.numbers[i], shown(this.numbers[i], box.joint.unit)));
   }
 
   // Nothing to type, or no angles where any will do.
   disable(all, angles) {
+    this.disabled = [all, angles];
     this.boxes.forEach((box, i) => box.disable(all || (angles && i >= 3)));
   }
 }

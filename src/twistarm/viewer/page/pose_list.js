@@ -100,6 +100,8 @@ class Row {
     this.gone = false;
     this.item = element("li");
     this.box = this.makeBox();
+    this.given = new Option("", "", false, false); // what the row's place in the list leaves no choice of
+    this.given.hidden = true;
     this.by = this.makeMove();
     this.go = button("go", "Go", "", () => act.go(this.id));
     this.go.disabled = owner.driven;
@@ -127,8 +129,6 @@ class Row {
 
   makeMove() {
     const select = element("select");
-    this.given = new Option("", "", false, false); // what the row's place in the list leaves no choice of
-    this.given.hidden = true;
     const options = MOVES.map(([by, text, title]) => Object.assign(new Option(text, by), { title }));
     select.append(this.given, ...options);
     select.addEventListener("change", () => this.owner.act.moveBy(this.id, select.value));
@@ -140,7 +140,7 @@ class Row {
     this.given.text = given;
     this.by.disabled = given !== "";
     this.by.value = given ? "" : by;
-    this.by.title = given || MOVES.find(([move]) => move === by)[2];
+    this.by.title = given || MOVES.filter(([move]) => move === by)[0][2];
   }
 
   show({ name }, place, count) {

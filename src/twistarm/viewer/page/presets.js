@@ -14,7 +14,7 @@ export const SIDES = {
 export class Presets {
   constructor(view) {
     this.view = view;
-    this.moving = null;
+    this.moving = 0;
     view.viewer.dom_element.addEventListener("pointerdown", () => this.stop(), true);
     view.viewer.dom_element.addEventListener("wheel", () => this.stop(), { capture: true, passive: true });
   }
@@ -27,20 +27,18 @@ export class Presets {
     const [begin, end] = [seen(camera.position, controls.target), seen(to.position, to.target)];
     end.theta = begin.theta + nearest(end.theta - begin.theta);
     this.view.turned = true; // by somebody's hand
-    this.begun = performance.now();
-    this.path = { begin, end, from: controls.target.clone(), to: to.target };
-    this.step();
+    this.step({ begin, end, from: controls.target.clone(), to: to.target, begun: performance.now() });
   }
 
   stop() {
     cancelAnimationFrame(this.moving);
-    this.moving = null;
+    this.moving = 0;
   }
 
-  step() {
+  step(path) {
     const { camera, controls } = this.view.viewer;
-    const { begin, end, from, to } = this.path;
-    const share = Math.min(1, (performance.now() - this.begun) / TIME);
+    const { begin, end, from, to, begun } = path;
+    const share = Math.min(1, (performance.now() - begun) / TIME);
     const eased = share * share * (3 - 2 * share);
     const mix = (one, other) => one + eased * (other - one);
     const way = new THREE.Spherical(mix(begin.radius, end.radius), mix(begin.phi, end.phi), mix(begin.theta, end.theta));
@@ -48,7 +46,7 @@ export class Presets {
     camera.position.setFromSpherical(way).add(controls.target);
     controls.update();
     this.view.viewer.set_dirty();
-    this.moving = share < 1 ? requestAnimationFrame(() => this.step()) : null;
+    this.moving = share < 1 ? requestAnimationFrame(() => this.step(path)) : 0;
   }
 }
 

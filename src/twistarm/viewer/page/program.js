@@ -6,9 +6,12 @@ import { PoseList } from "./pose_list.js";
 import { read, written } from "./pose_file.js";
 import { fileName, save } from "./saving.js";
 import { typed } from "./units.js";
+import { tell } from "./words.js";
 
 const OUTDATED = "The motion was planned with other settings: plan again.";
-const SETTINGS = ["plan-kind", "plan-stop", "plan-corner", "plan-linear-speed"];
+const SPLINES = ["cubic", "trapezoid"]; // kinds that lead through joint moves alone
+const PLAIN = "Cubic spline and trapezoid lead through joint moves alone, with no limit of the tool’s speed.";
+const SETTINGS = ["plan-kind", "plan-corner", "plan-linear-speed"];
 
 export class Program {
   // `page` holds panel, state and ask(request).
@@ -56,7 +59,7 @@ export class Program {
     this.note = note;
     this.trying = false;
     this.failed = false;
-    if (this.asked && !(before && same(before, this.asked))) this.follow();
+    if (this.asked && !(before && same(before, this.asked))) this.follow(this.asked);
     this.list.show(poses);
     if (this.page.state.frame) this.list.mark(this.page.state.frame.theta);
     $("pose-name").placeholder = `pose ${poses.length + 1}`;
@@ -66,25 +69,23 @@ export class Program {
   }
 
   // The boxes say what was planned, by whichever page.
-  follow() {
-    const { kind, stop, corner, linear_speed } = this.asked;
+  follow(asked) {
+    const { kind, stop, corner, linear_speed } = asked;
     $("plan-kind").value = kind;
-    $("plan-stop").checked = stop;
-    if (!stops(this.asked)) $("plan-corner").value = corner;
+    if (kind !== "trapezoid") $("plan-corner").value = stop ? 0 : corner;
     $("plan-linear-speed").value = linear_speed || "";
     this.choose();
   }
 
   choose() {
-    $("plan-stop").disabled = $("plan-kind").value === "trapezoid"; // which stops anyway
-    $("plan-corner").disabled = stops(this.settings);
+    $("plan-corner").disabled = $("plan-kind").value === "trapezoid"; // which stops anyway
     this.tell();
   }
 
   // What the boxes ask for.
   get settings() {
     const [corner, linear_speed] = ["plan-corner", "plan-linear-speed"].map((id) => typed($(id).value.replace(/\/s\s*$/, "") || "0", "m"));
-    return { kind: $("plan-kind").value, stop: $("plan-stop").checked, corner, linear_speed };
+    return { kind: $("plan-kind").value, stop: corner === 0, corner, linear_speed };
   }
 
   placed({ theta }) {
@@ -118,10 +119,19 @@ export class Program {
     const word = this.failed ? "Not planned anew; still loaded" : "Planned";
     const done = this.planned && this.duration !== null ? `${word}: ${this.duration.toFixed(2)} s` : "";
     const outdated = this.planned && !same(this.asked, this.settings);
-    $("program-note").textContent = outdated ? OUTDATED : [done, this.note].filter(Boolean).join("; ");
+    if (outdated) tell($("program-note"), OUTDATED);
+    else tell($("program-note"), done || this.note, done && this.note ? [this.note] : []);
     $("program-note").classList.toggle("stale", outdated || !this.planned);
-    $("plan").disabled = this.driven || this.poses.length < 2;
-    $("plan").title = this.poses.length < 2 ? "Record two poses first" : "Through the poses in their order, within the limits";
+    const bound = this.poses.slice(1).some(({ by }) => by !== "joint") || this.settings.linear_speed > 0;
+    for (const option of $("plan-kind").options) {
+      option.disabled = bound && SPLINES.includes(option.value);
+      option.text = option.text.replace(/ \(not .*/, "") + (option.disabled ? " (not with these moves)" : "");
+    }
+    const refused = $("plan-kind").selectedOptions[0].disabled;
+    $("plan").disabled = this.driven || this.poses.length < 2 || refused;
+    $("plan-kind").title = bound ? PLAIN : "";
+    if (refused) tell($("program-note"), PLAIN);
+    $("plan").title = refused ? PLAIN : this.poses.length < 2 ? "Record two poses first" : "Through the poses in their order, within the limits";
   }
 
   record() {

@@ -1,11 +1,17 @@
 // How much of the scene is here: a number and a bar in the header, until everything is drawn.
 
-import { $, element } from "./element.js";
+import { $ } from "./element.js";
+import { tell } from "./words.js";
 
 export class Progress {
-  // `whole()` is called once everything is drawn, `tell(text)` with what the header says of it.
-  constructor(tell, whole) {
-    this.tell = tell;
+  /** @type {{objects: number, left: number, notes: string[]} | null} */ told;
+  drawn = 0;
+  bytes = 0;
+  complete = false;
+
+  // `whole()` is called once everything is drawn, `say(text)` with what the header says of it.
+  constructor(say, whole) {
+    this.say = say;
     this.whole = whole;
     this.bar = $("progress");
     this.messages = { scene: (message) => this.learn(message) };
@@ -21,7 +27,7 @@ export class Progress {
 
   learn(message) {
     this.told = message;
-    $("notes").replaceChildren(...message.notes.map((note) => element("li", "", note)));
+    tell($("notes"), message.notes[0] ?? "", message.notes.slice(1));
     this.show();
   }
 
@@ -43,7 +49,7 @@ export class Progress {
     this.bar.firstElementChild.style.width = `${(100 * this.drawn) / total}%`;
     this.bar.title = `${this.drawn} of ${total} objects, ${(this.bytes / 1e6).toFixed(1)} MB`;
     this.bar.setAttribute("aria-valuetext", this.bar.title);
-    this.tell(this.complete ? "live" : `${this.drawn} / ${total}`);
+    this.say(this.complete ? "live" : `${this.drawn} / ${total}`);
     if (this.complete) this.whole();
   }
 

@@ -12,6 +12,8 @@ const FINE = 2; // points of the slice in the side of a cube
 const SHADES = shades(COLOURS.map((text) => new THREE.Color(text)));
 
 export class Reach {
+  /** @type {InstanceType<typeof THREE.Mesh<any, any>>} */ slice;
+
   constructor(view) {
     this.view = view;
     this.group = view.node("/reach"); // which Fit view looks at
@@ -39,10 +41,9 @@ export class Reach {
     surface.setAttribute("color", new THREE.BufferAttribute(colours, 3));
     surface.setIndex(new THREE.BufferAttribute(new Uint32Array(bytes(map.faces).buffer), 1));
     surface.computeVertexNormals();
-    surface.computeBoundingBox();
     let radius = map.voxel;
     for (let i = 0; i < points.length; i += 3) radius = Math.max(radius, map.voxel + Math.hypot(points[i], points[i + 1]));
-    this.map = { ...map, shares: bytes(map.shares), radius, box: surface.boundingBox.clone().expandByScalar(map.voxel) };
+    this.map = { ...map, shares: bytes(map.shares), radius, box: new THREE.Box3().setFromArray(points).expandByScalar(map.voxel) };
     const look = { transparent: true, side: THREE.DoubleSide, depthWrite: false };
     this.slice = new THREE.Mesh(new THREE.PlaneGeometry().translate(0.5, 0.5, 0), new THREE.MeshBasicMaterial({ ...look, opacity: SLICE }));
     Object.assign(this.slice, { matrixAutoUpdate: false, renderOrder: 2 });

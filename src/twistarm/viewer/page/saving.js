@@ -7,6 +7,7 @@ export function save(blob, name) {
   Object.assign(link, { href: URL.createObjectURL(blob), download: name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000); // the browser may still be asking where to
+  return name;
 }
 
 // A name for a file, whatever the arm is called.

@@ -6,6 +6,7 @@ import { Gizmo } from "./gizmo.js";
 import { NumberBox } from "./number_box.js";
 import { numbersOf, poseOf, turned } from "./target_pose.js";
 import { THREE } from "./view.js";
+import { tell } from "./words.js";
 
 const ADDED = { box: [1, 1, 1], sphere: [0.5], cylinder: [0.5, 1] }; // sizes beside LARGE
 const LARGE = 0.25; // of the arm's radius
@@ -70,7 +71,9 @@ export class ScenePanel {
     for (const kind of Object.keys(ADDED)) $(`add-${kind}`).disabled = !ready;
     $("download-scene").hidden = !ready;
     const calm = nearest === null ? "" : ` Nearest: ${nearest.words}.`;
-    $("scene-words").replaceChildren(...(words.length > 0 ? words : ready ? [`Nothing collides.${calm}`] : []).map((text) => element("li", "", text)));
+    const others = words.length > 1 ? `, and ${words.length - 1} more` : "";
+    if (words.length > 0) tell($("scene-words"), words[0] + others, words.slice(1));
+    else tell($("scene-words"), ready ? `Nothing collides.${calm}` : "");
     $("scene-words").classList.toggle("collides", words.length > 0);
     this.mark();
   }
@@ -138,7 +141,7 @@ export class ScenePanel {
     const obstacle = this.find();
     const on = obstacle !== undefined && !obstacle.held && this.ready && !$("scene").hidden;
     if (on) this.gizmo.place(this.pose(), this.pose(), "base");
-    this.gizmo.show(on, false, () => true);
+    this.gizmo.show(on, null, () => true);
     if (!obstacle) return;
     this.last = this.typed ?? this.numbers();
     this.last.forEach((number, i) => this.boxes[i].show(number, ""));

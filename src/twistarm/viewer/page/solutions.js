@@ -1,13 +1,15 @@
 // All configurations that meet the target: counted, stepped through, and each drawn faintly.
 
 import { ArmCopy } from "./arm_copy.js";
-import { $, element } from "./element.js";
+import { $ } from "./element.js";
 import { eases } from "./glide.js";
 import { bare } from "./keys.js";
+import { tell } from "./words.js";
 
 const KEYS = { KeyN: 1, KeyP: -1 }; // next and previous
 const INSIDE = { colour: "--accent", opacity: 0.16 };
 const BEYOND = { colour: "--warn", opacity: 0.16 };
+const STATISTICS = /, \d+ of \d+ searches .*/;
 const CHOSEN = 0.45; // opacity of one beyond the limits, where the arm does not go
 
 export class Solutions {
@@ -67,7 +69,7 @@ export class Solutions {
     this.differ = new Set(places.map(({ free, beyond }) => (beyond.length > 0 ? places[0].free : free).join())).size > 1; // else the words say it
     $("solutions").hidden = !asked;
     const [, ...lines] = words.split("\n"); // the first says what is asked
-    $("solutions-words").replaceChildren(...lines.map((line) => element("p", line.startsWith(" ") ? "why" : "", line.trim())));
+    tell($("solutions-words"), lines[0]?.replace(STATISTICS, "") ?? "", lines.slice(STATISTICS.test(lines[0]) ? 0 : 1));
     this.choose(this.at, this.stands);
     if (asked && this.page.view.radius !== undefined) this.page.view.reframe();
   }
@@ -80,9 +82,9 @@ export class Solutions {
     $("solution-place").textContent = length === 0 ? "none" : `${at === null ? "–" : at + 1} of ${length}`;
     for (const id of ["solution-next", "solution-previous"]) $(id).disabled = length === 0 || (length === 1 && at === 0);
     $("solutions").dataset.beyond = beyond.length > 0;
-    $("solution-words").textContent = beyond.length > 0 ? `outside the limits: ${beyond.join(", ")}; the arm stays`
+    tell($("solution-words"), beyond.length > 0 ? `outside the limits: ${beyond.join(", ")}; the arm stays`
       : this.hit.includes(at) ? "in collision"
-      : free.length > 0 && this.differ ? `one of a family: ${free.join(", ")} may go on moving` : "";
+      : free.length > 0 && this.differ ? `one of a family: ${free.join(", ")} may go on moving` : "");
     this.draw();
   }
 

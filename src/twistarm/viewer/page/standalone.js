@@ -6,11 +6,13 @@ import { Cube } from "./cube.js";
 import { Drawings } from "./drawings.js";
 import { $, $$, bytes } from "./element.js";
 import { Findings } from "./findings.js";
+import { Follow } from "./follow.js";
 import { Highlight } from "./highlight.js";
 import { History } from "./history.js";
+import { Layers } from "./layers.js";
 import { LinkDrag } from "./link_drag.js";
-import { LinkList } from "./link_list.js";
 import { LinkNames } from "./link_names.js";
+import { LinkTree } from "./link_tree.js";
 import { LocalArm } from "./local_arm.js";
 import { restore } from "./page_state.js";
 import { Panel } from "./panel.js";
@@ -33,20 +35,29 @@ for (const part of $$("[data-live]")) part.remove(); // there is nobody to ask
 const tabs = new Tabs();
 const view = new View($("pane"));
 const presets = new Presets(view);
+const follow = new Follow(view, presets);
 const cube = new Cube(view, (side) => presets.go(side));
-const sight = new Sight((side) => presets.go(side), null);
-const links = new LinkList(view);
+const sight = new Sight(null);
+const links = new LinkTree(view);
 const linkNames = new LinkNames(view);
 const highlight = new Highlight(view);
 const findings = new Findings((node, name) => {
   highlight.point(node, name);
   panel.mark(name);
 });
-const share = new Share({ view });
+const share = new Share({ view, seek });
 const path = new Path(view);
-const theory = new TheoryRecord(view, data);
+const layers = new Layers(view, {
+  shown(on) {
+    panel.showVisible(on);
+    theory.theory.layered(on);
+    $("show-collision").checked = on.collision;
+  },
+});
+const theory = new TheoryRecord(view, layers, data);
 const recording = new Recording(data.samples);
 const playback = new Playback(recording.duration, data.player ?? STANDS);
+/** @type {{frame: any}} */
 const state = { frame: null };
 let aside = data.aside && "saved"; // where the arm stands, if not on its motion: as it was saved, or by hand
 let bodies = []; // obstacles, and the shapes that are checked
@@ -73,11 +84,7 @@ const panel = new Panel({
   pose: (name) => arm.pose(name),
   random: () => arm.random(),
   copy: () => copyTheta(state.frame.theta),
-  visible(what, on) {
-    view.setVisible(what, on);
-    data.visible[what] = on;
-    panel.showVisible(data.visible);
-  },
+  visible: (what, on) => layers.show({ [what]: on }),
   fit: () => view.fit(),
 });
 
@@ -112,14 +119,19 @@ function show() {
   stand(bodies, state.frame);
   highlight.follow();
   panel.show(state.frame);
+  follow.placed(state.frame);
+  links.placed(state.frame);
   player.placed(state.frame);
+  share.placed(state.frame);
   plots.placed(state.frame);
   theory.placed(state.frame);
   history.show(arm.history.words);
 }
 
 function showPlayer() {
-  player.show({ ...playback, duration: data.player && recording.duration > 0 ? recording.duration : null });
+  const shown = { ...playback, duration: data.player && recording.duration > 0 ? recording.duration : null };
+  player.show(shown);
+  share.offer(shown);
 }
 
 function run() {
@@ -146,7 +158,6 @@ addEventListener("keydown", (event) => {
 panel.build({ ...data.arm, poses: Object.keys(data.poses) }, data.notes);
 for (const part of [share, links, linkNames]) part.hello(data);
 findings.show(data.findings);
-panel.showVisible(data.visible);
 panel.showPath(data.path.points.length + data.path.ideal.length > 0);
 plots.show(data.plots);
 showPlayer();
@@ -154,20 +165,20 @@ for (const object of data.objects ?? globalThis.twistarmObjects) view.draw(bytes
 path.show(data.path);
 const drawings = new Drawings(view);
 for (const drawn of data.drawings) drawings.show(drawn);
-for (const [layer, on] of Object.entries(data.visible)) view.setVisible(layer, on);
+layers.show(data.visible);
 show();
 view.fit();
 const [obstacles, shapes] = [data.obstacles, data.shapes].map((list, faint) => list.map((body) => ({ ...body, mesh: made(body, faint === 1, view.radius) })));
 hang(view, obstacles, "/obstacles");
 hang(view, shapes, "/collision");
+links.take(data.shapes);
 bodies = [...obstacles, ...shapes];
 const collision = $("show-collision");
 collision.parentElement.hidden = shapes.length === 0;
 collision.parentElement.title = "The shapes that are checked";
-collision.checked = data.visible.collision;
-collision.addEventListener("change", () => panel.act.visible("collision", collision.checked));
+collision.addEventListener("change", () => layers.show({ collision: collision.checked }));
 show();
-restore({ view, links, tabs, panel, plots, theory: theory.theory }, JSON.parse($("state").textContent));
+restore({ view, layers, links, tabs, panel, plots, theory: theory.theory }, JSON.parse($("state").textContent));
 document.body.dataset.drawn = "";
 if (playback.running) tick();
 

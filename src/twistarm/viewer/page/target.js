@@ -4,11 +4,12 @@ import { $ } from "./element.js";
 import { Gizmo } from "./gizmo.js";
 import { bare } from "./keys.js";
 import { PoseBoxes } from "./pose_boxes.js";
-import { numbersOf, poseOf, same, standing, turned } from "./target_pose.js";
+import { poseOf, same, standing } from "./target_pose.js";
 import { keep, kept } from "./storage.js";
 import { Tolerances } from "./tolerances.js";
 import { Verdict } from "./verdict.js";
 import { THREE } from "./view.js";
+import { tell } from "./words.js";
 
 const KINDS = [[6, "pose"], [5, "approach"], [0, "position"]]; // what an arm of at least so many joints begins with
 const HINTS = {
@@ -28,9 +29,10 @@ export class Target {
     this.given = null;
     this.tool = null;
     this.asked = null;
+    /** @type {any} */
     this.start = null;
     this.driven = false;
-    this.waiting = null; // the picture before which nothing more is sent
+    this.waiting = 0; // the picture before which nothing more is sent
     this.newer = false; // whether what is asked was not sent yet
     this.gizmo = new Gizmo(page.view, {
       begin: () => this.begin(),
@@ -40,8 +42,8 @@ export class Target {
       snap: () => $("target-snap").checked,
     });
     page.view.handles = this.gizmo;
-    this.boxes = new PoseBoxes({
-      send: (numbers) => this.type(numbers),
+    this.boxes = new PoseBoxes(page.panel.tool, {
+      send: (pose) => this.ask(pose),
       complain: (text, box) => page.panel.complain(text, box),
       settle: (box) => page.panel.settle(box),
     });
@@ -81,7 +83,7 @@ export class Target {
 
   // An arm that is new to the page.
   hello({ arm }) {
-    $("target-kind").value = KINDS.find(([least]) => arm.joints.length >= least)[1];
+    $("target-kind").value = KINDS.filter(([least]) => arm.joints.length >= least)[0][1];
     this.given = null;
     this.tool = null;
     this.asked = null;
@@ -136,12 +138,12 @@ export class Target {
   // At most one request for each picture, at once where none was sent since the last one.
   move(pose) {
     this.asked = { kind: this.kind, ...pose };
-    this.newer = this.waiting !== null;
+    this.newer = this.waiting !== 0;
     if (!this.newer) this.send();
   }
 
   next() {
-    this.waiting = null;
+    this.waiting = 0;
     if (this.newer) this.send();
   }
 
@@ -185,12 +187,6 @@ export class Target {
     this.send();
   }
 
-  type(numbers) {
-    this.boxes.numbers = numbers;
-    this.page.panel.rpy = numbers.slice(3);
-    this.ask(turned(numbers));
-  }
-
   // The handles move with the arm: they wait for the answer, unless it is late.
   send() {
     const { kind, position, quaternion } = this.asked;
@@ -209,8 +205,9 @@ export class Target {
   arrange() {
     for (const id of ["drag-tool", "target-kind", "target-axes", "target-snap"]) $(id).disabled = this.driven;
     $("target-release").hidden = !this.given || this.driven;
-    const hints = [kept(DRAGGED) ? "" : FIRST, this.kind === this.begun ? HINTS[this.kind] : ""];
-    $("target-hint").textContent = $("drag-tool").checked && !this.driven ? hints.filter(Boolean).join(" ") : "";
+    const hints = [kept(DRAGGED) ? "" : FIRST, this.kind === this.begun ? HINTS[this.kind] : ""].filter(Boolean);
+    const shown = $("drag-tool").checked && !this.driven ? hints : [];
+    tell($("target-hint"), shown[0] ?? "", shown.slice(1));
     this.tolerances.disable(this.driven);
     this.boxes.disable(this.driven, this.kind === "position");
     if (this.tool !== null) this.put();
@@ -218,10 +215,11 @@ export class Target {
 
   put() {
     const pose = standing(this.given, this.tool);
-    this.boxes.show(numbersOf(pose, this.boxes.numbers));
+    this.boxes.show(pose);
+    this.page.view.follow.put("target", this.asked || this.given ? (this.asked ?? pose).position : null);
     this.gizmo.place(this.asked ?? (this.given?.met ? this.tool : pose), this.tool, $("target-axes").value);
     const on = $("drag-tool").checked && !this.driven;
-    this.gizmo.show(on, this.given?.met === false, (handle, direction) => this.allows(handle, direction));
+    this.gizmo.show(on, this.given?.met ?? null, (handle, direction) => this.allows(handle, direction));
   }
 
   // A position has no turns, and an approach none about the axis that it points.

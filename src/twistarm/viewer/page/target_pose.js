@@ -1,6 +1,6 @@
 // Poses of the tool as the page holds them, {position, quaternion} in base axes [m], and as six numbers x y z roll pitch yaw.
 
-import { steady } from "./kinematics.js";
+import { read, written } from "./orientation.js";
 import { THREE } from "./view.js";
 
 // Of a node's matrix, sixteen numbers column by column.
@@ -20,15 +20,13 @@ export function standing(given, tool) {
   };
 }
 
-// Roll, pitch and yaw about fixed axes are yaw, pitch and roll about the turned ones; see `steady` for `last`.
+// Roll, pitch and yaw about fixed axes are yaw, pitch and roll about the turned ones.
 export function numbersOf({ position, quaternion }, last) {
-  const { x, y, z } = new THREE.Euler().setFromQuaternion(quaternion, "ZYX");
-  return [...position.toArray(), ...steady([x, y, z], last?.slice(-3))];
+  return [...position.toArray(), ...written("rpy", quaternion, last?.slice(-3))];
 }
 
 export function turned(numbers) {
-  const [x, y, z, roll, pitch, yaw] = numbers;
-  return { position: new THREE.Vector3(x, y, z), quaternion: new THREE.Quaternion().setFromEuler(new THREE.Euler(roll, pitch, yaw, "ZYX")) };
+  return { position: new THREE.Vector3(...numbers.slice(0, 3)), quaternion: read("rpy", numbers.slice(3)) };
 }
 
 // Whether the process answers what was asked.

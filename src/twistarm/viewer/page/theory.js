@@ -12,14 +12,14 @@ import { Trace } from "./trace.js";
 import { Twists } from "./twists.js";
 
 export class Theory {
-  // `page` holds view, state.hello and ask(request).
-  constructor({ view, state, ask }) {
+  // `page` holds view, state.hello and layers.
+  constructor({ view, state, layers }) {
     this.view = view;
     this.state = state;
-    this.ask = ask;
+    this.read = (on) => layers.want("theory", on);
     this.axes = null;
     this.numbers = null;
-    this.visible = null;
+    this.visible = layers.on;
     this.looking = false;
     this.labels = new Labels(view);
     this.instant = new Instant(view);
@@ -30,7 +30,7 @@ export class Theory {
     this.trace = new Trace(view);
     this.reach = new Reach(view);
     this.switches = new Switches({
-      visible: (what, visible) => ask({ type: "visible", what, visible }),
+      visible: (what, on) => layers.show({ [what]: on }),
       trace: (on) => this.traceFrom(on),
       clear: () => this.trace.clear(),
       chosen: () => this.draw(),
@@ -42,12 +42,11 @@ export class Theory {
       linear_ellipsoid: this.linear.group, angular_ellipsoid: this.angular.group,
     };
     this.messages = {
-      visible: (message) => this.show(message),
       axes: (message) => this.build(message),
       theory: (message) => this.take(message),
       reach: (message) => this.reach.draw(message),
     };
-    addEventListener("panel", () => this.visible && this.look());
+    addEventListener("panel", () => this.look());
   }
 
   hello() {
@@ -68,13 +67,13 @@ export class Theory {
     this.view.viewer.set_dirty();
   }
 
-  show(layers) {
+  layered(layers) {
     this.visible = layers;
     for (const [layer, drawn] of Object.entries(this.layers)) {
       if (drawn instanceof HTMLElement) drawn.hidden = !layers[layer];
-      else drawn.visible = layers[layer] && this.numbers !== null;
+      else drawn.visible = Boolean(layers[layer]) && this.numbers !== null;
     }
-    this.reach.show(layers.reach);
+    this.reach.show(Boolean(layers.reach));
     this.switches.show(layers);
     this.look();
     this.view.viewer.set_dirty();
@@ -82,11 +81,9 @@ export class Theory {
 
   // The numbers are made only while somebody reads them.
   look() {
-    const wanted = !$("theory").hidden;
-    const left = this.looking && !wanted;
-    this.looking = wanted;
-    if (this.visible.numbers ? left : wanted) this.ask({ type: "visible", what: "numbers", visible: wanted });
-    if (wanted && this.numbers) this.tables.show(this.numbers, this.chosen());
+    this.looking = !$("theory").hidden;
+    this.read(this.looking);
+    if (this.looking && this.numbers) this.tables.show(this.numbers, this.chosen());
   }
 
   remembered() {
@@ -102,12 +99,12 @@ export class Theory {
   forget() {
     if (this.numbers === null) return;
     this.numbers = null;
-    this.show(this.visible);
+    this.layered(this.visible);
   }
 
   take(numbers) {
     this.numbers = numbers;
-    if (this.visible) this.show(this.visible);
+    this.layered(this.visible);
     this.draw();
   }
 

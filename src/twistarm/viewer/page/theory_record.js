@@ -6,23 +6,19 @@ import { Theory } from "./theory.js";
 const MOVED = "You moved the arm: numbers were saved for where it stood and for its motion alone. The live view has them everywhere.";
 
 export class TheoryRecord {
-  // `data`: arm, visible, and theory: axes, times [s], the numbers at each, and those of the arm as it was saved.
-  constructor(view, data) {
+  // `data`: arm, and theory: axes, times [s], the numbers at each, and those of the arm as it was saved.
+  constructor(view, layers, data) {
     this.record = data.theory;
     this.theory = new Theory({
       view,
       state: { hello: data },
-      ask: ({ what, visible }) => {
-        data.visible[what] = visible;
-        this.theory.show(data.visible);
-      },
+      layers,
     });
     this.words = element("p", "", MOVED);
     $("theory-numbers").before(this.words);
     this.theory.build(data.theory.axes);
     if (data.reach) this.theory.reach.draw(data.reach);
     this.theory.switches.boxes.get("reach").hidden = !data.reach; // there is nobody to map it
-    this.theory.show(data.visible);
   }
 
   // `aside`: the arm stands as it was saved, or where somebody moved it by "hand", for which there are no numbers.

@@ -24,13 +24,17 @@ export class Switches {
     this.trace = box("Trace", "Where the tool has been on this page");
     const clear = button("", "Clear", "Begin the trace anew", () => act.clear());
     clear.setAttribute("aria-label", "Clear the trace");
+    clear.hidden = true; // until there is one
     const traced = element("span", "traced");
     traced.append(this.trace, clear);
     $("theory-layers").replaceChildren(...this.boxes.values(), traced);
     for (const [layer, label] of this.boxes) {
       label.firstChild.addEventListener("change", (event) => act.visible(layer, event.target.checked));
     }
-    this.trace.firstChild.addEventListener("change", (event) => act.trace(event.target.checked));
+    this.trace.firstChild.addEventListener("change", ({ target }) => {
+      clear.hidden = !target.checked;
+      act.trace(target.checked);
+    });
     for (const id of ["theory-joint", "theory-all"]) $(id).addEventListener("change", () => act.chosen());
   }
 
@@ -69,7 +73,7 @@ export class Switches {
   }
 
   show(layers) {
-    for (const [layer, label] of this.boxes) label.firstChild.checked = layers[layer];
+    for (const [layer, label] of this.boxes) label.firstChild.checked = Boolean(layers[layer]);
     const drawn = Object.keys(LAYERS).filter((layer) => layers[layer]);
     $("theory-legend").hidden = !drawn.some((layer) => !["labels", "reach"].includes(layer));
   }

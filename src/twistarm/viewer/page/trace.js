@@ -14,8 +14,10 @@ export class Trace {
     this.view = view;
     this.group = new THREE.Group();
     this.group.visible = false;
+    this.holder = new THREE.Group(); // of the last piece
     view.viewer.scene.add(this.group);
     this.pieces = []; // lists of points, each with a mesh in the group once it has two
+    this.piece = []; // the last of them
   }
 
   build(axes) {
@@ -26,24 +28,27 @@ export class Trace {
   clear() {
     dispose(this.group);
     this.pieces = [];
+    this.piece = [];
     this.view.viewer.set_dirty();
   }
 
   // The tool is here now.
   follow(position) {
     if (!this.group.visible) return;
-    const last = this.pieces.at(-1)?.at(-1);
+    const last = this.piece[this.piece.length - 1];
     const step = last ? last.distanceTo(position) : Infinity;
     if (step < STEP * this.size) return;
     if (step > JUMP * this.size) this.begin([]);
-    else if (this.pieces.at(-1).length === LONGEST) this.begin([last]);
-    this.pieces.at(-1).push(position.clone());
+    else if (this.piece.length === LONGEST) this.begin([last]);
+    this.piece.push(position.clone());
     this.draw();
   }
 
   begin(points) {
+    this.piece = points;
     this.pieces.push(points);
-    this.group.add(new THREE.Group());
+    this.holder = new THREE.Group();
+    this.group.add(this.holder);
     if (this.pieces.length <= MOST) return;
     this.pieces.shift();
     dispose(this.group.children[0]);
@@ -51,11 +56,10 @@ export class Trace {
   }
 
   draw() {
-    const points = this.pieces.at(-1);
+    const points = this.piece;
     if (points.length < 2) return;
-    const holder = this.group.children.at(-1);
-    dispose(holder);
+    dispose(this.holder);
     const tube = new THREE.TubeGeometry(new THREE.CatmullRomCurve3(points), 3 * points.length, 0.0032 * this.size, 6);
-    holder.add(new THREE.Mesh(tube, new THREE.MeshLambertMaterial({ color: COLOR, emissive: COLOR, emissiveIntensity: 0.4 })));
+    this.holder.add(new THREE.Mesh(tube, new THREE.MeshLambertMaterial({ color: COLOR, emissive: COLOR, emissiveIntensity: 0.4 })));
   }
 }

@@ -6,8 +6,8 @@ import { keep, kept } from "./storage.js";
 const DEGREES = 180 / Math.PI;
 const KEPT = "twistarm radians";
 const NARROW = { "°": 10, rad: 0.1, m: 0.1 }; // ranges whose ends need a digit more
-const STEPS = { "°": 1, rad: 0.01, m: 0.001 };
-const WRITTEN = { m: { m: 1, cm: 100, mm: 1000, in: 1 / 0.0254 }, rad: { rad: 1, deg: DEGREES, "°": DEGREES } }; // typed units
+const STEPS = { "°": 1, rad: 0.01, m: 0.001, 1: 0.01 };
+const WRITTEN = { m: { m: 1, cm: 100, mm: 1000, in: 1 / 0.0254 }, rad: { rad: 1, deg: DEGREES, "°": DEGREES }, 1: {} }; // typed units
 
 let radians = kept(KEPT) === "true";
 
@@ -71,5 +71,5 @@ function scale(unit) {
 }
 
 function mark(unit) {
-  return unitShown(unit) === "°" ? "°" : ` ${unit}`;
+  return { "°": "°", 1: "" }[unitShown(unit)] ?? ` ${unit}`;
 }

@@ -1,6 +1,7 @@
 // Whether the target is met, in a word and a colour, with the reason; the words of its solution are folded.
 
 import { $, element } from "./element.js";
+import { tell } from "./words.js";
 
 const REASON = "reason: "; // how a line of the words begins
 
@@ -8,7 +9,6 @@ export class Verdict {
   constructor() {
     this.place = $("target-words");
     this.missed = $("missed"); // the same in short, while another panel is in front
-    this.told = "";
   }
 
   // While a hand moves the target, it is not read aloud.
@@ -17,11 +17,9 @@ export class Verdict {
   }
 
   show(message) {
-    const words = message?.given ? `${message.met}\n${message.words}` : "";
-    if (words === this.told) return;
-    this.told = words;
     this.place.dataset.met = message?.met ?? "";
-    this.place.replaceChildren(...(words ? lines(message) : []));
+    if (message?.given) tell(this.place, [element("span", "met", message.met ? "✓ met" : "✕ not met"), ` ${inShort(message)}`], message.words.split("\n"));
+    else tell(this.place, "");
     this.missed.textContent = message?.met === false ? `✕ not met: ${inShort(message)}` : "";
   }
 }
@@ -32,14 +30,4 @@ function inShort({ words }) {
   const asked = first.slice(first.indexOf(": ") + 2); // of which arm is no news
   const reason = rest.find((line) => line.startsWith(REASON));
   return reason ? `${reason.slice(REASON.length)} · ${asked}` : asked;
-}
-
-function lines(message) {
-  const head = element("p", "first");
-  head.title = inShort(message);
-  head.append(element("span", "met", message.met ? "✓ met" : "✕ not met"), ` ${head.title}`);
-  const fold = element("details");
-  const all = message.words.split("\n").map((line) => element("p", line.startsWith(" ") ? "why" : "", line.trim()));
-  fold.append(element("summary", "", "How it was found"), ...all);
-  return [head, fold];
 }

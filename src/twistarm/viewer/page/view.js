@@ -1,7 +1,7 @@
 // The 3D view: Meshcat's viewer with our own light, floor and camera.
 
-import { dispose } from "./disposal.js";
-import { $$, styled } from "./element.js";
+import { $$ } from "./element.js";
+import { Floor } from "./floor.js";
 import { corners, covered, framed, OVER } from "./framing.js";
 import { Rim } from "./rim.js";
 
@@ -11,7 +11,19 @@ export const DIRECTION = [0.95, -1.15, 0.62];
 const NOTHING = [new THREE.Vector3(-0.5, 0, -0.5), new THREE.Vector3(0.5, 1, 0.5)]; // where nothing is drawn
 const SOON = 300; // ms until what has come to be drawn is
 
+// Call `act(renderer, scene, camera)` before every picture, whichever camera it is, and wherever it has gone.
+export function beforeRender({ viewer: { scene } }, act) {
+  const before = scene.onBeforeRender;
+  scene.onBeforeRender = (...drawn) => {
+    before.apply(scene, drawn);
+    act(...drawn);
+  };
+}
+
 export class View {
+  /** @type {any} of all that is shown [m]; undefined until it is known */ radius;
+  /** @type {InstanceType<typeof THREE.DirectionalLight>} */ sun;
+
   constructor(pane) {
     this.viewer = new MeshCat.Viewer(pane);
     // Meshcat takes the window's height for the pane's.
@@ -24,16 +36,25 @@ export class View {
     this.soon = null;
     this.rim = new Rim();
     this.onDrawn = [() => this.rim.give(this.node("/arm")), () => this.layer()]; // done with what is new
-    this.fixtures = new THREE.Group();
-    this.viewer.scene.add(this.fixtures);
     for (const name of ["Lights", "Grid", "Axes"]) this.viewer.delete_path([name]);
     this.viewer.set_property(["Background"], "visible", false);
     this.light();
+    this.free = { top: 0, bottom: 0 }; // see `covered`
+    this.follow = null; // its places are to be seen
     this.handles = null; // of the tool, where there are any: their corners(eye, height) are to be seen
     this.turned = false; // by somebody's hand
     this.viewer.controls.addEventListener("start", () => (this.turned = true));
+    if (window.parent !== window) pane.addEventListener("wheel", leaveToThePage, { capture: true });
     this.dark = matchMedia("(prefers-color-scheme: dark)");
     this.dark.addEventListener("change", () => this.furnish());
+    this.taken = []; // of the picture, by text
+    this.afterRender(() => (this.taken = []));
+    this.floor = new Floor(this);
+    beforeRender(this, (renderer, scene, camera) => {
+      if (this.radius === undefined) return;
+      this.reach(camera);
+      this.floor.measure(scene, camera);
+    });
     const room = new ResizeObserver(() => this.reframe());
     for (const each of [pane, ...$$(OVER)]) room.observe(each);
   }
@@ -73,7 +94,7 @@ export class View {
 
   // Take away what was drawn: another process may answer after a reconnection.
   clear() {
-    for (const layer of ["arm", "screws", "frames", "path", "drawn"]) this.viewer.delete_path([layer]);
+    for (const layer of ["arm", "beside", "screws", "frames", "path", "drawn"]) this.viewer.delete_path([layer]);
   }
 
   // {path: sixteen numbers, column by column}
@@ -103,10 +124,10 @@ export class View {
     return new THREE.Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
   }
 
-  // The ray of the pointer, in base axes.
+  // The ray of the pointer, in base axes; beyond the picture, that of its edge: what is dragged there stays in the picture.
   ray(event) {
     const caster = new THREE.Raycaster();
-    caster.setFromCamera(this.onScreen(event), this.viewer.camera);
+    caster.setFromCamera(this.onScreen(event).clampScalar(-1, 1), this.viewer.camera);
     return caster.ray.applyMatrix4(this.viewer.scene.matrixWorld.clone().invert());
   }
 
@@ -148,15 +169,16 @@ export class View {
 
   // There is more room than before, or less: whose view nobody has turned sees the whole arm still.
   reframe() {
+    this.free = covered(this.viewer.dom_element);
     if (this.radius === undefined || this.turned) this.viewer.set_3d_pane_size();
     else this.fit();
   }
 
-  // Look at the whole arm, and give floor and light its size.
-  fit() {
+  // Look at the whole arm, and give floor and light its size. `more`: other points (world) to be seen.
+  fit(more = []) {
     this.turned = false;
     const { camera, controls } = this.viewer;
-    const { position, target } = this.standpoint(DIRECTION);
+    const { position, target } = this.standpoint(DIRECTION, more);
     camera.position.copy(position);
     controls.target.copy(target);
     controls.update();
@@ -164,27 +186,38 @@ export class View {
   }
 
   // Where the camera must stand, and what it must look at, to see all that is shown from a direction in base axes.
-  standpoint([x, y, z]) {
-    const { scene, camera, dom_element } = this.viewer;
+  standpoint([x, y, z], swept = []) {
+    const { scene, camera, renderer, dom_element } = this.viewer;
+    this.free = covered(dom_element);
     this.viewer.set_3d_pane_size();
     scene.updateMatrixWorld(true);
+    scene.onBeforeRender(renderer, scene, camera); // what keeps its size on the screen
     const arm = corners(this.node("/arm"));
     // The tool and its way may lie away from what is drawn.
-    const beside = ["/frames/space", "/frames/tool", "/path", "/obstacles"].flatMap((path) => corners(this.node(path)));
+    const beside = ["/frames/space", "/frames/tool", "/path", "/obstacles", "/beside"].flatMap((path) => corners(this.node(path)));
     const all = [...(arm.length ? arm : NOTHING), ...beside];
     const box = new THREE.Box3().setFromPoints(all);
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
     this.radius = Math.max(radius, 1e-3);
-    this.floor = Math.min(0, box.min.y);
+    this.ground = Math.min(0, box.min.y);
     this.furnish();
     this.aim(center);
-    Object.assign(camera, { fov: 32, near: this.radius / 50, far: this.radius * 100 });
-    camera.updateProjectionMatrix();
-    const seen = ["/arm", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach", "/drawn"].flatMap((path) => corners(this.node(path), true));
+    camera.fov = 32;
+    this.reach(camera);
+    const seen = ["/arm", "/beside", "/frames", "/path", "/screws", "/solutions", "/obstacles", "/reach", "/drawn"].flatMap((path) => corners(this.node(path), true)).concat(swept);
+    const followed = [...(this.follow?.places.values() ?? [])];
     const towards = new THREE.Vector3(x, z, -y).normalize();
-    const frame = (more) => framed([...(seen.length ? seen : all), ...more], towards, camera, covered(dom_element));
+    const frame = (more) => framed([...(seen.length ? seen : all), ...followed, ...more], towards, camera, this.free);
     // Handles keep their size on the screen: from farther away they reach farther.
     return [1, 2, 3].reduce((found) => frame(this.handles?.corners(found.position, dom_element.offsetHeight) ?? []), frame([]));
+  }
+
+  // The nearest and the farthest that is drawn, for an arm of any size, seen from nearby or from far away.
+  reach(camera) {
+    const away = camera.position.distanceTo(this.viewer.controls.target);
+    camera.near = Math.min(away, 4 * this.radius) / 100;
+    camera.far = 2 * away + 20 * this.radius;
+    camera.updateProjectionMatrix();
   }
 
   aim(center) {
@@ -205,43 +238,16 @@ export class View {
 
   // Floor and grid, in the colours of the page.
   furnish() {
-    const wanted = `${this.radius} ${this.floor} ${this.dark.matches}`;
+    const wanted = `${this.radius} ${this.ground} ${this.dark.matches}`;
     if (this.radius === undefined || wanted === this.furnished) return;
     this.furnished = wanted; // thousands of lines, and a look from another side needs no others
     this.rim.show(this.dark.matches);
-    dispose(this.fixtures);
-    const cell = 10 ** Math.round(Math.log10(this.radius / 8));
-    const reach = 5 * this.radius;
-    const colour = new THREE.Color(styled("--grid"));
-    this.fixtures.add(grid(cell, reach, colour, 0.45), grid(5 * cell, reach, colour, 0.9), shade(reach));
-    this.fixtures.position.z = this.floor - 1e-4 * this.radius;
+    this.floor.lay(this.radius, this.ground);
     this.viewer.set_dirty();
   }
 }
 
-// Lines every `cell` metres that fade away towards `reach`.
-function grid(cell, reach, { r, g, b }, opacity) {
-  const count = Math.floor(reach / cell);
-  const steps = Array.from({ length: 2 * count + 1 }, (_, i) => (i - count) * cell);
-  const places = [];
-  for (const across of steps) {
-    for (const along of steps.slice(0, -1)) {
-      const [here, there] = [along, along + cell];
-      places.push([across, here], [across, there], [here, across], [there, across]);
-    }
-  }
-  const alpha = (x, y) => opacity * Math.max(0, 1 - Math.hypot(x, y) / reach) ** 1.5;
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.Float32BufferAttribute(places.flatMap(([x, y]) => [x, y, 0]), 3));
-  geometry.setAttribute("color", new THREE.Float32BufferAttribute(places.flatMap(([x, y]) => [r, g, b, alpha(x, y)]), 4));
-  const material = new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false });
-  return new THREE.LineSegments(geometry, material);
-}
-
-// A floor of which only the shadows on it are seen.
-function shade(reach) {
-  const plane = new THREE.PlaneGeometry(2 * reach, 2 * reach);
-  const floor = new THREE.Mesh(plane, new THREE.ShadowMaterial({ opacity: 0.2, depthWrite: false }));
-  floor.receiveShadow = true;
-  return floor;
+// In a frame the wheel scrolls the page around it; with Ctrl or ⌘ it zooms.
+function leaveToThePage(event) {
+  if (!event.ctrlKey && !event.metaKey) event.stopPropagation();
 }

@@ -55,7 +55,7 @@ class Collisions(Part):
     def due(self, show: Show) -> Job | None:
         """The work that what is on show calls for: the checks themselves, then the collisions of the motion."""
         if not self._ready:
-            wanted = self.scene or self._before or show.visible["collision"]
+            wanted = self.scene or self._before or "collision" in show.needed
             if self._asked or not wanted or show.arm.description is None:
                 return None
             self._asked = True
@@ -95,7 +95,7 @@ class Collisions(Part):
 
     def messages(self, show: Show) -> Iterator[Message]:
         """Shapes and obstacles as they are drawn, what collides now, and what else collides."""
-        bodies, layer = self._bodies, show.visible["collision"]
+        bodies, layer = self._bodies, "collision" in show.needed
         yield {"type": "shapes", "bodies": self.shapes}
         yield self._made("obstacles", (*bodies, self._saved), self._obstacles)
         yield self._made("collision", (*bodies, self._ready, show.theta, layer), partial(self._now, show))
@@ -150,7 +150,7 @@ class Collisions(Part):
         contacts = scene.contacts(show.theta) if scene.collides(show.theta) else ()
         links = list(dict.fromkeys(name for contact in contacts for name in contact.links))
         nearest = None
-        if show.visible["collision"] and len((found := scene.distance(show.theta)).links):
+        if "collision" in show.needed and len((found := scene.distance(show.theta)).links):
             nearest = {"points": found.points.tolist(), "metres": found.metres, "words": str(found)}
         words = [str(contact) for contact in contacts]
         return {"type": "collision", "ready": True, "links": links, "words": words, "nearest": nearest}

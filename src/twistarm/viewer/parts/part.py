@@ -46,7 +46,8 @@ class Show:
         self.extra_joints = extra_joints(arm)
         self.others = {name: rest(joint) for name, joint in self.extra_joints.items()}
         self.poses = PoseList(arm)
-        self.visible: dict[str, bool] = {}
+        self.visible: dict[str, list[Any]] = {"screws": [True, 0], "frames": [True, 0], "reach": [False, 0]}
+        self.needed: frozenset[str] = frozenset()  # of theory, collision and reach, by the pages
         self.tolerances: Mapping[str, Any] = {}
         self.path: Message = {"type": "path", **NO_PATH}
         self.playback: Playback | None = None

@@ -31,11 +31,13 @@ class Reach(Part):
 
     def __init__(self) -> None:
         self.drawn: Message | None = None
+        self._asked = False
 
-    def switched(self, what: str, show: Show) -> Job | None:
-        """A job that makes a quick map when the layer is first switched on."""
-        if what != "reach" or self.drawn is not None or not show.visible["reach"]:
+    def due(self, show: Show) -> Job | None:
+        """A job that makes a quick map, if a page needs one."""
+        if self._asked or self.drawn is not None or "reach" not in show.needed:
             return None
+        self._asked = True
         return Job("reach", "mapping the reach", partial(quick, show.arm), self._finish)
 
     def messages(self, show: Show) -> Iterator[Message]:

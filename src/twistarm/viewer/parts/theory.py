@@ -19,9 +19,6 @@ from ..scene.axes import AXIS_HALF, PITCHLESS, anchors, arm_size
 from ..scene.nodes import screw_path
 from .part import Part, Show
 
-SHOWN = ("numbers", "screw", "spatial_columns", "body_columns", "linear_ellipsoid", "angular_ellipsoid")
-"""The layers that need these numbers."""
-
 LINEAR = 0.25
 """Drawn length [m] of 1 m/s; a screw's v and the axes of the linear ellipsoid are drawn to it."""
 
@@ -47,7 +44,7 @@ class Theory(Part):
     def messages(self, show: Show) -> Iterator[Message]:
         """The joints' axes; and the numbers, where they are looked at."""
         yield self._axes
-        if any(show.visible[layer] for layer in SHOWN):
+        if "theory" in show.needed:
             if show.theta is not self._theta:
                 self._moved = self._which_moved(show)
                 self._theta = show.theta
@@ -119,7 +116,9 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
         "spatial": J_s.tolist(),
         "body": J_b.tolist(),
         "hybrid": hybrid.tolist(),
-        "axes": None if _uncoupled(arm) else _screws(poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)),
+        "axes": None
+        if np.array_equal(arm.coupling.A, np.eye(arm.n))
+        else _screws(poe.spatial_jacobian(arm.screws, arm.coupling.A @ theta)),
         "columns": _screws(J_s),
         "motion": None if rates is None or not np.any(rates) else _moving(J_s @ rates, hybrid[:3] @ rates),
         **_singularity(arm, theta),
@@ -171,11 +170,6 @@ def _screws(columns: Array) -> dict[str, list[Any]]:
         "pitch": [None if np.isinf(pitch) else pitch for pitch in pitches],
         "magnitude": screw.magnitude.tolist(),
     }
-
-
-def _uncoupled(arm: Arm) -> bool:
-    A = arm.coupling.A
-    return A.shape == (arm.n, arm.n) and bool((np.eye(arm.n) == A).all())
 
 
 def standing(found: Manipulability, rank: int, below: float) -> str:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 from ...arm.arm import Arm
@@ -12,6 +14,9 @@ from . import drawing
 from .axes import arm_size, draw_rods, draw_screws
 from .links import Drawn, Source, count_meshes, draw_meshes, draw_plain, lost_meshes
 from .nodes import link_path
+
+BESIDE = "/beside"
+"""The node that carries all of a second arm."""
 
 
 class Scene:
@@ -22,17 +27,25 @@ class Scene:
     with more triangles than a screen shows are simplified unless `exact`. `simplified`: whether any was. `reader`: the
     reader of the meshes, which knows their lengths.
 
+    `live` are the objects of a second arm `beside`, below its node. Saved pages leave them out.
+
     An unreadable mesh is reported. A frame and simple shapes replace it: the link's collision shapes, or capsules from
     its origin to the joints that it carries. An arm without a description is drawn as rods between points of its axes.
     """
 
-    def __init__(self, arm: Arm, exact: bool = False, known: Mapping[Source, Drawn] | None = None) -> None:
+    def __init__(
+        self,
+        arm: Arm,
+        exact: bool = False,
+        known: Mapping[Source, Drawn] | None = None,
+        beside: Arm | None = None,
+    ) -> None:
         """known: drawn meshes, which are not read again."""
         drawing.require_meshcat()
         self._known = dict(known or {})
         self.exact, self.simplified = exact, False
-        self._description, self._size = arm.description, arm_size(arm)
-        self.objects = [*draw_screws(arm), *_frames(self._size)]
+        self._description, self._size, self._beside = arm.description, arm_size(arm), beside
+        self.objects = [*draw_screws(arm), *_frames(self._size), *_plain(arm)]
         self.links: dict[str, str] = {}
         self.notes: tuple[str, ...] = ()
         self.live: frozenset[bytes] = frozenset()
@@ -42,12 +55,12 @@ class Scene:
         self._meshes: Iterator[Drawn]
         self.reader = self._reading = MeshReader()
         self._turn, self._lock = threading.Lock(), threading.Lock()
-        if arm.description is None:
-            self.objects += draw_rods(arm)
-        else:
-            self.objects += draw_plain(arm.description, self._size)
+        if arm.description is not None:
             self.links = {name: link_path(name) for name in arm.description.links}
             self.notes = lost_meshes(arm.description)
+        if beside is not None:
+            self._draw_live([drawing.below(BESIDE, each) for each in _plain(beside)])
+            self.notes += () if beside.description is None else lost_meshes(beside.description)
         self.plain = len(self.objects)
         self._begin()
 
@@ -55,9 +68,13 @@ class Scene:
         self.left, self._meshes, self.reader = 0, iter(()), MeshReader()
         if self._description is not None:
             self.left = count_meshes(self._description)
-            if self.left:
-                self.reader.begin()
             self._meshes = draw_meshes(self._description, self._size, self.exact, self._known, self.reader)
+        if self._beside is not None and (other := self._beside.description) is not None:
+            self.left += count_meshes(other)
+            pieces = draw_meshes(other, arm_size(self._beside), self.exact, {}, self.reader)
+            self._meshes = chain(self._meshes, map(_below, pieces))
+        if self.left:
+            self.reader.begin()
 
     def successor(self, arm: Arm) -> Scene:
         """The scene of another arm. Unchanged files are not read again."""
@@ -97,10 +114,9 @@ class Scene:
         self.notes = (*(each for each in self.notes if each != self._laid), note)
         self._laid = note
 
-    def draw_live(self, drawn: list[bytes]) -> None:
-        """Draw objects that only live pages move. Saved pages leave them out."""
+    def _draw_live(self, drawn: Iterable[bytes]) -> None:
         self.objects += drawn
-        self.live = frozenset(drawn)
+        self.live |= {*drawn}
 
     def close(self) -> None:
         """Stop drawing, and stop reading the current mesh. From any thread."""
@@ -115,6 +131,8 @@ class Scene:
         for place in self._places.get(piece.node, ()):
             self.objects[place] = b""
         self._places[piece.node] = range(len(self.objects), len(self.objects) + len(piece.objects))
+        if piece.node.startswith(BESIDE):
+            return self._draw_live(piece.objects)
         self._pieces[piece.node] = piece
         self.objects += piece.objects
 
@@ -138,3 +156,13 @@ class Scene:
 
 def _frames(size: float) -> list[bytes]:
     return [*drawing.triad("/frames/space", 0.16 * size), *drawing.axes("/frames/tool", 0.11 * size)]
+
+
+def _plain(arm: Arm) -> list[bytes]:
+    return draw_rods(arm) if arm.description is None else draw_plain(arm.description, arm_size(arm))
+
+
+def _below(piece: Drawn) -> Drawn:
+    """A mesh of the second arm, below its node."""
+    drawn = tuple(drawing.below(BESIDE, each) for each in piece.objects)
+    return replace(piece, node=BESIDE + piece.node, objects=drawn)

@@ -64,20 +64,20 @@ def draw_screws(arm: Arm) -> list[bytes]:
     return drawn
 
 
-def draw_rods(arm: Arm, root: str = "/arm", colour: Colour = STICK) -> list[bytes]:
+def draw_rods(arm: Arm) -> list[bytes]:
     """Rods between axes at theta = 0, each in its joint's node, and a rail under each slide."""
     size = arm_size(arm)
     points = [np.zeros(3), *anchors(arm), arm.home[:3, 3]]
-    paths = [f"{root}/rod:base", *(rod_path(i, root) for i in range(arm.screws.shape[1]))]
+    paths = ["/arm/rod:base", *(rod_path(i) for i in range(arm.screws.shape[1]))]
     drawn: list[bytes] = []
     for path, start, end in zip(paths, points[:-1], points[1:], strict=True):
-        drawn.append(drawing.sphere(f"{path}/origin", 0.02 * size, colour, drawing.at(start)))
+        drawn.append(drawing.sphere(f"{path}/origin", 0.02 * size, STICK, drawing.at(start)))
         if np.linalg.norm(end - start) > 1e-3 * size:
-            drawn.append(drawing.rod(f"{path}/rod", start, end, 0.012 * size, colour))
+            drawn.append(drawing.rod(f"{path}/rod", start, end, 0.012 * size, STICK))
     lower, upper = (np.clip(arm.coupling.A @ bound, -size, size) for bound in arm.sampling_bounds)
     for i, kind in enumerate(screw_kinds(arm)):
         if slides(kind):
             axis = to_screw(arm.screws[:, i]).axis
             ends = points[i + 1] + lower[i] * axis, points[i + 1] + upper[i] * axis
-            drawn.append(drawing.rod(f"{paths[i]}/rail", *ends, 0.006 * size, colour))
+            drawn.append(drawing.rod(f"{paths[i]}/rail", *ends, 0.006 * size, STICK))
     return drawn

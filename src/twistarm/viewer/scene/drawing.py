@@ -50,6 +50,14 @@ def removed(path: str) -> bytes:
     return _packed({"type": "delete", "path": path})
 
 
+def below(root: str, message: bytes) -> bytes:
+    """The packed message with its node below the node `root`."""
+    import umsgpack
+
+    content = umsgpack.unpackb(message)
+    return _packed({**content, "path": root + content["path"]})
+
+
 def transform(path: str, matrix: Array) -> bytes:
     """The packed message that puts the node `path` at the pose `matrix` (4, 4)."""
     return _packed({"type": "set_transform", "path": path, "matrix": columns(matrix)})

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...arm.arm import Arm
+from ...description.inertial import bodies
 from ...description.tree import Description
 from ...support.checks import Array
 from ...theory.screws import transform_twist
@@ -22,7 +23,8 @@ def kinematics(arm: Arm, others: Sequence[str]) -> dict[str, Any]:
     Coordinates x are theta, then the joints beside the chain named `others`. Joint j has the next joint toward the root
     as `parent` (or null). It maps to space E_j = E_parent · exp(ξ_j c·x). `terms` [i, c_i] hold the nonzero c, and the
     space twist `screw` is ξ_j (MLS §3.2). The pose of node k is E_base⁻¹ · E_j · `rest` (by columns) with j its
-    `joint`. E_base belongs to the joint `base`, and is 1 if no joint carries the base.
+    `joint`. E_base belongs to the joint `base`, and is 1 if no joint carries the base. `tree` has each link's parent
+    and the box of its inertia: edges, and its matrix in the link's node.
     """
     if arm.description is None:
         return _chain(arm)
@@ -48,13 +50,16 @@ class _Tree:
         self._column = {name: i for i, name in enumerate(coordinates)}
         self._carrier = {joint.child: joint for joint in description.joints.values()}
         scalar = [joint for joint in description.joints.values() if joint.scalar]
-        self._order = {joint.name: i for i, joint in enumerate(sorted(scalar, key=lambda it: self._depth(it.child)))}
+        self._order = {
+            joint.name: i for i, joint in enumerate(sorted(scalar, key=lambda it: len([*self._way(it.child)])))
+        }
 
     def described(self) -> dict[str, Any]:
         arm = self._arm
         screws = [_node(self._order[name], np.eye(4)) for name in arm.moving_names]
         return {
             "base": self._above(arm.base),
+            "tree": self._tree(),
             "joints": [self._joint(name) for name in self._order],
             "nodes": {
                 **{link_path(name): _node(self._above(name), self._rest[name]) for name in self._description.links},
@@ -62,6 +67,12 @@ class _Tree:
                 TOOL: _node(self._above(arm.tip_link), self._rest[arm.tip]),
             },
         }
+
+    def _tree(self) -> dict[str, Any]:
+        boxes = {name: body.box for name, body in bodies(self._description).items()}
+        drawn = {name: {"edges": a.tolist(), "matrix": g.T.ravel().tolist()} for name, (a, g) in boxes.items()}
+        parent = {name: joint.parent for name, joint in self._carrier.items()}
+        return {name: {"parent": parent.get(name), "inertia": drawn.get(name)} for name in self._description.links}
 
     def _joint(self, name: str) -> dict[str, Any]:
         joint = self._description.joints[name]
@@ -74,9 +85,6 @@ class _Tree:
     def _above(self, link: str) -> int | None:
         """The joint that moves `link`: the nearest on the way to the root."""
         return next((self._order[joint] for joint in self._way(link) if joint in self._order), None)
-
-    def _depth(self, link: str) -> int:
-        return sum(1 for _ in self._way(link))
 
     def _way(self, link: str) -> Iterator[str]:
         while (joint := self._carrier.get(link)) is not None:

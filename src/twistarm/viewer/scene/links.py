@@ -77,9 +77,7 @@ def draw_meshes(
 ) -> Iterator[Drawn]:
     """Draw each mesh in its link's node.
 
-    Each file is read once, and its fault reported once.
-
-    Meshes in `known`, drawn before from the same source, are not read.
+    Each file is read once, and its fault reported once. Meshes in `known`, drawn from the same source, are not read.
 
     Unless `exact`, an arm of more than TRIANGLES is simplified to about that many. Each file keeps its share by bytes.
     """

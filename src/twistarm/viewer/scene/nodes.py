@@ -20,6 +20,6 @@ def screw_path(i: int) -> str:
     return f"/screws/screw:{i}"
 
 
-def rod_path(i: int, root: str = "/arm") -> str:
+def rod_path(i: int) -> str:
     """The node of what moves with joint i, where there are no links."""
-    return f"{root}/rod:{i}"
+    return f"/arm/rod:{i}"

@@ -1,4 +1,4 @@
-"""Poses of all moving nodes at a configuration: one matrix for each node. Another arm beside it follows."""
+"""Poses of all moving nodes at a configuration: one matrix for each node."""
 
 from __future__ import annotations
 
@@ -13,43 +13,14 @@ from ...ik import IKResult
 from ...support.checks import Array
 from ...theory.rotations import to_rpy
 from ...theory.screws import exp
-from .axes import draw_rods
-from .drawing import BLUE, Colour
 from .nodes import link_path, rod_path, screw_path
-
-ROOT = "/beside"
-FAINT: Colour = (*BLUE[:3], 0.35)
-
-
-class Beside:
-    """The other arm's rods, and where they are.
-
-    Its turning joints follow the turning joints of `leader` in order, and its slides the slides, inside its limits. Its
-    other joints keep its ready pose.
-    """
-
-    def __init__(self, arm: Arm, leader: Arm) -> None:
-        self.arm, self.objects = arm, draw_rods(arm, ROOT, FAINT)
-        pairs = [
-            pair
-            for unit in ("rad", "m")
-            for pair in zip(*(np.flatnonzero(np.array(each.units) == unit) for each in (arm, leader)), strict=False)
-        ]
-        self._own, self._its = np.array(pairs, dtype=int).reshape(-1, 2).T
-
-    def transforms(self, theta: Array) -> dict[str, list[float]]:
-        """The matrix of each node by columns, where the leader is at theta."""
-        x = self.arm.ready.copy()
-        x[self._own] = theta[self._its]
-        x = np.clip(x, self.arm.limits.lower, self.arm.limits.upper)
-        return {rod_path(i, ROOT): g.T.ravel().tolist() for i, g in enumerate(carried(self.arm, x))}
 
 
 class Placement:
     """What all frames of one arm share: node names and link poses at rest."""
 
-    def __init__(self, arm: Arm, beside: Beside | None = None) -> None:
-        self.arm, self._beside = arm, beside
+    def __init__(self, arm: Arm) -> None:
+        self.arm = arm
         self._links = () if arm.description is None else tuple(arm.description.links)
         m = arm.screws.shape[1]
         rods = [rod_path(i) for i in range(m)] if arm.description is None else []
@@ -73,12 +44,11 @@ class Placement:
         moved = carried(self.arm, theta)
         rods = moved if self.arm.description is None else moved[:0]
         stacked = np.array([*(poses[name] for name in self._links), *moved, *rods, g_st])
-        beside = {} if self._beside is None else self._beside.transforms(theta)
         columns = stacked.transpose(0, 2, 1).reshape(-1, 16).tolist()
         return {
             "theta": theta.tolist(),
             "others": dict(others),
-            "transforms": dict(zip(self._paths, columns, strict=True)) | beside,
+            "transforms": dict(zip(self._paths, columns, strict=True)),
             "tool": {"position": g_st[:3, 3].tolist(), "rpy": to_rpy(g_st[:3, :3]).tolist()},
         }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future, wait
 from contextlib import suppress
 from functools import partial
@@ -23,7 +23,7 @@ from ..protocol.messages import Message, Request, failure, number_of, parse
 from ..scene.arm_scene import Scene
 from ..stage import Stage
 from ..state_transfer import carry
-from .access import Authentication, bind
+from .access import LOOPBACK, Authentication, bind
 from .driver import COMMANDS, Driver, PageCommands
 from .handlers import SocketHandler, application
 from .memory import Memory
@@ -61,6 +61,7 @@ class Server:
         self._applied = 0.0
         self.names = (f"page {number}" for number in count(1))  # each page is a separate sender of commands
         self._jobs: dict[str, float | None] = {}
+        self._needs: dict[str, set[str]] = {}  # by page
         self._adopt(stage, scene)
         self._workers = Workers(self._deliver, self._show_job)
         self._player: asyncio.Task[None] | None = None
@@ -70,6 +71,8 @@ class Server:
     def _adopt(self, stage: Stage, scene: Scene) -> None:
         """Make this the arm on show, and make everything that belongs to one arm."""
         self.stage, self.scene = stage, scene
+        if self.authentication.host in LOOPBACK:
+            stage.keeping.offer(stage.arm)
         self.commands.arm = stage.arm
         self.show_choice()
         self.driver = Driver(stage, self.commands, self.post)
@@ -192,8 +195,7 @@ class Server:
         self._adopt(stage, scene)
         self._start_examination()
         self._draw_meshes()
-        if (job := stage.reach.switched("reach", stage)) is not None:
-            self._workers.submit(job)
+        self._submit(stage.reach.due(stage))
         texts = self.state()
         for client in self.clients:
             client.begin(texts)
@@ -257,27 +259,40 @@ class Server:
             if request.fields["on"] != self.scene.exact:
                 self.scene.draw_again(request.fields["on"])
                 self._draw_meshes()
-        elif (job := self.stage.handle(request, time.monotonic())) is not None:
-            self._workers.submit(job)
+        elif request.kind == "needs":
+            self._need(sender, request.fields)
+        else:
+            self._submit(self.stage.handle(request, time.monotonic()))
         self.publish()
+
+    def _submit(self, job: Job | None) -> None:
+        if job is not None:
+            self._workers.submit(job)
+
+    def _need(self, sender: str, needs: Mapping[str, bool]) -> None:
+        """Make what a page needs, as long as one does."""
+        self._needs[sender] = {name for name, needed in needs.items() if needed}
+        self.stage.needed = frozenset().union(*self._needs.values())
+        self._submit(self.stage.reach.due(self.stage))
 
     def show_choice(self) -> None:
         """Show the servo's behaviour where the arm cannot follow, and whether pages may choose it."""
         self.stage.show_choice(self.commands.on_unreachable, self.commands.free)
 
     def leave(self, sender: str) -> None:
-        """Forget a page that has gone. After the last page, end Drive and stop computing the numbers."""
+        """Forget a page that has gone, and what it needs. After the last page, end Drive."""
         self.commands.refuse(sender, "its page has gone")
         if not self.clients:
             self.driver.stop()
-            self.stage.set_visible("numbers", False)
+        self._need(sender, {})
+        del self._needs[sender]
 
     def publish(self) -> None:
         """Send the latest changes to every page, and keep a motion going."""
         if self.clients:
             self._send_changes()
-            if not self.scene.left and (job := self.stage.collisions.due(self.stage)) is not None:
-                self._workers.submit(job)
+            if not self.scene.left:
+                self._submit(self.stage.collisions.due(self.stage))
         self._keep_poses()
         if self.stage.moving and (self._player is None or self._player.done()):
             self._player = self._loop.create_task(self._play())

@@ -25,7 +25,7 @@
         ].join("\n");
         return { numbers, words: `Frame B, turned by ${n.order} angles ${alpha}, ${beta}, ${gamma} degrees` };
       }, true);
-      bench.number("alpha", `α about ${n.order[0].toLowerCase()}`, -180, 180, 5, "°", n.alpha);
+      bench.plays(bench.number("alpha", `α about ${n.order[0].toLowerCase()}`, -180, 180, 5, "°", n.alpha));
       bench.number("beta", `β about ${n.order[1].toLowerCase()}′`, proper ? 0 : -90, proper ? 180 : 90, 5, "°", n.beta);
       bench.number("gamma", `γ about ${n.order[2].toLowerCase()}″`, -180, 180, 5, "°", n.gamma);
       return bench;
@@ -52,7 +52,7 @@
         ].join("\n");
         return { numbers, words: `Frame B, turned by ${angle} degrees about an axis` };
       }, true);
-      bench.number("angle", "angle θ", -360, 360, 5, "°", n.angle);
+      bench.plays(bench.number("angle", "angle θ", -360, 360, 5, "°", n.angle));
       bench.number("round", "axis: round", -180, 180, 5, "°", atan2(y, x) / RAD);
       bench.number("up", "axis: up", -90, 90, 5, "°", Math.asin(z) / RAD);
       return bench;
@@ -75,7 +75,7 @@
         const numbers = [`v   ${row(v)}`, `ω   ${row(w)}`, "", matrix("g", [...g, [0, 0, 0, 1]]), "", `along the axis ${text(dot(p, w))} m`].join("\n");
         return { numbers, words: `A frame moved by ${angle} degrees along a screw of pitch ${pitch}` };
       }, true);
-      bench.number("angle", "θ", -360, 720, 10, "°", n.angle);
+      bench.plays(bench.number("angle", "θ", -360, 720, 10, "°", n.angle));
       bench.number("pitch", "pitch h", -0.2, 0.2, 0.02, " m/rad", n.pitch);
       bench.number("x", "axis at x", -1, 1, 0.1, " m", n.point[0]);
       bench.number("y", "axis at y", -1, 1, 0.1, " m", n.point[1]);
@@ -127,6 +127,7 @@
       }, true);
       bench.choice("type", "joint", Object.keys(TYPES), n.type);
       const rows = [0, 1, 2].map((i) => bench.number(`q${i}`, "", -1, 1, 0.02, "", i ? 0.2 : 0.3));
+      bench.plays(rows[0]);
       return bench;
     },
   };

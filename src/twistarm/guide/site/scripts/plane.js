@@ -8,7 +8,7 @@
 
   function links(bench, n) {
     bench.scale = 115 / (n.l1 + n.l2);
-    bench.number("theta1", "θ₁", -180, 180, 1, "°", n.theta1);
+    bench.plays(bench.number("theta1", "θ₁", -180, 180, 1, "°", n.theta1));
     bench.number("theta2", "θ₂", -180, 180, 1, "°", n.theta2);
   }
 

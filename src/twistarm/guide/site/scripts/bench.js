@@ -2,7 +2,7 @@
 "use strict";
 
 (() => {
-  const { RAD, ORIGIN, add, times, columns } = window.guide.numbers;
+  const { Eye, player, numbers: { RAD, ORIGIN, add, times, columns } } = window.guide;
   const { cos, sin, hypot, abs } = Math;
   const SVG = "http://www.w3.org/2000/svg";
   const COLOURS = { x: "orange", y: "green", z: "blue" };
@@ -36,8 +36,7 @@
       const bench = element("div", { className: "bench" }, this.controls, this.svg, this.numbers);
       stage.append(bench);
       stage.classList.add("live");
-      this.eye = -55;
-      this.inSpace = turns;
+      if (turns) this.eye = new Eye(this.svg, -55, 22, () => this.show());
     }
 
     // A number to slide: its name, from, to, step, unit.
@@ -73,31 +72,16 @@
       this.controls.append(element("label", { className: "box" }, input, element("span", { textContent: name })));
     }
 
-    // The eye goes round by its own slider, and by dragging the drawing.
-    turns() {
-      const label = this.number("eye", "seen from", -180, 180, 5, "°", this.eye);
-      const input = label.querySelector("input");
-      this.svg.classList.add("turns");
-      let last = null;
-      this.svg.addEventListener("pointerdown", (event) => { last = event.clientX; this.svg.setPointerCapture(event.pointerId); });
-      this.svg.addEventListener("pointermove", (event) => {
-        if (last === null) return;
-        let eye = Number(input.value) - (event.clientX - last) * 0.7;
-        eye = eye > 180 ? eye - 360 : eye < -180 ? eye + 360 : eye;
-        last = event.clientX;
-        input.value = String(eye);
-        input.dispatchEvent(new Event("input"));
-      });
-      for (const end of ["pointerup", "pointercancel"]) this.svg.addEventListener(end, () => { last = null; });
+    // A button that plays what the label's input scrubs.
+    plays(label, seconds = 4) {
+      const row = element("div", { className: "plays" });
+      label.replaceWith(row);
+      row.append(player(label.querySelector("input"), seconds), label);
     }
 
-    // Where a point in space is drawn: from 22° above, from the side of `eye`.
-    at([x, y, z]) {
-      const eye = (this.values.eye ?? this.eye) * RAD;
-      const high = 22 * RAD;
-      const right = -sin(eye) * x + cos(eye) * y;
-      const away = cos(eye) * x + sin(eye) * y;
-      return [this.scale * right, -this.scale * (cos(high) * z - sin(high) * away)];
+    // Where a point in space is drawn.
+    at(point) {
+      return times(this.scale, this.eye.look()(point));
     }
 
     line(points, colour, more = {}) {
@@ -151,11 +135,6 @@
       [ORIGIN, elbow].forEach((each) => this.dot(at(each), "sky", 5));
       this.dot(at(tool), edges ? "blue" : colour, 5);
       return tool;
-    }
-
-    start() {
-      if (this.inSpace) this.turns();
-      this.show();
     }
 
     show() {

@@ -3,5 +3,5 @@
 
 for (const stage of document.querySelectorAll("[data-slider]:not(.live)")) {
   const slider = { ...window.guide.space, ...window.guide.plane }[stage.dataset.slider];
-  slider?.(stage, JSON.parse(stage.dataset.numbers)).start();
+  slider?.(stage, JSON.parse(stage.dataset.numbers)).show();
 }

@@ -1,0 +1,64 @@
+// The layers of this page, kept for its tab. A program may switch some of them on all pages.
+
+import { keep, kept } from "./storage.js";
+
+const FIRST = { screws: true, frames: true, path: true, collision: false, reach: false };
+const DRAWN = ["screws", "frames", "path", "collision"]; // nodes of the scene
+const NUMBERS = ["screw", "spatial_columns", "body_columns", "linear_ellipsoid", "angular_ellipsoid"];
+const KEPT = "twistarm layers";
+
+export class Layers {
+  // `act` holds shown(layers) for each change and, where there is a process, need(what) of what it makes for them.
+  constructor(view, act) {
+    this.view = view;
+    this.act = act;
+    this.wanted = { theory: false, collision: false }; // beside what the layers need
+    this.needed = "";
+    this.on = FIRST;
+    this.told = {}; // by the program: [on, how often it has switched it]
+    if (act.need) Object.assign(this, JSON.parse(kept(KEPT, { session: true }) ?? "{}"));
+    this.messages = { visible: ({ type, ...told }) => this.take(told) };
+  }
+
+  hello() {
+    this.needed = "";
+    this.show({});
+  }
+
+  // What the program says anew.
+  take(told) {
+    const anew = Object.entries(told).filter(([layer, each]) => String(each) !== String(this.told[layer]));
+    this.told = told;
+    this.show(Object.fromEntries(anew.map(([layer, [on]]) => [layer, on])));
+  }
+
+  show(changed) {
+    this.on = { ...this.on, ...changed };
+    if (this.act.need) keep(KEPT, JSON.stringify({ on: this.on, told: this.told }), { session: true });
+    for (const layer of DRAWN) this.view.setVisible(layer, Boolean(this.on[layer]));
+    this.act.shown(this.on);
+    this.ask();
+  }
+
+  want(name, on) {
+    this.wanted[name] = on;
+    this.ask();
+  }
+
+  ask() {
+    const { on } = this;
+    const theory = this.wanted.theory || NUMBERS.some((layer) => on[layer]);
+    const needed = { theory, collision: this.wanted.collision || on.collision, reach: on.reach };
+    if (JSON.stringify(needed) === this.needed) return;
+    this.needed = JSON.stringify(needed);
+    this.act.need?.(needed);
+  }
+
+  remembered() {
+    return this.on;
+  }
+
+  recall(on) {
+    this.show(on);
+  }
+}

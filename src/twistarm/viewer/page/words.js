@@ -1,0 +1,35 @@
+// What the page says takes two lines at most. The rest of a long text, and what stands behind it, is in one fold.
+
+import { element } from "./element.js";
+
+const said = new WeakMap();
+const room = new ResizeObserver((heads) => heads.forEach(({ target }) => fit(target)));
+
+// `short` says it, a text or elements, and the lines of `more` are in the fold. An empty text empties the place.
+export function tell(place, short, more = []) {
+  const head = element("span", "short");
+  head.append(...[short].flat());
+  const told = [head.textContent, ...more].join("\n");
+  if (said.get(place) === told) return;
+  said.set(place, told);
+  const open = place.querySelector("details")?.open ?? false;
+  if (!told) return place.replaceChildren();
+  const fold = element("details", more.length > 0 ? "words more" : "words");
+  const summary = element("summary");
+  summary.append(head);
+  fold.append(summary, ...more.map((line) => element("p", line.startsWith(" ") ? "why" : "", line.trim())));
+  fold.open = open && more.length > 0;
+  fold.addEventListener("toggle", () => fit(head));
+  place.replaceChildren(fold);
+  fit(head);
+  room.observe(head);
+}
+
+// There is a fold where something is in it.
+function fit(head) {
+  const fold = head.closest("details");
+  if (!fold || fold.open) return;
+  const long = fold.classList.contains("more") || head.scrollHeight > head.clientHeight + 1;
+  fold.classList.toggle("whole", !long);
+  head.parentElement.tabIndex = long ? 0 : -1;
+}

@@ -1,0 +1,62 @@
+"""A pose that a page has written into the arm's own arm.toml."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from functools import partial
+from pathlib import Path
+
+from ...arm.arm import Arm
+from ...arm.loading.load import load_arm
+from ...description.companions.arm_file import read_arm_file
+from ...description.companions.arm_file_poses import write_pose
+from ...support.checks import Array
+from ...support.errors import InputError
+from ...support.files import as_path, is_file
+from ..protocol.jobs import Job, Progress
+from ..protocol.messages import Message, Request
+from .limit_checks import checked_theta
+from .part import Part, Show
+
+
+class Keeping(Part):
+    """Writes poses if the server offers the file of the arm, which it does on this computer alone."""
+
+    requests = frozenset({"keep_pose"})
+
+    def __init__(self) -> None:
+        self._message: Message = {"type": "keeping", "file": None, "names": []}
+        self._file: Path | None = None
+
+    def offer(self, arm: Arm) -> None:
+        """Let pages write into the arm.toml that `arm` was loaded from, if there is one."""
+        path = as_path(arm.source)
+        if path.suffix == ".toml" and is_file(path):
+            self._file = path.resolve()
+            self._tell(read_arm_file(self._file).poses)
+
+    def _tell(self, names: Iterable[str]) -> None:
+        self._message = {"type": "keeping", "file": str(self._file), "names": list(names)}
+
+    def handle(self, request: Request, show: Show, now: float) -> Job:
+        """Write a pose in a thread. InputError if no file is offered."""
+        if self._file is None:
+            raise InputError("no arm.toml is written from this page: copy the lines into it")
+        name, theta = request.fields["name"].strip(), checked_theta(show.arm, request.fields["theta"])
+        if not name:
+            raise InputError("a pose needs a name, such as stowed")
+        work = partial(_written, self._file, show.arm, name, theta, request.fields["replace"])
+        return Job("keep_pose", "writing the pose", work, self._tell)
+
+    def messages(self, show: Show) -> Iterator[Message]:
+        """The file that is offered, and the names of its poses."""
+        yield self._message
+
+
+def _written(file: Path, arm: Arm, name: str, theta: Array, replace: bool, progress: Progress) -> list[str]:
+    """Write the pose if the file by itself gives an arm that takes it. Returns the names of all poses."""
+    alone = load_arm(file)
+    if alone.joint_names != arm.joint_names or not alone.limits.contains(theta):
+        raise InputError(f"{file} by itself is an arm with other joints or limits: the pose would not fit there")
+    write_pose(file, name, arm.theta_to_dict(theta), replace=replace)
+    return list(read_arm_file(file).poses)
