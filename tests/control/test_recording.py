@@ -32,6 +32,7 @@ def recorded(rover, robot, stream, tmp_path):
 
             report = stream(sink=recorder, feedback=robot, on_cycle=each, **options)
             assert not file.exists()
+        recorder.close()  # harmless when repeated
         assert os.listdir(tmp_path) == ["run.mcap"]
         return report, messages_of(file), file
 

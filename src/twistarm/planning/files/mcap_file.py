@@ -68,23 +68,17 @@ class Bag(Closeable):
             joints = arm.description.joints.values()
             self._links = {arm.tip: arm.tip_link} | {joint.child: joint.parent for joint in joints}
             reliable, latched = ros.QosReliability.RELIABLE, ros.QosDurability.TRANSIENT_LOCAL
-            ever = [ros.QosTime(9223372036, 854775807)] * 2
-            how = ros.Qos(
-                ros.QosHistory.KEEP_LAST, 1, reliable, latched, *ever, ros.QosLiveliness.AUTOMATIC, ever[0], False
-            )
-            self.add(
-                "/robot_description",
-                time,
-                TEXT,
-                without_places(arm.description.text, arm.description.path),
-                qualities=(how,),
-            )
+            ever, alive = ros.QosTime(9223372036, 854775807), ros.QosLiveliness.AUTOMATIC
+            how = ros.Qos(ros.QosHistory.KEEP_LAST, 1, reliable, latched, ever, ever, alive, ever, False)
+            text = without_places(arm.description.text, arm.description.path)
+            self.add("/robot_description", time, TEXT, text, qualities=(how,))
 
     def close(self) -> None:
         """Put the complete file in its place."""
-        with self._folder as folder:
-            self._writer.close()
-            write_whole(self._target, Path(folder) / "bag" / "bag.mcap")
+        if os.path.exists(self._folder.name):
+            with self._folder as folder:
+                self._writer.close()
+                write_whole(self._target, Path(folder) / "bag" / "bag.mcap")
 
     def of(self, kind: str, *fields: Any) -> Any:
         """A message, or a part of one, with its fields in order."""
@@ -108,9 +102,8 @@ class Bag(Closeable):
         g = inverse_of(above) @ below
         quaternions = to_xyzw(g[:, :3, :3]).tolist()
         for (child, parent), p, q in zip(self._links.items(), g[:, :3, 3].tolist(), quaternions, strict=True):
-            pose = self.of(
-                f"{GEOMETRY}Transform", self.of(f"{GEOMETRY}Vector3", *p), self.of(f"{GEOMETRY}Quaternion", *q)
-            )
+            place = self.of(f"{GEOMETRY}Vector3", *p), self.of(f"{GEOMETRY}Quaternion", *q)
+            pose = self.of(f"{GEOMETRY}Transform", *place)
             transforms.append(self.of(f"{GEOMETRY}TransformStamped", self._header(time, parent), child, pose))
         self.add("/tf", time, "tf2_msgs/msg/TFMessage", transforms)
 
@@ -130,8 +123,7 @@ class Bag(Closeable):
 def mcap_bytes(trajectory: Trajectory, arm: Arm, dt: float) -> bytes:
     """Return the content of the file that `Trajectory.to_mcap` writes."""
     if require_arm(arm).joint_names != trajectory.joint_names:
-        moved, known = map(listed, (trajectory.joint_names, arm.joint_names))
-        raise InputError(f"the motion has the joints {moved}, and {arm.name} {known}: give the motion's arm")
+        raise InputError(f"{arm.name} has other joints than {listed(trajectory.joint_names)}: give the motion's arm")
     points = list(zip(*trajectory.sample(dt), strict=True))
     with TemporaryDirectory(prefix="twistarm-") as folder:
         file = Path(folder) / "motion.mcap"
@@ -153,9 +145,8 @@ def read_mcap(arm: Arm, file: Path) -> Points:
         with rosbag2.Reader(file) as reader:
             message = _motion(arm, reader, store)
     except Exception as error:  # damaged files raise errors of any type in rosbags
-        why = one_line(str(error) or repr(error))
-        remedy = "a recording that was cut off is repaired by `mcap recover`"
-        raise InputError(f"cannot read {file} as an MCAP file of ROS 2: {why}; {remedy}") from error
+        why = f"{one_line(str(error) or repr(error))}; `mcap recover` repairs a recording that was cut off"
+        raise InputError(f"cannot read {file} as an MCAP file of ROS 2: {why}") from error
     if not message["points"]:
         raise InputError(f"{file} holds neither one JointTrajectory nor joint states of {listed(arm.joint_names)}")
     return points_in(arm, message, str(file))
