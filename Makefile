@@ -7,10 +7,12 @@ BIN := $(VENV)/bin
 # What `make test-pythons` runs. One that is not installed is a failure, but with ALLOW_MISSING=1.
 PYTHONS ?= 3.10 3.11 3.12 3.13
 PYENV_ROOT ?= $(HOME)/.pyenv
+# What is compiled follows its sources.
+CORE := $(shell find core -path core/tests -prune -o -type f -print)
 # Tests start hundreds of programs: what Python has compiled once is kept, wherever that is switched off.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo guide test test-all test-pythons docs pictures bench lint lint-page format coverage dist wheels clean
+.PHONY: demo guide test test-all test-pythons test-ros test-ros-here docs pictures bench lint lint-page format coverage dist wheels clean
 
 demo: $(VENV)/base
 	$(BIN)/twistarm demo
@@ -41,6 +43,21 @@ test-pythons:
 	    echo "== Python $$version is not installed"; [ -n "$(ALLOW_MISSING)" ] || failed="$$failed $$version"; \
 	  fi; \
 	done; [ -z "$$failed" ] || { echo "not green on Python$$failed"; exit 1; }
+
+# On a real ROS 2, in an environment of its own. Its wheels are for Linux on x86-64; elsewhere nothing is tested.
+ROS := $(CURDIR)/build/ros
+test-ros:
+	@if [ "$$(uname -sm)" = "Linux x86_64" ]; then $(MAKE) --silent test-ros-here; \
+	else echo "The tests on ROS 2 are not run: its wheels are for Linux on x86-64."; fi
+
+test-ros-here: $(ROS)/ready
+	LD_LIBRARY_PATH=$(ROS)/lib AMENT_PREFIX_PATH=$(ROS) ROS_LOCALHOST_ONLY=1 ROS_HOME=$(ROS)/home \
+	  $(ROS)/bin/python -m pytest tests/ros -p no:cacheprovider
+
+$(ROS)/ready: pyproject.toml tests/ros/requirements.txt $(CORE)
+	$(PYTHON) -m venv $(ROS)
+	$(ROS)/bin/python -m pip install --quiet --requirement tests/ros/requirements.txt --editable '.[mcap,plan]' hypothesis pytest
+	@touch $@
 
 docs: $(VENV)/dev
 	$(BIN)/python -m sphinx -W --keep-going -q docs docs/_build
@@ -96,9 +113,7 @@ wheels: $(VENV)/dev
 clean:
 	rm -rf $(VENV) tools/page/node_modules build dist docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
-# The stamps say what is installed: the demo needs less than the tests. What is compiled follows its sources.
-CORE := $(shell find core -path core/tests -prune -o -type f -print)
-
+# The stamps say what is installed: the demo needs less than the tests.
 $(VENV)/base: pyproject.toml $(CORE)
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --editable '.[view,check,plan,guide]'

@@ -17,7 +17,7 @@ import pytest
 
 from test_cli import PROGRAM, Capture, error_of, printed
 from test_cli_servo import Robot, free_port
-from twistarm import load_arm, plan_joint
+from twistarm import load_arm, load_trajectory, plan_joint
 from twistarm.cli.application import run
 
 
@@ -33,8 +33,11 @@ def follow(file: Path, *options: str) -> list[str]:
     return ["follow", "rr_planar", str(file), "--no-browser", *options]
 
 
-def test_simulated_joints_follow_it_to_its_end(capsys: Capture, file: Path) -> None:
-    assert run(follow(file, "--json")) == 0
+def test_simulated_joints_follow_it_to_its_end(capsys: Capture, file: Path, tmp_path: Path) -> None:
+    recording = tmp_path / "run.mcap"
+    assert run(follow(file, "--json", "--record", str(recording))) == 0
+    arm = load_arm("rr_planar")
+    np.testing.assert_allclose(load_trajectory(arm, recording).waypoints[-1], [0.6, 0.4], atol=1e-6)
     out, err = capsys.readouterr()
     answer = json.loads(out)
     assert (answer["completed"], answer["ending"], answer["at"]) == (True, "ARRIVED", answer["duration"])
@@ -42,6 +45,7 @@ def test_simulated_joints_follow_it_to_its_end(capsys: Capture, file: Path) -> N
     assert answer["loop"]["at_rest"]
     assert "rr_planar at http://" in err
     assert "s: close gripper" in err
+    assert "run.mcap exists; --force replaces it" in error_of(capsys, *follow(file, "--record", str(recording)))
 
 
 def test_an_arm_elsewhere_is_told_in_degrees_and_moved_on_request(capsys: Capture, file: Path) -> None:

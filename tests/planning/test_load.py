@@ -17,7 +17,12 @@ from twistarm.cli.application import run
 from twistarm.planning import Trajectory
 from twistarm.support.errors import InputError, LimitError
 
-WRITERS = {".csv": Trajectory.to_csv, ".json": Trajectory.to_json, ".yaml": Trajectory.to_yaml}
+WRITERS = {
+    ".csv": Trajectory.to_csv,
+    ".json": Trajectory.to_json,
+    ".yaml": Trajectory.to_yaml,
+    ".mcap": lambda motion, path, *dt: motion.to_mcap(path, load_arm("rover_arm"), *dt),
+}
 RATES = {"velocity": 1.0, "acceleration": 2.0}
 
 
@@ -214,7 +219,7 @@ FILES = {
     "torn.yaml": (b"joint_names: [\n'a',\npoints: {", r"torn.yaml:[34]: not usable YAML"),
     "nan.json": (b'{"points": [NaN]}', "numbers must be finite; got NaN"),
     "bomb.yaml": (b"a: &a [1]\nb: &b [*a, *a]\nc: !!python/object/apply:os.system [x]", "bomb.yaml:3"),
-    "motion.txt": (b"", r"a motion is read from \*.csv, \*.json, \*.yaml, \*.yml; got .*motion.txt"),
+    "motion.txt": (b"", r"a motion is read from \*.csv, \*.json, \*.yaml, \*.yml, \*.mcap; got .*motion.txt"),
 }
 
 

@@ -1,11 +1,10 @@
-"""The package twistarm_servo, a ROS 2 node, on stand-ins of rclpy that are as strict as the real one."""
+"""The package twistarm_servo without ROS 2, on simulated time; on a real one it is tested in tests/ros."""
 
 from __future__ import annotations
 
 import importlib
 import re
 import runpy
-import signal
 import sys
 import types
 from pathlib import Path
@@ -41,10 +40,9 @@ def package(monkeypatch):
 class Drive:
     """Spins the node for some cycles of simulated time, with joint states of an arm that follows; then Ctrl-C."""
 
-    def __init__(self, monkeypatch, package, theta, cycles, each, joints, clock, publishers, parameters):
-        self.said = msg.install(monkeypatch, self.spin_once)
+    def __init__(self, monkeypatch, package, theta, cycles, each, joints, clock, parameters):
+        msg.install(monkeypatch, self.spin_once)
         monkeypatch.setattr(msg.Node, "overrides", {**VELOCITIES, **parameters})
-        monkeypatch.setattr(msg.Node, "publishers_of", publishers or {})
         node = package("node")
         self.clock = clock or FakeClock()  # the system's
         monkeypatch.setattr(node, "MonotonicClock", lambda: self.clock)
@@ -75,10 +73,6 @@ class Drive:
     def log(self):
         return [text for _, text in self.node.get_logger().said]
 
-    @property
-    def status(self):
-        return self.node.published["/diagnostics"][-1].status[0]
-
     def spin_once(self, node):
         self.node = node
         if self.cycle == self.cycles:
@@ -99,12 +93,8 @@ class Drive:
         names = ["wheel", *reversed(self.arm.joint_names)]
         self.hear("/joint_states", msg.JointState(name=names, position=[7.0, *self.theta[::-1].tolist()]))
 
-    def stand(self):
-        """Joint states of an arm that does not follow."""
-        self.hear("/joint_states", msg.JointState(name=list(self.arm.joint_names), position=self.theta.tolist()))
-
     def hear(self, topic, message, stamped=True):
-        kind, callback, _ = self.node.subscribed[topic]
+        kind, callback = self.node.subscribed[topic]
         assert type(message) is kind
         if stamped and hasattr(message, "header"):
             message.header.stamp = self.node.get_clock().now().to_msg()
@@ -125,56 +115,11 @@ def baked(rover, tmp_path_factory):
 def drive(monkeypatch, package, rover, baked):
     """Drives for some cycles; `each(drive)` before each of them, `joints(drive)` in place of an arm that follows."""
 
-    def driven(cycles, each=None, joints=None, clock=None, publishers=None, **parameters):
+    def driven(cycles, each=None, joints=None, clock=None, **parameters):
         parameters = {"description": baked, **parameters}
-        return Drive(monkeypatch, package, rover.ready, cycles, each, joints, clock, publishers, parameters)
+        return Drive(monkeypatch, package, rover.ready, cycles, each, joints, clock, parameters)
 
     return driven
-
-
-def test_twists_become_rates_and_the_arm_is_left_at_rest(drive, rover):
-    it = drive(30, Drive.twist, description="rover_arm")
-    assert it.code == 0
-    assert it.arm.fk(it.theta)[2, 3] > rover.fk("ready")[2, 3] + 0.005
-    assert not it.rates[-1].any()
-    assert it.node.destroyed
-    assert it.said == ["init", "shutdown"]
-    assert it.status.level == b"\x00"
-    values = {each.key: each.value for each in it.status.values}
-    assert values.keys() >= {"status", "scale", "interlock", "frame", "hold"}
-
-
-@pytest.mark.usefixtures("hangups")
-def test_a_signal_ends_it_as_ctrl_c_does(drive):
-    number = signal.SIGTERM
-
-    def each(it):
-        it.twist()
-        if it.cycle == 20:
-            signal.raise_signal(number)
-
-    before = signal.getsignal(number)
-    it = drive(40, each)
-    assert it.cycle == 20
-    assert not it.rates[-1].any()
-    assert signal.getsignal(number) is before
-
-
-def test_trajectories_have_velocities_and_end_at_rest(drive):
-    output = {"command_out_type": "trajectory_msgs/JointTrajectory", "publish_joint_positions": True}
-    it = drive(10, Drive.twist, Drive.stand, **output)
-    first, last = it.commands[8].points
-    assert it.commands[8].joint_names == list(it.arm.joint_names)
-    assert first.time_from_start.nanosec == 20_000_000
-    assert any(first.velocities)
-    assert not any(last.velocities)
-    assert it.commands[8].header.stamp.sec == 0
-    assert len(it.commands[-1].points) == 1
-
-
-def test_arrays_hold_positions_where_the_controller_takes_them(drive):
-    it = drive(3, joints=Drive.stand, publish_joint_positions=True, publish_joint_velocities=False)
-    np.testing.assert_allclose(it.commands[-1].data, it.theta)
 
 
 @pytest.mark.parametrize(
@@ -188,7 +133,7 @@ def test_jogs_move_the_arm_in_rates_or_shares(drive, parameters, speed):
 
 def test_poses_move_the_arm(drive, rover):
     x, y, z = rover.fk("ready")[:3, 3].tolist()
-    at = msg.Pose(position=msg.Point(x=x, y=y, z=z + 0.02), orientation=msg.Quaternion(w=1.0))
+    at = msg.Pose(position=msg.Vector3(x=x, y=y, z=z + 0.02), orientation=msg.Quaternion(w=1.0))
     pose = msg.PoseStamped(header=msg.Header(frame_id="base_link"), pose=at)
     it = drive(20, lambda it: it.hear(POSE, pose))
     assert np.abs(it.rates).max() > 0.01
@@ -247,12 +192,6 @@ def test_joint_states_in_parts_are_merged(drive):
     assert np.abs(it.rates[28]).max() > 0.01
 
 
-def test_two_publishers_move_nothing(drive):
-    it = drive(5, Drive.twist, publishers={"/servo_node/delta_twist_cmds": 2})
-    assert not it.rates.any()
-    assert any("2 publishers command on" in text for text in it.log)
-
-
 @pytest.mark.parametrize("jump", [-500.0, 30.0])
 def test_a_simulation_that_is_set_back_or_jumps_stops_the_arm_and_goes_on(drive, jump):
     def each(it):
@@ -288,94 +227,6 @@ def test_no_step_to_rest_is_over_more_time_than_passed(drive, system, late):
     assert np.abs(rates[18]).max() > 0.01
     assert not rates[-1].any()
     assert (np.abs(np.diff(rates, axis=0)) <= np.outer(np.diff(times), it.arm.limits.acceleration) + 1e-12).all()
-
-
-def test_services_stop_and_enable(drive):
-    """Under a held stick, which is released for a cycle after each time the arm was enabled."""
-    answers, released, still = {}, (3, 31, 72, 102), msg.Vector3()
-    calls = {
-        2: ("~/enable", {}),
-        10: ("~/stop", {}), 30: ("~/enable", {}), 40: ("~/emergency_stop", {}), 60: ("~/enable", {}),
-        61: ("~/clear", {}), 70: ("~/enable", {}), 80: ("~/pause_servo", {"data": True}),
-        100: ("~/pause_servo", {"data": False}),
-    }  # fmt: skip
-
-    def each(it):
-        it.twist(**({"linear": still} if it.cycle in released else {}))
-        if it.cycle in calls:
-            name, request = calls[it.cycle]
-            answers[it.cycle] = it.node.call(name, **request)
-
-    it = drive(110, each, enabled_at_start=False)
-    moving = np.abs(it.rates).max(axis=1) > 0.0
-    assert not moving[:2].any()
-    assert [bool(moving[k]) for k in (8, 28, 30, 38, 58, 68, 71, 78, 98, 101, 108)] == [
-        True, False, False, True, False, False, False, True, False, False, True,
-    ]  # fmt: skip
-    assert answers[60] == (False, "emergency stop: the service emergency_stop was called")
-    assert [answers[k][0] for k in (10, 30, 40, 61, 70, 80, 100)] == [True] * 7
-    assert np.abs(np.diff(it.rates, axis=0)).max() <= it.arm.limits.acceleration.max() * PERIOD * 1.001
-
-
-def test_frame_and_hold_are_switched_while_it_runs(drive):
-    results = {}
-    settings = {10: ("frame", "base"), 20: ("frame", "world"), 30: ("hold", "orientation"), 31: ("rate", 50.0)}
-
-    def each(it):
-        it.twist("")
-        if it.cycle in settings:
-            results[it.cycle] = it.node.set_parameter(*settings[it.cycle])
-
-    it = drive(110, each)
-    assert [results[k].successful for k in settings] == [True, False, True, False]
-    assert "frame must be" in results[20].reason
-    commands = it.node.switches.twist([0.0] * 6, "base")
-    assert (it.node.switches.frame, commands.held) == ("base", (False,) * 3 + (True,) * 3)
-    values = {each.key: each.value for each in it.status.values}
-    assert (values["frame"], values["hold"]) == ("base", "orientation")
-
-
-def test_a_description_comes_by_its_topic_or_as_text(drive):
-    text = (Path(__file__).parents[2] / "robots" / "rr_planar").glob("*.urdf")
-    urdf = next(text).read_text("utf-8")
-
-    def each(it):
-        if it.node.streaming is None:
-            it.hear("/robot_description", msg.String(data=urdf))
-
-    it = drive(3, each, lambda it: None, description="")
-    assert it.arm.n == 2
-    assert it.node.subscribed["/robot_description"][2].durability is msg.DurabilityPolicy.TRANSIENT_LOCAL
-    it = drive(1, None, lambda it: None, description="", robot_description=urdf, velocity_limit=0.3)
-    assert it.arm.limits.velocity.tolist() == [0.3, 0.3]
-    assert np.isfinite(it.arm.limits.acceleration).all()
-    assert any("no limits given, used instead: acceleration" in text for text in it.log)
-
-
-@pytest.mark.parametrize(
-    ("parameters", "why"),
-    [
-        ({"description": "", "robot_description": "<robot/>"}, "robot"),
-        ({"command_out_type": "torque"}, "command_out_type must be one of trajectory_msgs"),
-        ({"publish_joint_positions": True}, "holds positions or velocities"),
-        ({"hold": "breath"}, "hold must be"),
-        ({"rate": 100}, "expecting type 'float'"),
-        ({"joy_axes": [0, -1, -1, -1, -1, -1]}, "joy_rest must say"),
-        ({"command_out_topic": "arm commands"}, "Invalid topic name"),
-    ],
-)
-def test_parameters_that_cannot_be_end_it_in_one_line(drive, parameters, why):
-    it = drive(3, **parameters)
-    assert re.search(why, it.code)
-    assert "\n" not in it.code
-    assert it.said[-1] == "shutdown"
-
-
-def test_an_arm_that_strays_ends_it_with_1(drive):
-    it = drive(200, Drive.twist, Drive.stand, tolerance=0.01)
-    assert it.code == 1
-    assert "the arm is not where it was commanded to be" in it.node.get_logger().said[-1][1]
-    assert not it.rates[-1].any()
 
 
 # -- a joystick ----------------------------------------------------------------------------------------------------

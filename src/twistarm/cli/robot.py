@@ -12,13 +12,14 @@ import numpy as np
 import typer
 
 from ..arm.arm import Arm
-from ..control.stream import Feedback, SerialRobot, SimulatedJoints, Sink, UdpFeedback, UdpSink, read_key
+from ..control.stream import Feedback, Recorder, SerialRobot, SimulatedJoints, Sink, UdpFeedback, UdpSink, read_key
 from ..control.stream.links.inbox import FEEDBACK_TIMEOUT
 from ..control.stream.links.serial_link import BAUDRATE
 from ..support.checks import Array, as_positive
 from ..support.errors import InputError, LimitError
 from .options import replaced
 from .output import shown, units
+from .outputs import Force, outputs_of
 
 Udp = Annotated[str | None, typer.Option(metavar="HOST:PORT", help="Send setpoints to a robot there; needs --listen.")]
 Listen = Annotated[
@@ -38,6 +39,7 @@ Key = Annotated[
     str | None,
     typer.Option(metavar="FILE", help="Sign datagrams, and take signed ones alone, by the key in this file."),
 ]
+Record = Annotated[str | None, typer.Option(metavar="FILE.mcap", help="Record the stream as ROS 2 messages.")]
 Hertz = Annotated[float, typer.Option(help="Cycles per second.")]
 VelocityMode = Annotated[
     bool, typer.Option("--velocity-mode", help="The robot takes rates alone: correct them by what is measured.")
@@ -58,6 +60,8 @@ class Robot:
     key: Key = None
     velocity_mode: VelocityMode = False
     feedback_timeout: FeedbackTimeout = FEEDBACK_TIMEOUT
+    record: Record = None
+    force: Force = False
 
     @property
     def authenticates(self) -> bool:
@@ -75,6 +79,7 @@ class Robot:
         if self.velocity_mode and self.udp is None and self.serial is None:
             raise InputError("--velocity-mode is for a robot that takes rates alone: it needs --udp or --serial")
         require_positive(feedback_timeout=self.feedback_timeout)
+        outputs_of(self.record, {"mcap": (".mcap",)}, force=self.force)
 
     def admitted(self) -> dict[str, Any]:
         """Hosts and key of the accepted datagrams, as arguments of the links. Reads the key file."""
@@ -94,6 +99,13 @@ class Robot:
         )
         sink = UdpSink(arm, *address(self.udp, "--udp"), key=admitted["key"], units=units)
         return stack.enter_context(sink), feedback
+
+    def recorded(self, arm: Arm, sink: Sink, stack: ExitStack) -> tuple[Sink, Callable[[Any], object]]:
+        """The sink and what takes each cycle: a recorder of both, if there is --record."""
+        if self.record is None:
+            return sink, lambda cycle: None
+        recorder = stack.enter_context(Recorder(arm, self.record, sink))
+        return recorder, recorder
 
 
 def takes_robot(command: Callable[..., Any]) -> Callable[..., Any]:

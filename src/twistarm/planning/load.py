@@ -14,6 +14,7 @@ from ..support.errors import InputError, LimitError
 from ..support.files import as_path
 from .files.csv_file import read_csv
 from .files.joint_trajectory import read_json, read_yaml
+from .files.mcap_file import read_mcap
 from .files.points import Points
 from .piecewise import through
 from .trajectory import Trajectory
@@ -24,6 +25,7 @@ READERS: Mapping[str, Callable[[Arm, Path], Points]] = {
     ".json": read_json,
     ".yaml": read_yaml,
     ".yml": read_yaml,
+    ".mcap": read_mcap,
 }
 """By the ending of a file's name, in any letters."""
 
@@ -38,7 +40,7 @@ BEYOND_LIMIT = 1e-6
 
 
 def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
-    """Read a motion of `arm` from a file of `to_csv`, `to_json`, `to_yaml` or another program.
+    """Read a motion of `arm` from a file of `to_csv`, `to_json`, `to_yaml`, `to_mcap` or another program.
 
     Between two instants a polynomial meets the positions, rates and accelerations of both. It is quintic, cubic, or
     straight for positions alone, as in ROS's joint_trajectory_controller. The first instant is t = 0. The arm is at
@@ -50,10 +52,12 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
       them, as `to_csv(counts=True)` writes. Columns of limits are optional. Other columns are ignored.
     - JSON, YAML: a `trajectory_msgs/JointTrajectory` in rad and m, joints in any order, others ignored. YAML may last
       some minutes at most.
+    - MCAP, with the extra `mcap`: the setpoints of a recorded stream, as sent. Of another recording of ROS 2 its only
+      `JointTrajectory`. If it has several or none, the `sensor_msgs/JointState` of topics that end in `joint_states`.
 
     Args:
         arm: The arm.
-        path: A file whose name ends with .csv, .json, .yaml or .yml.
+        path: A file whose name ends with .csv, .json, .yaml, .yml or .mcap.
 
     Returns:
         The `Trajectory`.

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arm.arm import Arm
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array, as_floats, as_number, frozen, made_by, require
@@ -21,6 +22,7 @@ from ..support.files import writable, write_whole
 from .files.c_header import SUFFIXES, header_text
 from .files.csv_file import csv_text
 from .files.joint_trajectory import json_text, yaml_text
+from .files.mcap_file import mcap_bytes
 from .files.motor_values import motors_of, require_motors
 from .piecewise import derivative, evaluate, extremes
 
@@ -224,6 +226,28 @@ class Trajectory:
             InputError: As `to_json`, and where other YAML stands at `path`.
         """
         return write_whole(path, yaml_text(self, dt, actuators))
+
+    def to_mcap(self, path: str | os.PathLike[str], arm: Arm, dt: float = 0.01) -> Path:
+        """Write ROS 2 messages, as rosbag2 records them: Foxglove, Rerun and `load_trajectory` read the file.
+
+        The motion is one `trajectory_msgs/JointTrajectory` on `/joint_trajectory`. At each of its points
+        `/joint_states` has positions and velocities [rad, m, s], and `/tf` the pose of every link. `/robot_description`
+        is the arm's description, if it has one. `/labels` are `std_msgs/String`. Stamps begin at 0. Motors are left
+        out. The extra `mcap` is needed.
+
+        Args:
+            path: The file to write, named .mcap at its end.
+            arm: The arm of the motion.
+            dt: Time between points [s].
+
+        Returns:
+            The path written.
+
+        Raises:
+            InputError: The file cannot be written, dt is not positive, or the arm has other joints.
+            MissingExtraError: rosbags is not installed.
+        """
+        return write_whole(path, mcap_bytes(self, arm, dt))
 
     def to_header(
         self, path: str | os.PathLike[str], *, actuators: Actuators | None = None, counts: bool = False

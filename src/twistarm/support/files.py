@@ -124,13 +124,13 @@ def as_paths(paths: Iterable[str | os.PathLike[str]], name: str) -> tuple[Path, 
         raise InputError(f"{name} must be a path or several; got {shown(paths)}") from error
 
 
-def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_description: bool = False) -> Path:
+def write_whole(path: str | os.PathLike[str], content: str | bytes | Path, *, over_description: bool = False) -> Path:
     """Write `content` to `path` so that a reader sees the old file or the new one, never a part.
 
-    Text is written as UTF-8, with its line ends unchanged. The content goes into a temporary file in the same folder,
-    which then takes the name in one step (POSIX `rename`). On any error it is removed, and the old file stays. A killed
-    process leaves it, under a name that ends with `.twistarm.part`. A link is followed. An existing file keeps its
-    permissions. Returns the path.
+    Text is written as UTF-8, with its line ends unchanged. A Path is a file in the same file system, which is moved.
+    The content goes into a temporary file in the same folder, which then takes the name in one step (POSIX `rename`).
+    On any error it is removed, and the old file stays. A killed process leaves it, under a name that ends with
+    `.twistarm.part`. A link is followed. An existing file keeps its permissions. Returns the path.
 
     Raises InputError if the folder does not exist or is not writable, or if `path` is a folder or a device. A
     description (`DESCRIPTIONS`) is replaced only with `over_description`.
@@ -144,14 +144,16 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes, *, over_desc
     return target
 
 
-def _replace_whole(target: Path, data: bytes) -> None:
+def _replace_whole(target: Path, data: bytes | Path) -> None:
     """Put `data` at `target` in one step."""
     temporary = target.with_name(f".{target.name[:40]}.{os.urandom(6).hex()}{TEMPORARY}")
     try:
-        with open(temporary, "xb") as file:
+        if isinstance(data, Path):
+            os.rename(data, temporary)
+        with open(temporary, "ab" if isinstance(data, Path) else "xb") as file:
             if target.exists():
                 shutil.copymode(target, temporary)
-            file.write(data)
+            file.write(b"" if isinstance(data, Path) else data)
             file.flush()
             os.fsync(file.fileno())
             os.replace(temporary, target)

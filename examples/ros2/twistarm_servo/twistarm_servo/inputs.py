@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from control_msgs.msg import JointJog
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from rclpy.node import Node
 from sensor_msgs.msg import JointState, Joy
@@ -20,6 +19,11 @@ from .parameters import Parameters
 from .quality import quality
 from .ros_time import now_of, said_at
 from .switches import Switches
+
+try:
+    from control_msgs.msg import JointJog
+except ImportError:  # as with the ROS 2 of the Python package registry
+    JointJog = None
 
 SEVERAL = 100
 """Joint states that wait at most: of commands the last one counts, of these everybody's."""
@@ -45,10 +49,11 @@ class Inputs:
         self._driving = False
         heard: list[tuple[Any, str, Callable[[Any], None]]] = [
             (TwistStamped if p.stamped else Twist, p.cartesian_command_in_topic, self._on_twist),
-            (JointJog, p.joint_command_in_topic, self._on_jog),
             (PoseStamped, p.pose_command_in_topic, self._on_pose),
             (JointState, p.joint_topic, self._on_state),
         ]
+        if JointJog is not None:
+            heard.append((JointJog, p.joint_command_in_topic, self._on_jog))
         if mapping.used:
             heard.append((Joy, p.joy_topic, self._on_joy))
         for kind, topic, callback in heard:

@@ -38,7 +38,7 @@ from .viewing import Browser, Host, Port, show_address
 Motion = Annotated[
     Path,
     typer.Argument(
-        metavar="MOTION", help="A *.csv, *.json or *.yaml, as `twistarm plan -o` writes it, or a motion.toml to plan."
+        metavar="MOTION", help="A *.csv, *.json, *.yaml or *.mcap of `twistarm plan -o`, or a motion.toml to plan."
     ),
 ]
 Stand = Annotated[str | None, CONFIGURATION]
@@ -93,6 +93,7 @@ def follow(
     out, control, interlock = sys.stderr if json else sys.stdout, FollowControl(), Interlock()
     with ExitStack() as stack:
         sink, feedback = robot.joints(driven, x, admitted, stack)
+        sink, record = robot.recorded(driven, sink, stack)
         viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False, keep=port != 0))
         viewer.show_path(planned)
         show_address(viewer, browser, out, assumed=defaults_line(driven))
@@ -103,6 +104,7 @@ def follow(
 
         def each(cycle: FollowCycle) -> None:
             viewer.show_servo(cycle)
+            record(cycle)
             progress(max(0.0, cycle.at) / cycle.duration if cycle.duration else 1.0)
             for label in cycle.labels:
                 say(f"at {cycle.at:.2f} s: {label}", file=out)

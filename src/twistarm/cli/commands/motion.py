@@ -18,6 +18,7 @@ from ...planning import ActiveLimit, Trajectory, active_limits, load_motion
 from ...planning.files.c_header import SUFFIXES, header_text
 from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text, yaml_text
+from ...planning.files.mcap_file import mcap_bytes
 from ...support.checks import as_positive
 from ...support.errors import InputError
 from ..asked_motion import Typed, capped, typed_targets
@@ -32,7 +33,7 @@ from ..wording import in_options
 MOST_STRETCHES = 8
 """So many rows of active limits are shown; --json has them all."""
 
-MOTION_KINDS = {"csv": (".csv",), "json": (".json",), "yaml": (".yaml", ".yml"), "header": SUFFIXES}
+MOTION_KINDS = {"csv": (".csv",), "json": (".json",), "yaml": (".yaml", ".yml"), "header": SUFFIXES, "mcap": (".mcap",)}
 """The kinds of files that hold a motion."""
 
 COUNTED = ("csv", "header")
@@ -110,9 +111,9 @@ Rate = Annotated[
 Output = Annotated[
     list[str] | None,
     repeated(
-        "Write time, position, velocity and acceleration to *.csv, or a ROS JointTrajectory to *.json or *.yaml, "
-        "a C99 and C++17 header to *.h; with [actuators] what the motors do and their drives count as well. - is "
-        "standard output"
+        "Write time, position, velocity and acceleration to *.csv, a ROS JointTrajectory to *.json or *.yaml, "
+        "ROS 2 messages to *.mcap, a C99 and C++17 header to *.h; with [actuators] what the motors do and their drives "
+        "count as well, but in *.mcap. - is standard output"
     ),
 ]
 Unwrap = Annotated[
@@ -202,7 +203,7 @@ def plan(
         note(_start(arm, rad))
     for each in planned.notes:
         note(each)
-    written = outputs.write(motion_texts(planned, outputs, dt, counts=counts))
+    written = outputs.write(motion_texts(arm, planned, outputs, dt, counts=counts))
     active = active_limits(arm, planned, limits=limits, segments=segments)
     nearest = None if scene is None else scene.clearance(planned.breakpoints, planned.coefficients)
     if json:
@@ -220,14 +221,15 @@ def plan(
     outputs.say(written)
 
 
-def motion_texts(planned: Trajectory, outputs: Outputs, dt: float, *, counts: bool = False) -> dict[str, Any]:
-    """What writes a motion, by the kind of file."""
+def motion_texts(arm: Arm, planned: Trajectory, outputs: Outputs, dt: float, *, counts: bool = False) -> dict[str, Any]:
+    """What writes a motion of the arm, by the kind of file."""
     header = next((name for kind, name in outputs.files if kind == "header" and name != STDOUT), "motion.h")
     return {
         "csv": lambda: csv_text(planned, dt, counts=counts),
         "json": lambda: json_text(planned, dt),
         "yaml": lambda: yaml_text(planned, dt),
         "header": lambda: header_text(planned, header, counts=counts),
+        "mcap": lambda: mcap_bytes(planned, arm, dt),
     }
 
 

@@ -97,7 +97,7 @@ def _write(found: PanelReport, outputs: Outputs, dt: float, how: dict[str, Any])
             motion = found.motion(**how, progress=progress)
         for each in motion.notes:
             note(each)
-        yield motions.write(motion_texts(motion, motions, dt))
+        yield motions.write(motion_texts(found.arm, motion, motions, dt))
 
 
 def _table(found: PanelReport, radians: bool) -> Any:

@@ -13,7 +13,7 @@ from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line
 from ...control.servo import ServoSettings
 from ...control.servo.settings import ON_UNREACHABLE, SLIDE
-from ...control.stream import Source, UdpSource, run
+from ...control.stream import Cycle, Source, UdpSource, run
 from ...control.stream.cycles import checked_rate
 from ...control.stream.links.inbox import COMMAND_TIMEOUT
 from ...control.stream.streaming import TOLERANCE
@@ -81,13 +81,19 @@ def servo(
     admitted = robot.admitted()
     with ExitStack() as stack:
         sink, feedback = robot.joints(driven, x, admitted, stack)
+        sink, record = robot.recorded(driven, sink, stack)
         viewer = stack.enter_context(Viewer(driven, x, host=host, port=port, open_browser=False, keep=port != 0))
         source = source_of(driven, viewer, commands, command_timeout, admitted, stack)
         show_address(viewer, browser, sys.stderr if json else sys.stdout, assumed=defaults_line(driven))
+
+        def each(cycle: Cycle) -> None:
+            viewer.show_servo(cycle)
+            record(cycle)
+
         report = run(
             driven, source, sink, feedback, rate=rate, command_timeout=command_timeout,
             feedback_timeout=robot.feedback_timeout, tolerance=tolerance, settings=viewer.servo_settings(settings),
-            scene=scene, velocity_mode=robot.velocity_mode, duration=duration, on_cycle=viewer.show_servo,
+            scene=scene, velocity_mode=robot.velocity_mode, duration=duration, on_cycle=each,
         )  # fmt: skip
     if json:
         print_json(report_json(arm, report))

@@ -13,14 +13,15 @@ from .links.state_inbox import StateInbox
 from .links.udp import UdpFeedback, UdpSink, UdpSource
 from .metronome import Metronome, MonotonicClock
 from .protocols import Clock, Feedback, Measured, Reading, Setpoint, Sink, Source, UndeliveredError
+from .recording import Recorder
 from .report import Ending, StreamReport
 from .simulation import SimulatedJoints
 from .streaming import Streaming, run
 
 __all__ = [
     "Clock", "Cycle", "Ending", "Feedback", "FollowControl", "FollowCycle", "FollowReport", "Following", "Inbox",
-    "Interlock", "Measured", "Metronome", "MonotonicClock", "Reading", "SerialRobot", "SerialSource", "Setpoint",
-    "Signer", "SimulatedJoints", "Sink", "Source", "StateInbox", "StreamReport", "Streaming", "UdpFeedback",
+    "Interlock", "Measured", "Metronome", "MonotonicClock", "Reading", "Recorder", "SerialRobot", "SerialSource",
+    "Setpoint", "Signer", "SimulatedJoints", "Sink", "Source", "StateInbox", "StreamReport", "Streaming", "UdpFeedback",
     "UdpSink", "UdpSource", "UndeliveredError", "Verifier", "come_to_rest", "command_of", "follow", "parse_command",
     "parse_state", "read_key", "run", "setpoint_message",
 ]  # fmt: skip

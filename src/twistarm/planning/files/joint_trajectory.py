@@ -79,7 +79,7 @@ def read_json(arm: Arm, file: Path) -> Points:
         message = strict_json.parsed(text)
     except ValueError as error:
         raise InputError(f"{file} is no JSON: {error}") from error
-    return _points(arm, message, str(file))
+    return points_in(arm, message, str(file))
 
 
 def read_yaml(arm: Arm, file: Path) -> Points:
@@ -90,7 +90,7 @@ def read_yaml(arm: Arm, file: Path) -> Points:
         message = parse_yaml(text, file, MAX_VALUES)
     except DescriptionError as error:
         raise InputError(str(error)) from error
-    return _points(arm, message, str(file))
+    return points_in(arm, message, str(file))
 
 
 def _text(file: Path) -> str:
@@ -101,7 +101,8 @@ def _text(file: Path) -> str:
         raise InputError(f"cannot read {file}: {why}") from error
 
 
-def _points(arm: Arm, message: Any, file: str) -> Points:
+def points_in(arm: Arm, message: Any, file: str) -> Points:
+    """The points of `arm` in a JointTrajectory, as plain data. Raises InputError, with the point."""
     names, points = _listed(message, "joint_names", file), _listed(message, "points", file)
     order = _order(arm, names, file)
 

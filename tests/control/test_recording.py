@@ -1,0 +1,116 @@
+"""Recordings of streams, as the reader of MCAP's own project sees them."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from numpy.testing import assert_allclose, assert_array_equal
+
+from stream_stand_ins import Says, jog
+from twistarm import load_trajectory, plan_joint
+from twistarm.control.stream import Recorder, UndeliveredError, follow
+from twistarm.support.errors import InputError
+
+
+@pytest.fixture
+def recorded(rover, robot, stream, tmp_path):
+    """The report of a stream, and the messages of its recording by topic, each with its time [s]."""
+
+    def made(during=lambda cycle: None, **options):
+        file = tmp_path / "run.mcap"
+        file.unlink(missing_ok=True)
+        with Recorder(rover, file, robot) as recorder:
+
+            def each(cycle):
+                recorder(cycle)
+                during(cycle)
+
+            report = stream(sink=recorder, feedback=robot, on_cycle=each, **options)
+            assert not file.exists()
+        recorder.close()  # harmless when repeated
+        assert os.listdir(tmp_path) == ["run.mcap"]
+        return report, messages_of(file), file
+
+    return made
+
+
+def messages_of(file):
+    found: dict[str, list] = {}
+    with file.open("rb") as opened:
+        for _, channel, message, decoded in make_reader(
+            opened, decoder_factories=[DecoderFactory()]
+        ).iter_decoded_messages():
+            found.setdefault(channel.topic, []).append((message.log_time * 1e-9, decoded))
+    return found
+
+
+def test_every_setpoint_and_joint_state_is_recorded(rover, robot, recorded):
+    theta = []
+    report, messages, file = recorded(lambda cycle: theta.append(cycle.theta), duration=1.0)
+    setpoints = [each.points[0] for _, each in messages["/setpoints"]]
+    assert_array_equal([each.positions for each in setpoints], [each.theta for each in robot.setpoints])
+    assert_array_equal([each.velocities for each in setpoints], robot.rates)
+    assert_allclose(np.diff([time for time, _ in messages["/setpoints"]]), np.diff(robot.times), atol=1e-6)
+    assert not any(setpoints[-1].velocities)  # coming to rest is recorded too
+    assert_array_equal([each.position for _, each in messages["/joint_states"]], theta)
+    assert len(messages["/tf"]) == report.cycles
+    told = [{each.key: each.value for each in each.status[0].values} for _, each in messages["/diagnostics"]]
+    assert [each["status"] for each in told].count("OK") == report.statuses[next(iter(report.statuses))]
+    assert messages["/diagnostics"][-1][1].status[0].level == 1
+    assert messages["/diagnostics"][20][1].status[0].level == 0
+
+    motion = load_trajectory(rover, file)
+    assert_array_equal(motion.waypoints, [each.theta for each in robot.setpoints[:-1]])  # two are of the last instant
+    assert_allclose(motion(motion.times[5], 1), robot.rates[5], atol=1e-6)
+
+
+def test_what_did_not_reach_the_robot_is_recorded(robot, recorded):
+    robot.broken = lambda now: UndeliveredError("nobody listens") if now < 100.495 else None
+    _, messages, _ = recorded(duration=1.0)
+    assert len(messages["/setpoints"]) == len(robot.setpoints) + 50
+    robot.broken = lambda now: OSError("unplugged") if now > 101.6 else None
+    report, messages, _ = recorded(duration=3.0)
+    assert "unplugged" in report.reason
+    assert len(messages["/joint_states"]) == report.cycles - 1  # the last one failed
+
+
+def test_a_program_that_fails_leaves_what_was_recorded(rover, robot, recorded, tmp_path):
+    def fails(cycle):
+        if cycle.time > 100.5:
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        recorded(fails)
+    assert len(messages_of(tmp_path / "run.mcap")["/joint_states"]) == pytest.approx(51, abs=1)
+
+
+def test_what_was_driven_by_hand_is_followed_again(rover, robot, clock, recorded):
+    _, _, file = recorded(source=Says(lambda now: jog(rover, elbow=-0.4) if 100.1 < now < 101.0 else None))
+    end, robot.theta = robot.theta, rover.ready
+    assert follow(rover, load_trajectory(rover, file), robot, robot, clock=clock).completed
+    assert_allclose(robot.theta, end, atol=1e-6)
+    assert abs(end - rover.ready).max() > 0.2
+
+
+def test_the_labels_of_a_followed_motion_are_recorded(rover, robot, clock, tmp_path):
+    motion = plan_joint(rover, [rover.ready, rover.ready + 0.1], kind="quintic")
+    motion = replace(motion, labels=((0.2, "close gripper"),))
+    with Recorder(rover, tmp_path / "run.mcap", robot) as recorder:
+        assert follow(rover, motion, recorder, robot, clock=clock, on_cycle=recorder).completed
+    ((time, text),) = load_trajectory(rover, tmp_path / "run.mcap").labels
+    assert (time, text) == (pytest.approx(0.2, abs=0.011), "close gripper")
+
+
+def test_a_file_that_cannot_be_written_is_refused_before_anything_moves(rover, robot, tmp_path):
+    bad = {"run.csv": "written to .*mcap; got", "none/run.mcap": "does not exist", ".": "it is a folder"}
+    for path, why in bad.items():
+        with pytest.raises(InputError, match=why):
+            Recorder(rover, tmp_path / path, robot)
+    with pytest.raises(InputError, match="sink"):
+        Recorder(rover, tmp_path / "run.mcap", Says(jog(rover, elbow=0.1)))
+    assert os.listdir(tmp_path) == []
