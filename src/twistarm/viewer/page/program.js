@@ -96,6 +96,7 @@ export class Program {
     this.duration = duration;
     this.failed = false;
     for (const link of $$("#program a[download]")) {
+      link.ariaDisabled = String(duration === null);
       if (duration === null) link.removeAttribute("href");
       else link.href = link.dataset.file;
     }
