@@ -157,7 +157,7 @@ def test_a_folder_is_checked_with_a_line_each(capsys: Capture, tmp_path: Path) -
 
 
 def test_a_folder_without_descriptions(capsys: Capture, tmp_path: Path) -> None:
-    assert "no *.urdf, *.xacro or arm.toml in this folder or below" in error_of(capsys, "doctor", str(tmp_path))
+    assert "no *.urdf, *.xacro, MJCF or arm.toml in this folder or below" in error_of(capsys, "doctor", str(tmp_path))
 
 
 def test_the_folder_of_real_models(capsys: Capture, models: Path) -> None:
