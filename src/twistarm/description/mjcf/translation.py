@@ -28,7 +28,7 @@ TURNS = ("_rz", "_ry", "_rx")
 
 TOLD = {
     "mjcf-scenery-left-out": ("left out", "describe obstacles in a scene.toml"),
-    "mjcf-part-not-read": ("not read", "write it out as bodies and joints, if the arm needs it"),
+    "mjcf-part-not-read": ("not read", "write it out as bodies, joints and masses, if the arm needs it"),
     "mjcf-loop-open": ("not kept: the joints move freely", "lock or couple them in a URDF copy"),
 }
 """The codes of findings about parts of an MJCF, what becomes of the parts, and the remedy."""
@@ -38,6 +38,8 @@ SHOWN = 8
 
 NOT_READ = ("composite", "flexcomp", "attach", "replicate", "plugin")
 SECTIONS = ("tendon", "deformable")
+MASSES = {"settotalmass": "-1", "inertiagrouprange": "0 5"}
+"""Settings of `<compiler>` that change all masses, and the values that do not."""
 
 
 class Translated(NamedTuple):
@@ -100,6 +102,9 @@ class _Writer:
         for section in SECTIONS:
             for part in mjcf.root.findall(section):
                 self._note("mjcf-scenery-left-out", f"<{part.tag}>")
+        for word, idle in MASSES.items():
+            if mjcf.compiler.get(word, idle) != idle:
+                self._note("mjcf-part-not-read", f"{word} of <compiler>")
 
     def _note(self, code: str, part: str) -> None:
         self.noted.setdefault(code, {})[part] = None
@@ -148,8 +153,10 @@ class _Writer:
         shapes, body = self._shapes.of(given, frame)
         self.contents.setdefault(link, []).extend(shapes)
         kind = kind_of(given)
-        if weighs and kind == "mesh" and given.get("mass") != "0":
+        if weighs and kind == "mesh" and "0" not in (given.get("mass"), given.get("density")):
             self._note("mjcf-part-not-read", f"the mass of a mesh of {link!r}")
+        elif weighs and given.get("shellinertia") == "true":
+            self._note("mjcf-part-not-read", f"a hollow shape of {link!r}, which is read as solid")
         elif kind in ("plane", "hfield", "ellipsoid", "sdf"):
             self._note("mjcf-scenery-left-out", f"a shape of type {kind}")
         return body
@@ -197,6 +204,8 @@ class _Writer:
         name, kind, origin = joint.get("name", ""), given.get("type", "hinge"), np.eye(4)
         if kind not in ("hinge", "slide", "ball"):
             raise ValueError(f"joint type {kind[:60]!r} is none of hinge, slide, ball, free")
+        if kind == "ball" and "range" in given and given.get("limited") != "false":
+            self._note("mjcf-part-not-read", f"the range of the ball {name!r}")
         origin[:3, 3] = local[:3, :3] @ floats(given.get("pos", "0 0 0"), 3) + local[:3, 3]
         axis = local[:3, :3] @ floats(given.get("axis", "0 0 1"), 3)
         axis = axis / max(float(np.linalg.norm(axis)), 1e-300)
