@@ -80,7 +80,7 @@ class Mjcf:
         return refusal("mjcf-unusable", self.reading_of(element).place(element), what, remedy)
 
     @contextmanager
-    def told(self, element: ET.Element) -> Iterator[None]:
+    def blaming(self, element: ET.Element) -> Iterator[None]:
         """Put the place of an element before the message about a malformed value in it."""
         try:
             yield

@@ -97,7 +97,7 @@ class _Writer:
         self._pairs: set[tuple[str, str]] = set()
         self._efforts: dict[str, float] = {}
         for actuator in mjcf.each("actuator", *ACTUATORS):
-            with mjcf.told(actuator):
+            with mjcf.blaming(actuator):
                 self._keep_effort(mjcf.attributes(actuator), actuator.tag)
         for section in SECTIONS:
             for part in mjcf.root.findall(section):
@@ -118,7 +118,7 @@ class _Writer:
         from_geoms = rule == "true" or (rule == "auto" and all(part.tag != "inertial" for part, *_ in parts))
         bodies: list[Body] = []
         for part, frame, around in parts:
-            with self.mjcf.told(part):
+            with self.mjcf.blaming(part):
                 if part.tag == "geom":
                     body = self._geom(
                         self.mjcf.attributes(part, around), link, frame, from_geoms and link in self._carried
@@ -145,7 +145,7 @@ class _Writer:
             if part.tag != "frame":
                 yield part, frame, around
                 continue
-            with self.mjcf.told(part):
+            with self.mjcf.blaming(part):
                 inner = frame @ self.mjcf.pose(dict(part.attrib))
             yield from self._parts(part, inner, around)
 
@@ -164,7 +164,7 @@ class _Writer:
     def _body(self, body: ET.Element, parent: str, frame: Array, childclass: str) -> None:
         name = body.get("name") or free_name(f"body{len(self._links)}", self._links)
         body.set("name", name)
-        with self.mjcf.told(body):
+        with self.mjcf.blaming(body):
             g = frame @ self.mjcf.pose(dict(body.attrib))
         found = [
             (part, self.mjcf.attributes(part, around), local)
@@ -183,7 +183,7 @@ class _Writer:
         link = parent
         for i, (joint, given, local) in enumerate(found):
             joint.set("name", joint.get("name") or free_name(f"{name}_joint", self._joints))
-            with self.mjcf.told(joint):
+            with self.mjcf.blaming(joint):
                 link, g = self._joint(joint, given, link, g, local, "" if i < len(found) - 1 else name)
         if link not in (parent, name):  # MuJoCo lets a body and its parent overlap
             self._pairs.add((min(parent, name), max(parent, name)))
@@ -256,7 +256,7 @@ class _Writer:
             if element.get("active") == "false":
                 continue
             first, second = element.get("joint1", ""), element.get("joint2", "")
-            with self.mjcf.told(element):
+            with self.mjcf.blaming(element):
                 given = several(element.get("polycoef", ""))
             a0, a1, *higher = [*given, *(0.0, 1.0, 0.0, 0.0, 0.0)[len(given) :]]
             follower, master = self._moving.get(first), self._moving.get(second)
@@ -279,7 +279,7 @@ class _Writer:
             self._pairs.add((one, other))
         states = []
         for key in self.mjcf.each("keyframe", "key"):
-            with self.mjcf.told(key):
+            with self.mjcf.blaming(key):
                 values = self._values(key) if key.get("name") and "qpos" in key.attrib else {}
             states += [GroupState(key.get("name", ""), "", values)] if values else []
         if not states and not self._pairs:
