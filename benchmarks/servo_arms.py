@@ -19,10 +19,7 @@ NAMED = (
 """Arms that load by name, where example-robot-data is there."""
 
 MODELS: dict[str, tuple[str, dict[str, Any]]] = {
-    "slider": (
-        "robojackets_slider_arm/cartesian_controller_simulation/urdf/arm_gazebo.urdf.xacro",
-        {"tip": "tool0"},
-    ),
+    "slider": ("robojackets_slider_arm/cartesian_controller_simulation/urdf/arm_gazebo.urdf.xacro", {"tip": "tool0"}),
     "walli": ("robojackets_walliiarmv3/urc_gazebo/urdf/WalliiArmV3.urdf", {"tip": "claw"}),
     "ar4": ("annin_ar4_description/urdf/ar.urdf.xacro", {"tip": "ee_link", "xacro_args": {"ar_model": "mk3"}}),
     "gen3": ("kortex_description/robots/gen3.xacro", {"tip": "tool_frame", "xacro_args": {"dof": "7"}}),

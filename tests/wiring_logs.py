@@ -102,13 +102,7 @@ def fitted(arm: Arm) -> Actuators:
 
 
 def logged(
-    arm: Arm,
-    true: Actuators,
-    theta: Array | int,
-    seed: int,
-    *,
-    poses: bool = True,
-    turned: float = 0.0,
+    arm: Arm, true: Actuators, theta: Array | int, seed: int, *, poses: bool = True, turned: float = 0.0
 ) -> WiringLog:
     """Counts of the true motors at theta or at so many random postures, the tool by Pinocchio, measured to 1 mm."""
     rng = np.random.default_rng(seed)

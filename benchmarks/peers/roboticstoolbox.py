@@ -27,9 +27,6 @@ class Solver:
 
     def kinematics(self) -> dict[str, dict[str, Callable[[np.ndarray], Any]]]:
         return {
-            "one": {
-                "fk": self.ets.eval,
-                "fk_jacobian": lambda theta: (self.ets.eval(theta), self.ets.jacobe(theta)),
-            },
+            "one": {"fk": self.ets.eval, "fk_jacobian": lambda theta: (self.ets.eval(theta), self.ets.jacobe(theta))},
             "batch": {"fk": self.ets.eval},
         }

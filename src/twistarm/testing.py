@@ -17,11 +17,7 @@ from .support.checks import require
 
 
 def assert_arm(
-    source: str | os.PathLike[str],
-    *,
-    against: str | os.PathLike[str] | None = None,
-    samples: int = 200,
-    **load: Any,
+    source: str | os.PathLike[str], *, against: str | os.PathLike[str] | None = None, samples: int = 200, **load: Any
 ) -> Arm:
     """Load an arm, prove product of exponentials = Pinocchio = yourdfpy, and that it is still the one frozen.
 

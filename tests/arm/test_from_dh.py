@@ -106,8 +106,7 @@ def test_nearly_parallel_axes_tell_their_residual() -> None:
 
 
 @pytest.mark.parametrize(
-    "screws",
-    [joints.helical([0, 0, 1], [0, 0, 0], 0.1), 2.0 * joints.revolute([0, 0, 1], [0, 0, 0])],
+    "screws", [joints.helical([0, 0, 1], [0, 0, 0], 0.1), 2.0 * joints.revolute([0, 0, 1], [0, 0, 0])]
 )
 def test_screws_without_a_table_are_refused(screws: np.ndarray) -> None:
     with pytest.raises(InputError, match="pitch or a rate"):

@@ -379,11 +379,12 @@ def test_numbers_are_asked_for_while_the_panel_is_open(page: Any, viewer: Viewer
     def needed() -> bool:
         return "theory" in viewer._server.ask(lambda stage: stage.needed)
 
-    page.evaluate("twistarm.parts.layers.show({ screw: false })")
+    layers = ("screw", "spatial_columns", "body_columns", "linear_ellipsoid", "angular_ellipsoid")
+    page.evaluate("(off) => twistarm.parts.layers.show(off)", dict.fromkeys(layers, False))
     for tab, open_ in (("Move", False), ("Theory", True), ("Move", False)):
         page.get_by_role("tab", name=tab).click()
-        until(page, "!twistarm.link.underway")
-        assert needed() == open_ or page.evaluate("twistarm.parts.layers.needed").count("true") > 0
+        until(page, "twistarm.link.underway === 0 && twistarm.link.pending.size === 0")
+        assert needed() == open_
 
 
 def test_the_stand_alone_page(open_page: Opened, tmp_path: Path) -> None:

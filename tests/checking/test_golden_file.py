@@ -42,10 +42,7 @@ def golden(tmp_path: Path) -> Path:
 
 CHANGES = {
     "the elbow moved": ({"elbow": {"xyz": "0.412 0 0"}}, ("joint elbow moved 12 mm along x",)),
-    "the elbow turned": (
-        {"elbow": {"rpy": "0 0 0.01745329251994329577"}},
-        ("joint elbow turned by 1° about z",),
-    ),
+    "the elbow turned": ({"elbow": {"rpy": "0 0 0.01745329251994329577"}}, ("joint elbow turned by 1° about z",)),
     "an axis points the other way": (
         {"elbow": {"inside": '<axis xyz="0 -1 0"/>'}},
         ("joint elbow is reversed: it turns or slides the other way",),
@@ -104,10 +101,7 @@ BODIES = {
     "a mass": ({"mass": "99"}, ("mass of link fore raised: 0.099 to 99 kg",)),
     "a centre": ({"com": "0.103 0.004 0"}, ("centre of mass of link fore moved 5 mm",)),
     "an inertia": ({"ixx": "0.0013"}, ("inertia of link fore changed by 10 % of its largest moment",)),
-    "turned axes of it": (
-        {"rpy": "0 0 1.5707963267948966"},
-        ("inertia of link fore changed by 33.3 % of its",),
-    ),
+    "turned axes of it": ({"rpy": "0 0 1.5707963267948966"}, ("inertia of link fore changed by 33.3 % of its",)),
     "no mass": ({"mass": ""}, ("the mass of link fore is gone",)),
     "the same, turned": ({"rpy": "0 0 1.5707963267948966", "ixx": "0.002", "iyy": "0.001"}, ()),
 }

@@ -49,10 +49,7 @@ def slider(tmp_path: Path, shape: str, *more: str) -> Arm:
     return load_arm(file, tip="hand")
 
 
-@pytest.mark.parametrize(
-    ("shape", "gap"),
-    [("sphere", 0.4), ("box", 0.4), ("capsule", 0.4), ("cylinder", 0.4)],
-)
+@pytest.mark.parametrize(("shape", "gap"), [("sphere", 0.4), ("box", 0.4), ("capsule", 0.4), ("cylinder", 0.4)])
 def test_the_distance_to_a_box_is_that_of_a_calculation_by_hand(tmp_path: Path, shape: str, gap: float) -> None:
     """From a shape of half-width 0.1 at x = 0.5 to the face x = 1 of a box."""
     scene = Scene(slider(tmp_path, SHAPES[shape]))

@@ -68,8 +68,7 @@ def test_without_setpoints_the_drives_hold_for_an_hour_that_costs_nothing(rover,
 
 
 @pytest.mark.parametrize(
-    "options",
-    [{"latency": -0.1}, {"latency": np.nan}, {"velocity": 0.0}, {"acceleration": [1.0]}, {"theta": [0.0]}],
+    "options", [{"latency": -0.1}, {"latency": np.nan}, {"velocity": 0.0}, {"acceleration": [1.0]}, {"theta": [0.0]}]
 )
 def test_what_cannot_be(rover, options):
     with pytest.raises(InputError, match=next(iter(options))):

@@ -67,10 +67,7 @@ def test_nothing_outside_is_opened(case: str, place: Sandbox, monkeypatch: pytes
     monkeypatch.chdir(place.folder)
     inside, message = HOSTILE[case]
     place.write(
-        {
-            "package.xml": MANIFEST("arm"),
-            "deeper.xacro": f"<robot {XMLNS}>{include('../outside/secret.xacro')}</robot>",
-        }
+        {"package.xml": MANIFEST("arm"), "deeper.xacro": f"<robot {XMLNS}>{include('../outside/secret.xacro')}</robot>"}
     )
     arm = place.folder / "arm"
     (arm / "link.xacro").symlink_to(place.secret.with_suffix(".xacro"))

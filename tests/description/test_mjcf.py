@@ -164,6 +164,9 @@ ONE = '<body name="a"><joint name="j"/><geom size="0.1"/>{}</body>'
         (ONE.format('<geom type="capsule" size="-1 2" mass="2"/>'), "none negative"),
         (ONE.format('<geom mesh="lost"/>'), "'lost'"),
         (ONE.format('<body pos="1 2"/>'), "3 finite numbers"),
+        (ONE.format('<geom type="box" size="1 1 1" mass="-2"/>'), "must not be negative"),
+        ('</worldbody><compiler angle="radians"/><worldbody>', "'radians' is none of degree, radian"),
+        ('</worldbody><compiler coordinate="global"/><worldbody>', "'global' is none of local"),
         ('<include file="lost.xml"/>', "lost.xml"),
         ('<include file="../../../../../../../etc/passwd"/>', "outside the folders"),
         ('<include file="arm.xml"/>', "included already"),
@@ -177,12 +180,20 @@ def test_unusable_files_are_told_in_a_sentence(text: str, said: str, tmp_path: P
         load_arm(path)
 
 
-def test_what_is_not_read_is_told(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("part", "setting"),
+    [
+        ('<replicate count="3"/>', ""),
+        ('<geom size="0.1" shellinertia="true"/>', ""),
+        ('<body name="b"><joint type="ball" range="0 1"/></body>', ""),
+        ("", '<compiler settotalmass="5"/>'),
+    ],
+)
+def test_what_is_not_read_is_told(part: str, setting: str, tmp_path: Path) -> None:
     path = tmp_path / "arm.txt"  # known by its content
-    body = ONE.format('<replicate count="3"/>')
-    path.write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
-    arm = load_arm(path)
-    assert "mjcf-part-not-read" in {one.code for one in arm.findings}
+    for more, told in ((f"{setting}<worldbody>{ONE.format(part)}", True), (f"<worldbody>{ONE.format('')}", False)):
+        path.write_text(f"<mujoco>{more}</worldbody></mujoco>")
+        assert ("mjcf-part-not-read" in {one.code for one in load_arm(path).findings}) == told
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

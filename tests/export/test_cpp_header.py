@@ -379,13 +379,7 @@ def test_names_poses_and_limits(compiler: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "namespace"),
-    [
-        ("__my--arm__", "my_arm"),
-        ("6dof", "arm_6dof"),
-        ("int", "arm_int"),
-        ("関節", "arm"),
-        ("", "arm"),
-    ],
+    [("__my--arm__", "my_arm"), ("6dof", "arm_6dof"), ("int", "arm_int"), ("関節", "arm"), ("", "arm")],
 )
 def test_the_namespace_is_an_identifier(name: str, namespace: str) -> None:
     assert namespace_of(name) == namespace

@@ -180,9 +180,6 @@ def rename(root: ET.Element, rng: Random) -> None:
                     element.set(name, new)
 
 
-STRUCTURE = (
-    *(delete, duplicate, move, rename_tag, drop_attribute, change_type),
-    *(reparent, mimic, nest, litter),
-)
+STRUCTURE = (*(delete, duplicate, move, rename_tag, drop_attribute, change_type), *(reparent, mimic, nest, litter))
 NUMBERS = (hostile_number, hostile_vector, other_number, count, separators)
 NAMES = (hostile_name, rename)

@@ -66,8 +66,7 @@ def test_the_lesson_holds(lesson: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("lesson", lessons())
 @pytest.mark.parametrize(
-    ("source", "options"),
-    [*((name, {}) for name in own_arms() if name != "rover_arm"), *REAL_ARMS],
+    ("source", "options"), [*((name, {}) for name in own_arms() if name != "rover_arm"), *REAL_ARMS]
 )
 def test_the_lesson_holds_on_every_arm(
     source: str,

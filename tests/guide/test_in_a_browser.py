@@ -105,13 +105,19 @@ def test_the_scene_is_drawn_from_disk(built: Built, browser: Any) -> None:
     page.close()
 
 
+BOXES = """(figure) => [...figure.querySelectorAll("path")].map((path) => {
+  const { x, y, width, height } = path.getBBox();
+  return [x, y, width, height];
+})"""
+
+
 def test_a_figure_is_turned_zoomed_and_left_alone(built: Built, browser: Any) -> None:
     page = browser.new_page()
     seen = watched(page)
     page.goto((built.folder / f"{LESSON}.html").as_uri())
     figure = page.locator("figure > .turns").first
     figure.scroll_into_view_if_needed()
-    looks = [figure.inner_html()]
+    looks, first = [figure.inner_html()], figure.evaluate(BOXES)
 
     def changes(act: Callable[[], object]) -> bool:
         act()
@@ -135,7 +141,8 @@ def test_a_figure_is_turned_zoomed_and_left_alone(built: Built, browser: Any) ->
     page.keyboard.down("Control")
     assert changes(wheel)
     page.keyboard.up("Control")
-    page.keyboard.press("0")
+    assert changes(lambda: page.keyboard.press("0"))
+    assert np.allclose(figure.evaluate(BOXES), first, atol=0.2), "as it was drawn"
     assert page.locator("figure > .turns").count() == page.locator("figure > .picture:has([data-eye])").count()
     assert seen == []
     page.close()

@@ -146,11 +146,7 @@ WRITTEN_OTHERWISE: list[tuple[str, str, Callable[..., Any]]] = [
     ("pose_log", "p for v", lambda g: np.r_[g[:3, 3], Rotation.from_matrix(g[:3, :3]).as_rotvec()]),
     ("adjoint", "no p̂R", lambda g: scipy.linalg.block_diag(g[:3, :3], g[:3, :3])),
     ("product_of_exponentials", "home forgotten", lambda S, home, x: by_scipy(S, x)),
-    (
-        "product_of_exponentials",
-        "axes of the moment",
-        lambda S, home, x: by_scipy(spatial_columns(S, x), x) @ home,
-    ),
+    ("product_of_exponentials", "axes of the moment", lambda S, home, x: by_scipy(spatial_columns(S, x), x) @ home),
     ("reachable", "no room for rounding", lambda a, b, x, y: (a - b) ** 2 <= x * x + y * y <= (a + b) ** 2),
     ("both_elbows", "mixed signs", mixed_signs),
     ("damped_step", "damping not squared", lambda J, e, k: np.linalg.inv(J.T @ J + k * np.eye(J.shape[1])) @ J.T @ e),

@@ -64,10 +64,7 @@ json.dump([code, used.ru_maxrss, used.ru_utime + used.ru_stime], open(sys.argv[1
 
 
 def attempt(
-    *arguments: str,
-    folder: Path,
-    seconds: float = PATIENCE,
-    stdin: IO[bytes] | int = subprocess.DEVNULL,
+    *arguments: str, folder: Path, seconds: float = PATIENCE, stdin: IO[bytes] | int = subprocess.DEVNULL
 ) -> Outcome:
     """`twistarm arguments` in `folder`, without a terminal, killed with all that it started after `seconds`."""
     with tempfile.TemporaryDirectory() as place:

@@ -37,9 +37,7 @@ def many_attributes(element: str) -> Text:
 
 LARGE = {
     **{
-        f"100,000 attributes on a {where} of a URDF": urdf(
-            many_attributes(element.format(i="x")),
-        )
+        f"100,000 attributes on a {where} of a URDF": urdf(many_attributes(element.format(i="x")))
         for where, element in {
             "link": '<link name="x" @/><joint name="x" type="fixed"><parent link="tool"/><child link="x"/></joint>',
             "joint": '<link name="x"/><joint name="x" type="fixed" @><parent link="tool"/><child link="x"/></joint>',
@@ -64,13 +62,9 @@ LARGE = {
         ),
         "name",
     ),
-    "an origin of 5,000,000 digits": urdf(
-        lambda: part(more=f'<origin xyz="0.{"1" * 5_000_000} 0 0"/>'),
-        "no number",
-    ),
+    "an origin of 5,000,000 digits": urdf(lambda: part(more=f'<origin xyz="0.{"1" * 5_000_000} 0 0"/>'), "no number"),
     "1,000,000 elements in one link": urdf(
-        lambda: part("<x/>" * 1_000_000),
-        "more than 250,000 elements and attributes",
+        lambda: part("<x/>" * 1_000_000), "more than 250,000 elements and attributes"
     ),
     "5,000 collisions on a link": urdf(lambda: part(times(5_000, COLLISION))),
     "9,000 meshes of 9,000 packages": urdf(
@@ -153,8 +147,7 @@ BESIDE = {
         lambda: links(900, chain),
     ),
     "an SRDF that is a xacro file of comments": urdf(
-        lambda: "",
-        arm_srdf=lambda: f'<robot name="r" {XMLNS}>{"<!--c-->" * 100_000}{PROPERTY}</robot>',
+        lambda: "", arm_srdf=lambda: f'<robot name="r" {XMLNS}>{"<!--c-->" * 100_000}{PROPERTY}</robot>'
     ),
     "200 SRDFs of 900 kB": Case(
         {

@@ -13,15 +13,7 @@ from ik_targets import KINDS, errors, judged, moved, pinocchio_fk, target_from
 from solvers import textbook_ik
 from twistarm import JointMove, LineMove, TwistarmError, load_arm, plan, plan_joint
 from twistarm.export.cpp_header import cpp_header
-from twistarm.ik import (
-    Pose,
-    Position,
-    StopReason,
-    solve_ik,
-    solve_ik_all,
-    solve_ik_all_batch,
-    solve_ik_batch,
-)
+from twistarm.ik import Pose, Position, StopReason, solve_ik, solve_ik_all, solve_ik_all_batch, solve_ik_batch
 from twistarm.ik.ranges import joint_ranges
 
 HOW = "get a compiler"

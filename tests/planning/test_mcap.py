@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -11,6 +12,7 @@ import numpy as np
 import pinocchio
 import pytest
 import yaml
+import zstandard
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
@@ -156,6 +158,25 @@ def test_a_damaged_file_is_refused_in_a_sentence(rover, tmp_path, what):
     with pytest.raises(InputError, match=why) as refused:
         load_trajectory(rover, file)
     assert "\n" not in str(refused.value)
+
+
+def test_a_chunk_is_decompressed_no_further_than_it_says(rover, tmp_path):
+    """Ten kilobytes in a chunk's place, which would become 300 MB."""
+    file = planned(rover).to_mcap(tmp_path / "motion.mcap", rover, 0.002)
+    with file.open("rb") as opened:
+        chunk = make_reader(opened).get_summary().chunk_indexes[0]
+    bomb, data = zstandard.compress(bytes(300_000_000)), bytearray(file.read_bytes())
+    start = chunk.chunk_start_offset + 49 + len(chunk.compression)  # after the chunk's own fields
+    assert len(bomb) < chunk.compressed_size
+    data[start : start + len(bomb)] = bomb
+    file.write_bytes(data)
+    tracemalloc.start()
+    try:
+        with pytest.raises(InputError, match="Chunk size mismatch"):
+            load_trajectory(rover, file)
+        assert tracemalloc.get_traced_memory()[1] < 50e6
+    finally:
+        tracemalloc.stop()
 
 
 def test_files_without_a_motion_of_the_arm_are_refused(rover, tmp_path):

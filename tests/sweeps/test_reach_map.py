@@ -9,17 +9,7 @@ import numpy as np
 import pytest
 
 from catalogue import load
-from twistarm import (
-    Approach,
-    InputError,
-    ReachMap,
-    Scene,
-    arm_from_screws,
-    joints,
-    load_arm,
-    reach_map,
-    solve_ik,
-)
+from twistarm import Approach, InputError, ReachMap, Scene, arm_from_screws, joints, load_arm, reach_map, solve_ik
 from twistarm.sweeps import mapping
 from twistarm.sweeps.grid import Grid, sphere
 from urdf_text import joint, robot, write

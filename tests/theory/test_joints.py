@@ -94,10 +94,7 @@ def test_the_default_axes_of_a_plane(normal, x):
 
 @given(directions(), vectors())
 def test_the_axes_of_a_plane_are_a_rotation(normal, x_axis):
-    for R in (
-        joints.plane_axes(normal),
-        joints.plane_axes(7 * normal, x_axis + np.cross(normal, [0.3, 2, 5])),
-    ):
+    for R in (joints.plane_axes(normal), joints.plane_axes(7 * normal, x_axis + np.cross(normal, [0.3, 2, 5]))):
         close(R.T @ R, np.eye(3))
         assert np.linalg.det(R) > 0
         close(R[:, 2], normal)

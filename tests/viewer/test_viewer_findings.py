@@ -126,9 +126,7 @@ def test_what_the_loading_noted_is_sorted_and_the_doctor_is_announced(arm: Arm) 
     assert message["note"] == PENDING
 
 
-def test_an_arm_without_a_description_has_its_notes_alone(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_an_arm_without_a_description_has_its_notes_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "examine_arm", lambda arm, reader: pytest.fail("there is nothing to look at"))
     bare = arm_from_screws(joints.revolute([0, 0, 1], [0, 0, 0]), np.eye(4), joints=["turn"])
     assert examined(bare) == loaded(bare) == {"type": "findings", "findings": [], "counts": {}, "note": ""}

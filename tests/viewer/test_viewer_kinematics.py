@@ -86,11 +86,7 @@ def test_a_base_that_is_carried_followers_and_joints_beside_the_chain(tmp_path: 
 
 
 def test_an_arm_of_screws_with_a_thread_and_a_ball() -> None:
-    parts = [
-        joints.helical([0, 0, 1], [0.1, 0, 0], 0.05),
-        joints.spherical([0.3, 0, 0.1]),
-        joints.prismatic([1, 0, 0]),
-    ]
+    parts = [joints.helical([0, 0, 1], [0.1, 0, 0], 0.05), joints.spherical([0.3, 0, 0.1]), joints.prismatic([1, 0, 0])]
     home = np.eye(4)
     home[:3, 3] = 0.6, 0.1, 0.2
     arm = arm_from_screws(np.column_stack(parts), home)

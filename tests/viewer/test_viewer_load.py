@@ -191,8 +191,7 @@ def test_hostile_messages_leave_the_server_alive_and_its_memory_flat(viewer: Vie
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no process groups to look into")
 @pytest.mark.usefixtures("hangups")
 @pytest.mark.parametrize(
-    "end",
-    [signal.SIGTERM, *(pytest.param(end, marks=pytest.mark.slow) for end in (signal.SIGKILL, signal.SIGHUP))],
+    "end", [signal.SIGTERM, *(pytest.param(end, marks=pytest.mark.slow) for end in (signal.SIGKILL, signal.SIGHUP))]
 )
 def test_an_ended_process_leaves_nothing_running(end: signal.Signals) -> None:
     program = "from twistarm.cli import main; main()"

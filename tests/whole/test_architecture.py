@@ -53,6 +53,7 @@ ALLOWED = {
     "mdit_py_plugins": ("guide/teaching/markup.py",),
     "latex2mathml": ("guide/teaching/markup.py",),
     "pygments": ("guide/teaching/markup.py",),
+    "lz4": ("planning/files/mcap_file.py",),
     "rosbags": ("planning/files/mcap_file.py",),
     "serial": ("control/stream/links/serial_link.py",),
     "xacro": ("description/expansion",),

@@ -208,8 +208,7 @@ def test_a_simulation_that_is_set_back_or_jumps_stops_the_arm_and_goes_on(drive,
 
 
 @pytest.mark.parametrize(
-    ("system", "late"),
-    [(999.99, {1: 0.0004, 2: 0.03, 4: 0.2}), (1000.05, {}), (1e6, {1: 0.0004, 4: 0.2})],
+    ("system", "late"), [(999.99, {1: 0.0004, 2: 0.03, 4: 0.2}), (1000.05, {}), (1e6, {1: 0.0004, 4: 0.2})]
 )
 def test_no_step_to_rest_is_over_more_time_than_passed(drive, system, late):
     """The node drives on the simulation's clock, from 1000 s on, and comes to rest on the system's."""

@@ -27,8 +27,7 @@ from ..support.errors import InputError, listed, shown
 from .output import note
 
 Columns = Annotated[
-    str | None,
-    typer.Option(metavar="A,B,…", help="Names of the CSV's columns, where its header has none or others."),
+    str | None, typer.Option(metavar="A,B,…", help="Names of the CSV's columns, where its header has none or others.")
 ]
 
 BOUNDS = Bounds(bytes=15_000_000, lines=100_000)

@@ -203,13 +203,7 @@ class Obstacles:
         self._changed()
 
     def _add(
-        self,
-        name: str,
-        kind: str,
-        size: Row,
-        pose: Given | None,
-        mesh: Path | Triangles | None = None,
-        frame: str = "",
+        self, name: str, kind: str, size: Row, pose: Given | None, mesh: Path | Triangles | None = None, frame: str = ""
     ) -> None:
         if not isinstance(name, str) or not name or not name.isprintable():
             raise InputError(f"name must be a text on one line that is not empty; got {shown(name)}")

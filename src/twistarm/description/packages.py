@@ -229,9 +229,7 @@ class Walk:
 
 
 def package_index(
-    file: Path,
-    user_dirs: Iterable[str | os.PathLike[str]] = (),
-    mesh_dirs: Iterable[str | os.PathLike[str]] = (),
+    file: Path, user_dirs: Iterable[str | os.PathLike[str]] = (), mesh_dirs: Iterable[str | os.PathLike[str]] = ()
 ) -> PackageIndex:
     """The index for one description. InputError for a user's folder that does not exist."""
     if isinstance(user_dirs, (str, os.PathLike)):

@@ -68,12 +68,7 @@ class Draw:
         self._draw(name, lambda path: [drawing.box(path, edges.tolist(), tint, g)])
 
     def mesh(
-        self,
-        name: str,
-        vertices: ArrayLike,
-        faces: ArrayLike,
-        pose: ArrayLike | None = None,
-        colour: ArrayLike = BLUE,
+        self, name: str, vertices: ArrayLike, faces: ArrayLike, pose: ArrayLike | None = None, colour: ArrayLike = BLUE
     ) -> None:
         """Draw flat triangles: vertices (N, 3) in the axes of `pose`, and their indices (F, 3)."""
         v, f, g, tint = _rows(vertices, "vertices"), _rows(faces, "faces"), _pose(pose), _colour(colour)

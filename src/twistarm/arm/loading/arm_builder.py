@@ -326,10 +326,7 @@ def _of_this_world(numbers: Array, name: str) -> Array:
 
 
 def _limit(
-    lower: float | None = None,
-    upper: float | None = None,
-    velocity: float | None = None,
-    effort: float | None = None,
+    lower: float | None = None, upper: float | None = None, velocity: float | None = None, effort: float | None = None
 ) -> dict[str, float]:
     given = {"lower": lower, "upper": upper, "velocity": velocity, "effort": effort}
     limit = {name: _bound(value, name) for name, value in given.items()}

@@ -58,8 +58,7 @@ Start = Annotated[
     str | None, typer.Option("--from", metavar=POSE, help="Where it starts, as --to; unless given, the ready pose.")
 ]
 Motion = Annotated[
-    str | None,
-    typer.Argument(metavar="[MOTION]", help="A motion.toml; twistarm init --motion writes one."),
+    str | None, typer.Argument(metavar="[MOTION]", help="A motion.toml; twistarm init --motion writes one.")
 ]
 Through = Annotated[
     list[str] | None,

@@ -45,8 +45,7 @@ def check(
 
 
 def progress(
-    folder: Annotated[str, typer.Argument(metavar="DIR", help="The folder of the exercises.")] = ".",
-    json: Json = False,
+    folder: Annotated[str, typer.Argument(metavar="DIR", help="The folder of the exercises.")] = ".", json: Json = False
 ) -> None:
     """Show which exercises are done, and what was said of the others."""
     found = read_progress(folder_with_progress(as_path(folder), HERE))

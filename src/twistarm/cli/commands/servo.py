@@ -37,8 +37,7 @@ Commands = Annotated[
 CommandTimeout = Annotated[float, typer.Option(metavar="SECONDS", help="How long a command holds.")]
 Margin = Annotated[float, typer.Option(help="Distance kept from position limits (rad, m).")]
 OnUnreachable = Annotated[
-    str,
-    typer.Option(metavar="slide|stop", help="Where the arm cannot follow: slide along, or stop on the course."),
+    str, typer.Option(metavar="slide|stop", help="Where the arm cannot follow: slide along, or stop on the course.")
 ]
 Duration = Annotated[float | None, typer.Option(help="End after so many seconds; else Ctrl-C ends it.")]
 

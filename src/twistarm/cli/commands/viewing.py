@@ -33,9 +33,7 @@ from .kinematics import warn_outside
 Port = Annotated[
     int,
     typer.Option(
-        min=0,
-        max=65535,
-        help="Port to serve on; 0 takes a free one. Any other keeps the recorded poses for next time.",
+        min=0, max=65535, help="Port to serve on; 0 takes a free one. Any other keeps the recorded poses for next time."
     ),
 ]
 Host = Annotated[str, typer.Option(help="Interface to serve on; anything else opens the view to that network.")]

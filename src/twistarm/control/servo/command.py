@@ -32,10 +32,7 @@ FRAMES = (TOOL, BASE)
 FASTEST, FARTHEST = 1e4, 1e6
 """Greatest rates [m/s, rad/s] and positions [m] of an arm. Larger ones come from wrong units or broken messages."""
 
-HELD = {
-    "position": (True, True, True, False, False, False),
-    "orientation": (False, False, False, True, True, True),
-}
+HELD = {"position": (True, True, True, False, False, False), "orientation": (False, False, False, True, True, True)}
 """Names of held components in (vx, vy, vz, wx, wy, wz)."""
 
 

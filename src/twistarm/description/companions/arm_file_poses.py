@@ -1,4 +1,4 @@
-"""A pose written into the text of an arm.toml. Everything else in the file stays as it is."""
+"""Poses written into the text of an arm.toml. The rest of the file stays as it is."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def write_pose(path: Path, name: str, values: Mapping[str, float], *, replace: b
     except ValueError:
         fits = False
     if not fits:
-        raise InputError(f"{path} writes its poses in a form of its own: copy the lines and put them in by hand")
+        raise InputError(f"{path} has no place for a table [poses.{toml_key(name)}]; write the lines in by hand")
     write_whole(path, written, over_description=True)
 
 

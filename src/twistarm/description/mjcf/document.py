@@ -29,6 +29,9 @@ ACTUATORS = ("general", "motor", "position", "velocity", "intvelocity", "damper"
 KINDS = ("joint", "site", "geom", "mesh", "material", ACTUATORS[0])
 """Elements with defaults that are read."""
 
+KEYWORDS = {"angle": ("degree", "radian"), "coordinate": ("local",), "inertiafromgeom": ("auto", "true", "false")}
+"""Settings of `<compiler>` that change what is read, and their values. MuJoCo takes no others."""
+
 MOST_ATTRIBUTES = 100
 """Of the defaults of one kind. No element has as many, and each class inside takes them over."""
 
@@ -77,7 +80,7 @@ class Mjcf:
         return refusal("mjcf-unusable", self.reading_of(element).place(element), what, remedy)
 
     @contextmanager
-    def told(self, element: ET.Element) -> Iterator[None]:
+    def blaming(self, element: ET.Element) -> Iterator[None]:
         """Put the place of an element before the message about a malformed value in it."""
         try:
             yield
@@ -126,6 +129,9 @@ def read_mjcf(root: ET.Element, reading: Reading) -> Mjcf:
             raise refusal("too-many-parts", reading.whole, what, "is it a whole scene? leave out all but the robot")
     for compiler in root.findall("compiler"):
         mjcf.compiler.update(compiler.attrib)
+        for word, allowed in KEYWORDS.items():
+            if compiler.get(word, allowed[0]) not in allowed:
+                raise mjcf.error(compiler, f"{word} {compiler.get(word, '')[:60]!r} is none of {', '.join(allowed)}")
     for default in root.findall("default"):
         mjcf.classes.setdefault(default.get("class", MAIN), mjcf.classes[MAIN])
         _read_defaults(default, MAIN, mjcf)

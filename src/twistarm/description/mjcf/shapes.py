@@ -108,8 +108,16 @@ def _body(kind: str, size: list[float], given: Attributes, g: Array) -> Body:
         volume, turned = ends + rod, ends * 0.4 * a * a + rod * a * a / 2
         across = ends * (0.4 * a * a + c * c + 0.75 * a * c) + rod * (a * a / 4 + c * c / 3)
         unit = np.array([across, across, turned]) / max(volume, 1e-300)
-    mass = floats(given["mass"], 1)[0] if "mass" in given else floats(given.get("density", str(DENSITY)), 1)[0] * volume
+    mass = _mass(given["mass"]) if "mass" in given else _mass(given.get("density", str(DENSITY))) * volume
     return Body(mass, g[:3, 3], g[:3, :3] @ np.diag(mass * unit) @ g[:3, :3].T)
+
+
+def _mass(text: str) -> float:
+    """A mass or a density. ValueError if it is malformed or negative."""
+    (number,) = floats(text, 1)
+    if number < 0.0:
+        raise ValueError(f"its mass or density is {number:g}; it must not be negative")
+    return number
 
 
 def explicit_body(given: Attributes, mjcf: Mjcf) -> Body:
@@ -117,7 +125,7 @@ def explicit_body(given: Attributes, mjcf: Mjcf) -> Body:
     g = mjcf.pose(given)
     xx, yy, zz, xy, xz, yz = floats(given.get("fullinertia") or given.get("diaginertia", "0 0 0") + " 0 0 0", 6)
     inertia = g[:3, :3] @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ g[:3, :3].T
-    return Body(floats(given.get("mass", ""), 1)[0], g[:3, 3], inertia)
+    return Body(_mass(given.get("mass", "")), g[:3, 3], inertia)
 
 
 def inertial_of(bodies: Iterable[Body]) -> list[ET.Element]:

@@ -28,7 +28,7 @@ TURNS = ("_rz", "_ry", "_rx")
 
 TOLD = {
     "mjcf-scenery-left-out": ("left out", "describe obstacles in a scene.toml"),
-    "mjcf-part-not-read": ("not read", "write it out as bodies and joints, if the arm needs it"),
+    "mjcf-part-not-read": ("not read", "write it out as bodies, joints and masses, if the arm needs it"),
     "mjcf-loop-open": ("not kept: the joints move freely", "lock or couple them in a URDF copy"),
 }
 """The codes of findings about parts of an MJCF, what becomes of the parts, and the remedy."""
@@ -38,6 +38,8 @@ SHOWN = 8
 
 NOT_READ = ("composite", "flexcomp", "attach", "replicate", "plugin")
 SECTIONS = ("tendon", "deformable")
+MASSES = {"settotalmass": "-1", "inertiagrouprange": "0 5"}
+"""Settings of `<compiler>` that change all masses, and the values that do not."""
 
 
 class Translated(NamedTuple):
@@ -95,11 +97,14 @@ class _Writer:
         self._pairs: set[tuple[str, str]] = set()
         self._efforts: dict[str, float] = {}
         for actuator in mjcf.each("actuator", *ACTUATORS):
-            with mjcf.told(actuator):
+            with mjcf.blaming(actuator):
                 self._keep_effort(mjcf.attributes(actuator), actuator.tag)
         for section in SECTIONS:
             for part in mjcf.root.findall(section):
                 self._note("mjcf-scenery-left-out", f"<{part.tag}>")
+        for word, idle in MASSES.items():
+            if mjcf.compiler.get(word, idle) != idle:
+                self._note("mjcf-part-not-read", f"{word} of <compiler>")
 
     def _note(self, code: str, part: str) -> None:
         self.noted.setdefault(code, {})[part] = None
@@ -113,7 +118,7 @@ class _Writer:
         from_geoms = rule == "true" or (rule == "auto" and all(part.tag != "inertial" for part, *_ in parts))
         bodies: list[Body] = []
         for part, frame, around in parts:
-            with self.mjcf.told(part):
+            with self.mjcf.blaming(part):
                 if part.tag == "geom":
                     body = self._geom(
                         self.mjcf.attributes(part, around), link, frame, from_geoms and link in self._carried
@@ -140,7 +145,7 @@ class _Writer:
             if part.tag != "frame":
                 yield part, frame, around
                 continue
-            with self.mjcf.told(part):
+            with self.mjcf.blaming(part):
                 inner = frame @ self.mjcf.pose(dict(part.attrib))
             yield from self._parts(part, inner, around)
 
@@ -148,8 +153,10 @@ class _Writer:
         shapes, body = self._shapes.of(given, frame)
         self.contents.setdefault(link, []).extend(shapes)
         kind = kind_of(given)
-        if weighs and kind == "mesh" and given.get("mass") != "0":
+        if weighs and kind == "mesh" and "0" not in (given.get("mass"), given.get("density")):
             self._note("mjcf-part-not-read", f"the mass of a mesh of {link!r}")
+        elif weighs and given.get("shellinertia") == "true":
+            self._note("mjcf-part-not-read", f"a hollow shape of {link!r}, which is read as solid")
         elif kind in ("plane", "hfield", "ellipsoid", "sdf"):
             self._note("mjcf-scenery-left-out", f"a shape of type {kind}")
         return body
@@ -157,7 +164,7 @@ class _Writer:
     def _body(self, body: ET.Element, parent: str, frame: Array, childclass: str) -> None:
         name = body.get("name") or free_name(f"body{len(self._links)}", self._links)
         body.set("name", name)
-        with self.mjcf.told(body):
+        with self.mjcf.blaming(body):
             g = frame @ self.mjcf.pose(dict(body.attrib))
         found = [
             (part, self.mjcf.attributes(part, around), local)
@@ -176,7 +183,7 @@ class _Writer:
         link = parent
         for i, (joint, given, local) in enumerate(found):
             joint.set("name", joint.get("name") or free_name(f"{name}_joint", self._joints))
-            with self.mjcf.told(joint):
+            with self.mjcf.blaming(joint):
                 link, g = self._joint(joint, given, link, g, local, "" if i < len(found) - 1 else name)
         if link not in (parent, name):  # MuJoCo lets a body and its parent overlap
             self._pairs.add((min(parent, name), max(parent, name)))
@@ -197,6 +204,8 @@ class _Writer:
         name, kind, origin = joint.get("name", ""), given.get("type", "hinge"), np.eye(4)
         if kind not in ("hinge", "slide", "ball"):
             raise ValueError(f"joint type {kind[:60]!r} is none of hinge, slide, ball, free")
+        if kind == "ball" and "range" in given and given.get("limited") != "false":
+            self._note("mjcf-part-not-read", f"the range of the ball {name!r}")
         origin[:3, 3] = local[:3, :3] @ floats(given.get("pos", "0 0 0"), 3) + local[:3, 3]
         axis = local[:3, :3] @ floats(given.get("axis", "0 0 1"), 3)
         axis = axis / max(float(np.linalg.norm(axis)), 1e-300)
@@ -247,7 +256,7 @@ class _Writer:
             if element.get("active") == "false":
                 continue
             first, second = element.get("joint1", ""), element.get("joint2", "")
-            with self.mjcf.told(element):
+            with self.mjcf.blaming(element):
                 given = several(element.get("polycoef", ""))
             a0, a1, *higher = [*given, *(0.0, 1.0, 0.0, 0.0, 0.0)[len(given) :]]
             follower, master = self._moving.get(first), self._moving.get(second)
@@ -270,7 +279,7 @@ class _Writer:
             self._pairs.add((one, other))
         states = []
         for key in self.mjcf.each("keyframe", "key"):
-            with self.mjcf.told(key):
+            with self.mjcf.blaming(key):
                 values = self._values(key) if key.get("name") and "qpos" in key.attrib else {}
             states += [GroupState(key.get("name", ""), "", values)] if values else []
         if not states and not self._pairs:

@@ -55,11 +55,7 @@ def outcome(path: Path, scenes: Path) -> dict[str, Any]:
             programs = []
     if programs:
         body.append(_folded(programs))
-    return {
-        "body": "\n".join(body),
-        "sections": [(slug(title), title) for title in _sections(cells)],
-        "failed": failed,
-    }
+    return {"body": "\n".join(body), "sections": [(slug(title), title) for title in _sections(cells)], "failed": failed}
 
 
 def _run(cell: Cell, path: Path, scenes: Path, names: dict[str, Any]) -> str:

@@ -222,11 +222,7 @@ EXERCISES = (
                 "acts after it.",
                 {"omega_2 @ u": "omega_1 @ u", "omega_1 @ v": "omega_2 @ v"},
             ),
-            Slip(
-                "root forgotten",
-                "This is γ²: take the root.",
-                {"np.sqrt(": "("},
-            ),
+            Slip("root forgotten", "This is γ²: take the root.", {"np.sqrt(": "("}),
             Slip(
                 "ω₁ × ω₂ taken for a unit vector",
                 "ω₁ × ω₂ is a unit vector only where the axes are at right angles: γ² is divided by ‖ω₁ × ω₂‖².",
@@ -283,9 +279,7 @@ EXERCISES = (
                 {"np.sort(np.pi - (np.pi - both) % (2 * np.pi))": "np.pi - (np.pi - both) % (2 * np.pi)"},
             ),
             Slip(
-                "larger first",
-                "Both are right, but the smaller comes first.",
-                {"(2 * np.pi))": "(2 * np.pi))[::-1]"},
+                "larger first", "Both are right, but the smaller comes first.", {"(2 * np.pi))": "(2 * np.pi))[::-1]"}
             ),
             Slip(
                 "from 0 to 2π",

@@ -252,11 +252,7 @@ EXERCISES = (
                 "You compare the variance 1/s² with a standard deviation: that is 1/s.",
                 {"s * most >= 1.0": "s**2 * most >= 1.0"},
             ),
-            Slip(
-                "not shown counted",
-                "You count those that the log does not show.",
-                {">= 1.0": "< 1.0"},
-            ),
+            Slip("not shown counted", "You count those that the log does not show.", {">= 1.0": "< 1.0"}),
         ),
     ),
     Exercise(
@@ -278,9 +274,7 @@ EXERCISES = (
             Slip(
                 "weights not squared",
                 "You divide by the root of sigma: the squares then have the weight 1/σ, and it should be 1/σ².",
-                {
-                    "lstsq(B, r / sigma": "lstsq(A / np.sqrt(sigma)[:, None], r / np.sqrt(sigma)",
-                },
+                {"lstsq(B, r / sigma": "lstsq(A / np.sqrt(sigma)[:, None], r / np.sqrt(sigma)"},
             ),
             Slip(
                 "sign",

@@ -115,11 +115,7 @@ EXERCISES = (
                 "You go forwards, into the object: its z axis points inwards, so the way back is −distance.",
                 {"= -distance": "= distance"},
             ),
-            Slip(
-                "along x",
-                "You go along the grasp's x axis; z is the third.",
-                {"back[2, 3]": "back[0, 3]"},
-            ),
+            Slip("along x", "You go along the grasp's x axis; z is the third.", {"back[2, 3]": "back[0, 3]"}),
             Slip(
                 "row for column",
                 "The translation stands in the last row: it belongs into the last column, back[2, 3].",
@@ -170,11 +166,7 @@ EXERCISES = (
                 "You return the start as it was: did the loop never run, or did you return x0?",
                 {"return x": "return x0"},
             ),
-            Slip(
-                "change returned",
-                "You return the change alone: add it to x0.",
-                {"return x": "return x - x0"},
-            ),
+            Slip("change returned", "You return the change alone: add it to x0.", {"return x": "return x - x0"}),
             Slip(
                 "pose returned",
                 "You return the pose that was reached; asked for are the joint values.",

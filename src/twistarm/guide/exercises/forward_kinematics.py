@@ -151,16 +151,8 @@ EXERCISES = (
                 "for the first joint moves all the others.",
                 {"g = g @ screws.exp(twists[:, i], x[i])": "g = screws.exp(twists[:, i], x[i]) @ g"},
             ),
-            Slip(
-                "degrees",
-                DEGREES,
-                {"x[i])": "np.radians(x[i]))"},
-            ),
-            Slip(
-                "angular first",
-                ANGULAR_FIRST,
-                {"exp(twists[:, i]": "exp(np.roll(twists[:, i], 3)"},
-            ),
+            Slip("degrees", DEGREES, {"x[i])": "np.radians(x[i]))"}),
+            Slip("angular first", ANGULAR_FIRST, {"exp(twists[:, i]": "exp(np.roll(twists[:, i], 3)"}),
             Slip(
                 "one exponential",
                 "You add the twists and take one exponential. exp(A) exp(B) is exp(A + B) only for joints that "
@@ -200,11 +192,7 @@ EXERCISES = (
                 "You multiply by the inverse of the home pose: it is `home` itself, the tool seen from the base.",
                 {"g @ home": "g @ np.linalg.inv(home)"},
             ),
-            Slip(
-                "values negated",
-                "Your joints turn the other way: exp(ξ̂ᵢxᵢ), without a minus.",
-                {"x[i])": "-x[i])"},
-            ),
+            Slip("values negated", "Your joints turn the other way: exp(ξ̂ᵢxᵢ), without a minus.", {"x[i])": "-x[i])"}),
             Slip(
                 "base seen from the tool",
                 "You return the inverse: the pose of the base seen from the tool, g_ts.",
@@ -229,11 +217,7 @@ EXERCISES = (
                 "The transpose of an Adjoint is not its inverse (as it is for a rotation): Ad(g)⁻¹ = Ad(g⁻¹).",
                 {"adjoint(np.linalg.inv(home))": "adjoint(home).T"},
             ),
-            Slip(
-                "no p̂R",
-                NO_CROSS_TERM,
-                {"screws.adjoint(np.linalg.inv(home))": "np.kron(np.eye(2), home[:3, :3].T)"},
-            ),
+            Slip("no p̂R", NO_CROSS_TERM, {"screws.adjoint(np.linalg.inv(home))": "np.kron(np.eye(2), home[:3, :3].T)"}),
             Slip(
                 "unchanged",
                 "The twists come back as they were, seen from the base: carry them by Ad(g_st(0)⁻¹).",

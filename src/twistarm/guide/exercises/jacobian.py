@@ -189,9 +189,7 @@ EXERCISES = (
                 "hybrid",
                 "This is the hybrid Jacobian: v is right, the velocity of the tool's origin, but all is in the axes of "
                 "the base. Turn both halves into the tool's by Rᵀ.",
-                {
-                    "return J_b": "R = (g @ home)[:3, :3]\n    return np.kron(np.eye(2), R) @ J_b",
-                },
+                {"return J_b": "R = (g @ home)[:3, :3]\n    return np.kron(np.eye(2), R) @ J_b"},
             ),
             Slip(
                 "seen from where the tool was",
@@ -257,15 +255,9 @@ EXERCISES = (
                 "You have p × ω, the other way round: a turning body moves its points with ω × p.",
                 {"np.cross(V[3:], p)": "np.cross(p, V[3:])"},
             ),
+            Slip("angular first", ANGULAR_FIRST, {"V[:3] + np.cross(V[3:], p)": "V[3:] + np.cross(V[:3], p)"}),
             Slip(
-                "angular first",
-                ANGULAR_FIRST,
-                {"V[:3] + np.cross(V[3:], p)": "V[3:] + np.cross(V[:3], p)"},
-            ),
-            Slip(
-                "turn alone",
-                "You have ω × p alone: add v, what the slides and distant axes do.",
-                {"V[:3] + np": "np"},
+                "turn alone", "You have ω × p alone: add v, what the slides and distant axes do.", {"V[:3] + np": "np"}
             ),
         ),
         tolerance=1e-5,

@@ -153,9 +153,7 @@ EXERCISES = (
                 {"[v, axis]": '[v, pitch * axis if kind == "helical" else axis]'},
             ),
             Slip(
-                "angular first",
-                ANGULAR_FIRST,
-                {"[axis, np.zeros(3)]": "[np.zeros(3), axis]", "[v, axis]": "[axis, v]"},
+                "angular first", ANGULAR_FIRST, {"[axis, np.zeros(3)]": "[np.zeros(3), axis]", "[v, axis]": "[axis, v]"}
             ),
             Slip(
                 "through the origin",

@@ -131,14 +131,7 @@ EXERCISES = (
                 "Jacobian needs it, the inverse stands on the left: g⁻¹ g_target.",
                 {"screws.inverse(g) @ target": "target @ screws.inverse(g)"},
             ),
-            Slip(
-                "angular first",
-                ANGULAR_FIRST,
-                {
-                    "screws.log(": "np.roll(screws.log(",
-                    "@ target)": "@ target), 3)",
-                },
-            ),
+            Slip("angular first", ANGULAR_FIRST, {"screws.log(": "np.roll(screws.log(", "@ target)": "@ target), 3)"}),
             Slip(
                 "difference for v",
                 "Your v is the difference of the positions in the tool's axes. The logarithm's v is that "
@@ -198,11 +191,7 @@ EXERCISES = (
                 "The derivative of the cosine is minus the sine: the first row of J is negative.",
                 {"[-tip[1], -l2 * np.sin(t12)]": "[tip[1], l2 * np.sin(t12)]"},
             ),
-            Slip(
-                "step alone",
-                "You return the step alone: add it to theta.",
-                {"theta + np.linalg": "np.linalg"},
-            ),
+            Slip("step alone", "You return the step alone: add it to theta.", {"theta + np.linalg": "np.linalg"}),
             Slip(
                 "half a step",
                 "You go half of the way: Newton's step is Δ itself.",
@@ -250,9 +239,7 @@ EXERCISES = (
                 {"J.T @ np.linalg.solve(J @ J.T + damping**2 * np.eye(6), error)": "np.linalg.pinv(J) @ error"},
             ),
             Slip(
-                "damping to the fourth",
-                "The damping is squared twice: λ² I is enough.",
-                {"damping**2": "damping**4"},
+                "damping to the fourth", "The damping is squared twice: λ² I is enough.", {"damping**2": "damping**4"}
             ),
             Slip(
                 "transpose alone",
@@ -260,9 +247,7 @@ EXERCISES = (
                 {"np.linalg.solve(J @ J.T + damping**2 * np.eye(6), error)": "error"},
             ),
             Slip(
-                "step back",
-                "The step has the wrong sign: the error is what is still to go.",
-                {"J.T @ np": "-J.T @ np"},
+                "step back", "The step has the wrong sign: the error is what is still to go.", {"J.T @ np": "-J.T @ np"}
             ),
             Slip(
                 "damping subtracted",

@@ -150,11 +150,7 @@ EXERCISES = (
                 "and for other numbers of them an error. The points are rows: `points_b @ R.T`.",
                 {"points_b @ R.T + p": "R @ points_b + p"},
             ),
-            Slip(
-                "origin forgotten",
-                "The points are turned but not moved: add the origin p of frame B.",
-                {" + p": ""},
-            ),
+            Slip("origin forgotten", "The points are turned but not moved: add the origin p of frame B.", {" + p": ""}),
             Slip(
                 "moved before turned",
                 "The origin is added before the rotation: p is seen from A already, so turn first, then add.",

@@ -129,11 +129,7 @@ EXERCISES = (
                 {"(3 * u**2 - 2 * u**3)": "(10 * u**3 - 15 * u**4 + 6 * u**5)"},
             ),
             Slip("start forgotten", "The way is right, but it begins at theta0: add it.", {"theta0 + (3": "(3"}),
-            Slip(
-                "end for way",
-                "You multiply by theta1; the way is theta1 − theta0.",
-                {"(theta1 - theta0)": "theta1"},
-            ),
+            Slip("end for way", "You multiply by theta1; the way is theta1 − theta0.", {"(theta1 - theta0)": "theta1"}),
             Slip(
                 "coefficients swapped",
                 "The coefficients are swapped: 3 u² − 2 u³ is 1 at u = 1 and flat at both ends.",
@@ -182,10 +178,7 @@ EXERCISES = (
             Slip(
                 "acceleration",
                 "This is the acceleration: differentiate once only.",
-                {
-                    "30 * u**2 - 60 * u**3 + 30 * u**4": "60 * u - 180 * u**2 + 120 * u**3",
-                    "/ T\n": "/ T**2\n",
-                },
+                {"30 * u**2 - 60 * u**3 + 30 * u**4": "60 * u - 180 * u**2 + 120 * u**3", "/ T\n": "/ T**2\n"},
             ),
             Slip(
                 "divided twice",
@@ -202,11 +195,7 @@ EXERCISES = (
                 "The sign is wrong: the way is theta1 − theta0, from the start to the end.",
                 {"(theta1 - theta0)": "(theta0 - theta1)"},
             ),
-            Slip(
-                "end for way",
-                "You multiply by theta1; the way is theta1 − theta0.",
-                {"(theta1 - theta0)": "theta1"},
-            ),
+            Slip("end for way", "You multiply by theta1; the way is theta1 − theta0.", {"(theta1 - theta0)": "theta1"}),
             Slip(
                 "cubic",
                 "This is the velocity of the cubic; the quintic is 10 u³ − 15 u⁴ + 6 u⁵.",
@@ -299,10 +288,7 @@ EXERCISES = (
                 "right for left",
                 "You multiply by the start on the wrong side: the logarithm of g0⁻¹ g1 is seen from the body, and is "
                 "multiplied from the right, g0 exp(s …).",
-                {
-                    "g0 @ screws.exp(": "screws.exp(",
-                    "@ g1), s)": "@ g1), s) @ g0",
-                },
+                {"g0 @ screws.exp(": "screws.exp(", "@ g1), s)": "@ g1), s) @ g0"},
             ),
             Slip(
                 "mixed sides",
@@ -313,10 +299,7 @@ EXERCISES = (
             Slip(
                 "start forgotten, seen from the base",
                 "This is the motion, seen from the base, and not yet the pose: multiply it by g0 on the right.",
-                {
-                    "g0 @ screws.exp(": "screws.exp(",
-                    "screws.inverse(g0) @ g1": "g1 @ screws.inverse(g0)",
-                },
+                {"g0 @ screws.exp(": "screws.exp(", "screws.inverse(g0) @ g1": "g1 @ screws.inverse(g0)"},
             ),
             Slip(
                 "from the other end",

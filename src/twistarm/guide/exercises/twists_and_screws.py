@@ -210,9 +210,7 @@ EXERCISES = (
                 {"square = float(w @ w)": "square = np.linalg.norm(w)", "w / np.sqrt(square)": "w / square"},
             ),
             Slip(
-                "axis not normalised",
-                "Your axis is ω itself: divide it by its length.",
-                {"w / np.sqrt(square)": "w"},
+                "axis not normalised", "Your axis is ω itself: divide it by its length.", {"w / np.sqrt(square)": "w"}
             ),
             Slip(
                 "axis reversed",

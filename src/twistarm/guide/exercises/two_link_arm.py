@@ -23,10 +23,7 @@ def wrap(angle: float) -> float:
 def tip(l1: float, l2: float, theta1: float, theta2: float) -> Array:
     """The tip (x, y) of the two-link arm. `theta2` [rad] is measured from the first link, not from the x axis."""
     return np.array(
-        [
-            l1 * np.cos(theta1) + l2 * np.cos(theta1 + theta2),
-            l1 * np.sin(theta1) + l2 * np.sin(theta1 + theta2),
-        ]
+        [l1 * np.cos(theta1) + l2 * np.cos(theta1 + theta2), l1 * np.sin(theta1) + l2 * np.sin(theta1 + theta2)]
     )
 
 
@@ -235,11 +232,7 @@ EXERCISES = (
                 "opposite r: l1² + l2² − r², over 2 l1 l2.",
                 {"(l1**2 + l2**2 - r**2) / (2 * l1 * l2)": "(r**2 + l1**2 - l2**2) / (2 * l1 * r)"},
             ),
-            Slip(
-                "two forgotten",
-                "The law of cosines has 2 l1 l2 below the line.",
-                {"(2 * l1 * l2)": "(l1 * l2)"},
-            ),
+            Slip("two forgotten", "The law of cosines has 2 l1 l2 below the line.", {"(2 * l1 * l2)": "(l1 * l2)"}),
             Slip(
                 "degrees",
                 "The angle comes out in degrees: leave np.degrees out.",
@@ -312,9 +305,7 @@ EXERCISES = (
                 {"np.arctan2(y, x)": "np.arctan(y / x)"},
             ),
             Slip(
-                "atan2(x, y)",
-                "np.arctan2 takes y first: np.arctan2(y, x).",
-                {"np.arctan2(y, x)": "np.arctan2(x, y)"},
+                "atan2(x, y)", "np.arctan2 takes y first: np.arctan2(y, x).", {"np.arctan2(y, x)": "np.arctan2(x, y)"}
             ),
             Slip(
                 "elbow angle for theta2",

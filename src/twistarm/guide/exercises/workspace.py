@@ -127,9 +127,7 @@ EXERCISES = (
                 {"1e-9": "1e-3"},
             ),
             Slip(
-                "outer edge forgotten",
-                "Points farther than l1 + l2 are called reachable.",
-                {" <= l1 + l2 + 1e-9": ""},
+                "outer edge forgotten", "Points farther than l1 + l2 are called reachable.", {" <= l1 + l2 + 1e-9": ""}
             ),
             Slip(
                 "square for length",

@@ -296,8 +296,7 @@ def first_served(arm):
 
 
 arm = guide.arm_with(
-    "a place that it can reach in a straight line",
-    lambda each: first_served(each) is not None,
+    "a place that it can reach in a straight line", lambda each: first_served(each) is not None
 )
 g_so, motion, refusals = first_served(arm)
 

@@ -1,4 +1,4 @@
-"""Figures in space: one scale for their panels, a floor, motions, and places from which a page draws them again."""
+"""Figures in space: one scale for all panels, a floor, motions, and the places that a page draws again."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MARGIN = 0.15
 
 
 def plot_motion(plot: Callable[..., object], ax: Any, places: Iterable[Any], *arguments: Any) -> None:
-    """Draw something that moves: a page plays it, and on paper it is at its last place.
+    """Draw something that moves. A page plays the motion; paper shows its end.
 
     Args:
         plot: Draws it, the same things at each place: `plot_frame`, `plot_point`, or a function of the lesson.
@@ -35,9 +35,9 @@ def plot_motion(plot: Callable[..., object], ax: Any, places: Iterable[Any], *ar
 
 
 def settle(panels: list[Any]) -> Any:
-    """Give the panels of a figure one centre and one scale, so that all stays in sight when it is turned.
+    """Give the panels of a figure one centre and one scale. All stays in sight when a page turns them.
 
-    Returns the part of the figure's plane to save [inches].
+    Returns the part of the figure to save [inches].
     """
     from matplotlib.transforms import Bbox
 
@@ -59,16 +59,16 @@ def settle(panels: list[Any]) -> Any:
         ax.set_box_aspect((1, 1, 1), zoom=room / (radius * _seen(ax)[2]))
         words = [ax.title] * bool(ax.get_title()) + [each for each in [ax.get_legend()] if each]
         boxes += [box, *(each.get_window_extent() for each in words)]
-        for artist in _placed(ax):  # nothing frames what is drawn, so nothing cuts it off
+        for artist in _placed(ax):  # there is no frame to cut them off
             artist.set_clip_on(False)
     return Bbox.union(boxes).transformed(figure.dpi_scale_trans.inverted()).padded(0.03)
 
 
 def places(panels: list[Any], box: Any) -> dict[str, str]:
-    """Name the panels and what they draw; for each name, attributes for its element in the drawing of `box` [inches].
+    """Name the panels and what they draw. Return, by name, attributes of the elements in the drawing of `box` [inches].
 
-    A page finds in them the direction of view [degrees], the centre of the panel, and the places of lines and letters
-    around it, in units of the drawing.
+    The attributes give a page the direction of view [degrees], the centre of the panel, and the places of lines and
+    letters around it, in units of the drawing.
     """
     attributes = {}
     for k, ax in enumerate(panels):
@@ -86,7 +86,7 @@ def places(panels: list[Any], box: Any) -> dict[str, str]:
 
 
 def _placed(ax: Any) -> list[Any]:
-    """What has a place in space: lines, their collections, and words."""
+    """The artists with a place in space: lines, collections of lines, and words."""
     from mpl_toolkits.mplot3d.art3d import Line3D, Line3DCollection, Text3D
 
     return [artist for artist in ax.get_children() if isinstance(artist, (Line3D, Line3DCollection, Text3D))]

@@ -1,9 +1,10 @@
-"""MCAP files of ROS 2 messages about an arm, by rosbags: written, and read as a motion."""
+"""MCAP files of ROS 2 messages about an arm by rosbags: writing, and reading as a motion."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -34,6 +35,9 @@ NONE = np.zeros(0)
 MAX_BYTES, MAX_MESSAGES = 1_000_000_000, 200_000
 """Of a file, and of a topic that is read: half an hour at 100 Hz."""
 
+MAX_CHUNK = 100_000_000
+"""Bytes of a chunk, which is decompressed at once. rosbag2 ends a chunk at 0.8 MB, or after a longer message."""
+
 
 def _import_rosbags() -> tuple[Any, Any, Any]:
     try:
@@ -43,8 +47,24 @@ def _import_rosbags() -> tuple[Any, Any, Any]:
     return rosbag2, interfaces, typesys.get_typestore(typesys.Stores.LATEST)
 
 
+def _bound_chunks() -> None:
+    """Let rosbags decompress no chunk beyond the size that the chunk gives, nor beyond `MAX_CHUNK`.
+
+    rosbags compares the sizes only afterwards. A few kilobytes may hold gigabytes of zeros.
+    """
+    from lz4.frame import LZ4FrameDecompressor
+    from rosbags.rosbag2 import storage_mcap
+
+    def bounded(kind: Any, data: bytes, size: int) -> bytes:
+        return kind().decompress(data, min(size, MAX_CHUNK) + 1)
+
+    storage: Any = storage_mcap
+    storage.DECOMPRESSORS["zstd"] = partial(bounded, storage.zstd.ZstdDecompressor)
+    storage.DECOMPRESSORS["lz4"] = partial(bounded, LZ4FrameDecompressor)
+
+
 class Bag(Closeable):
-    """A new MCAP file. It grows in a hidden folder beside its place, and takes that at the end.
+    """A new MCAP file, written in a hidden folder beside its place and moved there at the end.
 
     Times are seconds after `start` [ns since 1970]. The first message is the description, at `time`.
     """
@@ -138,12 +158,15 @@ def mcap_bytes(trajectory: Trajectory, arm: Arm, dt: float) -> bytes:
 
 def read_mcap(arm: Arm, file: Path) -> Points:
     """Read the points of `arm` from a recording. Raises InputError, with the point."""
-    if why := why_no_file(file) or (file.stat().st_size > MAX_BYTES and f"it has more than {MAX_BYTES:,} bytes"):
+    if why := why_no_file(file) or (file.stat().st_size > MAX_BYTES and f"more than {MAX_BYTES:,} bytes; split it"):
         raise InputError(f"cannot read {file}: {why}")
     rosbag2, _, store = _import_rosbags()
     try:
+        _bound_chunks()
         with rosbag2.Reader(file) as reader:
             message = _motion(arm, reader, store)
+    except InputError as error:
+        raise InputError(f"cannot read {file}: {error}") from error
     except Exception as error:  # damaged files raise errors of any type in rosbags
         why = f"{one_line(str(error) or repr(error))}; `mcap recover` repairs a recording that was cut off"
         raise InputError(f"cannot read {file} as an MCAP file of ROS 2: {why}") from error
@@ -160,12 +183,11 @@ def _motion(arm: Arm, reader: Any, store: Any) -> dict[str, Any]:
         topics = [each for each in reader.connections if each.msgtype == kind and each.topic.endswith(ending)]
         for number, (_, time, data) in enumerate(reader.messages(topics) if topics else ()):
             if number == MAX_MESSAGES:
-                raise InputError(f"it has more than {MAX_MESSAGES:,} messages on *{ending}")
+                raise InputError(f"it has more than {MAX_MESSAGES:,} messages on *{ending}; split it")
             decode = layout.deserialize_cdr_le if data[1] else layout.deserialize_cdr_be
-            yield (
-                time,
-                decode(data[4:], 0, layout.cls, store)[0],
-            )  # rclpy leaves bytes after it, which the store refuses
+            # rclpy leaves bytes behind a message, which the store itself refuses.
+            message, _ = decode(data[4:], 0, layout.cls, store)
+            yield time, message
 
     names, points, begin = list(arm.joint_names), list[dict[str, Any]](), 0
     motions = list(dict(heard(TRAJECTORY, SETPOINTS)).items())  # of one instant the last counts

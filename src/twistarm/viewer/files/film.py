@@ -29,10 +29,10 @@ try {{
 }}
 </script>
 </body>"""
-"""What the page does beside what a saved page does: it films, and tells `address` how far it is."""
+"""The script that a saved page gets: it films the motion and posts progress and film to `address`."""
 
 SMALLER = 4
-"""How many times smaller the page is than its film, because the page is drawn too."""
+"""The film's sides divided by the page's. The browser draws both, and a small page costs little."""
 
 
 def webm_of(
@@ -55,11 +55,11 @@ def webm_of(
 
 @contextmanager
 def _listening() -> Iterator[tuple[str, Queue[tuple[str, bytes]]]]:
-    """A secret address on this machine, and what is posted below it: name and content."""
+    """A secret address on this machine, and the queue of what the page posts below it: name and content."""
     heard: Queue[tuple[str, bytes]] = Queue()
     secret = f"/{secrets.token_urlsafe()}"
 
-    class Ear(BaseHTTPRequestHandler):
+    class Receiver(BaseHTTPRequestHandler):
         def do_POST(self) -> None:
             place, _, what = self.path.rpartition("/")
             if place == secret:
@@ -68,9 +68,9 @@ def _listening() -> Iterator[tuple[str, Queue[tuple[str, bytes]]]]:
             self.end_headers()
 
         def log_message(self, *said: object) -> None:
-            """Nobody reads it."""
+            """Write no log, which nobody reads."""
 
-    with ThreadingHTTPServer(("127.0.0.1", 0), Ear) as server:
+    with ThreadingHTTPServer(("127.0.0.1", 0), Receiver) as server:
         Thread(target=server.serve_forever, args=(0.05,), daemon=True).start()
         try:
             yield f"http://127.0.0.1:{server.server_port}{secret}", heard

@@ -33,11 +33,7 @@ POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inli
 
 
 def save_html(
-    arm: Arm,
-    path: str | os.PathLike[str],
-    theta: ArrayLike | None = None,
-    *,
-    trajectory: Trajectory | None = None,
+    arm: Arm, path: str | os.PathLike[str], theta: ArrayLike | None = None, *, trajectory: Trajectory | None = None
 ) -> Path:
     """Write one HTML file that shows `arm` and plays `trajectory`, or shows theta (n,).
 

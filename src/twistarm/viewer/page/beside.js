@@ -1,4 +1,4 @@
-// A second arm to compare with the first: as a ghost in its place or at its side, moved here by sliders of its own.
+// A second arm to compare with the first, as a ghost in its place or at its side. Its own sliders move it.
 
 import { coloured } from "./arm_copy.js";
 import { $ } from "./element.js";
@@ -13,7 +13,7 @@ import { THREE } from "./view.js";
 const ROOT = "/beside"; // as in arm_scene.py
 const GHOST = 0.4; // opacity
 const APART = 1.5; // the bases of the two, in radii of the larger one
-const BEHIND = 2; // units of depth: where both are, the first is seen
+const BEHIND = 2; // units of depth: where both arms are, you see the first
 
 export class Beside {
   /** @type {any} the second arm, or null */ arm;

@@ -1,4 +1,4 @@
-// A motion as a film: each frame shows its own moment, however long the browser draws it.
+// A motion as a film. Each frame shows its own moment, even if the browser draws slowly.
 
 import { painted } from "./picture.js";
 import { webm } from "./webm.js";
@@ -26,7 +26,7 @@ export async function film(view, { width, height, rate, duration }, { begin, sho
     error: (error) => { wrong = error; },
   });
   encoder.configure(config);
-  while (view.soon !== null) await pause(); // what has come is drawn as it stays
+  while (view.soon !== null) await pause(); // the view finishes what it has received
   for (let i = 0, key = 0; i < count && !stopped() && !wrong; i++) {
     const time = (i * duration) / count;
     await show(i === count - 1 ? duration : time); // the last shows the end

@@ -98,7 +98,7 @@ function grid(cell, reach, { r, g, b }, opacity) {
   return new THREE.LineSegments(geometry, material);
 }
 
-// A floor of which only the shadows on it are seen.
+// A floor that shows only the shadows on it.
 function shade(reach) {
   const plane = new THREE.PlaneGeometry(2 * reach, 2 * reach);
   const floor = new THREE.Mesh(plane, new THREE.ShadowMaterial({ opacity: 0.2, depthWrite: false }));

@@ -6,7 +6,7 @@ import { THREE } from "./view.js";
 
 const TIME = 120; // ms in which the rest of the way shrinks to a third
 const LEAVES = 0.94; // of the way from the middle of the picture to its edge: from here the camera follows
-const STAYS = 0.8; // how far in it brings them
+const STAYS = 0.8; // how far inside the camera brings them
 const THERE = 1e-3; // of the arm's radius
 const NEAREST = 0.1; // of it, from the camera
 

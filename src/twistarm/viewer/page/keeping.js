@@ -1,4 +1,4 @@
-// A pose as lines for arm.toml: shown, copied, or written into the arm's own file once somebody presses its button.
+// A pose as lines for arm.toml: shown, copied, or written into the arm's own file by a button.
 
 import { copyText } from "./copying.js";
 import { $ } from "./element.js";

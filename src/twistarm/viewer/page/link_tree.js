@@ -107,7 +107,7 @@ export class LinkTree {
     viewer.set_dirty();
   }
 
-  // What is drawn of links beside what they are made of: it is seen where a link is hidden.
+  // The frames, boxes and collision shapes of links. They stay visible where the link itself is hidden.
   draw() {
     const { frame, inertia, shapes } = this.marks;
     const named = (names) => Object.keys(this.nodes).filter((name) => names.has(name));
@@ -135,9 +135,9 @@ function axes(length) {
   return group;
 }
 
-// Of these edges, about the centre of mass.
+// A box with these edges, about the centre of mass.
 function box(edges, radius) {
-  const thin = 1e-3 * radius; // where there is no extent, it is seen still
+  const thin = 1e-3 * radius; // a flat box stays visible
   const group = solid(new THREE.BoxGeometry(...edges.map((edge) => Math.max(edge, thin))), BOX, 0.3);
   return group.add(solid(new THREE.SphereGeometry(0.012 * radius, 20, 12), BOX, 1));
 }
@@ -147,7 +147,7 @@ function solid(geometry, color, opacity) {
   return Object.assign(new THREE.Mesh(geometry, material), { renderOrder: 6 });
 }
 
-// As drawn, times `opacity`. What is seen through is what lies behind the arm: its own back stays hidden.
+// Multiply the opacity of a material by `opacity`. You see through to what lies behind the arm, not to its own back.
 export function soften(material, opacity) {
   material.userData.drawn ??= { opacity: material.opacity, transparent: material.transparent };
   const { drawn } = material.userData;

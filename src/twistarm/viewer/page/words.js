@@ -1,11 +1,11 @@
-// What the page says takes two lines at most. The rest of a long text, and what stands behind it, is in one fold.
+// Messages of the page have at most two lines. The rest of a long text and its details are in one fold.
 
 import { element } from "./element.js";
 
 const said = new WeakMap();
 const room = new ResizeObserver((heads) => heads.forEach(({ target }) => fit(target)));
 
-// `short` says it, a text or elements, and the lines of `more` are in the fold. An empty text empties the place.
+// `short` is a text or elements; the lines of `more` are in the fold. An empty text empties the place.
 export function tell(place, short, more = []) {
   const head = element("span", "short");
   head.append(...[short].flat());
@@ -25,7 +25,7 @@ export function tell(place, short, more = []) {
   room.observe(head);
 }
 
-// There is a fold where something is in it.
+// Show the fold only if something is in it.
 function fit(head) {
   const fold = head.closest("details");
   if (!fold || fold.open) return;

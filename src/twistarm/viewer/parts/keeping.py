@@ -1,4 +1,4 @@
-"""A pose that a page has written into the arm's own arm.toml."""
+"""Poses that a page writes into the arm's own arm.toml."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .part import Part, Show
 
 
 class Keeping(Part):
-    """Writes poses if the server offers the file of the arm, which it does on this computer alone."""
+    """A part that writes poses once the server offers the arm's file. It does so for pages of this computer only."""
 
     requests = frozenset({"keep_pose"})
 
@@ -54,9 +54,9 @@ class Keeping(Part):
 
 
 def _written(file: Path, arm: Arm, name: str, theta: Array, replace: bool, progress: Progress) -> list[str]:
-    """Write the pose if the file by itself gives an arm that takes it. Returns the names of all poses."""
+    """Write the pose if the arm of the file alone takes it. Return the names of all poses."""
     alone = load_arm(file)
     if alone.joint_names != arm.joint_names or not alone.limits.contains(theta):
-        raise InputError(f"{file} by itself is an arm with other joints or limits: the pose would not fit there")
+        raise InputError(f"the arm of {file} alone has other joints or limits, so it has no such pose; copy the lines")
     write_pose(file, name, arm.theta_to_dict(theta), replace=replace)
     return list(read_arm_file(file).poses)

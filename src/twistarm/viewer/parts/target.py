@@ -32,13 +32,7 @@ LENGTH_TOL = 1e-3
 
 TOLERANCES = {"position": "m", "orientation": "rad"}
 
-NO_TARGET: Message = {
-    "type": "target",
-    "given": None,
-    "met": None,
-    "words": "",
-    "ghost": None,
-}
+NO_TARGET: Message = {"type": "target", "given": None, "met": None, "words": "", "ghost": None}
 """The message without a target."""
 
 Answer = tuple[Array, Message]

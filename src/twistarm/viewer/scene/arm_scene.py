@@ -34,11 +34,7 @@ class Scene:
     """
 
     def __init__(
-        self,
-        arm: Arm,
-        exact: bool = False,
-        known: Mapping[Source, Drawn] | None = None,
-        beside: Arm | None = None,
+        self, arm: Arm, exact: bool = False, known: Mapping[Source, Drawn] | None = None, beside: Arm | None = None
     ) -> None:
         """known: drawn meshes, which are not read again."""
         drawing.require_meshcat()

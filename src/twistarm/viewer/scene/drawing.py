@@ -91,13 +91,7 @@ def sphere(path: str, radius: float, colour: Colour, matrix: Array) -> bytes:
 
 
 def cylinder(
-    path: str,
-    radius: float,
-    length: float,
-    colour: Colour,
-    matrix: Array,
-    top: float | None = None,
-    **material: Any,
+    path: str, radius: float, length: float, colour: Colour, matrix: Array, top: float | None = None, **material: Any
 ) -> bytes:
     """A cylinder [m] along z around the origin. With `top`, the upper radius, it is a cone."""
     from meshcat.geometry import Cylinder

@@ -93,13 +93,7 @@ class SerialRobot(SerialLines, StateLink):
     """
 
     def __init__(
-        self,
-        arm: Arm,
-        port: str,
-        baudrate: int = BAUDRATE,
-        *,
-        timeout: float = FEEDBACK_TIMEOUT,
-        units: str = "joint",
+        self, arm: Arm, port: str, baudrate: int = BAUDRATE, *, timeout: float = FEEDBACK_TIMEOUT, units: str = "joint"
     ) -> None:
         StateLink.__init__(self, arm, timeout, units, parse_state_line)
         SerialLines.__init__(self, port, baudrate)
