@@ -173,7 +173,7 @@ def test_a_process_that_has_gone_is_told_and_one_started_anew(browser: Any, arm:
     until(page, "document.getElementById('status').textContent === 'offline'")
     slider = page.locator('input[data-joint="a"]')
     stands = slider.input_value()
-    assert "the panel rests" in said(page)
+    assert "does not answer" in said(page)
     slider.evaluate("(slider) => slider.focus()")
     page.keyboard.press("End")
     assert slider.input_value() == stands
