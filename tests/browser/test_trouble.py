@@ -179,8 +179,9 @@ def test_a_process_that_has_gone_is_told_and_one_started_anew(browser: Any, arm:
     assert slider.input_value() == stands
     assert page.locator("#move").evaluate("(panel) => panel.inert")
     screws = page.get_by_label("Screws", exact=True)
+    drawn = screws.is_checked()
     screws.click()
-    assert screws.is_checked()
+    assert screws.is_checked() != drawn
     assert page.evaluate("twistarm.link.pending.size") == 0
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
