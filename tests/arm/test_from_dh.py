@@ -67,6 +67,12 @@ def test_an_arm_moves_as_its_table_says(convention: str) -> None:
     assert crosscheck(arm, 20).ok
 
 
+def test_angles_in_degrees_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "arm.csv").write_text("joint,a,alpha,d,theta\none,0.3,90,0.1,0\n")
+    with pytest.raises(InputError, match="degrees"):
+        arm_from_dh(tmp_path / "arm.csv")
+
+
 @pytest.mark.parametrize("to", ["standard", "modified"])
 @pytest.mark.parametrize("convention", ["standard", "modified"])
 def test_an_arm_gives_a_table_that_moves_alike(convention: str, to: str) -> None:

@@ -173,14 +173,15 @@ def test_a_process_that_has_gone_is_told_and_one_started_anew(browser: Any, arm:
     until(page, "document.getElementById('status').textContent === 'offline'")
     slider = page.locator('input[data-joint="a"]')
     stands = slider.input_value()
-    assert "the panel rests" in said(page)
+    assert "does not answer" in said(page)
     slider.evaluate("(slider) => slider.focus()")
     page.keyboard.press("End")
     assert slider.input_value() == stands
     assert page.locator("#move").evaluate("(panel) => panel.inert")
     screws = page.get_by_label("Screws", exact=True)
+    drawn = screws.is_checked()
     screws.click()
-    assert screws.is_checked()
+    assert screws.is_checked() != drawn
     assert page.evaluate("twistarm.link.pending.size") == 0
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))

@@ -10,6 +10,7 @@ import pytest
 
 from twistarm.cli.application import run
 from twistarm.cli.expression import evaluated, is_part, separate
+from twistarm.cli.typed import joined
 
 CASES = json.loads((Path(__file__).parents[1] / "data/expressions.json").read_text(encoding="utf-8"))
 """{quantity: {expression: value [rad, m], null where it has none}}; tests/browser has the same for the page."""
@@ -47,6 +48,34 @@ def test_a_list_is_taken_apart_between_its_values(text: str, values: list[str]) 
 def test_only_numbers_and_units_go_on_with_an_option() -> None:
     assert all(map(is_part, ["300", "mm", "-pi/2", "2*(300", "mm)", "[0.1,", "−5", "nan"]))
     assert not any(map(is_part, ["-o", "-m", "--rad", "-", "rover_arm", "3_dof.urdf", "info", "--"]))
+
+
+@pytest.mark.parametrize(
+    ("words", "value"),
+    [
+        (["300 mm", "0.1", "12 in"], "300 mm 0.1 12 in"),
+        (["0.1", "-30 deg", "-pi / 9"], "0.1 -30 deg -pi / 9"),
+        (["300 bananas", "0.1", "0.3"], "300 bananas 0.1 0.3"),
+        (["elbow=abc", "slide=0.1"], "elbow=abc slide=0.1"),
+    ],
+)
+def test_quotes_around_single_values_change_nothing(words: list[str], value: str) -> None:
+    assert joined(["--xyz", *words, "rover_arm", "--rad"], ["--xyz"]) == ["--xyz", value, "rover_arm", "--rad"]
+
+
+@pytest.mark.parametrize(
+    ("line", "wrong"),
+    [
+        ("ik rover_arm --xyz 0.3 0.1 deg 0.2", "'0.1 deg'"),
+        ("fk rover_arm --theta 0.1 rad -30 60 -20 0", "'0.1 rad'"),
+        ("ik rover_arm --xyz 0.3 0.1 1/0", "'1/0'"),
+    ],
+)
+def test_an_error_shows_the_wrong_value_as_it_was_typed(
+    line: str, wrong: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(line.split()) == 2
+    assert wrong in capsys.readouterr().err
 
 
 SAME = {

@@ -9,7 +9,8 @@ import pinocchio
 import pytest
 
 from twistarm import Arm, ArmBuilder, InputError, arm_from_dh, arm_from_screws, joints, load_arm, to_urdf
-from urdf_text import two_joints
+from twistarm.description.tree import Geometry
+from urdf_text import two_joints, write
 
 TOL = 1e-12
 MJCF = Path(__file__).parents[1] / "data" / "mjcf"
@@ -37,11 +38,37 @@ def test_an_mjcf_comes_back(path: Path, tmp_path: Path) -> None:
     ours, theirs = (each.description.links for each in (arm, again))
     shapes = ("shape", "size", "mesh", "colour")
     for link in ours:
+        if any(each.shape == "capsule" for each in (*ours[link].visuals, *ours[link].collisions)):
+            continue
         for one, other in zip(ours[link].visuals, theirs[link].visuals, strict=True):
             assert [getattr(one, word) for word in shapes] == [getattr(other, word) for word in shapes]
     if not arm.couplings.keys() - set(arm.joint_names):  # Pinocchio reads mimics only if asked
         model = pinocchio.buildModelFromXML((tmp_path / "copy.urdf").read_text())
         assert [str(name) for name in model.names][1:] == list(arm.joint_names)
+
+
+def holds(body: Geometry, points: np.ndarray) -> np.ndarray:
+    """Whether each point (n, 3) in the link frame is inside a capsule, cylinder or sphere."""
+    x, y, z = ((points - body.origin[:3, 3]) @ body.origin[:3, :3]).T
+    radius, half = body.size[0], body.size[-1] / 2 if len(body.size) > 1 else 0.0
+    beyond = np.maximum(np.abs(z) - half, 0.0)
+    return (
+        (x**2 + y**2 <= radius**2) & (beyond == 0) if body.shape == "cylinder" else x**2 + y**2 + beyond**2 <= radius**2
+    )
+
+
+def test_a_capsule_is_written_for_readers_that_have_none(tmp_path: Path) -> None:
+    place, size = '<origin xyz="0.1 0 0.2" rpy="0 1.2 0.3"/>', '<capsule radius="0.1" length="0.3"/>'
+    shape = f'<link name="tool0"><collision name="finger">{place}<geometry>{size}</geometry></collision></link>'
+    arm = load_arm(write(tmp_path, two_joints().replace('<link name="tool0"/>', shape)))
+    again = came_back(arm, tmp_path)
+    require_same(arm, again)
+    (capsule,), parts = (each.description.links["tool0"].collisions for each in (arm, again))
+    assert {each.shape for each in parts} == {"cylinder", "sphere"}
+    points = np.random.default_rng(0).uniform(-0.2, 0.5, (20_000, 3))
+    inside = holds(capsule, points)
+    assert 500 < inside.sum() < 5_000
+    np.testing.assert_array_equal(np.any([holds(each, points) for each in parts], axis=0), inside)
 
 
 def test_screws_come_back(tmp_path: Path) -> None:

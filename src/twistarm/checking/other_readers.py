@@ -12,6 +12,7 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..arm.pinocchio_model import import_pinocchio, model_of
+from ..description.capsules import without_capsules
 from ..description.tree import Description
 from ..limits.joint_limits import slides
 from ..support.checks import Array
@@ -79,7 +80,7 @@ def yourdfpy_poses(description: Description, values: Mapping[str, Array], base: 
 
     Raises MissingExtraError without yourdfpy, and any error of its reader.
     """
-    content = io.BytesIO(_undeclared(description).encode("utf-8"))
+    content = io.BytesIO(without_capsules(_undeclared(description)).encode("utf-8"))
     with _quiet():
         robot = require_yourdfpy().URDF.load(content, load_meshes=False, build_scene_graph=True)
         samples, links = len(next(iter(values.values()))), list(description.links)

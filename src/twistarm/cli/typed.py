@@ -70,15 +70,21 @@ def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
             made[-1] += f" {word}"
             continue
         option, _, value = word.partition("=")
-        goes_on = _is_part(word if made and made[-1] in options else value if option in options else "")
+        if made and made[-1] in options:
+            goes_on = not word.startswith("-") or _is_part(word)
+        else:
+            goes_on = option in options and _is_part(value)
         made.append(word)
     return made
 
 
 def _is_part(word: str) -> bool:
-    """Whether a typed word is a part of an expression or joint=value."""
+    """Whether a typed word, such as -pi/2 or '12 in', is a part of expressions or joint=value, also if it is wrong."""
     name, equals, value = word.rpartition("=")
-    return is_part(value if equals and not name.startswith("-") else word)
+    if equals and not name.startswith("-"):
+        return value.isalpha() or is_part(value)
+    first, *rest = word.split() or [""]
+    return is_part("".join([first, *rest])) or (is_part(first) and "".join(rest).isalpha())
 
 
 def parse_theta(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None = None) -> Array:
@@ -165,11 +171,13 @@ def parse_numbers(text: str, units: str, name: str, radians: bool = False) -> Ar
     """Numbers [rad, m] separated by spaces or commas, one for each of `units`, such as 'm m rad'."""
     typed, quantities = separate(text), units.split()
     numbers = [evaluated(*each, radians=radians) for each in zip(typed, quantities, strict=False)]
-    if len(typed) != len(quantities) or not np.isfinite(numbers).all():
+    wrong = [each.strip() for each, number in zip(typed, numbers, strict=False) if not np.isfinite(number)]
+    if len(typed) != len(quantities) or wrong:
         zeros = " ".join("0" for _ in quantities)
         such = SUCH_AS[quantities[0]]
         count = "a number" if len(quantities) == 1 else f"{len(quantities)} numbers"
-        raise InputError(f"{name} takes {count} such as {such}, as in {name} {zeros}; got {text!r}")
+        why = f", where {wrong[0]!r} is none" if wrong and len(typed) > 1 else ""
+        raise InputError(f"{name} takes {count} such as {such}, as in {name} {zeros}; got {text!r}{why}")
     return np.array(numbers)
 
 

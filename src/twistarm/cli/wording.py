@@ -46,7 +46,7 @@ def in_options(message: str) -> str:
     message = POSTURE.sub(_configuration, message)
     if DEGREES.get():
         message = re.sub(rf"[:;]? \(?angles of up to \S+ {LOOK_LIKE_DEGREES}\)?", "", message)
-        message = QUANTITY.sub(_in_degrees, message)
+        message = re.sub(rf"(?<!\w)'[^']*'|{QUANTITY.pattern}", _in_degrees, message)
     return message
 
 
@@ -87,7 +87,10 @@ def _configuration(found: re.Match[str]) -> str:
 
 
 def _in_degrees(found: re.Match[str]) -> str:
+    """A quantity in degrees. What stands in quotes was typed, and stays as it is."""
     value = found["value"]
+    if value is None:
+        return found[0]
     digits = max(2, len(re.findall(r"\d", value.partition("e")[0]))) if "e" in value else 5  # of noise two are enough
     return f"{math.degrees(float(value)):.{digits}g}°{found['unit'].removeprefix('rad')}"
 

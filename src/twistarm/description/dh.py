@@ -26,6 +26,7 @@ from ..support.checks import (
 )
 from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ..support.errors import InputError, shown
+from ..support.unit_hints import angle_hint
 from ..theory.rotations import exp
 from .bounds import LIMIT_NAMES
 from .document import LARGEST
@@ -132,8 +133,12 @@ def table_of_rows(
     numbers, limits, names, types = [], {}, [], []
     for i, row in enumerate(rows, start=1):
         if unknown := next((key for key in row if key not in COLUMNS), None):
-            raise InputError(f"row {i}: unknown column {shown(unknown)}; allowed are {', '.join(COLUMNS)}")
+            raise InputError(
+                f"row {i}: unknown column {shown(unknown)}; allowed are {', '.join(COLUMNS)}, in m and rad"
+            )
         given = {key: _number(value, i, key) for key, value in row.items() if key not in WORDS and value != ""}
+        if hint := angle_hint(np.array([given.get("alpha", 0.0), given.get("theta", 0.0)])):
+            raise InputError(f"row {i}: {hint}; write it in radians, as 1.5707963267948966 for 90°")
         names.append(row.get("joint", f"joint{i}"))
         types.append(row.get("type", TYPES[0]))
         numbers.append([given.get(key, 0.0) for key in PARAMETERS])

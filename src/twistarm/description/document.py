@@ -52,7 +52,10 @@ def number(word: str) -> float:
     """A number that every reader of URDF takes. Python's 1_000 and digits of other scripts are refused."""
     if not word.isascii() or "_" in word or len(word) > MAX_NUMBER:
         raise ValueError(f"no number: {word[:60]!r}")
-    return float(word)
+    try:
+        return float(word)
+    except ValueError:
+        raise ValueError(f"no number: {word[:60]!r}") from None
 
 
 @dataclass
@@ -199,9 +202,9 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
             parser.Parse(data[begin : begin + CHUNK], False)
         parser.Parse(b"", True)
     except expat.ExpatError as error:
-        what = f"not well-formed XML: {error}"
+        what = f"not well-formed XML: {expat.ErrorString(error.code)}" if text.strip() else "the file is empty"
         place = replace(reading.whole, line=error.lineno if reading.show_lines else None)
-        raise refusal("xml-malformed", place, what, "is it a URDF or xacro file?") from error
+        raise refusal("xml-malformed", place, what, "is it a URDF, xacro or MJCF file, and whole?") from error
     return builder.close()
 
 

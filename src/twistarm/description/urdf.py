@@ -248,7 +248,7 @@ def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading)
         if absent:
             worst = min(absent.values())
             what = f"{kind} limit {f'{worst:g}' if worst else 'absent or 0'} on {', '.join(absent)}: taken as not given"
-            remedy = f"give {kind} in the URDF or in arm.toml" + (" before planning" if kind == "velocity" else "")
+            remedy = f"give {kind} in arm.toml, or in a URDF" + (", before planning" if kind == "velocity" else "")
             reading.note(f"{kind}-not-given", None, what, remedy, repaired=True)
 
 

@@ -11,6 +11,7 @@ from ..arm.arm import Arm, require_arm
 from ..arm.loading.arm_builder import builder_of
 from ..checking.doctor.repair import COPY, repaired
 from ..description.bounds import LIMIT_NAMES, WIDE
+from ..description.capsules import without_capsules
 from ..description.geometry import read_origin
 from ..description.source_text import SourceText
 from ..description.tree import Joint
@@ -30,7 +31,8 @@ def to_urdf(arm: Arm, folder: str | os.PathLike[str] = ".") -> str:
 
     Of an arm with a description it is the repaired copy of it, with links, shapes and masses. Locked joints are fixed,
     the limits are the arm's, and the tool is a link. An arm from screws, or a baked one, gives joints and links alone.
-    A helical joint becomes a turn and a slide that follows it. Named poses and motors are not in it.
+    A helical joint becomes a turn and a slide that follows it, and a capsule a cylinder with two spheres. Named poses
+    and motors are not in it.
 
     Args:
         arm: The arm.
@@ -60,7 +62,7 @@ def to_urdf(arm: Arm, folder: str | os.PathLike[str] = ".") -> str:
         mount = ET.Element("robot")
         add_joint(mount, f"{arm.tip}_mount", "fixed", (arm.tip_link, arm.tip), arm.tool)
         source.insert(source.robot, "".join(ET.tostring(part, encoding="unicode") for part in mount))
-    return source.edited()
+    return without_capsules(source.edited())
 
 
 def _fix(source: SourceText, joint: ET.Element, moved: Array) -> None:

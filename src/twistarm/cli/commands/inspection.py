@@ -88,8 +88,9 @@ def actuators_json(motors: Actuators) -> dict[str, Any]:
 
 def info_view(arm: Arm, radians: bool) -> Group:
     """The tables of `info`."""
+    freedom = "1 degree" if arm.n == 1 else f"{arm.n} degrees"
     head = (
-        f"[bold]{literal(arm.name)}[/bold]: {arm.n} degrees of freedom from {literal(arm.base)} to {literal(arm.tip)}, "
+        f"[bold]{literal(arm.name)}[/bold]: {freedom} of freedom from {literal(arm.base)} to {literal(arm.tip)}, "
         f"reach {arm.reach:.3f} m ({literal(arm.source)})"
     )
     parts: list[Any] = [head, "", _joints(arm, radians), "", _poses(arm, radians), ""]

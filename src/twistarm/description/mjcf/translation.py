@@ -28,7 +28,7 @@ TURNS = ("_rz", "_ry", "_rx")
 
 TOLD = {
     "mjcf-scenery-left-out": ("left out", "describe obstacles in a scene.toml"),
-    "mjcf-part-not-read": ("not read", "write it out as bodies, joints and masses, if the arm needs it"),
+    "mjcf-part-not-read": ("not read", "correct it, or write it out as bodies, joints and masses"),
     "mjcf-loop-open": ("not kept: the joints move freely", "lock or couple them in a URDF copy"),
 }
 """The codes of findings about parts of an MJCF, what becomes of the parts, and the remedy."""
@@ -293,7 +293,10 @@ class _Writer:
         layout = self._layout if len(qpos) == length else [part for part in self._layout if part[0]]
         values: dict[str, float] = {}
         if len(qpos) != sum(length for _, length in layout):
-            self._note("mjcf-part-not-read", f"the keyframe {key.get('name')!r} ({len(qpos)} numbers for {length})")
+            self._note(
+                "mjcf-part-not-read",
+                f"the keyframe {key.get('name')!r} ({len(qpos)} numbers; the joints have {length})",
+            )
             return values
         for names, length in layout:
             numbers, qpos = qpos[:length], qpos[length:]

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -54,4 +55,5 @@ def _outcome(name: str, arm: Mapping[str, Any], scenes: Path, timeout: float) ->
             how = f"was ended after {timeout:g} s"
         last = log.read_text("utf-8", errors="replace").strip().rpartition("\n")[2]
     words = f"{name}: {how}" + (f": {one_line(last, 300)}" if last else "")
-    return {"body": "", "sections": [], "failed": words}
+    body = f'<p class="failed" role="note">{escape(words)}. Its text is missing; twistarm guide tries again.</p>'
+    return {"body": body, "sections": [], "failed": words}

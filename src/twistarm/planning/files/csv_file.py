@@ -157,8 +157,8 @@ def _groups(arm: Arm, header: list[str], file: str) -> tuple[list[list[str]], bo
     for name in (TIME, *needed[0], *needed[1]):
         if header.count(name) != 1:
             others = [each for each in header if each not in (*needed[0], *needed[1])]
-            what = "twice" if name in header else f"not{closest(name, others)}"
-            raise InputError(f"{file}, line 1: a motion of {arm.name} has {listed([name])} once; here it is {what}")
+            what = f"twice: {listed([name])}" if name in header else f"no {listed([name])}{closest(name, others)}"
+            raise InputError(f"{file}, line 1: it has {what}; a motion of {arm.name} has each column once")
     return [*needed, accelerations] if _has_columns([accelerations], header) else needed, False
 
 

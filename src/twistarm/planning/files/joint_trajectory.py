@@ -142,8 +142,8 @@ def _order(arm: Arm, names: list[Any], file: str) -> list[int]:
     others = [name for name in names if isinstance(name, str) and name not in arm.joint_names]
     for name in arm.joint_names:
         if names.count(name) != 1:
-            what = "twice" if name in names else f"not{closest(name, others)}"
-            raise InputError(f"{file}: the joint_names of {arm.name} have {listed([name])} once; here it is {what}")
+            what = f"twice: {listed([name])}" if name in names else f"no {listed([name])}{closest(name, others)}"
+            raise InputError(f"{file}: its joint_names have {what}; a motion of {arm.name} names each joint once")
     return [names.index(name) for name in arm.joint_names]
 
 

@@ -168,7 +168,7 @@ def read_mcap(arm: Arm, file: Path) -> Points:
     except InputError as error:
         raise InputError(f"cannot read {file}: {error}") from error
     except Exception as error:  # damaged files raise errors of any type in rosbags
-        why = f"{one_line(str(error) or repr(error))}; `mcap recover` repairs a recording that was cut off"
+        why = f"{one_line(str(error) or repr(error)).rstrip('.')}; `mcap recover` repairs a recording that was cut off"
         raise InputError(f"cannot read {file} as an MCAP file of ROS 2: {why}") from error
     if not message["points"]:
         raise InputError(f"{file} holds neither one JointTrajectory nor joint states of {listed(arm.joint_names)}")

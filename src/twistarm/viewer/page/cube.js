@@ -6,7 +6,7 @@ import { SIDES } from "./presets.js";
 import { THREE } from "./view.js";
 
 const HALF = 27; // of an edge, px
-const FAR = 1.55; // of an axis' letter from the middle, in half edges of the face that it goes through
+const FAR = 1.8; // of an axis' letter from the middle, in half edges of the face that it goes through
 const UP = { top: [0, 1, 0], bottom: [0, 1, 0] }; // on the face; z on the others
 
 export class Cube {
@@ -33,6 +33,7 @@ export class Cube {
       const at = new THREE.Vector3().setComponent(i, FAR * HALF).applyMatrix4(turn);
       letter.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px)`;
       letter.style.zIndex = at.z > 0 ? 1 : -1;
+      letter.hidden = Math.hypot(at.x, at.y) < HALF / 2; // over the name of the face
     });
   }
 }

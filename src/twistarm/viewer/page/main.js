@@ -46,7 +46,7 @@ import { View } from "./view.js";
 import { Work } from "./work.js";
 
 const QUIET = ["jog", "jog_joints", "needs"]; // asked again and again, or unseen: an error stays to be read
-const SILENCE = "The process has gone or does not answer: the panel rests until it does.";
+const SILENCE = "The process has ended or does not answer. You can use the panel again when it answers.";
 const STRANGER = "The view was started anew: open the address that it printed.";
 
 const schema = await (await fetch("schema.json")).json();
