@@ -22,9 +22,9 @@ def wrap(angle: float) -> float:
 
 def tip(l1: float, l2: float, theta1: float, theta2: float) -> Array:
     """The tip (x, y) of the two-link arm. `theta2` [rad] is measured from the first link, not from the x axis."""
-    return np.array(
-        [l1 * np.cos(theta1) + l2 * np.cos(theta1 + theta2), l1 * np.sin(theta1) + l2 * np.sin(theta1 + theta2)]
-    )
+    x = l1 * np.cos(theta1) + l2 * np.cos(theta1 + theta2)
+    y = l1 * np.sin(theta1) + l2 * np.sin(theta1 + theta2)
+    return np.array([x, y])
 
 
 def elbow(l1: float, l2: float, r: float) -> float:
@@ -177,13 +177,7 @@ EXERCISES = (
             Slip(
                 "sine for cosine",
                 "Sine and cosine have changed places: with both angles 0 the arm lies along x.",
-                {
-                    "l1 * np.cos(theta1) + l2 * np.cos(theta1 + "
-                    "theta2),\n            l1 * np.sin(theta1) + l2 "
-                    "* np.sin(theta1 + theta2),": "l1 * np.sin(theta1) + l2 * np.sin(theta1 + "
-                    "theta2),\n            l1 * np.cos(theta1) + l2 "
-                    "* np.cos(theta1 + theta2),"
-                },
+                {"np.array([x, y])": "np.array([y, x])"},
             ),
             Slip(
                 "difference",
