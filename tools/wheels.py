@@ -16,8 +16,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 DIST = ROOT / "dist"
 
-TESTS = ("tests/theory", "tests/limits", "tests/arm", "tests/whole/test_without_pinocchio.py")
-WITH_CORE = ("tests/cli",)
+TESTS = ("tests/theory", "tests/limits", "tests/whole/test_without_pinocchio.py")
+WITH_CORE = ("tests/arm", "tests/cli")
 
 COMMANDS = (
     ("--version",),
