@@ -73,7 +73,7 @@ export class Floor {
 }
 
 // The nearest of 1, 2 and 5 times a power of ten.
-export function nice(length) {
+function nice(length) {
   const ten = 10 ** Math.floor(Math.log10(length));
   const off = (each) => Math.abs(Math.log((each * ten) / length));
   return Number((ten * [1, 2, 5, 10].reduce((best, each) => (off(each) < off(best) ? each : best))).toPrecision(1));
