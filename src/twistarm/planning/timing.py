@@ -18,7 +18,7 @@ from .spans import MARGIN, Progress, require_span
 from .time_laws.bounds import PathBounds
 from .time_laws.jerk_limited import fastest_passes
 from .waypoint_laws import fastest_along_spline
-from .within import RATE_TOL, slowed_by, stretch_needed, stretch_sampled
+from .within import RATE_TOL, slowed_by, stretch_needed
 
 Fit = Callable[[Array, Array], Array]
 
@@ -169,7 +169,7 @@ def _search(
     for done in range(1, ROUNDS + 1):
         times = _accumulated(durations)
         breakpoints, coefficients = pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)
-        rates = stretch_sampled(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates)
+        rates = stretch_needed(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates)
         needed = np.maximum.reduceat(rates, np.searchsorted(breakpoints, times[:-1]))
         factor = float(needed.max()) * (1.0 + MARGIN)
         if not factor * times[-1] < DIVERGED * shortest:
