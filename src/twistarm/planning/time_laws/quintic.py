@@ -27,7 +27,7 @@ def quintic(path: JointPath, bounds: PathBounds) -> TimeLaw:
     u = _reached(path.breakpoints / path.length)
     pieces = np.repeat(path.length * UNIT[:, None], len(u) - 1, axis=1)
     law = TimeLaw(u, shifted(pieces, u[:-1]))
-    return law.at_full_pace(path, bounds, bounds.given_jerk)
+    return law.at_full_pace(path, bounds, bounds.rates.jerk)
 
 
 def _reached(fraction: Array) -> Array:
