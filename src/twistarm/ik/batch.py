@@ -166,17 +166,12 @@ def solve_ik_batch(
         from .collision_free import free_batch
 
         require_scene(scene, arm)
-        ends = Deadline.after(np.inf if max_time is None else as_positive(max_time, "max_time"))
+        ends = Deadline.after(None if max_time is None else as_positive(max_time, "max_time"))
         batch = solve_ik_batch(
             arm, targets, theta0, position_tol=position_tol, orientation_tol=orientation_tol, restarts=restarts,
             max_time=max_time, rng=rng, posture=posture, threads=threads, progress=progress,
         )  # fmt: skip
-
-        def again(first: IKResult, start: Array) -> IKResult:
-            met = first.tolerances
-            return solve_ik(arm, first.target, start, position_tol=met.position, orientation_tol=met.orientation)
-
-        return free_batch(batch, scene, again, ends, threads)
+        return free_batch(batch, scene, solve_ik, ends, threads)
     chain = require_arm(arm)._core("solve_ik_batch")
     how = position_tol, orientation_tol, restarts, rng, max_time
     start = arm.ready if theta0 is None else named(arm, theta0)

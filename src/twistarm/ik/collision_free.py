@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,43 +25,36 @@ SPREADS = (0.3, 1.0, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
 SEARCHES = 64
 """Searches of each round."""
 
+Solve = Callable[..., IKResult]
+"""`solve_ik`."""
 
-def collision_free(
-    arm: Arm, scene: Scene, first: IKResult, solve: Callable[[Array], IKResult], max_time: float | None
-) -> IKResult:
+
+def collision_free(scene: Scene, first: IKResult, solve: Solve, deadline: Deadline) -> IKResult:
     """The nearest free configuration that meets the target of `first`, or `first` with its contacts.
 
     `first` meets the target and collides. Searches start near theta0, then at random configurations.
-    `solve(theta)` is the call of `solve_ik` from another start.
     """
-    start = first._answer.theta0
-    ends = np.inf if max_time is None else time.monotonic() + max_time
+    arm, start, met = first.arm, first._answer.theta0, first.tolerances.keywords
     for candidates in _rounds(arm, first, start):
         near = candidates[np.argsort(np.linalg.norm(candidates - start, axis=1), kind="stable")]
         for theta in near[~scene.collides(near)] if len(near) else ():
-            found = solve(theta)
+            found = solve(arm, first.target, theta, **met, max_time=deadline.left)
             if found.converged and not scene.collides(found.theta):
                 found._avoided = f"the configuration nearest to theta0 collides: {scene.contacts(first.theta)[0]}"
                 return found
-        if time.monotonic() > ends:
+        if deadline.passed:
             break
     first._contacts = scene.contacts(first.theta)
     return first
 
 
-def free_batch(
-    batch: IKBatch, scene: Scene, solve: Callable[[IKResult, Array], IKResult], deadline: Deadline, threads: int
-) -> IKBatch:
-    """The batch with free answers in place of those that collide, and the contacts where none was found.
-
-    `solve(result, theta)` solves the target of a result from another start.
-    """
-    arm, records = batch.arm, batch.records.copy()
+def free_batch(batch: IKBatch, scene: Scene, solve: Solve, deadline: Deadline, threads: int) -> IKBatch:
+    """The batch with free answers in place of those that collide, and the contacts where none was found."""
+    records = batch.records.copy()
     met = np.flatnonzero(batch.converged)
     contacts: dict[int, tuple[Contact, ...]] = {}
     for i in met[scene.collides(batch.theta[met], threads=threads)].tolist():
-        first = batch[i]
-        found = collision_free(arm, scene, first, partial(solve, first), deadline.left)
+        found = collision_free(scene, batch[i], solve, deadline)
         if found.contacts:
             contacts[i] = found.contacts
         else:

@@ -18,9 +18,9 @@ class Deadline:
     moment: float = math.inf
 
     @classmethod
-    def after(cls, seconds: float) -> Deadline:
-        """`seconds` from now; never for infinity."""
-        return cls(time.monotonic() + seconds)
+    def after(cls, seconds: float | None) -> Deadline:
+        """`seconds` from now; never for infinity and None."""
+        return cls(math.inf if seconds is None else time.monotonic() + seconds)
 
     @property
     def passed(self) -> bool:

@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from ..support.checks import Array
+from ..theory.rotations import skew
 
 NEAR_HALF_TURN = -0.5
 """Trace below which (beyond 139°) the axis is read from R + Rᵀ, because R − Rᵀ fades towards a half turn."""
@@ -51,16 +52,13 @@ def log(R: Array) -> Array:
 
 
 def log_rate(phi: Array) -> Array:
-    """J_r⁻¹(φ) (3, 3) with d log(R)/dt = J_r⁻¹(log R) ω, ω the body velocity of R.
+    """J_r⁻¹(φ) (..., 3, 3) with d log(R)/dt = J_r⁻¹(log R) ω, φ (..., 3) and ω the body velocity of R.
 
     J_r⁻¹ = I + φ̂/2 + c φ̂², c = 1/φ² − cot(φ/2)/(2φ) → 1/12 + φ²/720 near 0. Source: G. Chirikjian, Stochastic
     Models, Information Theory, and Lie Groups, vol. 2, 2012, §10.8.
     """
-    x, y, z = phi.tolist()
-    size = math.sqrt(x * x + y * y + z * z)
-    phi_hat = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    if size < SMALL_ANGLE:
-        c = 1.0 / 12.0 + size * size / 720.0
-    else:
-        c = 1.0 / size**2 - 1.0 / (2.0 * size * math.tan(0.5 * size))
-    return np.eye(3) + 0.5 * phi_hat + c * (phi_hat @ phi_hat)
+    size = np.sqrt((phi * phi).sum(axis=-1))
+    safe = np.maximum(size, SMALL_ANGLE)
+    c = np.where(size < SMALL_ANGLE, 1.0 / 12.0 + size**2 / 720.0, 1.0 / safe**2 - 0.5 / (safe * np.tan(0.5 * safe)))
+    phi_hat = skew(phi)
+    return np.eye(3) + 0.5 * phi_hat + c[..., None, None] * (phi_hat @ phi_hat)

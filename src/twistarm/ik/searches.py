@@ -53,7 +53,7 @@ def searched(
         )  # fmt: skip
         exact = (batch.position_error <= met.position) & (batch.orientation_error <= met.orientation)
         return Searched(batch.theta, batch.converged, exact, int((batch.restarts > 0).sum()))
-    deadline = Deadline.after(np.inf if max_time is None else max_time)
+    deadline = Deadline.after(max_time)
     theta, run = np.array(starts), 0
     converged, exact = np.zeros((2, len(starts)), dtype=np.bool_)
     for target, start in deadline.until(zip(targets, starts, strict=True)):

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from ..arm.arm import Arm, require_arm
 from . import textbook
 from .certainty import settled
+from .deadline import Deadline
 from .request import checked, named
 from .solution import IKResult
 from .targets import KINDS, AnyTarget, Approach, Pose, TargetLike, checked_target
@@ -69,7 +70,16 @@ def solve_ik(
         InputError: The target, the start, the posture or a number cannot be used.
     """
     if scene is not None:
-        return _avoiding(arm, scene, target, theta0, position_tol, orientation_tol, restarts, max_time, rng, posture)
+        from ..collision import require_scene
+        from .collision_free import collision_free
+
+        require_scene(scene, arm)
+        first = solve_ik(
+            arm, target, theta0, position_tol=position_tol, orientation_tol=orientation_tol, restarts=restarts,
+            max_time=max_time, rng=rng, posture=posture,
+        )  # fmt: skip
+        free = not first.converged or not scene.collides(first.theta)
+        return first if free else collision_free(scene, first, solve_ik, Deadline.after(max_time))
     chain = (arm if type(arm) is Arm else require_arm(arm))._compiled
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
     if chain is not None:
@@ -90,26 +100,6 @@ def solve_ik(
     answer = chain.solve(asked.kind, asked.numbers, *request.for_core)
     assert answer is not None, "what was refused is plain now"
     return IKResult(arm, settled(arm, asked, answer), asked)
-
-
-def _avoiding(arm: Arm, scene: Scene, target: TargetLike, theta0: ArrayLike | None, *asked: Any) -> IKResult:
-    """`solve_ik` with a scene."""
-    from ..collision import require_scene
-    from .collision_free import collision_free
-
-    require_scene(scene, arm)
-    position_tol, orientation_tol, restarts, max_time, rng, posture = asked
-
-    def solve(start: ArrayLike | None, posture: ArrayLike | str | None = None) -> IKResult:
-        return solve_ik(
-            arm, target, start, position_tol=position_tol, orientation_tol=orientation_tol, restarts=restarts,
-            max_time=max_time, rng=rng, posture=posture,
-        )  # fmt: skip
-
-    first = solve(theta0, posture)
-    if not first.converged or not scene.collides(first.theta):
-        return first
-    return collision_free(arm, scene, first, solve, max_time)
 
 
 def as_target(arm: Arm, target: Any) -> AnyTarget | None:

@@ -110,7 +110,7 @@ def _shares(arm: Arm, motion: Trajectory, bounds: PathBounds, moves: Sequence[Se
 
     Each is a share of its limit, 0 without a limit.
     """
-    limits = (bounds.velocity, bounds.acceleration, bounds.given_jerk)
+    limits = (bounds.velocity, bounds.acceleration, bounds.rates.jerk)
     rates = [np.abs(motion(t, order) @ bounds.C.T) / limit for order, limit in enumerate(limits, 1)]
     tool = np.zeros((len(t), 2))
     for move, begin, end in zip(moves, motion.times, motion.times[1:], strict=False):

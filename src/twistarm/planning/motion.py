@@ -277,8 +277,7 @@ def _timed(arm: Arm, legs: list[Leg], corners: list[Corner], limits: JointLimits
         breakpoints, coefficients = double_s(path.start, path.end, bounds)
         return Timed(legs, breakpoints, coefficients, breakpoints[-1:])
     law = LAWS[kind](path, bounds)
-    known = np.append(law.coefficients[-1], path.length)
-    return Timed(legs, *law.along(path), np.interp(ends, known, law.breakpoints))
+    return Timed(legs, *law.along(path), law.passes(ends))
 
 
 def _assembled(arm: Arm, origin: Array, timed: list[Timed], notes: tuple[str, ...], limits: JointLimits) -> Trajectory:

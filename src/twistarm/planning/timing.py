@@ -18,12 +18,12 @@ from .spans import MARGIN, Progress, require_span
 from .time_laws.bounds import PathBounds
 from .time_laws.jerk_limited import fastest_passes
 from .waypoint_laws import fastest_along_spline
-from .within import RATE_TOL, slowed_by, stretch_needed, stretch_sampled
+from .within import RATE_TOL, slowed_by, stretch_needed
 
 Fit = Callable[[Array, Array], Array]
 
-ROUNDS = 20
-"""Corrections per start; what further ones gain is below 1 %."""
+ROUNDS = 40
+"""Corrections of a pulled-in spline; what further ones gain is below 1 %."""
 
 CORRECTION = 0.5
 """Power of a correction: whole steps swing, because a spline answers one segment with its neighbours."""
@@ -42,9 +42,6 @@ MOST_KNOTS = 1000
 
 INSTANTS = 20_001
 """Samples of that motion, to find when it reaches the waypoints."""
-
-EASING, EASED_SAMPLES = 3.0, 4
-"""Segments over which a quintic's first times are averaged, and instants looked at for each."""
 
 DIVERGED = 1.2
 """A search that is longer than its best by this factor does not come back."""
@@ -68,9 +65,7 @@ def fastest_spline(
     times = _accumulated(shortest_spline(way, degree, bounds.rates, start))
     best = times, *pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)
     if len(best[1]) > len(times):
-        # For pulled-in splines these starts are not always the best: evened-out ones are sometimes shorter.
-        others = np.diff(times), np.sqrt(least)
-        best = min(_searches(waypoints, fit, bounds, others, progress), key=lambda motion: float(motion[0][-1]))
+        best = min(_search(waypoints, fit, bounds, np.diff(times), progress), key=lambda motion: float(motion[0][-1]))
     times, breakpoints, coefficients = best
     factor = slowed_by(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates) * (1.0 + MARGIN)
     return times * factor, breakpoints * factor, rescaled(coefficients, 1.0 / factor)
@@ -91,12 +86,8 @@ def shortest_spline(way: Array, degree: int, rates: JointLimits, durations: Arra
 
 def _along_path(waypoints: Array, degree: int, bounds: PathBounds) -> Array:
     """Durations (k − 1,) on the fastest motion along a path through the waypoints."""
-    if np.isfinite(bounds.rates.jerk).any():
-        times = _inside_jerk(waypoints, degree, bounds)
-    else:
-        times = fastest_along_spline(waypoints, bounds)[0]
-        if degree == 5:
-            times = _eased(_accumulated(np.diff(times)))
+    inside = np.isfinite(bounds.rates.jerk).any()
+    times = _inside_jerk(waypoints, degree, bounds) if inside else fastest_along_spline(waypoints, bounds)[0]
     return np.diff(_accumulated(np.diff(times)))
 
 
@@ -135,27 +126,6 @@ def _largest_rates(rows: Array, durations: Array, bounds: PathBounds) -> list[Ar
     ]
 
 
-def _eased(times: Array) -> Array:
-    """Times (k,) of the same way with its speed averaged over `EASING` mean segments.
-
-    The way is counted in waypoints, i(t). Its average is the difference of ∫ i dt over that span.
-    """
-    count, index = len(times), np.arange(float(len(times)))
-    span = EASING * float(times[-1]) / count
-    areas = np.concatenate([[0.0], np.cumsum(0.5 * (index[1:] + index[:-1]) * np.diff(times))])
-
-    def area(t: Array) -> Array:
-        inside = np.clip(t, 0.0, times[-1])
-        i = np.clip(np.searchsorted(times, inside, side="right") - 1, 0, count - 2)
-        tau = inside - times[i]
-        within: Array = areas[i] + (i + 0.5 * tau / np.diff(times)[i]) * tau
-        within += (count - 1) * np.maximum(t - times[-1], 0.0)
-        return within
-
-    t = np.linspace(0.0, float(times[-1]) + span, EASED_SAMPLES * count)
-    return np.interp(index, (area(t) - area(t - span)) / span, t)
-
-
 def fastest_rests(waypoints: Array, fit: Fit, bounds: PathBounds) -> Array:
     """Times (k,) of a `fit` that rests at every waypoint, with the shortest segments."""
     unhurried = np.arange(len(waypoints), dtype=np.float64)
@@ -191,30 +161,23 @@ def trapezoid_ramps(waypoints: Array, times: Array, bounds: PathBounds) -> Array
     return np.maximum(ramps, ROUNDING * times[-1])
 
 
-def _searches(
-    waypoints: Array, fit: Fit, bounds: PathBounds, starts: tuple[Array, ...], progress: Progress | None
+def _search(
+    waypoints: Array, fit: Fit, bounds: PathBounds, durations: Array, progress: Progress | None
 ) -> Iterator[tuple[Array, Array, Array]]:
-    """The motions of a search from each of the durations to start with."""
-    for start, durations in enumerate(starts):
-        for step, motion in enumerate(_search(waypoints, fit, bounds, durations)):
-            yield motion
-            if progress is not None:
-                progress((start * ROUNDS + step + 1) / (len(starts) * ROUNDS))
-
-
-def _search(waypoints: Array, fit: Fit, bounds: PathBounds, durations: Array) -> Iterator[tuple[Array, Array, Array]]:
     """Motions that nearly meet the limits, each in better proportion than the last."""
     shortest = np.inf
-    for _ in range(ROUNDS):
+    for done in range(1, ROUNDS + 1):
         times = _accumulated(durations)
         breakpoints, coefficients = pulled_in(fit(waypoints, times), times, waypoints, bounds.limits)
-        rates = stretch_sampled(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates)
+        rates = stretch_needed(coefficients @ bounds.C.T, np.diff(breakpoints), bounds.rates)
         needed = np.maximum.reduceat(rates, np.searchsorted(breakpoints, times[:-1]))
         factor = float(needed.max()) * (1.0 + MARGIN)
         if not factor * times[-1] < DIVERGED * shortest:
             return
         shortest = min(shortest, factor * float(times[-1]))
         yield times * factor, breakpoints * factor, rescaled(coefficients, 1.0 / factor)
+        if progress is not None:
+            progress(done / ROUNDS)
         durations = durations * factor * (needed / factor) ** CORRECTION
 
 

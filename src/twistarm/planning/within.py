@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import cache
 
 import numpy as np
 
 from ..limits.joint_limits import JointLimits
 from ..support.caller_words import argument, quantity
-from ..support.checks import Array, frozen
+from ..support.checks import Array
 from ..support.errors import LimitError
 from ..support.unit_hints import theta_hint
 from .bernstein import largest
-from .piecewise import derivative, evaluate, extremes, rescaled
+from .piecewise import derivative, extremes
 from .trajectory import RATE_UNITS, Trajectory
 
 POSITION_TOL = 1e-9
@@ -46,30 +45,12 @@ def slowed_by(coefficients: Array, durations: Array, limits: JointLimits) -> flo
     return max(used, default=0.0)
 
 
-def stretch_sampled(coefficients: Array, durations: Array, limits: JointLimits) -> Array:
-    """Return `stretch_needed` of samples, (s,): at most a hundredth less and much cheaper, for searches."""
-    degree, unit = len(coefficients) - 1, rescaled(coefficients, durations)
-    worst = np.zeros(len(durations))
-    for order, limit in _limited(limits):
-        values = np.abs(np.tensordot(_samplers(degree, order), unit, 1)).max(0)
-        worst = np.maximum(worst, (values / limit).max(-1) ** (1.0 / order) / durations)
-    return worst
-
-
 def _limited(limits: JointLimits) -> Iterator[tuple[int, Array]]:
     """Yield order and limit (n,) of each rate that any joint limits."""
     for order, rate in enumerate(RATES, 1):
         limit: Array = getattr(limits, rate)
         if np.isfinite(limit).any():
             yield order, limit
-
-
-@cache
-def _samplers(degree: int, order: int) -> Array:
-    """Return (17, d + 1): derivatives of that order of σ^d, …, σ, 1 at σ from 0 to 1."""
-    sigma = np.linspace(0.0, 1.0, 17)[:, None]
-    powers = derivative(np.eye(degree + 1)[:, None], order)
-    return frozen(evaluate(powers, sigma))
 
 
 def farthest_outside(theta: Array, limits: JointLimits) -> tuple[tuple[int, ...], float, str]:

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from ..arm.arm import Arm
 from ..collision import Scene
 from ..limits.joint_limits import unit_of
-from ..support.checks import Array
 from ..support.errors import unknown_name
 from .parts.collisions import Collisions
 from .parts.controls import Controls
@@ -29,7 +28,7 @@ from .parts.program import Program
 from .parts.reach import Reach
 from .parts.servo_words import SILENT
 from .parts.solutions import Answer, Solutions
-from .parts.summary import describe_arm, extra_joints, named_poses, rest
+from .parts.summary import describe_arm, extra_joints, rest
 from .parts.target import TargetPart
 from .parts.theory import Theory
 from .protocol.change_publisher import Source
@@ -128,7 +127,7 @@ class Stage(Show):
         elif request.kind == "joint":
             self._set_joint(fields["name"], fields["value"])
         elif request.kind == "pose":
-            self.go(self._pose(fields["name"]), fields["ease"], now)
+            self.go(self.arm.theta_from(fields["name"]), fields["ease"], now)
         else:
             self.go(checked_theta(self.arm, self.arm.random_theta(np.random.default_rng())), fields["ease"], now)
         return None
@@ -185,12 +184,6 @@ class Stage(Show):
         theta = self.theta.copy()
         theta[i] = value
         self.show(theta)
-
-    def _pose(self, name: str) -> Array:
-        poses = named_poses(self.arm)
-        if name not in poses:
-            raise unknown_name("pose", name, poses, within=self.arm.name, listing=", ".join(poses))
-        return poses[name]
 
     # messages -----------------------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -16,7 +16,7 @@ import typer
 from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line, usually_limited
 from ...control.servo import ServoSettings
-from ...control.stream import FollowControl, FollowCycle, Interlock
+from ...control.stream import FollowControl, FollowCycle, FollowReport, Interlock
 from ...control.stream import follow as follow_on
 from ...control.stream.cycles import checked_rate
 from ...control.stream.following.beginning import motion_of
@@ -29,10 +29,10 @@ from ..asked_motion import motion_of_file
 from ..options import CONFIGURATION, Json, Radians, takes_arm
 from ..output import print_json, progress_bar, say
 from ..robot import Hertz, Robot, Tolerance, require_inside, require_positive, takes_robot
-from ..servo_report import follow_json
 from ..typed import parse_theta
 from ..wording import in_options
 from .motion import Rate
+from .servo import report_json
 from .viewing import Browser, Host, Port, show_address
 
 Motion = Annotated[
@@ -116,10 +116,21 @@ def follow(
             velocity_mode=robot.velocity_mode, control=control, interlock=interlock, on_cycle=each,
         )  # fmt: skip
     if json:
-        print_json(follow_json(arm, report))
+        print_json(_as_json(arm, report))
     else:
         say(*in_options(report.explain()).splitlines())
     return 0 if report.ok else 1
+
+
+def _as_json(arm: Arm, report: FollowReport) -> dict[str, Any]:
+    lags, errors = (
+        dict(zip(report.joint_names, off.tolist(), strict=True)) for off in (report.largest_lag, report.largest_error)
+    )
+    return {
+        "arm": arm.name, "ok": report.ok, "completed": report.completed, "ending": report.stream.ending.name,
+        "reason": in_options(report.stream.reason), "at": report.at, "duration": report.duration, "speed": report.speed,
+        "largest_lag": lags, "largest_error": errors, "loop": report_json(arm, report.stream),
+    }  # fmt: skip
 
 
 def _simulated_start(arm: Arm, theta: str | None, motion: Trajectory, radians: bool) -> Array:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from enum import Enum
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -37,14 +36,6 @@ Configurations = Annotated[
         "input.",
     ),
 ]
-
-
-class Kind(str, Enum):
-    """Which Jacobian."""
-
-    spatial = "spatial"
-    body = "body"
-    hybrid = "hybrid"
 
 
 @takes_arm
@@ -87,15 +78,14 @@ def fk(
 def jacobian(
     arm: Arm,
     theta: Theta = "ready",
-    kind: Annotated[Kind | None, typer.Option(help="Only one of them.")] = None,
+    kind: Annotated[Literal["spatial", "body", "hybrid"] | None, typer.Option(help="Only one of them.")] = None,
     rad: Radians = False,
     json: Json = False,
 ) -> None:
     """The spatial and body Jacobians (rows v, ω) and the singular values of the body Jacobian."""
     x = parse_theta(arm, theta, rad)
     warn_outside(arm, x, rad)
-    kinds = [kind] if kind else [Kind.spatial, Kind.body]
-    matrices = {one.value: getattr(arm, f"{one.value}_jacobian")(x) for one in kinds}
+    matrices = {one: getattr(arm, f"{one}_jacobian")(x) for one in ([kind] if kind else ["spatial", "body"])}
     measure = arm.manipulability(x)
     if json:
         print_json(

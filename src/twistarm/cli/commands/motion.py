@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
-from enum import Enum
 from typing import Annotated, Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from ...planning.files.c_header import SUFFIXES, header_text
 from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text, yaml_text
 from ...planning.files.mcap_file import mcap_bytes
+from ...planning.joint_space import Kind
 from ...support.checks import as_positive
 from ...support.errors import InputError
 from ..asked_motion import Typed, capped, typed_targets
@@ -38,16 +38,6 @@ MOTION_KINDS = {"csv": (".csv",), "json": (".json",), "yaml": (".yaml", ".yml"),
 
 COUNTED = ("csv", "header")
 """The kinds of files that may hold what drives count in place of the joints."""
-
-
-class Kind(str, Enum):
-    """The kind of motion."""
-
-    cubic = "cubic"
-    quintic = "quintic"
-    trapezoid = "trapezoid"
-    time_optimal = "time_optimal"
-    s_curve = "s_curve"
 
 
 TIMING = typer.Option(
@@ -178,8 +168,7 @@ def plan(
     if smooth is not None and (line or not to or avoid):
         raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
     met = typed_tolerances(position_tol, orientation_tol, rad)
-    law = None if kind is None else kind.value
-    asked = Typed(arm, start, rad, line, stop, blend, linear_speed, law, met, unwrap, None, max_time)
+    asked = Typed(arm, start, rad, line, stop, blend, linear_speed, kind, met, unwrap, None, max_time)
     asked.require_fitting(by_file=motion is not None, by_joints=not (xyz or line or avoid), goals=len(to or xyz or ()))
     targets = typed_targets(xyz or (), rpy or (), direction or (), axis, rad)
     file = None if motion is None else load_motion(motion, arm)

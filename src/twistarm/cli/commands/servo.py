@@ -13,7 +13,7 @@ from ...arm.arm import Arm
 from ...arm.usual_limits import defaults_line
 from ...control.servo import ServoSettings
 from ...control.servo.settings import ON_UNREACHABLE, SLIDE
-from ...control.stream import Cycle, Source, UdpSource, run
+from ...control.stream import Cycle, Source, StreamReport, UdpSource, run
 from ...control.stream.cycles import checked_rate
 from ...control.stream.links.inbox import COMMAND_TIMEOUT
 from ...control.stream.streaming import TOLERANCE
@@ -25,7 +25,6 @@ from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, Theta, takes_arm
 from ..output import print_json, say
 from ..robot import Hertz, Robot, Tolerance, address, require_inside, require_positive, takes_robot
-from ..servo_report import report_json
 from ..typed import parse_theta
 from ..wording import in_options
 from .motion import Rate
@@ -110,3 +109,10 @@ def source_of(
         pages.timeout = timeout
         return pages
     return stack.enter_context(UdpSource(arm, *address(commands, "--commands"), timeout=timeout, **admitted))
+
+
+def report_json(arm: Arm, report: StreamReport) -> dict[str, Any]:
+    """The report of the loop, for programs."""
+    values = vars(report)
+    counts = {name: {each.name: count for each, count in values[name].items()} for name in ("statuses", "reasons")}
+    return {"arm": arm.name, **values, "ending": report.ending.name, **counts, "ok": report.ok}

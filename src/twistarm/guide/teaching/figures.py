@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 
 from ...arm.arm import Arm
 from ...support.checks import Array
-from ...theory import poe
 from ...theory.screws import to_screw
 from .style import AXES, DASHES, INK, PINK, SKY, use
 
@@ -188,20 +187,10 @@ def arm_points(arm: Arm, theta: ArrayLike) -> Array:
     A joint's point is the origin of its link. Without a description it is the point of the axis nearest to the one
     before.
     """
+    from ...viewer.scene.axes import anchors
+
     x = np.asarray(theta, float)
-    points = [np.zeros(3)]
-    tree = arm.description
-    if tree is not None and all(name in tree.joints for name in arm.moving_names):
-        poses = arm.poses(x)
-        points += [poses[tree.joints[name].child][:3, 3] for name in arm.moving_names]
-    else:
-        values = arm.coupling.A @ x
-        moved = poe.spatial_jacobian(arm.screws, values)
-        for xi in moved.T:
-            screw = to_screw(xi)
-            along = 0.0 if np.isinf(screw.pitch) else float((points[-1] - screw.point) @ screw.axis)
-            points.append(points[-1] if np.isinf(screw.pitch) else screw.point + along * screw.axis)
-    return np.array([*points, arm.fk(x)[:3, 3]])
+    return np.array([np.zeros(3), *anchors(arm, x), arm.fk(x)[:3, 3]])
 
 
 def _arrow(start: Array, vector: Array, share: float) -> Array:

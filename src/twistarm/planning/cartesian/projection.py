@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arm.arm import Arm
+from ...ik.rotation_errors import log_rate
 from ...ik.targets import AnyTarget, Approach, Pose, TolerancedPose
 from ...ik.task_space import Tolerances
 from ...support.checks import Array
@@ -97,7 +98,7 @@ def errors_and_rows(like: AnyTarget, ideal: Array, g: Array, J_b: Array) -> tupl
         phi = rotations.log(turned @ R)
         back = axes @ np.swapaxes(turned, -1, -2)
         e = np.concatenate([(axes @ offset)[..., 0], (back @ phi[..., None])[..., 0]], axis=1)
-        J = np.concatenate([axes @ R @ J_b[:, :3], back @ _log_rate(phi) @ J_b[:, 3:]], axis=1)
+        J = np.concatenate([axes @ R @ J_b[:, :3], back @ log_rate(phi) @ J_b[:, 3:]], axis=1)
         over = np.abs(e) > like.tolerance
         return np.where(over, e - np.clip(e, -like.tolerance, like.tolerance), 0.0), J * (
             over | (like.tolerance == 0.0)
@@ -112,16 +113,3 @@ def errors_and_rows(like: AnyTarget, ideal: Array, g: Array, J_b: Array) -> tupl
         spin = np.cross(wanted, like.axis) @ like.across.T
         return np.concatenate([e, spin], axis=1), np.concatenate([J, like.across @ J_b[:, 3:]], axis=1)
     return e, J
-
-
-def _log_rate(phi: Array) -> Array:
-    """Return matrices (k, 3, 3) from a body's angular velocity to the rate of its logarithm φ (k, 3).
-
-    1 + φ̂/2 + (1/φ² − (1 + cos φ)/(2 φ sin φ)) φ̂², Lynch & Park §3.2.3. The last factor goes to 1/12 at 0.
-    """
-    angle = np.linalg.norm(phi, axis=1)
-    near = angle < 1e-3
-    safe = np.where(near, 1.0, np.minimum(angle, np.pi - 1e-6))
-    factor = np.where(near, 1.0 / 12.0, 1.0 / safe**2 - (1.0 + np.cos(safe)) / (2.0 * safe * np.sin(safe)))
-    cross = rotations.skew(phi)
-    return np.eye(3) + 0.5 * cross + factor[:, None, None] * (cross @ cross)

@@ -45,37 +45,29 @@ class PathBounds:
         return tuple(("joint", row) if row < n else ("motor", row - n) for row in range(len(self.C)))
 
     @cached_property
+    def rates(self) -> JointLimits:
+        """Velocity, acceleration and given jerk of every row (r,), inf where there is no limit."""
+        both = [self.limits, *([] if self.actuators is None else [self.actuators.limits])]
+        names = ("velocity", "acceleration", "jerk")
+        rates = {name: np.concatenate([getattr(each, name) for each in both]) for name in names}
+        return replace(JointLimits.unbounded(len(self.C)), **rates)
+
+    @property
     def velocity(self) -> Array:
         """(r,), inf where there is no limit."""
-        return self._joints_and_motors("velocity")
+        return self.rates.velocity
 
-    @cached_property
+    @property
     def acceleration(self) -> Array:
         """(r,), inf where there is no limit."""
-        return self._joints_and_motors("acceleration")
+        return self.rates.acceleration
 
     @cached_property
     def jerk(self) -> Array:
         """(r,); where none was given what brings the acceleration to its limit in 0.1 s."""
-        return frozen(np.where(np.isinf(self.given_jerk), self.acceleration / RISE, self.given_jerk))
-
-    @cached_property
-    def given_jerk(self) -> Array:
-        """(r,), inf where there is no limit."""
-        return self._joints_and_motors("jerk")
-
-    @cached_property
-    def rates(self) -> JointLimits:
-        """Velocity, acceleration and given jerk of every row, (r,)."""
-        rates = {"velocity": self.velocity, "acceleration": self.acceleration, "jerk": self.given_jerk}
-        return replace(JointLimits.unbounded(len(self.C)), **rates)
+        given = self.rates.jerk
+        return frozen(np.where(np.isinf(given), self.acceleration / RISE, given))
 
     def ceiling_of(self, path: JointPath) -> Array:
         """The largest ṡ on each of the path's pieces (m,), inf without a limit."""
         return np.full(len(path.breakpoints) - 1, np.inf) if self.ceiling is None else self.ceiling
-
-    def _joints_and_motors(self, rate: str) -> Array:
-        joints: Array = getattr(self.limits, rate)
-        if self.actuators is None:
-            return joints
-        return frozen(np.concatenate([joints, getattr(self.actuators.limits, rate)]))

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...support.checks import Array, frozen
 from ...support.display import told
+from ..bernstein import largest
 from ..joint_path import Indices, JointPath
-from ..piecewise import composed
+from ..piecewise import composed, derivative, rescaled
+from ..spans import MARGIN, require_span
+from ..within import slowed_by
+from .bounds import PathBounds
 
 APART = 1e-12
 """Instants nearer than this part of the whole are one."""
@@ -61,6 +65,19 @@ class TimeLaw:
         inner = self.coefficients.copy()
         inner[-1] -= path.breakpoints[piece]
         return self.breakpoints, composed(path.coefficients[:, piece], inner)
+
+    def at_full_pace(self, path: JointPath, bounds: PathBounds, jerk: Array) -> TimeLaw:
+        """The law slowed until one rate just meets its limit. `jerk` (r,) is the limit of the jerk.
+
+        A law slowed by f has 1/f of the velocity, 1/f² of the acceleration and 1/f³ of the jerk.
+        """
+        breakpoints, coefficients = self.along(path)
+        steps = np.diff(breakpoints)
+        speed = derivative(self.coefficients[:, :, None]) / bounds.ceiling_of(path)[self.pieces(path)][:, None]
+        rates = slowed_by(coefficients @ bounds.C.T, steps, replace(bounds.rates, jerk=jerk))
+        factor = max(rates, largest(speed, steps)) * (1.0 + MARGIN)
+        require_span(self.duration * factor)
+        return TimeLaw(self.breakpoints * factor, rescaled(self.coefficients, 1.0 / factor))
 
 
 def apart(instants: Array) -> Array:

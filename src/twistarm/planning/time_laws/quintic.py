@@ -9,7 +9,6 @@ from ..joint_path import JointPath
 from ..piecewise import bisected, shifted
 from .bounds import PathBounds
 from .law import TimeLaw
-from .pace import at_full_pace
 
 UNIT = np.array([6.0, -15.0, 10.0, 0.0, 0.0, 0.0])
 """Coefficients of the fraction travelled in the fraction u of the time, highest power first."""
@@ -28,7 +27,7 @@ def quintic(path: JointPath, bounds: PathBounds) -> TimeLaw:
     u = _reached(path.breakpoints / path.length)
     pieces = np.repeat(path.length * UNIT[:, None], len(u) - 1, axis=1)
     law = TimeLaw(u, shifted(pieces, u[:-1]))
-    return at_full_pace(path, law, bounds, bounds.given_jerk)
+    return law.at_full_pace(path, bounds, bounds.rates.jerk)
 
 
 def _reached(fraction: Array) -> Array:

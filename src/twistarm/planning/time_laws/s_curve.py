@@ -13,7 +13,6 @@ from ..joint_path import JointPath
 from ..piecewise import derivative, evaluate
 from .bounds import PathBounds
 from .law import TimeLaw
-from .pace import at_full_pace
 from .path_velocity import LimitedPath
 from .smoothing import roughly_smoothed, smoothed
 from .time_optimal import first_grid, on_grid
@@ -73,7 +72,7 @@ def s_curve(path: JointPath, bounds: PathBounds) -> TimeLaw:
     if best.factor.max() > CLOSE:
         tightened = [*search.tightened(search.slow_in_bends(narrow)), *search.tightened(best)]
         best = min((best, *tightened), key=_Tried.duration)
-    return at_full_pace(fine, smoothed(best.fastest, best.window, fine), bounds, bounds.jerk)
+    return smoothed(best.fastest, best.window, fine).at_full_pace(fine, bounds, bounds.jerk)
 
 
 def _downhill(tried: Callable[[int], _Tried], first: int, best: _Tried) -> _Tried:

@@ -9,9 +9,8 @@ from ..joint_path import Indices, JointPath
 from ..piecewise import bisected, derivative, evaluate
 from .law import TimeLaw, apart
 
-BISECTIONS = 20
-CORRECTIONS = 3
-"""Steps to find when a place is reached: bisections, then Newton's steps inside the bracket."""
+BISECTIONS = 60
+"""To find when a place is reached, to rounding."""
 
 
 def smoothed(law: TimeLaw, window: float, path: JointPath) -> TimeLaw:
@@ -80,13 +79,6 @@ def _reached(average: _Average, places: Array) -> Array:
     times = average.knots
     pieces = average.pieces(times)
     index = np.clip(np.searchsorted(pieces[-1], places, side="right") - 1, 0, len(times) - 2)
-    own = pieces[:, index]
-    slope = derivative(own[:, :, None])[..., 0]
-    low, high = bisected(
-        lambda tau: evaluate(own, tau) < places, np.zeros_like(places), np.diff(times)[index], BISECTIONS
-    )
-    at = high
-    for _ in range(CORRECTIONS):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = np.fmin(np.fmax(at - (evaluate(own, at) - places) / evaluate(slope, at), low), high)
-    return times[index] + at
+    own, ends = pieces[:, index], np.diff(times)[index]
+    _, late = bisected(lambda tau: evaluate(own, tau) < places, np.zeros_like(places), ends, BISECTIONS)
+    return times[index] + late

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from ...arm.arm import Arm
 from ...ik.targets import Position
-from ...planning.cartesian.curves import Curve, arc, line, screw
-from ...planning.segments import ArcMove, FreeMove, JointMove, LineMove, ScrewMove, Segment
+from ...planning.goals import Curved, Goals
+from ...planning.segments import ArcMove, FreeMove, JointMove, LineMove, ScrewMove
 from ...support.checks import Array
 from ...support.errors import InputError
-from ...theory import screws
 from .pose_list import RecordedPose
 from .tool_path import drawn
 
@@ -20,12 +20,12 @@ POINTS = 60
 """Points of the ideal path from a pose to the next."""
 
 
-def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[Segment]:
+def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[JointMove | Curved]:
     """The segments through all poses, with corners rounded within `corner` [m].
 
     Raises InputError for an arc's via pose without the arc's end.
     """
-    made: list[Segment] = []
+    made: list[JointMove | Curved] = []
     for i, pose in enumerate(poses[1:], start=1):
         blend = corner if i + 1 < len(poses) else 0.0
         if poses[i - 1].by == "via" and i > 1:
@@ -43,23 +43,12 @@ def segments(arm: Arm, poses: Sequence[RecordedPose], corner: float) -> list[Seg
 
 def ideal_way(arm: Arm, poses: Sequence[RecordedPose]) -> list[list[float]]:
     """Points [m] of the way that the segments describe, corners and all."""
-    s = np.linspace(0.0, 1.0, POINTS)
-    ways: list[Array] = []
-    for i, pose in enumerate(poses[1:], start=1):
-        last = poses[i - 1]
-        through = last.by == "via" and i > 1
-        if pose.by == "via" and not through:
-            continue
-        if pose.by in ("joint", "free") and not through:
-            g = arm.fk(last.theta + s[:, None] * (pose.theta - last.theta))
+    s, goals, at, ways = np.linspace(0.0, 1.0, POINTS), Goals(arm, arm.limits), poses[0].theta, list[Array]()
+    for move in segments(arm, poses, 0.0):
+        end: Any = move.to
+        if isinstance(move, JointMove):
+            ways.append(arm.fk(at + s[:, None] * (end - at))[:, :3, 3])
         else:
-            g = _curve(arm, poses[i - 2 if through else i - 1], last if through else None, pose)(s)
-        ways.append(g[:, :3, 3])
+            ways += [each.curve(s)[:, :3, 3] for each in goals.moving(move, at, "the way")[:1]]
+        at = end
     return drawn(arm, np.concatenate(ways)) if ways else []
-
-
-def _curve(arm: Arm, start: RecordedPose, via: RecordedPose | None, end: RecordedPose) -> Curve:
-    g0, g1 = arm.fk(start.theta), arm.fk(end.theta)
-    if via is not None:
-        return arc(g0, arm.fk(via.theta)[:3, 3], g1)
-    return line(g0, g1) if end.by == "line" else screw(g0, screws.log(g1 @ screws.inverse(g0)))

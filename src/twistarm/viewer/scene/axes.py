@@ -7,6 +7,7 @@ import numpy as np
 from ...arm.arm import Arm
 from ...limits.joint_limits import slides
 from ...support.checks import Array
+from ...theory import poe
 from ...theory.screws import to_screw
 from . import drawing
 from .drawing import STICK, Colour
@@ -32,14 +33,18 @@ def arm_size(arm: Arm) -> float:
     return far if far > 1e-6 else 1.0
 
 
-def anchors(arm: Arm) -> Array:
-    """A point (m, 3) on each moving joint's axis at theta = 0: its origin, else the nearest to the last point."""
+def anchors(arm: Arm, theta: Array | None = None) -> Array:
+    """A point (m, 3) on each moving joint's axis at theta (n,), 0 by default.
+
+    It is the origin of the joint's link. Without a description it is the point of the axis nearest to the last one.
+    """
+    x = np.zeros(arm.n) if theta is None else theta
     if arm.description is not None:
-        poses = arm.poses(np.zeros(arm.n))
+        poses = arm.poses(x)
         return np.array([poses[arm.description.joints[name].child][:3, 3] for name in arm.moving_names])
     points: list[Array] = []
     last: Array = np.zeros(3)
-    for xi in arm.screws.T:
+    for xi in poe.spatial_jacobian(arm.screws, arm.coupling.A @ x).T:
         screw = to_screw(xi)
         if np.isfinite(screw.pitch):
             last = screw.point + screw.axis * (screw.axis @ (last - screw.point))
