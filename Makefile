@@ -55,7 +55,7 @@ test-ros-here: $(ROS)/ready
 	  $(ROS)/bin/python -m pytest tests/ros -p no:cacheprovider
 
 $(ROS)/ready: pyproject.toml tests/ros/requirements.txt $(CORE)
-	$(PYTHON) -m venv $(ROS)
+	$(PYTHON) -m venv --upgrade-deps $(ROS)
 	$(ROS)/bin/python -m pip install --quiet --requirement tests/ros/requirements.txt --editable '.[mcap,plan]' hypothesis pytest
 	@touch $@
 
@@ -113,14 +113,15 @@ wheels: $(VENV)/dev
 clean:
 	rm -rf $(VENV) tools/page/node_modules build dist docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
-# The stamps say what is installed: the demo needs less than the tests.
+# The stamps say what is installed: the demo needs less than the tests. The pip of an old Python searches long for
+# versions that fit, or fails, so it is brought up to date.
 $(VENV)/base: pyproject.toml $(CORE)
-	$(PYTHON) -m venv $(VENV)
+	$(PYTHON) -m venv --upgrade-deps $(VENV)
 	$(BIN)/python -m pip install --quiet --editable '.[view,check,plan,guide]'
 	@touch $@
 
 $(VENV)/dev: pyproject.toml $(CORE)
-	$(PYTHON) -m venv $(VENV)
+	$(PYTHON) -m venv --upgrade-deps $(VENV)
 	$(BIN)/python -m pip install --quiet --editable '.[dev]'
 	@touch $(VENV)/base $@
 

@@ -43,7 +43,7 @@ def build(python: str, folder: Path) -> Path:
 
 def test(python: str, wheel: Path, folder: Path) -> None:
     """Install the wheel in a new environment, without a compiler on PATH, and run commands and tests in it."""
-    subprocess.run([python, "-m", "venv", folder], check=True)
+    subprocess.run([python, "-m", "venv", "--upgrade-deps", folder], check=True)
     alone = {name: value for name, value in os.environ.items() if name not in ("CC", "CXX", "PYTHONPATH")}
     alone["PATH"] = str(folder / "bin")
 

@@ -399,7 +399,7 @@ def test_the_shell_completes_commands_options_and_arms(line: str, wanted: str) -
 
 
 def test_a_reader_that_leaves_early_is_no_error() -> None:
-    command = f"'{PROGRAM}' info rover_arm --json | head -1"
+    command = f"'{PROGRAM}' info rover_arm --json | '{sys.executable}' -c 'input()'"
     done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=60, check=True)
     assert "Traceback" not in done.stderr
 
