@@ -52,7 +52,7 @@ HOSTILE = {
     "a folder": (include("."), "is no regular file"),
     "a pipe": (include("pipe"), "is no regular file"),
     "zeros without end": (load("/dev/zero"), OUTSIDE),
-    "a giant": (include("giant.xacro"), "has 50 MB; at most 10 MB are read"),
+    "a giant": (include("giant.xacro"), "has 50,000,000 bytes; at most 10,000,000 are read"),
     "itself in circles": (include("arm.xacro"), "refers to itself without end"),
     "a link to itself": (include("loop.xacro"), "xacro cannot expand it"),
     "a name without an encoding": (load("\\ud800"), "is no path"),

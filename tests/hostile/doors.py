@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -97,25 +94,3 @@ def texts(secret: Path) -> Iterator[tuple[str, str]]:
         for way in WAYS:
             there = reading.replace("@", str(secret) if way == "/by/its/path" else way)
             yield f"{kind} of {way}", f'<robot name="arm" {XMLNS}>${{"$(find secret)"}}{there}</robot>'
-
-
-@contextmanager
-def swapping(folder: Path, other: Path) -> Iterator[list[int]]:
-    """Meanwhile, another thread makes of `folder` a link to `other` and back; counts how often."""
-    aside, turn = folder.with_name("aside"), folder.with_name("turn")
-    turn.symlink_to(other)
-    over, swaps = threading.Event(), [0]
-
-    def swap() -> None:
-        while not over.is_set():
-            for one, two in ((folder, aside), (turn, folder), (folder, turn), (aside, folder)):
-                os.rename(one, two)
-            swaps[0] += 1
-
-    thread = threading.Thread(target=swap)
-    thread.start()
-    try:
-        yield swaps
-    finally:
-        over.set()
-        thread.join()

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from twistarm.support.errors import InputError
-from twistarm.support.files import WRITTEN_YAML, open_regular, opened_path, write_whole
+from twistarm.support.files import WRITTEN_YAML, open_regular, write_whole
 
 NAMES = ["ARM.URDF", "arm.urdf.xacro", "arm.srdf", "arm.xml", "arm.toml", "joint_limits.yaml"]
 
@@ -94,22 +94,6 @@ def test_a_folder_without_permission_is_said(tmp_path):
     tmp_path.chmod(0o500)
     with pytest.raises(InputError, match="Permission denied"):
         write_whole(tmp_path / "a.txt", "x")
-
-
-def test_an_opened_file_lies_where_it_lies_whatever_its_name_means_by_now(tmp_path):
-    for folder in ("arm", "outside"):
-        (tmp_path / folder).mkdir()
-        (tmp_path / folder / "a.yaml").write_text(folder)
-    real = tmp_path.resolve()
-    with open_regular(tmp_path / "arm" / "a.yaml") as file:
-        (tmp_path / "arm").rename(tmp_path / "moved")
-        (tmp_path / "arm").symlink_to("outside")
-        assert (opened_path(file), file.read()) == (real / "moved" / "a.yaml", b"arm")
-    with open_regular(tmp_path / "arm" / "a.yaml") as file:
-        assert (opened_path(file), file.read()) == (real / "outside" / "a.yaml", b"outside")
-        (tmp_path / "outside" / "a.yaml").unlink()
-        with pytest.raises(OSError, match="it was deleted"):
-            opened_path(file)
 
 
 def test_what_is_no_regular_file_is_never_read(tmp_path):

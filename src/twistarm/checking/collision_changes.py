@@ -6,12 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Any
 
-import numpy as np
-
 from ..arm.arm import Arm
 from ..arm.bodies import Pair, adjacent_pairs, sorted_pair
-from ..arm.checker import Checker
 from ..collision import Scene
+from ..collision.allowed_pairs import collision_counts
 from ..support.checks import Array
 
 SAMPLES = 2000
@@ -48,19 +46,9 @@ def collision_shares(scene: Scene, thetas: Sequence[Array] | Array) -> dict[Pair
     """The share of configurations (N, n) at which each pair of links collides, without neighbours and shares of 0."""
     arm, bodies = scene.arm, scene.links
     assert arm.description is not None, "a scene has one"
-    neighbours = adjacent_pairs(arm.description, bodies)
-    names = [sorted_pair(one.name, other.name) for one, other in combinations(bodies, 2)]
-    pairs = [
-        pair
-        for pair, (a, b) in zip(combinations(range(len(bodies)), 2), names, strict=True)
-        if a != b and (a, b) not in neighbours
-    ]
-    checker = Checker(arm.pinocchio, bodies, pairs, np.zeros(len(pairs)).tolist())
-    counts: dict[Pair, int] = {}
-    for theta in thetas:
-        hit = {checker.pairs[k] for k in checker.overlapping(arm.pinocchio.q(theta))}
-        for pair in {sorted_pair(bodies[i].name, bodies[j].name) for i, j in hit}:
-            counts[pair] = counts.get(pair, 0) + 1
+    names = (sorted_pair(one.name, other.name) for one, other in combinations(bodies, 2))
+    apart = {(a, b) for a, b in names if a != b} - adjacent_pairs(arm.description, bodies)
+    counts = collision_counts(arm.pinocchio, bodies, apart, map(arm.pinocchio.q, thetas))
     return {pair: count / len(thetas) for pair, count in counts.items()}
 
 

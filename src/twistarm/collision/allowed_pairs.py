@@ -52,14 +52,14 @@ def allowed_pairs(
         return [pair for pair in every if pair not in reasons]
 
     rest = [draw.zero, model.q(arm.ready)]
-    reasons |= dict.fromkeys(sorted(_seen(model, bodies, left(), rest)), "Default")
-    counts = _seen(model, bodies, left(), draw(TRIALS))
+    reasons |= dict.fromkeys(sorted(collision_counts(model, bodies, left(), rest)), "Default")
+    counts = collision_counts(model, bodies, left(), draw(TRIALS))
     reasons |= {pair: "Always" for pair, count in sorted(counts.items()) if count >= ALWAYS * TRIALS}
     unseen = set(left()) - set(counts)
     for done in range(0, samples, TRIALS):
         if progress is not None:
             progress(done / samples)
-        unseen -= set(_seen(model, bodies, unseen, draw(min(TRIALS, samples - done)), once=True))
+        unseen -= set(collision_counts(model, bodies, unseen, draw(min(TRIALS, samples - done)), once=True))
     return reasons | dict.fromkeys(sorted(unseen), "Never")
 
 
@@ -89,10 +89,10 @@ class _Sampler:
         return self._A @ values + self._b
 
 
-def _seen(
+def collision_counts(
     model: PinocchioModel, bodies: Sequence[Body], pairs: Iterable[Pair], Q: Iterable[Array], once: bool = False
 ) -> Mapping[Pair, int]:
-    """In how many of the configurations each pair collides; with `once`, a pair is dropped when it has."""
+    """In how many of the configurations q (nq,) each pair collides; with `once`, a pair is dropped when it has."""
     wanted, counts = set(pairs), dict[Pair, int]()
     checker = _checker(model, bodies, wanted)
     for q in Q:

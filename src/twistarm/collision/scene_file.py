@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
@@ -17,8 +16,8 @@ from ..description.companions.toml_entries import parse_toml, toml_key, toml_tex
 from ..description.document import read_text
 from ..description.yaml_reading import parse_yaml
 from ..support.checks import Array, Given, as_flag, as_floats, as_number, as_vector, require_mapping, require_names
-from ..support.entries import only
-from ..support.errors import InputError, TwistarmError, listed
+from ..support.entries import at, only
+from ..support.errors import InputError, listed
 from ..support.files import read_bounded
 from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw, to_rpy
 
@@ -84,7 +83,7 @@ def read_scene(path: Path) -> SceneFile:
 
 def _toml(path: Path) -> SceneFile:
     content = parse_toml(path, "a scene.toml")
-    with _at(path, "at the top"):
+    with at(path, "at the top"):
         only(content, TOP)
         angle = np.pi / 180.0 if as_flag(content.get("degrees", False), "degrees") else 1.0
         margin = content.get("margin")
@@ -97,7 +96,7 @@ def _toml(path: Path) -> SceneFile:
     for kind in (*SIZES, "plane", "mesh"):
         tables = content.get(kind, [])
         for i, table in enumerate(tables if isinstance(tables, list) else [tables]):
-            with _at(path, f"{kind} {i + 1}"):
+            with at(path, f"{kind} {i + 1}"):
                 entries.append(_entry(kind, table, angle, path.parent))
     return SceneFile(arm, tuple(entries), allowed, margin, matrix)
 
@@ -191,7 +190,7 @@ def _listed(names: Iterable[str]) -> str:
 
 def _planning_scene(path: Path) -> SceneFile:
     content = parse_yaml(read_text(path, MOST_BYTES), path, MOST_NODES)
-    with _at(path, "at the top"):
+    with at(path, "at the top"):
         scene = content.get("planning_scene", content)
         free = list((scene.get("world") or {}).get("collision_objects") or ())
         held = list((scene.get("robot_state") or {}).get("attached_collision_objects") or ())
@@ -204,19 +203,19 @@ def _planning_scene(path: Path) -> SceneFile:
     entries: list[Entry] = []
     parts: dict[str, list[str]] = {}
     for i, item in enumerate(free):
-        with _at(path, f"collision object {i + 1}"):
+        with at(path, f"collision object {i + 1}"):
             found = list(_objects(item))
             parts[str(item["id"])] = [entry.name for entry in found]
             entries += found
     for i, item in enumerate(held):
-        with _at(path, f"attached object {i + 1}"):
+        with at(path, f"attached object {i + 1}"):
             link, touching = item["link_name"], tuple(item.get("touch_links") or ())
             found = list(_objects(item["object"]))
             if any(entry.frame not in ("", link) for entry in found):
                 raise InputError(f"its frame_id is {found[0].frame!r}: give its pose in the frame of its link {link!r}")
             parts[str(item["object"]["id"])] = [entry.name for entry in found]
             entries += [replace(entry, on=link, frame=None, touching=touching) for entry in found]
-    with _at(path, "allowed_collision_matrix"):
+    with at(path, "allowed_collision_matrix"):
         pairs = tuple(_matrix_pairs(matrix, parts))
     return SceneFile("", tuple(entries), pairs, matrix=bool(matrix))
 
@@ -238,8 +237,8 @@ def _objects(item: Mapping[str, Any]) -> Iterator[Entry]:
             shapes.append((read(value), whole @ _message_pose(poses[k] if k < len(poses) else {})))
     if not shapes:
         raise InputError(f"{item['id']!r} has no primitives, meshes or planes")
-    for k, ((kind, size, mesh, at), pose) in enumerate(shapes):
-        yield Entry(_numbered(str(item["id"]), k, len(shapes)), kind, size, pose @ at, mesh, frame=frame)
+    for k, ((kind, size, mesh, own), pose) in enumerate(shapes):
+        yield Entry(_numbered(str(item["id"]), k, len(shapes)), kind, size, pose @ own, mesh, frame=frame)
 
 
 Shape = tuple[str, tuple[float, ...], Triangles | None, Array]
@@ -312,7 +311,7 @@ def _matrix_pairs(matrix: Mapping[str, Any], parts: Mapping[str, list[str]]) -> 
 
 def _scene_text(path: Path) -> SceneFile:
     """MoveIt's text: for each object `* name`, since 2020 its pose, then its shapes."""
-    with _at(path, "MoveIt's .scene text"):
+    with at(path, "MoveIt's .scene text"):
         lines = iter(read_bounded(path, MOST_BYTES).decode("utf-8").splitlines()[1:])
         entries: list[Entry] = []
         for line in lines:
@@ -332,11 +331,11 @@ def _text_object(name: str, lines: Iterator[str]) -> list[Entry]:
         first = _numbers(lines)
     entries, count = [], int(first[0])
     for k in range(count):
-        kind, size, mesh, at = _text_shape(next(lines).strip(), lines)
+        kind, size, mesh, own = _text_shape(next(lines).strip(), lines)
         g = np.eye(4)
         g[:3, 3], g[:3, :3] = _numbers(lines), from_xyzw(_numbers(lines))
         next(lines)  # the colour
-        entries.append(Entry(_numbered(name, k, count), kind, size, whole @ g @ at, mesh, frame=""))
+        entries.append(Entry(_numbered(name, k, count), kind, size, whole @ g @ own, mesh, frame=""))
     if posed:  # subframes: a name, a position and a rotation each
         for _ in range(3 * int(_numbers(lines)[0])):
             next(lines)
@@ -361,17 +360,3 @@ def _numbers(lines: Iterator[str]) -> list[float]:
 
 def _numbered(name: str, k: int, count: int) -> str:
     return name if count == 1 else f"{name} {k + 1}"
-
-
-# -- both --------------------------------------------------------------------------------------------------------
-
-
-@contextmanager
-def _at(path: Path, place: str) -> Iterator[None]:
-    """Name the file and the place in errors."""
-    try:
-        yield
-    except TwistarmError as error:
-        raise InputError(f"{path}, {place}: {error}") from error
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError, StopIteration, RuntimeError) as error:
-        raise InputError(f"{path}, {place}: an entry is missing or of the wrong kind ({error})") from error

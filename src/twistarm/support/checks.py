@@ -292,7 +292,7 @@ def require_one(array: Array, name: str, ndim: int) -> Array:
     """`array`, or InputError if it holds several arrays of `ndim` axes."""
     if array.ndim != ndim:
         shape = array.shape[-ndim:]
-        what = {(4, 4): "pose", (3, 3): "rotation"}.get(shape, "vector")
+        what = {(4, 4): "pose", (3, 3): "rotation", (6,): "twist"}.get(shape, "vector")
         raise InputError(f"{name} must be one {what} {shape}; got {array.shape}")
     return array
 

@@ -18,14 +18,16 @@ def at(path: Path, place: str) -> Iterator[None]:
         yield
     except TwistarmError as error:
         raise InputError(f"{path}, {place}: {error}") from error
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError, StopIteration, RuntimeError) as error:
+        raise InputError(f"{path}, {place}: an entry is missing or of the wrong kind ({error})") from error
 
 
-def only(table: Mapping[str, Any], allowed: Iterable[str]) -> None:
-    """Refuse entries of other names."""
+def only(table: Mapping[str, Any], allowed: Iterable[str], place: str = "") -> None:
+    """Refuse entries of other names, at a place such as " in limits"."""
     names = tuple(allowed)
     for key in table:
         if key not in names:
-            raise InputError(f"unknown entry {key!r}{closest(key, names)} (allowed: {listed(names, 20)})")
+            raise InputError(f"unknown entry {key!r}{place}{closest(key, names)} (allowed: {listed(names, 20)})")
 
 
 def real(value: Any, name: str) -> float:

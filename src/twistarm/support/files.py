@@ -6,7 +6,6 @@ import errno
 import os
 import shutil
 import stat
-import sys
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -52,8 +51,8 @@ def why_no_file(path: Path) -> str:
 def open_regular(path: str | os.PathLike[str]) -> BinaryIO:
     """The regular file at `path`, opened to read, links followed.
 
-    It is opened first and examined then, so that it cannot be replaced in between. A FIFO or a device neither blocks
-    nor is read. Raises OSError, its `strerror` in words, if no regular file can be opened.
+    It is opened first and examined then, so that a FIFO or a device neither blocks nor is read. Raises OSError, its
+    `strerror` in words, if no regular file can be opened.
     """
     descriptor = os.open(path, READING)
     try:
@@ -63,22 +62,6 @@ def open_regular(path: str | os.PathLike[str]) -> BinaryIO:
     except BaseException:
         os.close(descriptor)
         raise
-
-
-def opened_path(file: BinaryIO | int) -> Path:
-    """The path of an opened file or folder (or its descriptor), as the system knows it.
-
-    It has no links, and it holds even if the name means another file by now. Raises OSError if the system does not
-    tell: /proc is not mounted, or the file was deleted.
-    """
-    descriptor = file if isinstance(file, int) else file.fileno()
-    if os.fstat(descriptor).st_nlink == 0:
-        raise OSError(errno.ENOENT, "it was deleted while it was being read")
-    if sys.platform == "darwin":
-        import fcntl
-
-        return Path(os.fsdecode(fcntl.fcntl(descriptor, fcntl.F_GETPATH, bytes(1024)).rstrip(b"\0")))
-    return Path(os.readlink(f"/proc/self/fd/{descriptor}"))
 
 
 def read_bounded(path: str | os.PathLike[str], most: int) -> bytes:

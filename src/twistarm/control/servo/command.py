@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -16,12 +15,13 @@ from ...support.checks import (
     Matrix,
     Row,
     as_floats,
-    as_number,
     as_pose,
+    as_positive,
     as_twist,
     frozen,
     require_choice,
     require_mapping,
+    require_one,
 )
 from ...support.display import Brief
 from ...support.errors import InputError, listed, shown
@@ -126,9 +126,7 @@ class PoseCommand(Brief):
     def __init__(
         self, g: Matrix, velocity: Row = (0.0,) * 6, linear_speed: float = 0.25, angular_speed: float = 1.0
     ) -> None:
-        pose = as_pose(g, "g")
-        if pose.shape != (4, 4):
-            raise InputError(f"g must be one pose, shape (4, 4); got {pose.shape}")
+        pose = require_one(as_pose(g, "g"), "g", 2)
         _moderate(pose, "g", FARTHEST)
         speeds = {"linear_speed": linear_speed, "angular_speed": angular_speed}
         checked = {name: _speed(speed, name) for name, speed in speeds.items()}
@@ -159,19 +157,11 @@ def held_components(hold: Any) -> tuple[bool, ...]:
 
 
 def _speed(value: float, name: str) -> float:
-    speed = 0.0
-    with suppress(InputError):
-        speed = as_number(value, name)
-    if not 0.0 < speed <= FASTEST:
-        raise InputError(f"{name} must be a positive number, at most {FASTEST:g}; got {shown(value)}")
-    return speed
+    return float(_moderate(np.array(as_positive(value, name)), name, FASTEST))
 
 
 def _six(values: ArrayLike, name: str) -> Array:
-    six = as_twist(values, name)
-    if six.shape != (6,):
-        raise InputError(f"{name} must be one twist, shape (6,); got {six.shape}")
-    return frozen(_moderate(six, name, FASTEST))
+    return frozen(_moderate(require_one(as_twist(values, name), name, 1), name, FASTEST))
 
 
 def _moderate(values: Array, name: str, most: float) -> Array:

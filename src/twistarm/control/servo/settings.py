@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...arm.inability import NO_MOTION
-from ...support.checks import as_number, as_positive, require_choice
+from ...support.checks import as_not_negative, as_positive, require_choice
 from ...support.errors import InputError
 
 SLIDE, STOP = "slide", "stop"
@@ -48,7 +48,4 @@ class ServoSettings:
         if self.singularity_threshold <= NO_MOTION:
             raise InputError(f"singularity_threshold must be more than {NO_MOTION:g}, which counts as no motion at all")
         require_choice(self.on_unreachable, ON_UNREACHABLE, "on_unreachable")
-        margin = as_number(self.position_margin, "position_margin")
-        if margin < 0.0:
-            raise InputError(f"position_margin must not be negative, in rad or m; got {margin:g}")
-        object.__setattr__(self, "position_margin", margin)
+        object.__setattr__(self, "position_margin", as_not_negative(self.position_margin, "position_margin"))

@@ -12,12 +12,13 @@ import numpy as np
 
 from ...limits.joint_limits import FIELDS, RATES
 from ...support.checks import Array, as_vector, frozen, require_one
+from ...support.entries import only
 from ...support.errors import InputError
 from ...support.files import as_path, is_file
 from ...theory.rotations import from_rpy
 from ..findings import Place, refusal
 from ..packages import is_too_wide, package_names
-from .toml_entries import bounded, number_of, numbers_of, only, parse_toml, table_of, text_of, unusable
+from .toml_entries import bounded, number_of, numbers_of, parse_toml, table_of, text_of, unusable
 
 if TYPE_CHECKING:
     from ..dh import DhTable
@@ -102,17 +103,24 @@ _KEYS = (
 def read_arm_file(path: Path) -> ArmSpecification:
     """Read an arm.toml. Raises DescriptionError that names the file, the entry and what is allowed there."""
     content = parse_toml(path)
-    only(content, _KEYS, path, "at the top level")
+    try:
+        return _specification(content, path)
+    except InputError as error:
+        raise unusable(path, str(error)) from error
+
+
+def _specification(content: Mapping[str, Any], path: Path) -> ArmSpecification:
+    only(content, _KEYS, " at the top level")
     for key in _TEXTS:
         if key in content:
-            text_of(content[key], key, path)
+            text_of(content[key], key)
     if ("source" in content) == ("dh" in content):
         what = "it has a source and a table [dh]" if "dh" in content else "it names no source"
-        raise unusable(path, f'{what}: write source = "my_arm.urdf" or a table [dh]')
+        raise InputError(f'{what}: write source = "my_arm.urdf" or a table [dh]')
     dh = _dh(content, path) if "dh" in content else None
     folders = _folders(content, path)
     far = tuple(folder for folder in folders if _is_elsewhere(folder, path))
-    poses = table_of(content, "poses", path)
+    poses = table_of(content, "poses")
     return ArmSpecification(
         description=path if dh else _file(content["source"], "source", path),
         source=str(path),
@@ -120,20 +128,20 @@ def read_arm_file(path: Path) -> ArmSpecification:
         base=content.get("base", dh and "base"),
         tip=content.get("tip", dh and "tool"),
         dh=dh,
-        tool=_tool(content, path),
-        xacro_args=table_of(content, "xacro_args", path),
+        tool=_tool(content),
+        xacro_args=table_of(content, "xacro_args"),
         package_dirs=tuple(folder for folder in folders if folder not in far),
         mesh_dirs=far,
-        ignore_packages=_without(content, path),
-        limits=_limits(content, path),
+        ignore_packages=package_names(content.get("ignore_packages", [])),
+        limits=_limits(content),
         locked_joints={
-            joint: bounded(value, path, f"locked_joints.{joint}")
-            for joint, value in table_of(content, "locked_joints", path).items()
+            joint: bounded(value, f"locked_joints.{joint}")
+            for joint, value in table_of(content, "locked_joints").items()
         },
-        poses={name: numbers_of(table_of(poses, name, path), path, f"poses.{name}") for name in poses},
+        poses={name: numbers_of(table_of(poses, name), f"poses.{name}") for name in poses},
         srdf=_file(content["srdf"], "srdf", path) if "srdf" in content else None,
         joint_limits=_file(content["joint_limits"], "joint_limits", path) if "joint_limits" in content else None,
-        motors=_motors(content, path),
+        motors=_motors(content),
     )
 
 
@@ -141,16 +149,16 @@ def _dh(content: Mapping[str, Any], path: Path) -> DhTable:
     """The table in the file, or in a CSV file that it names."""
     from ..dh import rows_of_csv, table_of_rows  # few arms have one
 
-    entries = table_of(content, "dh", path)
-    only(entries, ("table", "rows", "convention", "base"), path, "in dh")
+    entries = table_of(content, "dh")
+    only(entries, ("table", "rows", "convention", "base"), " in dh")
     file, rows = entries.get("table"), entries.get("rows", [])
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
-        raise unusable(path, f"dh.rows must be tables, each [[dh.rows]]; got {rows!r}")
+        raise InputError(f"dh.rows must be tables, each [[dh.rows]]; got {rows!r}")
     try:
-        rows = rows if file is None else rows_of_csv(_file(text_of(file, "dh.table", path), "dh.table", path))
-        return table_of_rows(rows, entries.get("convention", "standard"), _pose(entries, "base", path))
+        rows = rows if file is None else rows_of_csv(_file(text_of(file, "dh.table"), "dh.table", path))
+        return table_of_rows(rows, entries.get("convention", "standard"), _pose(entries, "base"))
     except InputError as error:
-        raise unusable(path, f"dh: {error}") from error
+        raise InputError(f"dh: {error}") from error
 
 
 def _file(name: str, key: str, path: Path) -> Path:
@@ -162,17 +170,10 @@ def _file(name: str, key: str, path: Path) -> Path:
     return file
 
 
-def _without(content: Mapping[str, Any], path: Path) -> tuple[str, ...]:
-    try:
-        return package_names(content.get("ignore_packages", []))
-    except InputError as error:
-        raise unusable(path, str(error)) from error
-
-
 def _folders(content: Mapping[str, Any], path: Path) -> tuple[Path, ...]:
     folders = content.get("package_dirs", [])
     if not isinstance(folders, list) or not all(isinstance(folder, str) for folder in folders):
-        raise unusable(path, f"package_dirs must be a list of texts; got {folders!r}")
+        raise InputError(f"package_dirs must be a list of texts; got {folders!r}")
     found = tuple(path.parent / as_path(folder) for folder in folders)
     for name, folder in zip(folders, found, strict=True):
         if not os.path.isdir(folder):
@@ -187,81 +188,79 @@ def _is_elsewhere(folder: Path, path: Path) -> bool:
     return is_too_wide(Path(os.path.commonpath(ends)))
 
 
-def _limits(content: Mapping[str, Any], path: Path) -> dict[str, dict[str, float]]:
-    limits = table_of(content, "limits", path)
+def _limits(content: Mapping[str, Any]) -> dict[str, dict[str, float]]:
+    limits = table_of(content, "limits")
     for joint in limits:
-        only(table_of(limits, joint, path), FIELDS, path, f"in limits.{joint}")
-    return {joint: numbers_of(limits[joint], path, f"limits.{joint}") for joint in limits}
+        only(table_of(limits, joint), FIELDS, f" in limits.{joint}")
+    return {joint: numbers_of(limits[joint], f"limits.{joint}") for joint in limits}
 
 
-def _tool(content: Mapping[str, Any], path: Path) -> Tool | None:
+def _tool(content: Mapping[str, Any]) -> Tool | None:
     if "tool" not in content:
         return None
-    table = table_of(content, "tool", path)
-    name = text_of(table.get("name"), "tool.name", path)
-    return Tool(name, _pose(content, "tool", path, "name"))
+    table = table_of(content, "tool")
+    name = text_of(table.get("name"), "tool.name")
+    return Tool(name, _pose(content, "tool", "name"))
 
 
-def _pose(content: Mapping[str, Any], key: str, path: Path, *more: str) -> Array:
+def _pose(content: Mapping[str, Any], key: str, *more: str) -> Array:
     """The pose (4, 4) of a table with xyz and rpy, the identity without one."""
-    table, g = table_of(content, key, path), np.eye(4)
-    only(table, (*more, "xyz", "rpy"), path, f"in {key}")
-    g[:3, 3] = _three(table, f"{key}.xyz", path)
-    g[:3, :3] = from_rpy(_three(table, f"{key}.rpy", path))
+    table, g = table_of(content, key), np.eye(4)
+    only(table, (*more, "xyz", "rpy"), f" in {key}")
+    g[:3, 3] = _three(table, f"{key}.xyz")
+    g[:3, :3] = from_rpy(_three(table, f"{key}.rpy"))
     return frozen(g)
 
 
-def _three(table: Mapping[str, Any], place: str, path: Path) -> Array:
-    try:
-        given = table.get(place.rpartition(".")[2], (0.0, 0.0, 0.0))
-        numbers = require_one(as_vector(given, place), place, 1)
-    except InputError as error:
-        raise unusable(path, str(error)) from error
-    return np.array([bounded(number, path, place) for number in numbers])
+def _three(table: Mapping[str, Any], place: str) -> Array:
+    given = table.get(place.rpartition(".")[2], (0.0, 0.0, 0.0))
+    numbers = require_one(as_vector(given, place), place, 1)
+    return np.array([bounded(number, place) for number in numbers])
 
 
-def _motors(content: Mapping[str, Any], path: Path) -> tuple[Motor, ...]:
-    return tuple(_motor(name, table, path) for name, table in table_of(content, "actuators", path).items())
+def _motors(content: Mapping[str, Any]) -> tuple[Motor, ...]:
+    return tuple(_motor(name, table) for name, table in table_of(content, "actuators").items())
 
 
-def _motor(name: str, table: Any, path: Path) -> Motor:
-    text_of(name, "an actuator's name", path)
+def _motor(name: str, table: Any) -> Motor:
+    text_of(name, "an actuator's name")
     place = f"actuators.{name}"
     if not isinstance(table, dict):
-        raise unusable(path, f"{place} must be a table with ratio = {{ joint = number }}; got {table!r}")
-    only(table, _MOTOR_KEYS, path, f"in {place}")
+        raise InputError(f"{place} must be a table with ratio = {{ joint = number }}; got {table!r}")
+    only(table, _MOTOR_KEYS, f" in {place}")
     if not isinstance(table.get("ratio"), dict) or not table["ratio"]:
         what = f"{place}.ratio must be a table of joint = number; got {table.get('ratio')!r}"
-        raise unusable(path, what, "write ratio = { elbow = 100.0 }: motor rad per joint rad (or per m)")
+        raise InputError(f"{what}; write ratio = {{ elbow = 100.0 }}: motor rad per joint rad (or per m)")
     wanted = "finite and not 0"
-    ratio = {name: bounded(value, path, f"{place}.ratio.{name}", wanted) for name, value in table["ratio"].items()}
+    ratio = {name: bounded(value, f"{place}.ratio.{name}", wanted) for name, value in table["ratio"].items()}
     for joint, value in ratio.items():
         if value == 0:
-            raise unusable(path, f"{place}.ratio.{joint} must be {wanted}; got {value:g}")
+            raise InputError(f"{place}.ratio.{joint} must be {wanted}; got {value:g}")
     if not isinstance(table.get("unit", ""), str):
-        raise unusable(path, f"{place}.unit must be a text; got {table['unit']!r}")
+        raise InputError(f"{place}.unit must be a text; got {table['unit']!r}")
     ticks = table.get("ticks_per_turn")
     return Motor(
         name=name,
         ratio=ratio,
-        offset=bounded(table.get("offset", 0.0), path, f"{place}.offset"),
+        offset=bounded(table.get("offset", 0.0), f"{place}.offset"),
         unit=table.get("unit", "rad"),
-        ticks_per_turn=None if ticks is None else number_of(ticks, path, f"{place}.ticks_per_turn", "ticks"),
-        limits=_motor_limits(table, path, f"{place}.limits"),
+        ticks_per_turn=None if ticks is None else number_of(ticks, f"{place}.ticks_per_turn", "ticks"),
+        limits=_motor_limits(table, f"{place}.limits"),
     )
 
 
-def _motor_limits(motor: Mapping[str, Any], path: Path, place: str) -> dict[str, float]:
+def _motor_limits(motor: Mapping[str, Any], place: str) -> dict[str, float]:
     table = motor.get("limits", {})
     if not isinstance(table, dict):
         what = f"{place} must be a table of limit = number; got {table!r}"
-        raise unusable(path, what, "write limits = { velocity = 300.0 }: motor rad (or m), per s, per s²; N m or N")
-    only(table, MOTOR_LIMITS, path, f"in {place}")
-    limits = numbers_of(table, path, place)
+        how = "write limits = { velocity = 300.0 }: motor rad (or m), per s, per s²; N m or N"
+        raise InputError(f"{what}; {how}")
+    only(table, MOTOR_LIMITS, f" in {place}")
+    limits = numbers_of(table, place)
     for name, value in limits.items():
         if name in RATES and value < 0:
-            raise unusable(path, f"{place}.{name} must not be negative; got {value:g}")
+            raise InputError(f"{place}.{name} must not be negative; got {value:g}")
     lower, upper = limits.get("lower", -np.inf), limits.get("upper", np.inf)
     if lower > upper:
-        raise unusable(path, f"{place} are swapped: lower {lower:g} > upper {upper:g}")
+        raise InputError(f"{place} are swapped: lower {lower:g} > upper {upper:g}")
     return limits

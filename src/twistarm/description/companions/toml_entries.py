@@ -1,17 +1,17 @@
-"""Entries of an arm.toml, checked and written. Errors name the file, the entry and the allowed values."""
+"""Entries of an arm.toml, checked and written. Errors name the entry and the allowed values."""
 
 from __future__ import annotations
 
 import json
 import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...support.errors import DescriptionError, closest, listed
+from ...support.errors import DescriptionError, InputError
 from ..document import LARGEST, read_text
 from ..findings import Place, refusal
 
@@ -46,53 +46,45 @@ def toml_content(text: str, path: Path, what: str = "an arm.toml") -> dict[str, 
         raise unusable(path, f"not valid TOML: {error}") from error
 
 
-def only(table: Mapping[str, Any], allowed: Iterable[str], path: Path, place: str) -> None:
-    """Refuse entries of other names."""
-    for key in table:
-        if key not in allowed:
-            what = f"unknown entry {key!r} {place}{closest(key, allowed)}"
-            raise unusable(path, what, f"allowed: {listed(allowed, 20)}")
-
-
-def text_of(value: Any, place: str, path: Path) -> str:
+def text_of(value: Any, place: str) -> str:
     """The value, if it is a text that is not empty."""
     if not isinstance(value, str):
-        raise unusable(path, f"{place} must be a text; got {value!r}")
+        raise InputError(f"{place} must be a text; got {value!r}")
     if not value.strip():
-        raise unusable(path, f"{place} must not be empty; got {value!r}")
+        raise InputError(f"{place} must not be empty; got {value!r}")
     return value
 
 
-def table_of(content: Mapping[str, Any], key: str, path: Path) -> Mapping[str, Any]:
+def table_of(content: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     """The table `key`, empty if there is none."""
     table = content.get(key, {})
     if not isinstance(table, dict):
-        raise unusable(path, f"{key} must be a table of name = value; got {table!r}")
+        raise InputError(f"{key} must be a table of name = value; got {table!r}")
     return table
 
 
-def numbers_of(table: Mapping[str, Any], path: Path, place: str) -> dict[str, float]:
+def numbers_of(table: Mapping[str, Any], place: str) -> dict[str, float]:
     """Numbers by name."""
-    return {name: number_of(value, path, f"{place}.{name}") for name, value in table.items()}
+    return {name: number_of(value, f"{place}.{name}") for name, value in table.items()}
 
 
-def number_of(value: Any, path: Path, place: str, unit: str = "rad or m") -> float:
+def number_of(value: Any, place: str, unit: str = "rad or m") -> float:
     """A number, infinity too."""
     try:
         number = np.nan if isinstance(value, (bool, str)) else float(value)
     except (TypeError, ValueError, OverflowError):
         number = np.nan
     if np.isnan(number):
-        raise unusable(path, f"{place} must be a number ({unit}); got {str(value)[:60]!r}")
+        raise InputError(f"{place} must be a number ({unit}); got {str(value)[:60]!r}")
     return number
 
 
-def bounded(value: Any, path: Path, place: str, wanted: str = "finite") -> float:
+def bounded(value: Any, place: str, wanted: str = "finite") -> float:
     """A number of a size that robots have."""
-    number = number_of(value, path, place)
+    number = number_of(value, place)
     if not abs(number) <= LARGEST:
         allowed = f"at most {LARGEST:g} in size" if np.isfinite(number) else wanted
-        raise unusable(path, f"{place} must be {allowed}; got {number:g}")
+        raise InputError(f"{place} must be {allowed}; got {number:g}")
     return number
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...support.caller_words import package_folder
-from ...support.files import READING, open_regular, opened_path
+from ...support.files import read_bounded
 from ..document import decoded
 from ..packages import SOURCES, PackageIndex, is_too_wide, package_name
 from .work import Refused
@@ -30,8 +30,8 @@ class Confinement:
     the like. A folder without a package.xml counts only if the description asks for a package of its name and it looks
     like one (`PackageIndex`). The home folder and the root of the file system never count as a whole.
 
-    The check takes the path of the open file, so no file can be replaced between check and reading. Links do not open
-    other folders, because an archive may hold any link. Links of the user's build are an exception (`_is_built_from`).
+    Links do not open other folders, because an archive may hold any link. Links of the user's build are an exception
+    (`_is_built_from`).
     """
 
     def __init__(self, file: Path, packages: PackageIndex) -> None:
@@ -45,32 +45,22 @@ class Confinement:
         Refused outside the folders, whether or not there is a file. OSError if there is none inside.
         """
         try:
-            self.require_inside(Path(os.path.realpath(name)))  # a device is not even opened
-            with open_regular(name) as file:
-                real = opened_path(file)
-                self.require_inside(real)
-                data = file.read(MAX_BYTES + 1)
-                size = max(len(data), os.fstat(file.fileno()).st_size)
+            real = _real(name)
+            self.require_inside(real)  # a device is not even opened
+            return real, decoded(read_bounded(name, MAX_BYTES))
         except ValueError:
             raise Refused(OUTSIDE, f"{name!a} is no path", "write a path or $(find package)/…") from None
         except OSError as error:
-            if error.errno != errno.EINVAL:
+            codes = {errno.EINVAL: "file-unreadable", errno.EFBIG: "file-too-large"}
+            if error.errno not in codes:
                 raise
-            raise Refused("file-unreadable", f"{name}: {error.strerror}", "include regular files") from error
-        if size > MAX_BYTES:
-            what = f"{name} has {size / 1e6:.0f} MB; at most {MAX_BYTES / 1e6:.0f} MB are read"
-            raise Refused("file-too-large", what, "is it a xacro or YAML file?")
-        return real, decoded(data)
+            remedy = "include regular files of a description"
+            raise Refused(codes[error.errno], f"{name}: {error.strerror}", remedy) from error
 
     def entries(self, folder: str | os.PathLike[str]) -> list[str]:
         """The sorted names in a readable folder. Refused and OSError as in `read`."""
-        self.require_inside(Path(os.path.realpath(folder)))
-        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-        try:
-            self.require_inside(opened_path(descriptor))
-            return sorted(os.listdir(descriptor))
-        finally:
-            os.close(descriptor)
+        self.require_inside(_real(folder))
+        return sorted(os.listdir(folder))
 
     def require_inside(self, real: Path) -> None:
         """Refused if `real`, a path without links, lies outside the folders."""
@@ -97,16 +87,9 @@ class Confinement:
             yield from (_real(found), _real(found / "package.xml").parent)
 
 
-def _real(path: Path) -> Path:
-    """The path without links, in the system's spelling of the open file (on macOS with the real case)."""
-    try:
-        descriptor = os.open(path, READING)
-    except OSError:
-        return Path(os.path.realpath(path))
-    try:
-        return opened_path(descriptor)
-    finally:
-        os.close(descriptor)
+def _real(path: str | os.PathLike[str]) -> Path:
+    """The path without links."""
+    return Path(os.path.realpath(path))
 
 
 def _is_built_from(installed: Path, folder: Path) -> bool:

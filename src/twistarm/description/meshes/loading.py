@@ -8,7 +8,6 @@ from __future__ import annotations
 import io
 import re
 import xml.etree.ElementTree as ET
-import xml.parsers.expat
 from math import ceil, inf
 from typing import Any
 
@@ -33,8 +32,8 @@ MOST_MISSING = 1000
 
 _EFFECTS = re.compile(rb"<library_effects\b.*?</library_effects>", re.DOTALL)
 
-CHUNK = 4096
-"""Bytes."""
+_XML = re.compile(rb"(?:\xef\xbb\xbf|\xff\xfe|\xfe\xff)?\s*<")
+"""The beginning of a text in XML, behind its byte-order mark."""
 
 COMPRESSED = (b"KHR_draco_mesh_compression", b"EXT_meshopt_compression", b"KHR_meshopt_compression")
 """Extensions of glTF whose buffers are packed."""
@@ -194,26 +193,10 @@ def _opacity(technique: ET.Element) -> float:
     return min(max(0.0, 1.0 - share if mode.endswith("ZERO") else share), 1.0)
 
 
-class _RootReachedError(Exception):
-    """The parser has reached the root element."""
-
-
 def _require_plain_xml(data: bytes) -> None:
     """RefusedError for data that is not XML, as an archive, or that has a document type."""
-
-    def refuse(*_: object) -> None:
+    text = data.replace(b"\0", b"")  # UTF-16 too
+    if not _XML.match(text):
+        raise RefusedError("it is no XML")
+    if b"<!DOCTYPE" in text:
         raise RefusedError("it has a document type, which is not allowed in any file")
-
-    def stop(*_: object) -> None:
-        raise _RootReachedError
-
-    parser = xml.parsers.expat.ParserCreate()
-    parser.StartDoctypeDeclHandler, parser.StartElementHandler = refuse, stop
-    try:
-        for start in range(0, len(data), CHUNK):  # it ends with the chunk in which it is stopped
-            parser.Parse(data[start : start + CHUNK], False)
-        parser.Parse(b"", True)
-    except _RootReachedError:
-        return
-    except xml.parsers.expat.ExpatError as error:
-        raise RefusedError(f"it is no XML: {error}") from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...support.checks import Array
 from ...support.errors import DescriptionError
-from ...support.files import open_regular, opened_path
+from ...support.files import read_bounded
 
 LARGEST_FILE = 100_000_000
 """Bytes of a mesh file, and of all that it refers to. The largest of some hundred arms has 5 MB."""
@@ -115,17 +114,9 @@ def size_of(path: Path) -> int:
 def mesh_file(path: Path, read: Callable[[int], None] = lambda size: None) -> MeshFile:
     """Read the file at `path`.
 
-    Raises UnreadableMeshError for another format, RefusedError for a file that is too large, and OSError.
+    Raises UnreadableMeshError for another format, and OSError as `read_bounded`.
     """
     kind = format_of(path)
-    with open_regular(path) as file:
-        size = os.fstat(file.fileno()).st_size
-        if size > LARGEST_FILE:
-            raise RefusedError(f"it has {size / 1e6:.0f} MB; at most {LARGEST_FILE / 1e6:.0f} MB are read")
-        data = file.read(LARGEST_FILE)
-        read(len(data))
-        try:
-            place = opened_path(file)
-        except OSError:  # the system does not know it; the mesh's references are then refused
-            place = Path(os.path.realpath(path))
-        return MeshFile(kind, data, place, read)
+    data = read_bounded(path, LARGEST_FILE)
+    read(len(data))
+    return MeshFile(kind, data, path.resolve(), read)

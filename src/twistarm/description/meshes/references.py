@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 from urllib.parse import unquote
 
 from ...support.errors import one_line
-from ...support.files import open_regular, opened_path
+from ...support.files import read_bounded
 from ..packages import is_too_wide, package_name
 from .mesh_file import LARGEST_FILE, MeshFile, RefusedError
 
@@ -56,24 +57,24 @@ class References:
             raise RefusedError("it is no JSON")
         if not isinstance(name, str) or Path(name).suffix.lower() != ENDINGS.get(self._mesh.kind):
             raise FileNotFoundError(f"{shown}, which is not opened")
+        name = name.strip().replace("\\", "/")
         try:
-            file = self._open(name.strip().replace("\\", "/"))
+            try:
+                data = self._inside(name)
+            except FileNotFoundError:
+                data = self._inside(unquote(name))  # a URI of glTF
         except FileNotFoundError:
             raise FileNotFoundError(f"{shown}, which is not there") from None
         except (OSError, ValueError) as error:
             raise RefusedError(f"{shown}, which cannot be read: {getattr(error, 'strerror', error)}") from None
-        with file:
-            if is_too_wide(self._root) or not opened_path(file).is_relative_to(self._root):
-                raise RefusedError(f"{shown}, a file outside its package")
-            data = file.read(self._left + 1)
+        if data is None:
+            raise RefusedError(f"{shown}, a file outside its package")
         self._left -= len(data)
-        if self._left < 0:
-            raise RefusedError(f"what it refers to has more than {LARGEST_FILE / 1e6:.0f} MB")
         self._mesh.read(len(data))
         return data
 
-    def _open(self, name: str) -> BinaryIO:
-        try:
-            return open_regular(self._mesh.place.parent / name)
-        except FileNotFoundError:
-            return open_regular(self._mesh.place.parent / unquote(name))  # a URI of glTF
+    def _inside(self, name: str) -> bytes | None:
+        """The bytes of a file in the package, None for one outside."""
+        place = Path(os.path.realpath(self._mesh.place.parent / name))
+        inside = place.is_relative_to(self._root) and not is_too_wide(self._root)
+        return read_bounded(place, self._left) if inside else None
