@@ -178,6 +178,7 @@ ONE = '<body name="a"><joint name="j"/><geom size="0.1"/>{}</body>'
         (ONE.format('<geom type="box" size="1 1 1" mass="-2"/>'), "must not be negative"),
         ('</worldbody><compiler angle="radians"/><worldbody>', "'radians' is none of degree, radian"),
         ('</worldbody><compiler coordinate="global"/><worldbody>', "'global' is none of local"),
+        ('</worldbody><compiler boundmass="-1"/><worldbody>' + ONE.format(""), "must not be negative"),
         ('<include file="lost.xml"/>', "lost.xml"),
         ('<include file="../../../../../../../etc/passwd"/>', "outside the folders"),
         ('<include file="arm.xml"/>', "included already"),
@@ -234,6 +235,11 @@ def test_a_coupling_that_is_not_kept_has_its_reason(couplings: str, reason: str,
     more = '<body name="b"><joint name="k"/><joint name="l" axis="0 1 0"/><geom size="0.1"/></body>'
     text = f"<worldbody>{ONE.format(more)}</worldbody><equality>{couplings}</equality>"
     assert reason in told(text, tmp_path)
+
+
+def test_a_file_without_bodies_is_told(tmp_path: Path) -> None:
+    with pytest.raises(DescriptionError, match="no joint moves"):
+        told("", tmp_path)
 
 
 def test_each_word_of_mujocos_schema_is_known() -> None:

@@ -62,10 +62,13 @@ def _qpos(mujoco: Any, model: Any, values: Mapping[str, float]) -> Array:
             mujoco.mju_mat2Quat(qpos[at : at + 4], (z @ y @ x).ravel())
     kept = [i for i in range(model.neq) if model.eq_active0[i]]
     for _ in kept:  # a follower may lead another
+        before = qpos.copy()
         for i in kept:
             one, other = model.jnt_qposadr[model.eq_obj1id[i]], model.eq_obj2id[i]
             way = 0.0 if other < 0 else qpos[model.jnt_qposadr[other]] - model.qpos0[model.jnt_qposadr[other]]
             qpos[one] = model.qpos0[one] + model.eq_data[i, :2] @ (1.0, way)
+        if np.array_equal(qpos, before):
+            break
     return qpos
 
 

@@ -125,7 +125,7 @@ class _Writer:
                 self._keep_ranges(mjcf.attributes(actuator), actuator.tag)
         for part in (part for section in SECTIONS for whole in mjcf.root.findall(section) for part in whole):
             self._note("mjcf-scenery-left-out", titled(part))
-        if SCALED in mjcf.compiler:
+        if mjcf.compiler.get(SCALED, "-1") != "-1":
             self._note("mjcf-part-not-read", f"{SCALED} of <compiler>")
         for unknown in islice(unknown_words(mjcf.root), MOST_UNKNOWN):
             self._note("mjcf-part-not-read", unknown)
@@ -144,8 +144,7 @@ class _Writer:
         for part, frame, around in parts:
             with self.mjcf.blaming(part):
                 if part.tag == "geom":
-                    body = self._geom(self.mjcf.attributes(part, around), link, frame, from_geoms)
-                    bodies += [body] if body else []
+                    bodies += self._geom(self.mjcf.attributes(part, around), link, frame, from_geoms)
                 elif part.tag == "inertial" and not from_geoms:
                     bodies.append(explicit_body(dict(part.attrib), self.mjcf))
                 elif part.tag == "site" and part.get("name"):
@@ -154,9 +153,9 @@ class _Writer:
                     self._fixed(part.get("name", ""), link, frame @ pose)
                 elif part.tag in NOT_READ:
                     self._note("mjcf-part-not-read", titled(part))
-        with self.mjcf.blaming(elements[0]):
-            inertial = inertial_of(bodies, self.mjcf.compiler) if link != ROOT else []
-        self.contents.setdefault(link, []).extend(inertial)
+        for body in elements if link != ROOT else ():
+            with self.mjcf.blaming(body):
+                self.contents.setdefault(link, []).extend(inertial_of(bodies, self.mjcf.compiler))
         for part, frame, around in parts:
             if part.tag == "body":
                 self._body(part, link, frame, around)
@@ -172,7 +171,7 @@ class _Writer:
                 inner = frame @ self.mjcf.pose(dict(part.attrib))
             yield from self._parts(part, inner, around)
 
-    def _geom(self, given: Attributes, link: str, frame: Array, weighs: bool) -> Body | None:
+    def _geom(self, given: Attributes, link: str, frame: Array, weighs: bool) -> list[Body]:
         """Write a geom of a link. Return its body if it `weighs`."""
         shapes, body = self._shapes.of(given, frame)
         self.contents.setdefault(link, []).extend(shapes or ())
@@ -184,7 +183,7 @@ class _Writer:
             self._note("mjcf-part-not-read", f"the mass of a mesh or a hollow shape of {link!r}")
         if shapes is None:
             self._note("mjcf-scenery-left-out", f"a shape of type {kind}")
-        return body if weighs else None
+        return [body] if body and weighs else []
 
     def _body(self, body: ET.Element, parent: str, frame: Array, childclass: str) -> None:
         name = body.get("name") or free_name(f"body{len(self._links)}", self._links)
@@ -202,7 +201,7 @@ class _Writer:
             loose = "free" if free else "mocap"
             if len([*body.iter("joint")]) == sum(part.tag == "joint" for part, *_ in found):
                 return self._note("mjcf-scenery-left-out", f"the {loose} body {name!r}")
-            self._note("mjcf-scenery-left-out", f"the {loose} joint of {name!r}, which stands where the file puts it")
+            self._note("mjcf-scenery-left-out", f"the motion of the {loose} base {name!r}")
             found = []
         self._carried |= {name} if found or parent in self._carried else set()
         link = parent
