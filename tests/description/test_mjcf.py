@@ -213,6 +213,7 @@ def told(text: str, folder: Path) -> str:
         ('<body name="b"><joint name="k" rang="0 1"/></body>', "", "'range'"),
         ('<site name="s" poss="0 0 1"/>', "", "'pos'"),
         ("", '<compiler eulerseqs="xyz"/>', "'eulerseq'"),
+        ("", '<default><default class="arm"><joint axiss="0 1 0"/></default></default>', "'axis'"),
         ('<body name="b"><joint name="k"/></body>', '<equality><joint joint1="j" jointt2="k"/></equality>', "'joint2'"),
     ],
 )

@@ -13,6 +13,8 @@ CHILDREN = {
     "mujoco": "compiler option size statistic visual default extension custom asset worldbody contact deformable "
     "tendon equality actuator sensor keyframe include",
     **dict.fromkeys(("worldbody", "body", "frame", "replicate"), PARTS),
+    "default": "default mesh texture material joint geom site camera light pair equality tendon flex skin general "
+    "motor position velocity intvelocity orientation pid damper cylinder muscle adhesion dcmotor plugin",
     "equality": "connect weld joint tendon flex flexvert flexstrain distance",
     "keyframe": "key",
 }
