@@ -140,6 +140,10 @@ def test_keyframes_without_name_or_joints_are_poses() -> None:
     }
 
 
+def test_a_key_without_joints_is_the_rest_of_a_ball_too() -> None:
+    assert load_arm(file("ball")).named_states["rest"].tolist() == [0.0] * 5
+
+
 def test_shapes_are_those_of_mujoco() -> None:
     links = load_arm(file("scene")).description.links
     (wedge,), (cap,) = links["base"].visuals, links["link2"].visuals

@@ -48,9 +48,15 @@ def unknown_words(root: ET.Element) -> Iterator[str]:
         known = CHILDREN.get(parent.tag, "").split()
         for element in parent if known else ():
             if element.tag not in known:
-                yield f"<{element.tag[:60]}> in <{parent.tag}>{closest(element.tag, known)}"
+                yield f"<{element.tag[:60]}> in <{parent.tag}>{_near(element.tag, known)}"
             kind = f"equality/{element.tag}" if parent.tag == "equality" else element.tag
             words = ATTRIBUTES.get(kind, "").split()
             for word in element.attrib if words else ():
                 if word not in words:
-                    yield f"{word[:60]} of <{element.tag}> {element.get('name', '')!r}{closest(word, words)}"
+                    named = " ".join(filter(None, (f"<{element.tag}>", element.get("name"))))
+                    yield f"{word[:60]} of {named}{_near(word, words)}"
+
+
+def _near(word: str, known: list[str]) -> str:
+    near = closest(word, known).removeprefix("; ")
+    return f" ({near})" if near else ""

@@ -30,7 +30,7 @@ TURNS = ("_rz", "_ry", "_rx")
 TOLD = {
     "mjcf-scenery-left-out": ("left out", "describe obstacles in a scene.toml, and tighter limits in an arm.toml"),
     "mjcf-part-not-read": ("not read", "correct it, or write it out as bodies, joints and masses"),
-    "mjcf-loop-open": ("not kept: the joints move freely", "lock or couple them in a URDF copy"),
+    "mjcf-loop-open": ("not kept", "lock or couple the joints in a URDF copy"),
 }
 """The codes of findings about parts of an MJCF, what becomes of the parts, and the remedy."""
 
@@ -342,7 +342,8 @@ class _Writer:
     def _values(self, key: ET.Element) -> dict[str, float]:
         """A keyframe's value of each joint. Empty unless its length is the model's, with or without free bodies."""
         if "qpos" not in key.attrib:
-            return {name: moving.rest for name, moving in self._moving.items() if name not in self._masters}
+            every = {name: 0.0 for names, _ in self._layout for name in names}  # a ball rests at 0
+            return every | {name: moving.rest for name, moving in self._moving.items()}
         qpos, length = several(key.get("qpos", "")), sum(length for _, length in self._layout)
         layout = self._layout if len(qpos) == length else [part for part in self._layout if part[0]]
         values: dict[str, float] = {}
