@@ -98,7 +98,9 @@ def test_limits_and_masses_are_those_of_mujocos_compiler(path: Path) -> None:
             assert body.mass == pytest.approx(model.body_mass[i], abs=TOL)
             np.testing.assert_allclose(body.centre, model.body_ipos[i], atol=TOL)
             np.testing.assert_allclose(body.inertia, R @ np.diag(model.body_inertia[i]) @ R.T, atol=TOL)
-    assert set(masses) >= {model.body(i).name for i in range(1, model.nbody) if model.body(i).name in ("a", "link1")}
+    assert set(masses) >= {
+        model.body(i).name for i in range(1, model.nbody) if model.body(i).name in ("a", "link1", "plate")
+    }
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

@@ -141,12 +141,13 @@ class _Writer:
         rule = self.mjcf.compiler.get("inertiafromgeom", "auto")
         from_geoms = rule == "true" or (rule == "auto" and all(part.tag != "inertial" for part, *_ in parts))
         bodies: list[Body] = []
+        given: list[Body] = []  # it counts also by the rule "true" if no geom weighs
         for part, frame, around in parts:
             with self.mjcf.blaming(part):
                 if part.tag == "geom":
                     bodies += self._geom(self.mjcf.attributes(part, around), link, frame, from_geoms)
-                elif part.tag == "inertial" and not from_geoms:
-                    bodies.append(explicit_body(dict(part.attrib), self.mjcf))
+                elif part.tag == "inertial":
+                    given.append(explicit_body(dict(part.attrib), self.mjcf))
                 elif part.tag == "site" and part.get("name"):
                     name, pose = part.get("name", ""), self.mjcf.pose(self.mjcf.attributes(part, around))
                     part.set("name", free_name(f"{name}_site" if name in self._links else name, self._links))
@@ -155,7 +156,7 @@ class _Writer:
                     self._note("mjcf-part-not-read", titled(part))
         for body in elements if link != ROOT else ():
             with self.mjcf.blaming(body):
-                self.contents.setdefault(link, []).extend(inertial_of(bodies, self.mjcf.compiler))
+                self.contents.setdefault(link, []).extend(inertial_of(bodies or given, self.mjcf.compiler))
         for part, frame, around in parts:
             if part.tag == "body":
                 self._body(part, link, frame, around)
@@ -183,7 +184,7 @@ class _Writer:
             self._note("mjcf-part-not-read", f"the mass of a mesh or a hollow shape of {link!r}")
         if shapes is None:
             self._note("mjcf-scenery-left-out", f"a shape of type {kind}")
-        return [body] if body and weighs else []
+        return [body] if body and body.mass > 0 and weighs else []
 
     def _body(self, body: ET.Element, parent: str, frame: Array, childclass: str) -> None:
         name = body.get("name") or free_name(f"body{len(self._links)}", self._links)
