@@ -14,6 +14,7 @@ import pytest
 
 from twistarm import Arm, crosscheck, load_arm
 from twistarm.description.inertial import bodies
+from twistarm.description.mjcf.schema import ATTRIBUTES
 from twistarm.support.errors import DescriptionError, TwistarmError
 
 DATA = Path(__file__).parents[1] / "data" / "mjcf"
@@ -46,7 +47,7 @@ def moved(model: mujoco.MjModel, data: mujoco.MjData, arm: Arm, theta: np.ndarra
             mujoco.mju_mat2Quat(data.qpos[at : at + 4], R.ravel())
         elif model.jnt_type[i] != mujoco.mjtJoint.mjJNT_FREE:
             data.qpos[at] = values.get(name or UNNAMED, 0.0)
-    for i in range(model.neq):
+    for i in [*range(model.neq)] * model.neq:  # a follower may lead another
         if model.eq_active0[i] and not model.eq_data[i, 2:5].any():
             one, other = model.jnt_qposadr[model.eq_obj1id[i]], model.eq_obj2id[i]
             a0, a1 = model.eq_data[i, :2]
@@ -97,7 +98,9 @@ def test_limits_and_masses_are_those_of_mujocos_compiler(path: Path) -> None:
             assert body.mass == pytest.approx(model.body_mass[i], abs=TOL)
             np.testing.assert_allclose(body.centre, model.body_ipos[i], atol=TOL)
             np.testing.assert_allclose(body.inertia, R @ np.diag(model.body_inertia[i]) @ R.T, atol=TOL)
-    assert set(masses) >= {model.body(i).name for i in range(1, model.nbody) if model.body(i).name in ("a", "link1")}
+    assert set(masses) >= {
+        model.body(i).name for i in range(1, model.nbody) if model.body(i).name in ("a", "link1", "plate")
+    }
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
@@ -127,6 +130,20 @@ def test_a_scene_gives_tool_poses_pairs_and_efforts() -> None:
     assert arm.couplings["finger_joint2"] == ("finger_joint1", 1.0, 0.0)
     assert {one.code for one in arm.findings} >= {"mjcf-scenery-left-out", "srdf-found", "ready-named"}
     assert pickle.loads(pickle.dumps(arm)).description.mjcf == arm.description.mjcf
+
+
+def test_keyframes_without_name_or_joints_are_poses() -> None:
+    """A key without qpos is MuJoCo's rest. j3 and j4 are set by the couplings."""
+    model = mujoco.MjModel.from_xml_path(file("overrides"))
+    states = load_arm(file("overrides")).named_states
+    assert {name: theta.tolist() for name, theta in states.items()} == {
+        "key0": model.key_qpos[0, :2].tolist(),
+        "rest": pytest.approx(model.key_qpos[1, :2].tolist()),
+    }
+
+
+def test_a_key_without_joints_is_the_rest_of_a_ball_too() -> None:
+    assert load_arm(file("ball")).named_states["rest"].tolist() == [0.0] * 5
 
 
 def test_shapes_are_those_of_mujoco() -> None:
@@ -167,6 +184,7 @@ ONE = '<body name="a"><joint name="j"/><geom size="0.1"/>{}</body>'
         (ONE.format('<geom type="box" size="1 1 1" mass="-2"/>'), "must not be negative"),
         ('</worldbody><compiler angle="radians"/><worldbody>', "'radians' is none of degree, radian"),
         ('</worldbody><compiler coordinate="global"/><worldbody>', "'global' is none of local"),
+        ('</worldbody><compiler boundmass="-1"/><worldbody>' + ONE.format(""), "must not be negative"),
         ('<include file="lost.xml"/>', "lost.xml"),
         ('<include file="../../../../../../../etc/passwd"/>', "outside the folders"),
         ('<include file="arm.xml"/>', "included already"),
@@ -180,20 +198,66 @@ def test_unusable_files_are_told_in_a_sentence(text: str, said: str, tmp_path: P
         load_arm(path)
 
 
+def told(text: str, folder: Path) -> str:
+    """What the findings about a whole MJCF say."""
+    path = folder / "arm.txt"  # known by its content
+    path.write_text(f"<mujoco>{text}</mujoco>")
+    return " ".join(one.what for one in load_arm(path).findings if one.code.startswith("mjcf"))
+
+
 @pytest.mark.parametrize(
-    ("part", "setting"),
+    ("part", "beside", "named"),
     [
-        ('<replicate count="3"/>', ""),
-        ('<geom size="0.1" shellinertia="true"/>', ""),
-        ('<body name="b"><joint type="ball" range="0 1"/></body>', ""),
-        ("", '<compiler settotalmass="5"/>'),
+        ('<replicate count="3"/>', "", "replicate"),
+        ('<geom size="0.1" shellinertia="true"/>', "", "the mass"),
+        ('<geom type="box" mesh="m"/>', '<asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>', "the mass"),
+        ('<body name="b"><joint type="ball" range="0 1"/></body>', "", "ball"),
+        ("", '<compiler settotalmass="5"/>', "settotalmass"),
+        ("", '<tendon><fixed name="split"><joint joint="j" coef="1"/></fixed></tendon>', "split"),
+        ("", '<actuator><position joint="j" ctrlrange="-0.2 0.3"/></actuator>', "-0.2 to 0.3"),
+        ('<jnt name="k"/>', "", "'joint'"),
+        ('<body name="b"><joint name="k" rang="0 1"/></body>', "", "'range'"),
+        ('<site name="s" poss="0 0 1"/>', "", "'pos'"),
+        ("", '<compiler eulerseqs="xyz"/>', "'eulerseq'"),
+        ("", '<default><default class="arm"><joint axiss="0 1 0"/></default></default>', "'axis'"),
+        ('<body name="b"><joint name="k"/></body>', '<equality><joint joint1="j" jointt2="k"/></equality>', "'joint2'"),
     ],
 )
-def test_what_is_not_read_is_told(part: str, setting: str, tmp_path: Path) -> None:
-    path = tmp_path / "arm.txt"  # known by its content
-    for more, told in ((f"{setting}<worldbody>{ONE.format(part)}", True), (f"<worldbody>{ONE.format('')}", False)):
-        path.write_text(f"<mujoco>{more}</worldbody></mujoco>")
-        assert ("mjcf-part-not-read" in {one.code for one in load_arm(path).findings}) == told
+def test_what_is_not_read_is_told(part: str, beside: str, named: str, tmp_path: Path) -> None:
+    assert named in told(f"{beside}<worldbody>{ONE.format(part)}</worldbody>", tmp_path)
+    assert not told(f"<worldbody>{ONE.format('')}</worldbody>", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("couplings", "reason"),
+    [
+        ('<joint joint1="j" joint2="lost"/>', "'lost' is no hinge or slide"),
+        ('<joint joint1="j" joint2="k" polycoef="0 1 2"/>', "not linear"),
+        ('<joint joint1="j" joint2="k"/><joint joint1="j" joint2="l"/>', "moves 'j' already"),
+        ('<joint joint1="j" joint2="k"/><joint joint1="k" joint2="j"/>', "'j' follows 'k'"),
+        ('<weld body1="a" body2="b"/>', "not between joints"),
+    ],
+)
+def test_a_coupling_that_is_not_kept_has_its_reason(couplings: str, reason: str, tmp_path: Path) -> None:
+    more = '<body name="b"><joint name="k"/><joint name="l" axis="0 1 0"/><geom size="0.1"/></body>'
+    text = f"<worldbody>{ONE.format(more)}</worldbody><equality>{couplings}</equality>"
+    assert reason in told(text, tmp_path)
+
+
+def test_a_file_without_bodies_is_told(tmp_path: Path) -> None:
+    with pytest.raises(DescriptionError, match="no joint moves"):
+        told("", tmp_path)
+
+
+def test_each_word_of_mujocos_schema_is_known() -> None:
+    words = mujoco.mj_printSchema(False, False).split()
+    words = words[words.index("compiler") :]
+    ends = {"body": "(world)body"}
+    for tag in ("compiler", "body", "inertial", "joint", "geom", "site"):
+        start = words.index(ends.get(tag, tag), 0 if tag in ("compiler", "body") else words.index("(world)body")) + 2
+        end = next(i for i in range(start, len(words)) if words[i + 1].startswith("("))
+        assert len(words[start:end]) > 5
+        assert set(words[start:end]) <= set(ATTRIBUTES[tag].split()), tag
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

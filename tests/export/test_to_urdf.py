@@ -10,6 +10,7 @@ import pytest
 
 from twistarm import Arm, ArmBuilder, InputError, arm_from_dh, arm_from_screws, joints, load_arm, to_urdf
 from twistarm.description.tree import Geometry
+from twistarm.support.files import WRITTEN_XML, write_whole
 from urdf_text import two_joints, write
 
 TOL = 1e-12
@@ -19,6 +20,14 @@ MJCF = Path(__file__).parents[1] / "data" / "mjcf"
 def came_back(arm: Arm, folder: Path, name: str = "copy.urdf") -> Arm:
     (folder / name).write_text(to_urdf(arm, folder), encoding="utf-8")
     return load_arm(folder / name, base=arm.base, tip=arm.tip)
+
+
+def test_a_urdf_of_ours_is_replaced_by_the_next(tmp_path: Path) -> None:
+    arm = load_arm(MJCF / "ball.xml")
+    came_back(arm, tmp_path)
+    again = to_urdf(came_back(arm, tmp_path), tmp_path)
+    assert write_whole(tmp_path / "copy.urdf", again).read_text() == again
+    assert again.count(WRITTEN_XML) == 1
 
 
 def require_same(arm: Arm, other: Arm) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from twistarm.support.errors import InputError
-from twistarm.support.files import WRITTEN_YAML, open_regular, write_whole
+from twistarm.support.files import WRITTEN_XML, WRITTEN_YAML, open_regular, write_whole
 
 NAMES = ["ARM.URDF", "arm.urdf.xacro", "arm.srdf", "arm.xml", "arm.toml", "joint_limits.yaml"]
 
@@ -24,7 +24,8 @@ def test_no_description_is_lost_to_an_output(name: str, tmp_path: Path) -> None:
 
 
 def test_what_is_no_description_is_replaced(tmp_path: Path) -> None:
-    for name, text in (("a.html", "old"), ("limits.yaml", f"{WRITTEN_YAML}: limits")):
+    ours = (("limits.yaml", f"{WRITTEN_YAML}: limits"), ("arm.urdf", f"<robot/>\n{WRITTEN_XML}\n"))
+    for name, text in (("a.html", "old"), *ours):
         (tmp_path / name).write_text(text)
         assert write_whole(tmp_path / name, "new").read_text() == "new"
 

@@ -18,13 +18,10 @@ KEPT = {
     "worldbody": ("body", "frame", "site"),
     "body": ("body", "frame", "site", "joint", "freejoint"),
     "frame": ("body", "frame", "site", "joint"),
-    "default": ("default", "joint", "site"),
+    "default": ("default", "joint", "site", "equality"),
     "equality": ("joint",),
 }
 """The elements that kinematics needs. MuJoCo refuses missing meshes and what refers to them."""
-
-LINEAR = 2
-"""Coefficients of a coupling that is kept."""
 
 
 def mujoco_poses(text: str, values: Mapping[str, Array]) -> dict[str, Array]:
@@ -63,12 +60,15 @@ def _qpos(mujoco: Any, model: Any, values: Mapping[str, float]) -> Array:
         elif name + TURNS[0] in values:
             z, y, x = (exp(axis, values[name + end]) for axis, end in zip(np.eye(3)[::-1], TURNS, strict=True))
             mujoco.mju_mat2Quat(qpos[at : at + 4], (z @ y @ x).ravel())
-    kept = [i for i in range(model.neq) if model.eq_active0[i] and not model.eq_data[i, LINEAR:5].any()]
+    kept = [i for i in range(model.neq) if model.eq_active0[i]]
     for _ in kept:  # a follower may lead another
+        before = qpos.copy()
         for i in kept:
             one, other = model.jnt_qposadr[model.eq_obj1id[i]], model.eq_obj2id[i]
             way = 0.0 if other < 0 else qpos[model.jnt_qposadr[other]] - model.qpos0[model.jnt_qposadr[other]]
-            qpos[one] = model.qpos0[one] + model.eq_data[i, :LINEAR] @ (1.0, way)
+            qpos[one] = model.qpos0[one] + model.eq_data[i, :2] @ (1.0, way)
+        if np.array_equal(qpos, before):
+            break
     return qpos
 
 

@@ -176,7 +176,8 @@ def _rotation(origin: ET.Element) -> Array:
     """R (3, 3) from rpy, or from a quaternion of any length, which URDF has from version 1.1 on."""
     quaternion = origin.get("quat_xyzw")
     if quaternion is None:
-        return from_rpy(floats(origin.get("rpy", "0 0 0"), 3))
+        rpy = floats(origin.get("rpy", "0 0 0"), 3)
+        return from_rpy(rpy) if any(rpy) else np.eye(3)  # most are zero, and a large file has thousands
     if "rpy" in origin.attrib:
         raise ValueError("it has both rpy and quat_xyzw")
     return from_xyzw(floats(quaternion, 4))

@@ -19,7 +19,8 @@ def number_text(numbers: Iterable[float]) -> str:
 
 def add_origin(element: ET.Element, g: Array) -> None:
     """Add the `<origin>` of a pose (4, 4)."""
-    ET.SubElement(element, "origin", xyz=number_text(g[:3, 3]), rpy=number_text(to_rpy(g[:3, :3])))
+    rpy = np.zeros(3) if np.array_equal(g[:3, :3], np.eye(3)) else to_rpy(g[:3, :3])
+    ET.SubElement(element, "origin", xyz=number_text(g[:3, 3]), rpy=number_text(rpy))
 
 
 def add_joint(

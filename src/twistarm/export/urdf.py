@@ -19,7 +19,7 @@ from ..description.writing import add_joint, number_text
 from ..limits.joint_limits import slides
 from ..support.checks import Array
 from ..support.errors import InputError
-from ..support.files import as_path, writable
+from ..support.files import WRITTEN_XML, as_path, writable
 from ..theory.rotations import to_rpy
 from ..theory.screws import exp
 
@@ -42,7 +42,12 @@ def to_urdf(arm: Arm, folder: str | os.PathLike[str] = ".") -> str:
         InputError: There is no such folder. A joint turns or slides by another rate than its coordinate, or follows
             several.
     """
-    description = require_arm(arm).description
+    text = _text(require_arm(arm), folder).rstrip().removesuffix(WRITTEN_XML)
+    return f"{text.rstrip()}\n{WRITTEN_XML}\n"
+
+
+def _text(arm: Arm, folder: str | os.PathLike[str]) -> str:
+    description = arm.description
     if description is None:
         return builder_of(arm).urdf()
     source = SourceText(repaired(description, writable(as_path(folder) / COPY, over_description=True).parent).text)

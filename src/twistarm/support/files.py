@@ -17,7 +17,8 @@ DESCRIPTIONS = (".urdf", ".xacro", ".srdf", ".sdf", ".xml", ".toml", ".yaml", ".
 """Names, in any letters, of what a team wrote itself: no output takes its place unasked."""
 
 WRITTEN_YAML = "# written by twistarm"
-"""What YAML of ours begins with: it is no team's own text and may be replaced."""
+WRITTEN_XML = "<!-- written by twistarm -->"
+"""What YAML of ours begins with, and URDF ends with: it is no team's own text and may be replaced."""
 
 NO_SUCH_FILE = "no such file"
 
@@ -169,11 +170,13 @@ def writable(path: str | os.PathLike[str], *, over_description: bool = False) ->
 
 
 def _is_description(file: Path) -> bool:
-    """Whether it is a description by its name, and no YAML of ours."""
+    """Whether it is a description by its name, and no YAML or URDF of ours."""
     if file.suffix.lower() not in DESCRIPTIONS:
         return False
     try:
         with open_regular(file) as opened:
-            return opened.read(len(WRITTEN_YAML)) != WRITTEN_YAML.encode()
+            start = opened.read(len(WRITTEN_YAML))
+            opened.seek(max(0, opened.seek(0, os.SEEK_END) - 2 * len(WRITTEN_XML)))
+            return start != WRITTEN_YAML.encode() and not opened.read().rstrip().endswith(WRITTEN_XML.encode())
     except OSError:
         return True

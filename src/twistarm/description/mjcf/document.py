@@ -23,11 +23,17 @@ from ..findings import refusal
 MAIN = "main"
 """The class of elements that name none."""
 
-ACTUATORS = ("general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle")
+ACTUATORS = ("general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "pid")
 """One kind of element under several names. They share their defaults."""
 
-KINDS = ("joint", "site", "geom", "mesh", "material", ACTUATORS[0])
+EQUALITY = "equality"
+"""The kind of all constraints. They share their defaults too."""
+
+KINDS = ("joint", "site", "geom", "mesh", "material", EQUALITY, ACTUATORS[0])
 """Elements with defaults that are read."""
+
+ORIENTATIONS = ("quat", "zaxis", "xyaxes", "euler", "axisangle")
+"""Forms of an orientation. An element has one of them at most."""
 
 KEYWORDS = {"angle": ("degree", "radian"), "coordinate": ("local",), "inertiafromgeom": ("auto", "true", "false")}
 """Settings of `<compiler>` that change what is read, and their values. MuJoCo takes no others."""
@@ -58,18 +64,13 @@ class Mjcf:
         """The elements with one of these tags in all sections of a name."""
         return (element for part in self.root.findall(section) for element in part if element.tag in tags)
 
-    def attributes(self, element: ET.Element, childclass: str = MAIN) -> Attributes:
+    def attributes(self, element: ET.Element, childclass: str = MAIN, kind: str = "") -> Attributes:
         """The element's attributes over the defaults of its class, or of the nearest `childclass` around it."""
         name = element.get("class") or childclass
         if name not in self.classes:
             remedy = f"correct the name{closest(name, self.classes)}"
             raise self.error(element, f"its default class {name!r} does not exist", remedy)
-        defaults = self.classes[name].get(_kind(element), {})
-        given = {**defaults, **element.attrib}
-        if "size" in element.attrib:  # fewer numbers leave the rest of the default
-            words = given["size"].split()
-            given["size"] = " ".join([*words, *defaults.get("size", "").split()[len(words) :]])
-        return given
+        return _over(self.classes[name].get(kind or _kind(element), {}), element.attrib)
 
     def reading_of(self, element: ET.Element) -> Reading:
         """The reading of the element's file."""
@@ -92,10 +93,16 @@ class Mjcf:
         return value if self.compiler.get("angle") == "radian" else float(np.radians(value))
 
     def pose(self, given: Attributes) -> Array:
-        """The pose (4, 4) of `pos` and an orientation. `quat` counts if no other form is there, as in MuJoCo."""
+        """The pose (4, 4) of `fromto`, or of `pos` and an orientation.
+
+        `quat` counts if no other form is there, as in MuJoCo.
+        """
         g = np.eye(4)
         g[:3, 3] = floats(given.get("pos", "0 0 0"), 3)
-        if "zaxis" in given:
+        if "fromto" in given:
+            a, b = np.array(floats(given["fromto"], 6)).reshape(2, 3)
+            g[:3, :3], g[:3, 3] = from_z(a - b), (a + b) / 2
+        elif "zaxis" in given:
             g[:3, :3] = from_z(np.array(floats(given["zaxis"], 3)))
         elif "xyaxes" in given:
             x, y = np.array(floats(given["xyaxes"], 6)).reshape(2, 3)
@@ -176,7 +183,7 @@ def _read_defaults(default: ET.Element, name: str, mjcf: Mjcf) -> None:
     kinds = mjcf.classes[name]
     for element in default:
         if _kind(element) in KINDS:
-            kinds[_kind(element)] = {**kinds.get(_kind(element), {}), **element.attrib}
+            kinds[_kind(element)] = _over(kinds.get(_kind(element), {}), element.attrib)
             if len(kinds[_kind(element)]) > MOST_ATTRIBUTES:
                 raise mjcf.error(element, f"it has more than {MOST_ATTRIBUTES} attributes")
     for inner in default.findall("default"):
@@ -185,6 +192,17 @@ def _read_defaults(default: ET.Element, name: str, mjcf: Mjcf) -> None:
             raise mjcf.error(inner, f"the name {called!r} of a class is empty or taken", "give each class its own name")
         mjcf.classes[called] = dict(kinds)
         _read_defaults(inner, called, mjcf)
+
+
+def _over(defaults: Attributes, given: Attributes) -> Attributes:
+    """Attributes over defaults. A form of orientation replaces another, and a size fills up with the default's."""
+    if not given.keys().isdisjoint(ORIENTATIONS):
+        defaults = {word: value for word, value in defaults.items() if word not in ORIENTATIONS}
+    both = {**defaults, **given}
+    if "size" in given:
+        words = given["size"].split()
+        both["size"] = " ".join([*words, *defaults.get("size", "").split()[len(words) :]])
+    return both
 
 
 def _kind(element: ET.Element) -> str:

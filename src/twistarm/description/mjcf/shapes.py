@@ -13,7 +13,7 @@ from ...support.checks import Array
 from ..document import floats
 from ..inertial import INERTIA, Body
 from ..writing import add_origin, number_text
-from .document import Attributes, Mjcf, from_z
+from .document import Attributes, Mjcf
 
 SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 """Numbers of each solid shape: half lengths, or a radius and half a length."""
@@ -45,21 +45,20 @@ class Shapes:
         materials = (mjcf.attributes(material) for material in mjcf.each("asset", "material"))
         self._colours = {given.get("name"): given.get("rgba", "1 1 1 1") for given in materials}
 
-    def of(self, given: Attributes, frame: Array) -> tuple[list[ET.Element], Body | None]:
+    def of(self, given: Attributes, frame: Array) -> tuple[list[ET.Element] | None, Body | None]:
         """The visual and the collision of a geom in a `frame` (4, 4) of the link, and its body.
 
-        None for a shape that URDF lacks. No body for a mesh. ValueError if a number is malformed.
+        No elements for a shape that URDF lacks. No body for a mesh, or what MuJoCo fits to one. ValueError if a number
+        is malformed.
         """
         kind, size, g = kind_of(given), several(given.get("size", "")), frame @ self._mjcf.pose(given)
         if kind == "mesh":
             return self._mesh(given, g), None
-        if kind not in SIZES or "mesh" in given:  # a plane, a height field, or a shape that MuJoCo fits to a mesh
-            return [], None
+        if kind not in SIZES or "mesh" in given:
+            return None, None
         if "fromto" in given:
             a, b = np.array(floats(given["fromto"], 6)).reshape(2, 3)
-            middle = np.eye(4)
-            middle[:3, :3], middle[:3, 3] = from_z(a - b), (a + b) / 2
-            size, g = [*size[:1] * (SIZES[kind] - 1), float(np.linalg.norm(a - b)) / 2], frame @ middle
+            size = [*size[:1] * (SIZES[kind] - 1), float(np.linalg.norm(a - b)) / 2]
         if len(size) < SIZES[kind] or min(size) < 0.0:
             raise ValueError(
                 f"a {kind} needs a size of {SIZES[kind]} numbers, none negative; got {given.get('size', '')[:60]!r}"
@@ -67,10 +66,10 @@ class Shapes:
         shape = {"radius": number_text(size[:1]), "length": number_text([2 * size[-1]])}
         if kind in ("box", "sphere"):
             shape = {"size": number_text(2 * x for x in size[:3])} if kind == "box" else {"radius": shape["radius"]}
-        elements = [] if kind == "ellipsoid" else self._elements(given, g, kind, shape)
+        elements = None if kind == "ellipsoid" else self._elements(given, g, kind, shape)
         return elements, _body(kind, size[: SIZES[kind]], given, g)
 
-    def _mesh(self, given: Attributes, g: Array) -> list[ET.Element]:
+    def _mesh(self, given: Attributes, g: Array) -> list[ET.Element] | None:
         mesh, settings = self._meshes.get(given.get("mesh", "")), self._mjcf.compiler
         if mesh is None:
             raise ValueError(f"its mesh {given.get('mesh', '')[:60]!r} is no asset")
@@ -80,7 +79,7 @@ class Shapes:
         reference = self._mjcf.pose({"pos": mesh.get("refpos", "0 0 0"), "quat": mesh.get("refquat", "1 0 0 0")})
         reference[:3, 3] *= floats(scale, 3)
         shape = {"filename": path, "scale": scale}
-        return self._elements(given, g @ np.linalg.inv(reference), "mesh", shape) if file else []
+        return self._elements(given, g @ np.linalg.inv(reference), "mesh", shape) if file else None
 
     def _elements(self, given: Attributes, g: Array, kind: str, shape: dict[str, str]) -> list[ET.Element]:
         made = [ET.Element("visual")] if several(given.get("group", "0"))[:1] < [HIDDEN] else []
@@ -128,18 +127,24 @@ def explicit_body(given: Attributes, mjcf: Mjcf) -> Body:
     return Body(_mass(given.get("mass", "")), g[:3, 3], inertia)
 
 
-def inertial_of(bodies: Iterable[Body]) -> list[ET.Element]:
-    """The `<inertial>` of bodies that are fixed to each other; none without mass."""
-    every = [body for body in bodies if body.mass > 0]
-    if not every:
-        return []
+def inertial_of(bodies: Iterable[Body], compiler: Attributes) -> list[ET.Element]:
+    """The `<inertial>` of bodies that are fixed to each other, within the bounds of `<compiler>`; none without mass."""
+    least, smallest = (_mass(compiler.get(word, "0")) for word in ("boundmass", "boundinertia"))
+    every = [body for body in bodies if body.mass > 0] or [Body(least, np.zeros(3), np.zeros((3, 3)))]
     g, mass, inertia, element = np.eye(4), sum(body.mass for body in every), np.zeros((3, 3)), ET.Element("inertial")
+    if mass == 0.0:
+        return []
     g[:3, 3] = np.sum([body.mass * body.centre for body in every], axis=0) / mass
     for body in every:
         d = body.centre - g[:3, 3]
         inertia += body.inertia + body.mass * (d @ d * np.eye(3) - np.outer(d, d))
+    moments, axes = np.linalg.eigh(inertia)
+    if compiler.get("balanceinertia") == "true" and 2 * moments[2] > moments.sum():  # no body has such moments
+        inertia, moments = np.eye(3) * moments.mean(), np.full(3, moments.mean())
+    if moments[0] < smallest:
+        inertia = axes @ np.diag(np.maximum(moments, smallest)) @ axes.T
     add_origin(element, g)
-    ET.SubElement(element, "mass", value=number_text([mass]))
+    ET.SubElement(element, "mass", value=number_text([max(mass, least)]))
     words = number_text(inertia[np.triu_indices(3)]).split()
     ET.SubElement(element, "inertia", dict(zip(INERTIA, words, strict=True)))
     return [element]

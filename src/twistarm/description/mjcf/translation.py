@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +17,8 @@ from ..document import Reading, floats
 from ..inertial import Body
 from ..planar import free_name
 from ..writing import add_joint, add_mimic, add_origin
-from .document import ACTUATORS, MAIN, Attributes, Mjcf, read_mjcf
+from .document import ACTUATORS, EQUALITY, MAIN, Attributes, Mjcf, read_mjcf
+from .schema import unknown_words
 from .shapes import Shapes, explicit_body, inertial_of, kind_of, several
 
 ROOT = "world"
@@ -27,23 +28,38 @@ TURNS = ("_rz", "_ry", "_rx")
 """Endings of the coordinates of a ball, in the order of `ArmBuilder.spherical`."""
 
 TOLD = {
-    "mjcf-scenery-left-out": ("left out", "describe obstacles in a scene.toml"),
+    "mjcf-scenery-left-out": ("left out", "describe obstacles in a scene.toml, and tighter limits in an arm.toml"),
     "mjcf-part-not-read": ("not read", "correct it, or write it out as bodies, joints and masses"),
-    "mjcf-loop-open": ("not kept: the joints move freely", "lock or couple them in a URDF copy"),
+    "mjcf-loop-open": ("not kept", "lock or couple the joints in a URDF copy"),
 }
 """The codes of findings about parts of an MJCF, what becomes of the parts, and the remedy."""
 
-SHOWN = 8
-"""Most parts in one finding."""
+SHOWN, MOST_UNKNOWN = 8, 30
+"""Most parts in one finding, and most unknown words that are looked for."""
 
 NOT_READ = ("composite", "flexcomp", "attach", "replicate", "plugin")
 SECTIONS = ("tendon", "deformable")
-MASSES = {"settotalmass": "-1", "inertiagrouprange": "0 5"}
-"""Settings of `<compiler>` that change all masses, and the values that do not."""
+WEIGHTLESS = ("plane", "hfield")
+"""Types of geoms without a mass."""
+
+JOINED = ("joint1", "joint2", "body1", "body2", "site1", "site2", "tendon1", "tendon2")
+"""The attributes of constraints that name what they join."""
+
+SCALED = "settotalmass"
+"""A setting of `<compiler>` that scales all masses, also those of free bodies and meshes."""
+
+DRIVEN = ("position", "pid")
+"""Actuators whose command is a position."""
+
+ROUNDED = 1e-3
+"""rad or m; a file rounds pi differently in a range and in a command."""
 
 
 class Translated(NamedTuple):
-    """The URDF text, the MJCF as one text in which every body and joint has a name, and its poses and pairs."""
+    """The URDF text, the MJCF as one text, and its poses and pairs.
+
+    In the MJCF every body and joint has a name, and `equality` holds what the URDF keeps of it.
+    """
 
     urdf: str
     mjcf: str
@@ -79,6 +95,12 @@ def translated(root: ET.Element, reading: Reading) -> Translated:
     return Translated(ET.tostring(writer.robot, "unicode"), ET.tostring(root, "unicode"), semantics)
 
 
+def titled(element: ET.Element) -> str:
+    """The tag of an element, and its name or the names that it joins."""
+    name = element.get("name") or element.get("prefix")
+    return " ".join([f"<{element.tag}>", *([name] if name else filter(None, map(element.get, JOINED)))])
+
+
 class _Writer:
     """The URDF as far as it is written. `layout` has the joints of each part of a keyframe's qpos, and its length."""
 
@@ -92,19 +114,21 @@ class _Writer:
         self._links = {ROOT, *(body.get("name", "") for body in mjcf.root.iter("body"))}
         self._joints = {joint.get("name", "") for joint in mjcf.root.iter("joint")}
         self._moving: dict[str, Moving] = {}
+        self._masters: dict[str, str] = {}
         self._layout: list[tuple[tuple[str, ...], int]] = []
         self._carried: set[str] = set()
         self._pairs: set[tuple[str, str]] = set()
         self._efforts: dict[str, float] = {}
+        self._commands: dict[str, tuple[float, float]] = {}
         for actuator in mjcf.each("actuator", *ACTUATORS):
             with mjcf.blaming(actuator):
-                self._keep_effort(mjcf.attributes(actuator), actuator.tag)
-        for section in SECTIONS:
-            for part in mjcf.root.findall(section):
-                self._note("mjcf-scenery-left-out", f"<{part.tag}>")
-        for word, idle in MASSES.items():
-            if mjcf.compiler.get(word, idle) != idle:
-                self._note("mjcf-part-not-read", f"{word} of <compiler>")
+                self._keep_ranges(mjcf.attributes(actuator), actuator.tag)
+        for part in (part for section in SECTIONS for whole in mjcf.root.findall(section) for part in whole):
+            self._note("mjcf-scenery-left-out", titled(part))
+        if mjcf.compiler.get(SCALED, "-1") != "-1":
+            self._note("mjcf-part-not-read", f"{SCALED} of <compiler>")
+        for unknown in islice(unknown_words(mjcf.root), MOST_UNKNOWN):
+            self._note("mjcf-part-not-read", unknown)
 
     def _note(self, code: str, part: str) -> None:
         self.noted.setdefault(code, {})[part] = None
@@ -117,23 +141,22 @@ class _Writer:
         rule = self.mjcf.compiler.get("inertiafromgeom", "auto")
         from_geoms = rule == "true" or (rule == "auto" and all(part.tag != "inertial" for part, *_ in parts))
         bodies: list[Body] = []
+        given: list[Body] = []  # it counts also by the rule "true" if no geom weighs
         for part, frame, around in parts:
             with self.mjcf.blaming(part):
                 if part.tag == "geom":
-                    body = self._geom(
-                        self.mjcf.attributes(part, around), link, frame, from_geoms and link in self._carried
-                    )
-                    bodies += [body] if body and from_geoms else []
-                elif part.tag == "inertial" and not from_geoms:
-                    bodies.append(explicit_body(dict(part.attrib), self.mjcf))
+                    bodies += self._geom(self.mjcf.attributes(part, around), link, frame, from_geoms)
+                elif part.tag == "inertial":
+                    given.append(explicit_body(dict(part.attrib), self.mjcf))
                 elif part.tag == "site" and part.get("name"):
                     name, pose = part.get("name", ""), self.mjcf.pose(self.mjcf.attributes(part, around))
                     part.set("name", free_name(f"{name}_site" if name in self._links else name, self._links))
                     self._fixed(part.get("name", ""), link, frame @ pose)
                 elif part.tag in NOT_READ:
-                    named = part.get("name") or part.get("prefix", "")
-                    self._note("mjcf-part-not-read", f"<{part.tag}> {named}".strip())
-        self.contents.setdefault(link, []).extend(inertial_of(bodies) if link != ROOT else [])
+                    self._note("mjcf-part-not-read", titled(part))
+        for body in elements if link != ROOT else ():
+            with self.mjcf.blaming(body):
+                self.contents.setdefault(link, []).extend(inertial_of(bodies or given, self.mjcf.compiler))
         for part, frame, around in parts:
             if part.tag == "body":
                 self._body(part, link, frame, around)
@@ -149,17 +172,19 @@ class _Writer:
                 inner = frame @ self.mjcf.pose(dict(part.attrib))
             yield from self._parts(part, inner, around)
 
-    def _geom(self, given: Attributes, link: str, frame: Array, weighs: bool) -> Body | None:
+    def _geom(self, given: Attributes, link: str, frame: Array, weighs: bool) -> list[Body]:
+        """Write a geom of a link. Return its body if it `weighs`."""
         shapes, body = self._shapes.of(given, frame)
-        self.contents.setdefault(link, []).extend(shapes)
-        kind = kind_of(given)
-        if weighs and kind == "mesh" and "0" not in (given.get("mass"), given.get("density")):
-            self._note("mjcf-part-not-read", f"the mass of a mesh of {link!r}")
-        elif weighs and given.get("shellinertia") == "true":
-            self._note("mjcf-part-not-read", f"a hollow shape of {link!r}, which is read as solid")
-        elif kind in ("plane", "hfield", "ellipsoid", "sdf"):
+        self.contents.setdefault(link, []).extend(shapes or ())
+        kind, (group,) = kind_of(given), floats(given.get("group", "0"), 1)
+        low, high = floats(self.mjcf.compiler.get("inertiagrouprange", "0 5"), 2)
+        weighs = weighs and low <= group <= high and kind not in WEIGHTLESS
+        weightless = 0.0 in several(f"{given.get('mass', 1)} {given.get('density', 1)}")
+        if weighs and not weightless and link in self._carried and (not body or given.get("shellinertia") == "true"):
+            self._note("mjcf-part-not-read", f"the mass of a mesh or a hollow shape of {link!r}")
+        if shapes is None:
             self._note("mjcf-scenery-left-out", f"a shape of type {kind}")
-        return body
+        return [body] if body and body.mass > 0 and weighs else []
 
     def _body(self, body: ET.Element, parent: str, frame: Array, childclass: str) -> None:
         name = body.get("name") or free_name(f"body{len(self._links)}", self._links)
@@ -171,13 +196,13 @@ class _Writer:
             for part, local, around in self._parts(body, np.eye(4), childclass)
             if part.tag in ("joint", "freejoint")
         ]
-        if body.get("mocap") == "true":
-            return self._note("mjcf-scenery-left-out", f"the mocap body {name!r}")
-        if any(part.tag == "freejoint" or given.get("type") == "free" for part, given, _ in found):
-            self._layout.append(((), 7))
+        free = any(part.tag == "freejoint" or given.get("type") == "free" for part, given, _ in found)
+        self._layout += [((), 7)] if free else []
+        if free or body.get("mocap") == "true":
+            loose = "free" if free else "mocap"
             if len([*body.iter("joint")]) == sum(part.tag == "joint" for part, *_ in found):
-                return self._note("mjcf-scenery-left-out", f"the free body {name!r}")
-            self._note("mjcf-scenery-left-out", f"the free joint of {name!r}, which stands where the file puts it")
+                return self._note("mjcf-scenery-left-out", f"the {loose} body {name!r}")
+            self._note("mjcf-scenery-left-out", f"the motion of the {loose} base {name!r}")
             found = []
         self._carried |= {name} if found or parent in self._carried else set()
         link = parent
@@ -235,42 +260,69 @@ class _Writer:
         bounds = {"lower": lower, "upper": upper}
         if not {"true": True, "false": False}.get(given.get("limited", ""), automatic):
             bounds = {"lower": -np.inf, "upper": np.inf} if kind == "slide" else {}
+        least, most = self._commands.get(name, (-np.inf, np.inf))
+        if least - ROUNDED > bounds.get("lower", -np.inf) or most + ROUNDED < bounds.get("upper", np.inf):
+            told = f"the ctrlrange of {name!r} ({least:g} to {most:g}), narrower than the joint's range"
+            self._note("mjcf-scenery-left-out", told)
         effort = self._efforts.get(name, 0.0)
         if "actuatorfrcrange" in given and given.get("actuatorfrclimited") != "false":
             effort = max(map(abs, floats(given["actuatorfrcrange"], 2)))
         return {**bounds, "velocity": 0.0, "effort": effort}
 
-    def _keep_effort(self, given: Attributes, tag: str) -> None:
-        """Keep the largest effort that an actuator brings to its joint."""
+    def _keep_ranges(self, given: Attributes, tag: str) -> None:
+        """Keep the largest effort that an actuator brings to its joint, and the positions that it commands."""
+        joint, gear = given.get("joint", ""), [*several(given.get("gear", "1")), 1.0][0]
         words = given.get("forcerange") if given.get("forcelimited") != "false" else None
-        words, joint = words or (given.get("ctrlrange") if tag == "motor" else None), given.get("joint", "")
-        if words:
-            effort = max(map(abs, floats(words, 2))) * abs([*several(given.get("gear", "1")), 1.0][0])
+        command = given.get("ctrlrange") if given.get("ctrllimited") != "false" else None
+        if words := words or (command if tag == "motor" else None):
+            effort = max(map(abs, floats(words, 2))) * abs(gear)
             self._efforts[joint] = max(self._efforts.get(joint, 0.0), effort)
+        if command and tag in DRIVEN and gear:
+            least, most = sorted(value / gear for value in floats(command, 2))
+            self._commands[joint] = (least, most)
 
     # -- what stands beside the bodies -------------------------------------------------------------------------------
 
     def couple(self) -> None:
-        """Make followers of joints by `equality`: q₁ − rest₁ = a₀ + a₁ (q₂ − rest₂)."""
-        for element in (part for section in self.mjcf.root.findall("equality") for part in section):
-            if element.get("active") == "false":
+        """Make followers of joints by `equality`. Take constraints that are not kept out of the MJCF."""
+        parts = [(part, section) for section in self.mjcf.root.findall("equality") for part in section]
+        given = {part: self.mjcf.attributes(part, kind=EQUALITY) for part, _ in parts}
+        parts.sort(key=lambda each: "joint2" in given[each[0]])  # first those that stand still
+        for part, section in parts:
+            if given[part].get("active") == "false":
                 continue
-            first, second = element.get("joint1", ""), element.get("joint2", "")
-            with self.mjcf.blaming(element):
-                given = several(element.get("polycoef", ""))
-            a0, a1, *higher = [*given, *(0.0, 1.0, 0.0, 0.0, 0.0)[len(given) :]]
-            follower, master = self._moving.get(first), self._moving.get(second)
-            free = follower is not None and follower.element.find("mimic") is None
-            if element.tag != "joint" or follower is None or not free or any(higher) or (second and master is None):
-                named = element.get("name") or " ".join(filter(None, (first, second)))
-                self._note("mjcf-loop-open", f"<{element.tag}> {named}".strip())
-            elif master is None:  # the joint stands still
-                follower.element.set("type", "fixed")
-                follower.element[:] = [part for part in follower.element if part.tag in ("parent", "child")]
-                add_origin(follower.element, follower.origin @ exp(follower.twist, follower.rest + a0))
-                del self._moving[first]
-            else:
-                add_mimic(follower.element, second, a1, follower.rest + a0 - a1 * master.rest)
+            with self.mjcf.blaming(part):
+                why = self._couple(given[part]) if part.tag == "joint" else "not between joints"
+            if why:
+                section.remove(part)
+                self._note("mjcf-loop-open", f"{titled(part)} ({why})")
+
+    def _couple(self, given: Attributes) -> str:
+        """Let joint1 follow joint2, q₁ − rest₁ = a₀ + a₁ (q₂ − rest₂), or stand still. Return why it cannot."""
+        first, second = given.get("joint1", ""), given.get("joint2", "")
+        words = several(given.get("polycoef", ""))
+        a0, a1, *higher = [*words, *(0.0, 1.0, 0.0, 0.0, 0.0)[len(words) :]]
+        for name in (first, second) if second else (first,):
+            if name not in self._moving:
+                return f"{name[:60]!r} is no hinge or slide of the arm"
+        if any(higher):
+            return "its polycoef is not linear"
+        if first in self._masters:
+            return f"another constraint moves {first!r} already"
+        before = second
+        while before and before != first:
+            before = self._masters.get(before, "")
+        if before:
+            return f"{second!r} follows {first!r}"
+        self._masters[first], follower = second, self._moving[first]
+        if second:
+            add_mimic(follower.element, second, a1, follower.rest + a0 - a1 * self._moving[second].rest)
+        else:
+            follower.element.set("type", "fixed")
+            follower.element[:] = [part for part in follower.element if part.tag in ("parent", "child")]
+            add_origin(follower.element, follower.origin @ exp(follower.twist, follower.rest + a0))
+            self._moving[first] = follower._replace(rest=-a0)  # its followers see a fixed joint, whose value is 0
+        return ""
 
     def semantics(self, reading: Reading) -> Semantics | None:
         """The keyframes as named poses, and the pairs of `contact/exclude`; None if there are none."""
@@ -278,9 +330,10 @@ class _Writer:
             one, other = sorted((exclude.get("body1", ""), exclude.get("body2", "")))
             self._pairs.add((one, other))
         states = []
-        for key in self.mjcf.each("keyframe", "key"):
+        for i, key in enumerate(self.mjcf.each("keyframe", "key")):
+            key.set("name", key.get("name") or f"key{i}")
             with self.mjcf.blaming(key):
-                values = self._values(key) if key.get("name") and "qpos" in key.attrib else {}
+                values = self._values(key)
             states += [GroupState(key.get("name", ""), "", values)] if values else []
         if not states and not self._pairs:
             return None
@@ -289,6 +342,9 @@ class _Writer:
 
     def _values(self, key: ET.Element) -> dict[str, float]:
         """A keyframe's value of each joint. Empty unless its length is the model's, with or without free bodies."""
+        if "qpos" not in key.attrib:
+            every = {name: 0.0 for names, _ in self._layout for name in names}  # a ball rests at 0
+            return every | {name: moving.rest for name, moving in self._moving.items()}
         qpos, length = several(key.get("qpos", "")), sum(length for _, length in self._layout)
         layout = self._layout if len(qpos) == length else [part for part in self._layout if part[0]]
         values: dict[str, float] = {}
