@@ -113,7 +113,8 @@ def proven(arm: Arm) -> Arm:
     missing = why_no_pinocchio()
     if missing:
         place = Place(Path(arm.source).name)
-        unproven = finding("not-compared", place, "its kinematics are not compared with Pinocchio's", missing)
+        what = "without Pinocchio its kinematics are not compared and its collisions not known"
+        unproven = finding("not-compared", place, what, missing)
         return replace(arm, findings=(*arm.findings, unproven))
     return replace(arm, proof=prove(arm))
 
