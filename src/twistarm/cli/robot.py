@@ -71,6 +71,11 @@ class Robot:
         """Whether --from or --key was given."""
         return bool(self.senders) or self.key is not None
 
+    @property
+    def written(self) -> list[str]:
+        """The file of --record, if there is one."""
+        return [] if self.record is None else [self.record]
+
     def require_fitting(self) -> None:
         """Raise InputError where options do not go together."""
         if (self.udp is None) != (self.listen is None):

@@ -28,6 +28,7 @@ from ...viewer import Viewer
 from ..asked_motion import motion_of_file
 from ..options import CONFIGURATION, Json, Radians, takes_arm
 from ..output import print_json, progress_bar, say
+from ..outputs import Outputs
 from ..quantities import of_joints, quantity
 from ..robot import Hertz, Robot, Tolerance, require_inside, takes_robot
 from ..servo_report import follow_json
@@ -120,9 +121,10 @@ def follow(
             velocity_mode=robot.velocity_mode, control=control, interlock=interlock, on_cycle=each,
         )  # fmt: skip
     if json:
-        print_json(follow_json(arm, report))
+        print_json(follow_json(arm, report) | {"written": robot.written})
     else:
         say(*in_options(report.explain()).splitlines())
+        Outputs().say(robot.written)
     return 0 if report.ok else 1
 
 

@@ -25,6 +25,7 @@ from ..asked_motion import capped
 from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, Theta, takes_arm
 from ..output import print_json, say
+from ..outputs import Outputs
 from ..quantities import of_joints, quantity
 from ..robot import Hertz, Robot, Tolerance, address, require_inside, takes_robot
 from ..servo_report import report_json
@@ -100,9 +101,10 @@ def servo(
             scene=scene, velocity_mode=robot.velocity_mode, duration=duration, on_cycle=each,
         )  # fmt: skip
     if json:
-        print_json(report_json(arm, report))
+        print_json(report_json(arm, report) | {"written": robot.written})
     else:
         say(*in_options(report.explain()).splitlines())
+        Outputs().say(robot.written)
     return 0 if report.ok else 1
 
 
