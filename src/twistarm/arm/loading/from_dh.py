@@ -153,15 +153,15 @@ def to_dh(arm: Arm, convention: str = "standard", parallel: float = PARALLEL) ->
 
 def dh_rows(table: DhTable) -> list[dict[str, Any]]:
     """The rows of a table by column, in SI, as its CSV file has them: base and tool are fixed rows."""
-    base, tool = (
-        [{"joint": name, "type": FIXED} | _by_column(row) for row in _fixed_rows(T, table.convention)]
-        for name, T in ((BASE, table.base), (TOOL, table.tool))
-    )
-    joints = [
-        {"joint": joint, "type": kind} | _by_column(row) | dict(table.limits.get(joint, {}))
-        for joint, kind, row in zip(table.joints or (), table.types or (), table.rows, strict=True)
+    base, tool = (_fixed_rows(T, table.convention) for T in (table.base, table.tool))
+    joints = (*(BASE for _ in base), *(table.joints or ()), *(TOOL for _ in tool))
+    types = (*(FIXED for _ in base), *(table.types or ()), *(FIXED for _ in tool))
+    return [
+        {"joint": joint, "type": kind, "convention": table.convention}
+        | dict(zip(PARAMETERS, np.where(np.abs(row) < EXACT, 0.0, row).tolist(), strict=True))
+        | dict(table.limits.get(joint, {}) if kind != FIXED else {})
+        for joint, kind, row in zip(joints, types, [*base, *table.rows, *tool], strict=True)
     ]
-    return [{"convention": table.convention} | row for row in (*base, *joints, *tool)]
 
 
 def dh_csv(table: DhTable) -> str:
@@ -169,10 +169,6 @@ def dh_csv(table: DhTable) -> str:
     heads = {"a": "a [m]", "alpha": "alpha [rad]", "d": "d [m]", "theta": "theta [rad]"}
     rows = [[row.get(name, "") for name in COLUMNS] for row in dh_rows(table)]
     return csv_text([heads.get(name, name) for name in COLUMNS], rows)
-
-
-def _by_column(row: Array) -> dict[str, float]:
-    return dict(zip(PARAMETERS, np.where(np.abs(row) < EXACT, 0.0, row).tolist(), strict=True))
 
 
 def _fixed_rows(T: Array, convention: str) -> list[Array]:

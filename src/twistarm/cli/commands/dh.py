@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from enum import Enum
 from typing import Annotated, Any
 
 import numpy as np
@@ -20,16 +19,11 @@ FAR = 10.0
 """A row so many times longer than the arm's reach comes from axes that are nearly parallel."""
 
 
-class Convention(str, Enum):
-    """Which Denavit–Hartenberg parameters."""
-
-    standard = "standard"
-    modified = "modified"
-
-
 ROWS = {"standard": "R_z(θ) T_z(d) T_x(a) R_x(α)", "modified": "R_x(α) T_x(a) R_z(θ) T_z(d)"}
 
-Which = Annotated[Convention, typer.Option(help="standard (Paul, Spong, Siciliano) or modified (Craig).")]
+Convention = Annotated[
+    str, typer.Option(metavar="standard|modified", help="That of Paul, Spong and Siciliano, or of Craig.")
+]
 Parallel = Annotated[
     str | None,
     typer.Option(metavar="ANGLE", help="Axes within this count as parallel [°, or rad with --rad]; 1e-7 rad."),
@@ -39,7 +33,7 @@ Parallel = Annotated[
 @takes_arm
 def dh(
     arm: Arm,
-    convention: Which = Convention.standard,
+    convention: Convention = "standard",
     parallel: Parallel = None,
     output: Output = None,
     force: Force = False,
@@ -49,7 +43,7 @@ def dh(
     """Show the arm's Denavit–Hartenberg table, or write it as a *.csv that is an ARM too."""
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     (angle,) = [PARALLEL] if parallel is None else parse_numbers(parallel, "rad", "--parallel", rad)
-    found = to_dh(arm, convention.value, float(angle))
+    found = to_dh(arm, convention, float(angle))
     if np.abs(found.rows[:, [0, 2]]).max() > FAR * arm.reach:
         note("axes that are nearly parallel meet far away; with --parallel 0.01 they count as parallel")
     written = outputs.write({"csv": lambda: dh_csv(found)})

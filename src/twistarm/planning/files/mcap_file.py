@@ -200,15 +200,13 @@ def _why_no_recording(file: Path) -> str:
         head = opened.read(25)
         opened.seek(max(0, size - len(MAGIC)))
         tail = opened.read()
-    for why, so in {
-        f"more than {MAX_BYTES:,} bytes; split it": size > MAX_BYTES,
-        "it is no MCAP file": not head.startswith(MAGIC),
-        f"its end is missing; {RECOVER}": tail != MAGIC,
-        "its messages are not of ROS 2": head[17:] != PROFILE,
-    }.items():
-        if so:
-            return why
-    return ""
+    checks = {
+        f"more than {MAX_BYTES:,} bytes; split it": size <= MAX_BYTES,
+        "it is no MCAP file": head.startswith(MAGIC),
+        f"its end is missing; {RECOVER}": tail == MAGIC,
+        "its messages are not of ROS 2": head[17:] == PROFILE,
+    }
+    return next((why for why, holds in checks.items() if not holds), "")
 
 
 def _motion(arm: Arm, reader: Any, store: Any) -> dict[str, Any]:
