@@ -9,6 +9,7 @@ import pytest
 
 from twistarm import Arm, DhTable, InputError, arm_from_dh, arm_from_screws, crosscheck, joints, load_arm, to_dh
 from twistarm.arm.loading.from_dh import dh_csv
+from twistarm.description.document import noted_files
 from twistarm.support.errors import DescriptionError
 
 TOL = 1e-12
@@ -94,7 +95,9 @@ def test_a_file_that_names_its_convention_is_an_arm(tmp_path: Path) -> None:
         "lift,prismatic,,0,100,0,,,0,200,\n"
         "flange,fixed,,0,107,45,,,,,\n"
     )
-    arm = load_arm(path)
+    with noted_files() as watched:
+        arm = load_arm(path)
+    assert watched == {path}
     rows = np.array([[0.3, 0, 0, 0], [0, 0, 0.1, 0]])
     ends = about(2, np.pi / 6, 0.5), about(2, np.pi / 4, 0.107)
     require_same(arm, DhTable(rows, "standard", None, ("revolute", "prismatic"), *ends))

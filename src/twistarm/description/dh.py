@@ -27,10 +27,11 @@ from ..support.checks import (
 )
 from ..support.csv_lines import FACTORS, Bounds, Row, csv_lines, csv_rows, quantity_and_unit
 from ..support.errors import InputError, listed, shown
+from ..support.files import as_path
 from ..support.unit_hints import angle_hint
 from ..theory.rotations import exp
 from .bounds import LIMIT_NAMES
-from .document import LARGEST
+from .document import LARGEST, note_file
 from .writing import add_joint
 
 CONVENTIONS = ("standard", "modified")
@@ -196,6 +197,7 @@ def _units(name: str, *, slides: bool) -> Mapping[str, float]:
 
 def rows_of_csv(path: str | os.PathLike[str]) -> list[dict[str, str]]:
     """The rows of a CSV file by the columns that its first line names."""
+    note_file(as_path(path))
     header, *rows = [*csv_rows(csv_lines(path, BOUNDS), str(path))] or [Row(0, [])]
     names = [cell.strip() for cell in header.cells]
     for row in rows:
