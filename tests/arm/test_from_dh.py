@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, DhTable, InputError, arm_from_dh, arm_from_screws, crosscheck, joints, load_arm, to_dh
+from twistarm.arm.loading.from_dh import dh_csv
+from twistarm.description.document import noted_files
 from twistarm.support.errors import DescriptionError
 
 TOL = 1e-12
@@ -67,10 +69,46 @@ def test_an_arm_moves_as_its_table_says(convention: str) -> None:
     assert crosscheck(arm, 20).ok
 
 
-def test_angles_in_degrees_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "arm.csv").write_text("joint,a,alpha,d,theta\none,0.3,90,0.1,0\n")
-    with pytest.raises(InputError, match="degrees"):
-        arm_from_dh(tmp_path / "arm.csv")
+UNITS = {
+    "SI": "a,alpha,d,theta\n0.3,1.5707963267948966,0.1,0.7853981633974483",
+    "mm and degrees": "a [mm], Alpha (deg), d (mm), theta_deg\n300, 90, 100, 45",
+    "cm, inches and signs": "A [cm];α [°];D [in];θ [deg]\n30;90;3.937007874015748;45",
+}
+
+
+@pytest.mark.parametrize("text", UNITS.values(), ids=UNITS)
+def test_the_columns_of_a_file_have_units(text: str, tmp_path: Path) -> None:
+    (tmp_path / "arm.csv").write_text(text)
+    require_same(
+        arm_from_dh(tmp_path / "arm.csv", "modified"), DhTable(np.array([[0.3, HALF, 0.1, HALF / 2]]), "modified")
+    )
+
+
+def test_a_file_that_names_its_convention_is_an_arm(tmp_path: Path) -> None:
+    """Limits in the unit of each joint, and the flange of a data sheet as a fixed row."""
+    path = tmp_path / "scara.csv"
+    path.write_text(
+        "joint,type,convention,a [mm],d [mm],theta [deg],"
+        "lower [deg],upper [deg],lower [mm],upper [mm],velocity [deg/s]\n"
+        "stand,fixed,standard,0,500,30,,,,,\n"
+        "shoulder,revolute,standard,300,0,0,-90,90,,,180\n"
+        "lift,prismatic,,0,100,0,,,0,200,\n"
+        "flange,fixed,,0,107,45,,,,,\n"
+    )
+    with noted_files() as watched:
+        arm = load_arm(path)
+    assert watched == {path}
+    rows = np.array([[0.3, 0, 0, 0], [0, 0, 0.1, 0]])
+    ends = about(2, np.pi / 6, 0.5), about(2, np.pi / 4, 0.107)
+    require_same(arm, DhTable(rows, "standard", None, ("revolute", "prismatic"), *ends))
+    assert (arm.name, arm.joint_names) == ("scara", ("shoulder", "lift"))
+    np.testing.assert_allclose([arm.limits.lower, arm.limits.upper], [[-HALF, 0], [HALF, 0.2]])
+    assert arm.limits.velocity.tolist() == [pytest.approx(np.pi), np.inf]
+    with pytest.raises(InputError, match="the conventions 'modified', 'standard'"):
+        arm_from_dh(path, "modified")
+    path.write_text("a\n1\n")
+    with pytest.raises(DescriptionError, match=r"scara\.csv: .*say the convention, standard .* or modified"):
+        load_arm(path)
 
 
 @pytest.mark.parametrize("to", ["standard", "modified"])
@@ -87,9 +125,15 @@ def test_an_arm_gives_a_table_that_moves_alike(convention: str, to: str) -> None
 
 @pytest.mark.parametrize("convention", ["standard", "modified"])
 @pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "ur5", "panda"])
-def test_real_arms_have_a_table(name: str, convention: str) -> None:
+def test_real_arms_have_a_table(name: str, convention: str, tmp_path: Path) -> None:
+    """Its file, which has base and tool as fixed rows, loads as the same arm."""
     arm = load_arm(name)
     table = to_dh(arm, convention)
+    (tmp_path / "table.csv").write_text(dh_csv(table))
+    again = load_arm(tmp_path / "table.csv")
+    np.testing.assert_allclose(again.fk(arm.random_theta(1, 20)), arm.fk(arm.random_theta(1, 20)), atol=TOL)
+    for limit in ("lower", "upper", "velocity", "effort"):
+        np.testing.assert_array_equal(getattr(again.limits, limit), getattr(arm.limits, limit))
     theta = arm.random_theta(1, 20)
     difference = max(np.abs(by_product(table, q) - arm.fk(q)).max() for q in theta)
     assert difference <= max(TOL, 2 * table.residual)
@@ -99,7 +143,7 @@ def test_real_arms_have_a_table(name: str, convention: str) -> None:
 
 def test_the_makers_table_of_the_ur5_comes_back() -> None:
     """Up to signs of a and α, which turn with the common normals."""
-    table = to_dh(arm_from_dh(UR5))
+    table = to_dh(arm_from_dh(UR5, "standard"))
     np.testing.assert_allclose(np.abs(table.rows[:, 0]), np.abs(UR5)[:, 0], atol=TOL)
     np.testing.assert_allclose(np.abs(np.sin(table.rows[:, 1])), np.abs(np.sin(UR5))[:, 1], atol=TOL)
 
@@ -107,8 +151,12 @@ def test_the_makers_table_of_the_ur5_comes_back() -> None:
 def test_nearly_parallel_axes_tell_their_residual() -> None:
     tilted = [np.sin(3e-8), 0.0, np.cos(3e-8)]
     screws = np.hstack([joints.revolute([0, 0, 1], [0, 0, 0]), joints.revolute(tilted, [0.5, 0, 0])])
-    table = to_dh(arm_from_screws(screws, about(0, 0.0, 1.0)))
+    arm = arm_from_screws(screws, about(0, 0.0, 1.0))
+    table = to_dh(arm)
     assert 1e-9 < table.residual < 1e-7
+    exact = to_dh(arm, parallel=1e-9)  # the common normal is far away
+    assert exact.residual < 1e-9
+    assert np.abs(exact.rows).max() > 1e5
 
 
 @pytest.mark.parametrize(
@@ -127,9 +175,9 @@ def test_a_csv_file_has_names_types_and_limits(tmp_path: Path) -> None:
         "two, revolute, 0.2, 3.141592653589793, 0, , , 3\n"
         "lift, prismatic, 0, 0, 0.1, 0, 0.2,\n"
     )
-    arm = arm_from_dh(path)
+    arm = arm_from_dh(path, "standard")
     rows = np.array([[0.3, 0, 0.4, 0], [0.2, np.pi, 0, 0], [0, 0, 0.1, 0]])
-    require_same(arm, DhTable(rows, types=("revolute", "revolute", "prismatic")))
+    require_same(arm, DhTable(rows, "standard", types=("revolute", "revolute", "prismatic")))
     assert arm.joint_names == ("one", "two", "lift")
     assert arm.limits.lower.tolist() == [-2, -np.inf, 0]
     assert arm.limits.velocity.tolist() == [3, 3, np.inf]
@@ -139,7 +187,7 @@ def test_an_arm_toml_may_hold_the_table(tmp_path: Path) -> None:
     path = tmp_path / "arm.toml"
     path.write_text(
         'name = "bent"\n[dh]\nconvention = "modified"\nbase = { xyz = [0, 0, 0.5], rpy = [0, 0, 0.3] }\n'
-        'rows = [{ joint = "waist", d = 0.2 }, { joint = "bend", a = 0.3, alpha = 1.5708, theta = 0.1 }]\n'
+        'rows = [{ joint = "waist", d = 0.2 }, { joint = "bend", a_mm = 300, alpha = 1.5708, theta = 0.1 }]\n'
         '[tool]\nname = "pen"\nxyz = [0.1, 0, 0]\n[limits.bend]\nlower = -1\nupper = 2\n'
     )
     arm = load_arm(path)
@@ -149,32 +197,58 @@ def test_an_arm_toml_may_hold_the_table(tmp_path: Path) -> None:
     assert (arm.name, arm.tip, arm.joint_names) == ("bent", "pen", ("waist", "bend"))
     assert (arm.limits.lower[1], arm.limits.upper[1]) == (-1, 2)
     (tmp_path / "table.csv").write_text("a,alpha,d,theta,lower,upper\n0.3,0,0,0,-1,1\n")
-    path.write_text('[dh]\ntable = "table.csv"\n')
+    path.write_text('[dh]\nconvention = "standard"\ntable = "table.csv"\n')
     assert load_arm(path).limits.upper.tolist() == [1.0]
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[dh]\nrows = [[0, 0, 0]]", "must be tables"),
-        ('[dh]\nrows = [{ a = "x" }]', "row 1: a must be a number"),
-        ("[dh]\nrows = [{ a = inf }]", "finite"),
-        ("[dh]\nrows = [{ a = true }]", "must be a number"),
-        ("[dh]", "rows of a, alpha, d, theta"),
-        ("[dh]\nrows = [{ joint = 3 }]", "joints"),
-        ("[dh]\nrows = [{ phi = 3 }]", "unknown column 'phi'"),
-        ('[dh]\nrows = [{ type = "ball" }]', "revolute or prismatic"),
-        ('[dh]\nrows = [{ a = 1 }]\nconvention = "classic"', "standard"),
-        ("[dh]\nrows = [{ a = 1, lower = 2, upper = 1 }]", "swapped"),
-        ('[dh]\ntable = "lost.csv"', "lost.csv"),
-        ("[dh]\ntable = 3", "dh.table"),
-        ('source = "a.urdf"\n[dh]\nrows = [{ a = 1 }]', "a source and a table"),
+        ("rows = [[0, 0, 0]]", "must be tables"),
+        ('rows = [{ a = "x" }]', "row 1: a must be a finite number"),
+        ("rows = [{ a = inf }]", "finite"),
+        ("rows = [{ a = true }]", "must be a finite number"),
+        ("", "rows of a, alpha, d, theta"),
+        ("rows = [{ joint = 3 }]", "joints"),
+        ("rows = [{ phi = 3 }]", "unknown column 'phi'"),
+        ("rows = [{ alpha = 90 }]", "row 1: .* looks like degrees; name the column alpha_deg"),
+        ("rows = [{ a = 1, a_mm = 1000 }]", "row 1 has two values of a"),
+        ('rows = [{ type = "prismatic", lower_deg = 3 }]', r"lower of this joint is in m, cm, mm, in; got \[deg\]"),
+        ('rows = [{ type = "ball" }]', "revolute or prismatic"),
+        ('rows = [{ type = "fixed" }]', "rows of a, alpha, d, theta"),
+        ('rows = [{ a = 1 }, { type = "fixed" }, { a = 1 }]', "a fixed row stands before the first joint or behind"),
+        ('rows = [{ convention = "modified" }]', "the conventions 'modified', 'standard'"),
+        ("rows = [{ a = 1, lower = 2, upper = 1 }]", "swapped"),
+        ('table = "lost.csv"', "lost.csv"),
+        ("table = 3", "dh.table"),
     ],
 )
 def test_an_unusable_table_in_an_arm_toml_is_told(text: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "arm.toml").write_text(f'[dh]\nconvention = "standard"\n{text}')
+    with pytest.raises(DescriptionError, match=said):
+        load_arm(tmp_path / "arm.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[dh]\nrows = [{ a = 1 }]", "say the convention, standard .* or modified"),
+        ('[dh]\nrows = [{ a = 1 }]\nconvention = "classic"', "'standard' or 'modified'; got 'classic'"),
+        ("[dh]\nrows = [{ a = 1 }]\nconvention = [1]", "'standard' or 'modified'"),
+        ('source = "a.urdf"\n[dh]\nrows = [{ a = 1 }]', "a source and a table"),
+    ],
+)
+def test_an_arm_toml_says_the_convention(text: str, said: str, tmp_path: Path) -> None:
     (tmp_path / "arm.toml").write_text(text)
     with pytest.raises(DescriptionError, match=said):
         load_arm(tmp_path / "arm.toml")
+
+
+def test_a_table_is_of_one_convention() -> None:
+    with pytest.raises(InputError, match="say the convention"):
+        arm_from_dh(UR5)
+    with pytest.raises(InputError, match="the table is standard; got convention='modified'"):
+        arm_from_dh(DhTable(np.array(UR5), "standard"), "modified")
 
 
 @pytest.mark.parametrize(
@@ -195,4 +269,4 @@ def test_an_unusable_table_in_an_arm_toml_is_told(text: str, said: str, tmp_path
 def test_an_unusable_csv_file_is_told(text: str, said: str, tmp_path: Path) -> None:
     (tmp_path / "table.csv").write_text(text)
     with pytest.raises(InputError, match=said):
-        arm_from_dh(tmp_path / "table.csv")
+        arm_from_dh(tmp_path / "table.csv", "standard")

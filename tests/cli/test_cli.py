@@ -249,7 +249,7 @@ BAD: dict[str, tuple[list[str], str]] = {
     "a waypoint outside the limits": (["plan", "rover_arm", "--to", "0.7 0 0 0 0"], "slide"),
     "a xacro argument without :=": (["info", "rover_arm", "--xacro", "deck=1"], "did you mean --xacro deck:=1?"),
     "package dirs that are not there": (["info", "rover_arm", "--package-dir", "nowhere"], "nowhere is not a folder"),
-    "a cap of zero": (["plan", "rover_arm", "--to", "zero", "--velocity", "0"], "--velocity must be a positive number"),
+    "a cap of zero": (["plan", "rover_arm", "--to", "zero", "--velocity", "0"], "it takes a number above 0 such as"),
     "a target beyond all units": (["ik", "rover_arm", "--xyz", "1e300 0 0"], "lengths are in metres"),
     "no pair given": ([*ALL, "--fixed-joint", "3"], "--fixed-joint takes joint=value"),
     "a joint given beyond its limit": ([*ALL, "--fixed-joint", "elbow=500"], "'elbow' cannot be fixed at 500°"),
@@ -262,16 +262,16 @@ BAD: dict[str, tuple[list[str], str]] = {
     "a line in a file": (["plan", "rover_arm", "motion.toml", "--line", "--stop"], "leave out --line and --stop"),
     "a direction in a file": (["plan", "rover_arm", "motion.toml", "--direction", "0 0 1"], "give --xyz too"),
     "a spline of lines": ([*PLAN, "--line", "--kind", "cubic"], "--kind cubic leads through the poses"),
-    "no time": ([*PLAN, "--dt", "nan"], "--dt must be a positive number"),
+    "no time": ([*PLAN, "--dt", "nan"], "--dt': it takes a number above 0 such as"),
     "two directions for three": (
         ["plan", "rover_arm", *["--xyz", "1 0 1"] * 3, *["--direction", "0 0 1"] * 2],
         "give one --direction for all positions, or one for each: 2 go with 3 --xyz",
     ),
     "no goal": (["plan", "rover_arm"], "give poses by --to"),
     "a pose outside": ([*SERVO, "--theta", "0 200 0 0"], "joint_2 = 200 ° lies outside its limits -148.969 "),
-    "a margin below 0": ([*SERVO, "--margin", "-0.1"], "--margin must be 0 or more; got -0.1"),
+    "a margin below 0": ([*SERVO, "--margin", "-0.1"], "--margin': it takes a number of 0 or more such as"),
     "no such way on": ([*SERVO, "--on-unreachable", "jump"], "--on-unreachable must be 'slide' or 'stop'; got 'jump'"),
-    "no command holds": ([*SERVO, "--command-timeout", "-1"], "--command-timeout must be a positive number; got -1"),
+    "no command holds": ([*SERVO, "--command-timeout", "-1"], "--command-timeout': it takes a number above 0 such as"),
     "rates to nobody": ([*SERVO, "--velocity-mode"], "--velocity-mode is for a robot that takes rates alone"),
     "half of UDP": ([*SERVO, "--udp", "127.0.0.1:5005"], "--udp HOST:PORT and --listen HOST:PORT go together"),
     "two robots": (
@@ -289,7 +289,7 @@ BAD: dict[str, tuple[list[str], str]] = {
         [*FOLLOW, "--theta", "0 0", "--udp", "127.0.0.1:5005", "--listen", "127.0.0.1:0"],
         "--theta is where simulated joints stand",
     ),
-    "no speed": ([*FOLLOW, "--speed", "0"], "--speed must be a positive number; got 0"),
+    "no speed": ([*FOLLOW, "--speed", "0"], "--speed': it takes a number above 0 such as"),
     "too fast": ([*FOLLOW, "--speed", "2"], "--speed is a share of the motion's own, at most 1; got 2"),
     "a slow rate": ([*FOLLOW, "--rate", "1"], "rate must be at least 10 Hz"),
     "an unknown command": (["inof", "rover_arm"], "inof"),
@@ -438,3 +438,18 @@ def test_remedies_are_those_of_the_command_line(capsys: Capture) -> None:
             assert run([command, arm]) == 0
             assert not re.search(r"(?<!-)\b(tip|srdf|base|locked|limits|xacro_args|package_dirs|without)=[\s,;)]",
                                  capsys.readouterr().out)  # fmt: skip
+
+
+def test_dh_shows_and_writes_the_table(tmp_path: Path, capsys: Capture) -> None:
+    """The file is an ARM; rounded axes, which meet far away, can count as parallel."""
+    file = str(tmp_path / "rover.csv")
+    assert run(["dh", "rover_arm", "--convention", "modified", "-o", file]) == 0
+    shown = capsys.readouterr().out
+    assert "alpha [°]" in shown
+    assert "slide        prismatic      0          0      0        -90" in shown
+    poses = [answer(capsys, "fk", arm, "--theta", "0.1 20 30 -40 50")["matrix"] for arm in ("rover_arm", file)]
+    np.testing.assert_allclose(*poses, atol=1e-12)
+    far, near = (answer(capsys, "dh", "so101", *more) for more in ((), ("--parallel", "0.01")))
+    lengths = [max(abs(row["d"]) for row in said["rows"]) for said in (far, near)]
+    assert (lengths[0] > 1000, lengths[1] < 1) == (True, True)
+    assert far["residual"] < 1e-12 < near["residual"] < 1e-5

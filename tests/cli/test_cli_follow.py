@@ -40,6 +40,7 @@ def test_simulated_joints_follow_it_to_its_end(capsys: Capture, file: Path, tmp_
     np.testing.assert_allclose(load_trajectory(arm, recording).waypoints[-1], [0.6, 0.4], atol=1e-6)
     out, err = capsys.readouterr()
     answer = json.loads(out)
+    assert answer["written"] == [str(recording)]
     assert (answer["completed"], answer["ending"], answer["at"]) == (True, "ARRIVED", answer["duration"])
     assert set(answer["largest_error"]) == set(answer["largest_lag"]) == {"joint_1", "joint_2"}
     assert answer["loop"]["at_rest"]

@@ -239,11 +239,12 @@ def test_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
         return stream(arm, source, sink, feedback, **{**options, "duration": 0.05})
 
     monkeypatch.setattr("twistarm.cli.commands.servo.run", noted)
-    options = "--velocity-mode --command-timeout 0.5 --feedback-timeout 0.3 --tolerance 0.1 --margin 0.02 "
+    options = "--velocity-mode --command-timeout 0.5 --feedback-timeout 300 ms --tolerance 18/pi deg --margin 0.02 "
     options += "--on-unreachable stop"
     udp = ("--udp", "127.0.0.1:9", "--listen", "127.0.0.1:0")
     assert run(["servo", "rr_planar", *options.split(), *udp, "--no-browser"]) == 1  # no robot is there
-    assert (given["command_timeout"], given["feedback_timeout"], given["tolerance"]) == (0.5, 0.3, 0.1)
+    assert (given["command_timeout"], given["feedback_timeout"]) == (0.5, pytest.approx(0.3))
+    assert given["tolerance"].tolist() == pytest.approx([0.1, 0.1])
     assert given["velocity_mode"]
     assert (given["settings"]().position_margin, given["settings"]().on_unreachable) == (0.02, "stop")
     assert given["source"].timeout == 0.5  # the page's commands hold as long

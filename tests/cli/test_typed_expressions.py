@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import math
+import re
 from pathlib import Path
 
 import pytest
+from typer.models import OptionInfo
 
-from twistarm.cli.application import run
+from twistarm.cli.application import app, run
 from twistarm.cli.expression import evaluated, is_part, separate
 from twistarm.cli.typed import joined
 
@@ -86,6 +89,12 @@ SAME = {
     "fk rover_arm --theta elbow=90": ["fk rover_arm --theta elbow=pi/2", "fk rover_arm --theta elbow=100-10 deg"],
     "ik rover_arm --xyz 0.5 0.1 0.3 --rpy 0 90 0": ["ik rover_arm --xyz 500 mm 10cm 0.3 --rpy 0 pi/2 0"],
     "ik rover_arm --xyz 0.5 0.1 0.3 --position-tol 0.001": ["ik rover_arm --xyz 0.5 0.1 0.3 --position-tol 1mm"],
+    "plan rover_arm --to elbow=9 --velocity 0.1": [
+        f"plan rover_arm --to elbow=9 --velocity {text}" for text in ("18/pi deg/s", "0.1 rad/s", "0.2/2")
+    ],
+    "plan rover_arm --to slide=0.1 --acceleration 0.5": ["plan rover_arm --to slide=0.1 --acceleration 500 mm/s^2"],
+    "plan rover_arm --to slide=0.1 --dt 0.02": ["plan rover_arm --to slide=0.1 --dt 20 ms"],
+    "payload rover_arm --theta ready --mass 0.5": ["payload rover_arm --theta ready --mass 500 g"],
     "info rover_arm --locked-joint elbow=30": ["info rover_arm --locked-joint elbow=pi/6"],
 }  # fmt: skip
 
@@ -109,6 +118,31 @@ def close(one: object, other: object) -> bool:
     return other == (pytest.approx(one, abs=1e-9) if isinstance(one, float) else one)
 
 
+def numeric_options() -> list[tuple[str, str]]:
+    """Every (command, option) that takes a number."""
+    found = []
+    for command in app.registered_commands:
+        assert command.callback is not None
+        for each in inspect.signature(command.callback, eval_str=True).parameters.values():
+            (told,) = getattr(each.annotation, "__metadata__", (None,))
+            if isinstance(told, OptionInfo) and (told.parser or re.search(r"\b(float|int)\b", str(each.annotation))):
+                name = told.default if isinstance(told.default, str) else f"--{each.name.replace('_', '-')}"
+                found.append((command.callback.__name__, name))
+    return found
+
+
+@pytest.mark.parametrize(("command", "option"), numeric_options())
+def test_nonsense_for_a_number_is_answered_by_what_is_allowed(
+    command: str, option: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for nonsense in ("banana", "-5", "nan", "1/0", ""):
+        assert run([command, option, nonsense]) == 2
+        said = " ".join(capsys.readouterr().err.split())
+        assert re.search(
+            rf"'{option}': it takes a (whole )?number .*(such as \S.*|to \d+); got {nonsense} ?\(see", said
+        )
+
+
 @pytest.mark.parametrize(
     ("line", "words"),
     [
@@ -116,9 +150,19 @@ def close(one: object, other: object) -> bool:
         ("ik rover_arm --xyz 1/0 0 0", "got '1/0 0 0'"),
         ("ik rover_arm --xyz 0.5 0 0 --rpy 0 0 2mm", "--rpy takes 3 numbers such as 30 deg or pi/6"),
         ("fk rover_arm --theta elbow=3mm", "elbow takes a number such as 30 deg or pi/6; got '3mm'"),
-        ("ik rover_arm --xyz 0.5 0 0 --position-tol 1deg", "it takes a length such as 0.3, 300 mm or 12 in; got 1deg"),
+        (
+            "ik rover_arm --xyz 0.5 0 0 --position-tol 1deg",
+            "it takes a number above 0 such as 0.3, 300 mm or 12 in; got 1deg",
+        ),
         ("ik rover_arm --xyz 0.5 0 0 --orientation-tol 1mm", "--orientation-tol takes a number such as 30 deg"),
-        ("reach rover_arm --voxel five", "it takes a length such as 0.3"),
+        ("plan rover_arm --to zero --velocity 30 deg/s²", "such as 0.5, 30 deg/s or 50 mm/s; got 30 deg/s²"),
+        ("plan rover_arm --to zero --acceleration 3 rad/s", "such as 2, 90 deg/s² or 500 mm/s²; got 3 rad/s"),
+        ("plan ur5 --to zero --velocity 50mm/s", "ur5 has no joint in m, as --velocity is"),
+        ("servo rover_arm --margin 5deg", "--margin is one number for turns and slides"),
+        ("plan rover_arm --to zero --dt 0", "it takes a number above 0 such as 0.5 or 500 ms; got 0"),
+        ("payload rover_arm --mass -1", "it takes a number of 0 or more such as 0.5 or 500 g; got -1"),
+        ("view rover_arm --frame-rate 0", "it takes a whole number from 1 to 120; got 0"),
+        ("calibrate rover_arm log.csv --distance a=b=2deg", "--distance takes A=B=LENGTH"),
     ],
 )
 def test_wrong_units_are_refused_with_what_is_allowed(

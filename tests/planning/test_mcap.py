@@ -19,6 +19,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.typesys import Stores, get_typestore
 
 from twistarm import arm_from_screws, load_arm, load_trajectory, plan_joint
+from twistarm.planning.files import mcap_file
 from twistarm.support.errors import InputError, MissingExtraError
 
 ROS = get_typestore(Stores.ROS2_HUMBLE)
@@ -141,12 +142,13 @@ def test_joint_states_of_a_robot_are_its_motion(rover, tmp_path):
 
 
 BAD = {
-    "cut": (lambda data: data[: len(data) // 2], "cannot read .* as an MCAP file of ROS 2: .*`mcap recover`"),
-    "a byte": (lambda data: data[:1], "cannot read"),
-    "empty": (lambda data: b"", "empty"),
-    "foreign": (lambda data: b"time [s],slide.position [m]\n" * 20, "magic is invalid"),
-    "of ROS 1": (lambda data: data.replace(b"ros2", b"ros1", 1), "Profile is not ros2"),
-    "another chunk": (lambda data: data[:200] + bytes(99) + data[299:], "cannot read"),
+    "cut": (lambda data: data[: len(data) // 2], "cannot read .*: its end is missing; .*`mcap recover`"),
+    "a byte": (lambda data: data[:1], "it is no MCAP file"),
+    "empty": (lambda data: b"", "it is no MCAP file"),
+    "foreign": (lambda data: b"time [s],slide.position [m]\n" * 20, "it is no MCAP file"),
+    "of ROS 1": (lambda data: data.replace(b"ros2", b"ros1", 1), "its messages are not of ROS 2"),
+    "another chunk": (lambda data: data[:200] + bytes(99) + data[299:], "a part of it is damaged; .*`mcap recover`"),
+    "another bit": (lambda data: data[:5000] + bytes([data[5000] ^ 1]) + data[5001:], "a part of it is damaged"),
 }
 
 
@@ -172,11 +174,23 @@ def test_a_chunk_is_decompressed_no_further_than_it_says(rover, tmp_path):
     file.write_bytes(data)
     tracemalloc.start()
     try:
-        with pytest.raises(InputError, match="Chunk size mismatch"):
+        with pytest.raises(InputError, match="a part of it is damaged"):
             load_trajectory(rover, file)
         assert tracemalloc.get_traced_memory()[1] < 50e6
     finally:
         tracemalloc.stop()
+
+
+def test_a_file_is_unpacked_no_further_than_one_may_be_large(rover, tmp_path, monkeypatch):
+    """Chunks of one instant, which the reader has in memory at once."""
+    text = ROS.types["std_msgs/msg/String"]("0" * 1_000_000)
+    file = bag(tmp_path / "zeros", [("/labels", "std_msgs/msg/String", 1, text)] * 5)
+    monkeypatch.setattr(mcap_file, "MAX_BYTES", 3_000_000)
+    with pytest.raises(InputError, match="unpacks to more than 3,000,000 bytes; record it in smaller parts"):
+        load_trajectory(rover, file)
+    monkeypatch.setattr(mcap_file, "MAX_CHUNK", 900_000)
+    with pytest.raises(InputError, match="unpacks to a chunk of more than 900,000 bytes"):
+        load_trajectory(rover, file)
 
 
 def test_files_without_a_motion_of_the_arm_are_refused(rover, tmp_path):

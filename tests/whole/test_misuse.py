@@ -110,7 +110,7 @@ GOOD: dict[str, Any] = {
 MEASURED = calibration.Measurements(ARM.random_theta(0, 40), ARM.fk(ARM.random_theta(0, 40))[:, :3, 3])
 CALIBRATION = calibration.calibrate(ARM, MEASURED)
 
-TABLE = twistarm.DhTable(np.array([[0.3, 0.0, 0.1, 0.0], [0.2, 0.5, 0.0, 0.1]]))
+TABLE = twistarm.DhTable(np.array([[0.3, 0.0, 0.1, 0.0], [0.2, 0.5, 0.0, 0.1]]), "standard")
 
 MAP = twistarm.reach_map(ARM, 0.5, method="fk", samples=1000)
 DESIGNS = twistarm.sweep({"a": ARM}, None, lambda arm: {"n": arm.n})

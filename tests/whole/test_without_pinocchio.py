@@ -13,6 +13,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from twistarm import load_arm
+from urdf_text import two_joints
 
 MISSING = (
     "pinocchio", "coal", "hppfcl", "eigenpy", "xacro",  # no wheels
@@ -42,6 +43,7 @@ print(json.dumps({
     "fk": arm.fk(theta).tolist(),
     "J": arm.spatial_jacobian(theta).tolist(),
     "poses": {name: g.tolist() for name, g in arm.poses(theta).items()},
+    "writeable": all(g.flags.writeable for g in arm.poses(theta).values()),
     "forearm": arm.pose(theta, "forearm_link").tolist(),
     "ik": t.solve_ik(baked, t.Pose(baked.fk(theta)), theta0=arm.ready).theta.tolist(),
     "proof": arm.proof,
@@ -79,6 +81,7 @@ def test_kinematics_are_those_of_pinocchio(environment: dict[str, str], tmp_path
     assert said["poses"].keys() == poses.keys()
     for name, pose in poses.items():
         assert_allclose(said["poses"][name], pose, atol=1e-12)
+    assert said["writeable"]  # as with Pinocchio
     assert_allclose(said["forearm"], poses["forearm_link"], atol=1e-12)
     assert_allclose(arm.by_pinocchio(said["ik"])[0], g, atol=1e-5)
     assert said["proof"] is None
@@ -86,6 +89,21 @@ def test_kinematics_are_those_of_pinocchio(environment: dict[str, str], tmp_path
     assert len(said["skipped"]) == 1
     assert "pip install 'pin>=" in said["skipped"][0]
     assert "poe/differences" in said["compared"]
+
+
+def test_doctor_examines_and_repairs(environment: dict[str, str], tmp_path: Path) -> None:
+    """What needs Pinocchio is left out, and says so."""
+    file, copy = tmp_path / "arm.urdf", tmp_path / "copy.urdf"
+    file.write_text(two_joints().replace("0 0 1", "0 0 2"))
+    program = ("-c", "from twistarm.cli import main; main()", "doctor", str(file))
+    done = run(environment, *program, "--json")
+    assert done.returncode == 0, done.stderr
+    codes = {each["code"]: each["remedy"] for each in json.loads(done.stdout)["findings"]}
+    assert "pip install 'pin>=" in codes["not-compared"]
+    assert len(codes) > 1
+    done = run(environment, *program, "--fix", "-o", str(copy))
+    assert "parser does not read it: pinocchio is not installed" in " ".join(done.stdout.split())
+    assert load_arm(copy).proof is not None
 
 
 def test_a_xacro_file_names_what_is_missing(environment: dict[str, str]) -> None:

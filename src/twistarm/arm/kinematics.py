@@ -77,7 +77,7 @@ def walked_poses(arm: Arm, theta: Array, others: Mapping[str, float] = MappingPr
     assert arm.description is not None
     poses = arm.description.link_poses(joint_values(arm, theta, others))
     back = inverse(poses[arm.base])
-    return {link: np.broadcast_to(back @ g, (len(theta), 4, 4)) for link, g in poses.items()}
+    return {link: np.array(np.broadcast_to(back @ g, (len(theta), 4, 4))) for link, g in poses.items()}
 
 
 def joint_values(arm: Arm, theta: Array, others: Mapping[str, float] = MappingProxyType({})) -> dict[str, Array]:

@@ -21,6 +21,7 @@ from .commands import (
     collisions,
     demonstration,
     designing,
+    dh,
     doctor,
     following,
     guide,
@@ -45,15 +46,15 @@ BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 app = typer.Typer(
     name="twistarm",
     cls=Group,
-    help="Kinematics of robot arms in the language of screws. ARM is a URDF, xacro or MJCF file, an arm.toml, or a "
-    "name that `twistarm arms` lists.",
+    help="Kinematics of robot arms in the language of screws. ARM is a URDF, xacro or MJCF file, an arm.toml, a "
+    "Denavit–Hartenberg table, or a name that `twistarm arms` lists.",
     pretty_exceptions_enable=False,
 )
 for command in (
     demonstration.demo, inspection.arms, inspection.info,
     init.init, checking.check, checking.freeze, doctor.doctor, baking.bake,
     collisions.collisions, wiring.wiring, calibrating.calibrate,
-    kinematics.fk, kinematics.jacobian, inverse.ik, motion.plan,
+    kinematics.fk, kinematics.jacobian, dh.dh, inverse.ik, motion.plan,
     reaching.reach, designing.payload, designing.designs, parking.panel,
     viewing.view, servo.servo, following.follow,
 ):  # fmt: skip

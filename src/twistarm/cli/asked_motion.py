@@ -17,18 +17,19 @@ from ..planning import plan as plan_segments
 from ..planning.motion import LAWS, as_segments
 from ..planning.segments import Segment
 from ..planning.spans import Progress
-from ..support.checks import Array, as_not_negative, as_positive
+from ..support.checks import Array, as_positive
 from ..support.errors import InputError
 from .avoiding import avoided
 from .output import progress_bar
+from .quantities import OfJoints, of_joints
 from .targets import Target, typed_orientation
 from .typed import parse_numbers, parse_theta
 
 if TYPE_CHECKING:
     from ..collision import Scene
 
-Caps = Mapping[str, float | None]
-"""The greatest velocity and acceleration of any joint, as typed."""
+Caps = Mapping[str, OfJoints | None]
+"""The greatest velocity and acceleration of joints, as typed."""
 
 Planned = tuple[Trajectory, list[Segment]]
 """A motion, and the segments that it was planned by."""
@@ -53,10 +54,6 @@ class Typed:
 
     def require_fitting(self, *, by_file: bool, by_joints: bool, goals: int) -> None:
         """Raise InputError for an option that has no effect beside the others."""
-        if self.blend is not None:
-            as_not_negative(self.blend, "--blend")
-        if self.linear_speed is not None:
-            as_positive(self.linear_speed, "--linear-speed")
         typed = {"--line": self.line, "--stop": self.stop, "--blend": self.blend is not None}
         idle = [option for option, is_typed in typed.items() if is_typed]
         if by_file and idle:
@@ -155,8 +152,6 @@ def motion_of_file(arm: Arm, path: Path, caps: Caps) -> tuple[Arm, Trajectory]:
 def capped(arm: Arm, caps: Caps, changes: Mapping[str, Any] | None = None) -> JointLimits:
     """The arm's limits, each at most the typed value. A missing limit takes the typed value."""
     limits = arm.limits.with_(changes or {}, arm.joint_names)
-    for name, cap in caps.items():
-        if cap is not None:
-            as_positive(cap, f"--{name}")
-    lowered = {name: np.minimum(getattr(limits, name), cap) for name, cap in caps.items() if cap is not None}
+    typed = {name: of_joints(arm, cap, np.inf, f"--{name}") for name, cap in caps.items() if cap is not None}
+    lowered = {name: np.minimum(getattr(limits, name), each) for name, each in typed.items()}
     return limits.with_(lowered, arm.joint_names)

@@ -13,18 +13,36 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     LENGTH: {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254},
     ANGLE: {"rad": 1.0, "deg": math.radians(1.0), "°": math.radians(1.0)},
     NUMBER: {},
+    "s": {"s": 1.0, "ms": 0.001, "min": 60.0},
+    "kg": {"kg": 1.0, "g": 0.001},
+    "Hz": {"hz": 1.0, "khz": 1000.0},
 }
 """The units of each quantity, and their sizes."""
 
-SUCH_AS = {LENGTH: "0.3, 300 mm or 12 in", ANGLE: "30 deg or pi/6", NUMBER: "0.5 or 1/2"}
+SUCH_AS = {
+    LENGTH: "0.3, 300 mm or 12 in",
+    ANGLE: "30 deg or pi/6",
+    NUMBER: "0.5 or 1/2",
+    "s": "0.5 or 500 ms",
+    "kg": "0.5 or 500 g",
+    "Hz": "100 or 100 Hz",
+    "m/s": "0.1 or 100 mm/s",
+    "rad m": "0.1, 5 deg or 2 mm",
+    "rad/s m/s": "0.5, 30 deg/s or 50 mm/s",
+    "rad/s² m/s²": "2, 90 deg/s² or 500 mm/s²",
+}
 
 LONGEST = 100
 """Most characters of an expression."""
 
-UNIT = "rad|deg|°|cm|mm|in|m"
+UNIT = "|".join(sorted({unit for units in UNITS.values() for unit in units}, key=len, reverse=True))
+PER = {"s": r"/\s*s(?![\w²^*])", "s²": r"/\s*s(?:²|2|\^2|\*\*2)(?![\w²^*])"}
+"""The ends of the units of rates."""
 _NUMERAL = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?"
 _TOKEN = re.compile(rf"\s*({_NUMERAL}|[a-zπ°]+|.)")
-_WORD = re.compile(rf"(?!-+(?!pi)[a-z])(?=.*[\w°])(?:{_NUMERAL}|pi|π|nan|inf|{UNIT}|[-−+*/(),;\[\]])+", re.IGNORECASE)
+_WORD = re.compile(
+    rf"(?!-+(?!pi)[a-z])(?=.*[\w°])(?:{_NUMERAL}|pi|π|nan|inf|{UNIT}|²|\^|[-−+*/(),;\[\]])+", re.IGNORECASE
+)
 _BETWEEN = re.compile(rf"[,;\[\]]|(?<![-−+*/(\s])\s+(?!\s|[*/)]|[-−+]\s|(?:{UNIT})(?![a-z]))", re.IGNORECASE)
 _SIGNS: Mapping[type[ast.operator], Callable[[complex, complex], complex]] = {
     ast.Add: operator.add,
@@ -49,11 +67,13 @@ def separate(text: str) -> list[str]:
 
 
 def evaluated(text: str, quantity: str = NUMBER, *, radians: bool = False) -> float:
-    """The value of an expression in rad or m; NaN if it has none.
+    """The value of an expression in SI; NaN if it has none. `quantity` is one of `UNITS`, or a rate such as m/s.
 
     An angle without a unit is in degrees, unless `radians` is set or pi occurs in it.
     """
     plain = text.strip().lower().replace("−", "-").replace("π", "pi")
+    quantity, _, per = quantity.partition("/")
+    plain = re.sub(PER[per], "", plain) if per else plain
     bare = math.radians(1.0) if quantity == ANGLE and not radians and "pi" not in plain else 1.0
     try:
         value = _value(ast.parse(_python(plain, UNITS[quantity]), mode="eval").body)

@@ -20,7 +20,7 @@ from ..support.errors import InputError
 from .expression import ANGLE, LENGTH, SUCH_AS, evaluated
 from .typed import VALUES
 
-ENDINGS = (".urdf", ".xacro", ".xml", ".toml", ".json")
+ENDINGS = (".urdf", ".xacro", ".xml", ".toml", ".json", ".csv")
 """Of files that may be an ARM."""
 
 
@@ -36,7 +36,9 @@ def _fits(name: str, typed: str) -> bool:
 
 
 ARM = typer.Argument(
-    metavar="ARM", help="URDF, xacro, MJCF, arm.toml, arm.json, or catalogue name.", autocompletion=arms_like
+    metavar="ARM",
+    help="URDF, xacro, MJCF, arm.toml, arm.json, DH table (CSV), or catalogue name.",
+    autocompletion=arms_like,
 )
 Source = Annotated[str, ARM]
 ArmOption = Annotated[

@@ -15,11 +15,12 @@ from ..arm.arm import Arm
 from ..control.stream import Feedback, Recorder, SerialRobot, SimulatedJoints, Sink, UdpFeedback, UdpSink, read_key
 from ..control.stream.links.inbox import FEEDBACK_TIMEOUT
 from ..control.stream.links.serial_link import BAUDRATE
-from ..support.checks import Array, as_positive
+from ..support.checks import Array
 from ..support.errors import InputError, LimitError
 from .options import replaced
 from .output import shown, units
 from .outputs import Force, outputs_of
+from .quantities import quantity
 
 Udp = Annotated[str | None, typer.Option(metavar="HOST:PORT", help="Send setpoints to a robot there; needs --listen.")]
 Listen = Annotated[
@@ -40,12 +41,14 @@ Key = Annotated[
     typer.Option(metavar="FILE", help="Sign datagrams, and take signed ones alone, by the key in this file."),
 ]
 Record = Annotated[str | None, typer.Option(metavar="FILE.mcap", help="Record the stream as ROS 2 messages.")]
-Hertz = Annotated[float, typer.Option(help="Cycles per second.")]
+Hertz = Annotated[float, quantity("Hz", "Cycles per second.")]
 VelocityMode = Annotated[
     bool, typer.Option("--velocity-mode", help="The robot takes rates alone: correct them by what is measured.")
 ]
-FeedbackTimeout = Annotated[float, typer.Option(metavar="SECONDS", help="How long a joint state holds.")]
-Tolerance = Annotated[float, typer.Option(help="How far a joint may be from where it is commanded to be (rad, m).")]
+FeedbackTimeout = Annotated[float, quantity("s", "How long a joint state holds.")]
+Tolerance = Annotated[
+    Any, quantity("rad m", "How far a joint may be from where it is commanded to be; rad and m without a unit.")
+]
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,11 @@ class Robot:
         """Whether --from or --key was given."""
         return bool(self.senders) or self.key is not None
 
+    @property
+    def written(self) -> list[str]:
+        """The file of --record, if there is one."""
+        return [] if self.record is None else [self.record]
+
     def require_fitting(self) -> None:
         """Raise InputError where options do not go together."""
         if (self.udp is None) != (self.listen is None):
@@ -78,7 +86,6 @@ class Robot:
             raise InputError("--units is for a robot: it needs --udp or --serial")
         if self.velocity_mode and self.udp is None and self.serial is None:
             raise InputError("--velocity-mode is for a robot that takes rates alone: it needs --udp or --serial")
-        require_positive(feedback_timeout=self.feedback_timeout)
         outputs_of(self.record, {"mcap": (".mcap",)}, force=self.force)
 
     def admitted(self) -> dict[str, Any]:
@@ -112,13 +119,6 @@ def takes_robot(command: Callable[..., Any]) -> Callable[..., Any]:
     """Give a command with a parameter `robot` the options of `Robot` instead."""
     options = inspect.signature(Robot, eval_str=True).parameters
     return replaced(command, ("robot",), options, lambda typed, radians: (Robot(**typed),))
-
-
-def require_positive(**typed: float | None) -> None:
-    """InputError for an option that was given and is not a positive number."""
-    for name, value in typed.items():
-        if value is not None:
-            as_positive(value, f"--{name.replace('_', '-')}")
 
 
 def require_inside(arm: Arm, theta: Array, radians: bool) -> None:

@@ -13,7 +13,8 @@ from ..support.checks import Array, as_positive
 from ..support.errors import InputError
 from ..support.unit_hints import TURN, angle_hint
 from .csv_rows import Sheet, no_column
-from .typed import AXIS, RPY, WXYZ, XYZ, XYZW, length, parse_numbers
+from .quantities import quantity
+from .typed import AXIS, RPY, WXYZ, XYZ, XYZW, parse_numbers
 
 Target = Pose | Approach | Position
 
@@ -41,8 +42,7 @@ Axis = Annotated[
     ),
 ]
 PositionTol = Annotated[
-    float | None,
-    typer.Option(parser=length, metavar="M", help="How far off a position is still met; 1e-6 m, with ik --all 1e-9 m."),
+    float | None, quantity("m", "How far off a position is still met; 1e-6 m, with ik --all 1e-9 m.")
 ]
 OrientationTol = Annotated[
     str | None,
@@ -129,7 +129,7 @@ def typed_tolerances(position: float | None, orientation: str | None, radians: b
     """The tolerances that were typed [m, rad], as solvers and planners take them."""
     typed: dict[str, Any] = {}
     if position is not None:
-        typed["position_tol"] = as_positive(position, "--position-tol")
+        typed["position_tol"] = position
     if orientation is not None:
         (angle,) = parse_numbers(orientation, "rad", "--orientation-tol", radians)
         typed["orientation_tol"] = as_positive(angle, "--orientation-tol")

@@ -7,14 +7,14 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
-from typer import BadParameter
 from typer.core import TyperCommand, TyperGroup
 
 from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.errors import InputError, listed
-from .expression import ANGLE, LENGTH, SUCH_AS, UNIT, evaluated, is_part, separate
+from .expression import ANGLE, SUCH_AS, UNIT, evaluated, is_part, separate
 from .output import as_written, note
+from .quantities import METAVARS
 
 VALUES = "VALUES"
 POSE = "POSE"
@@ -22,8 +22,8 @@ XYZ, PLACE = "'X Y Z'", "'X Y YAW'"
 RPY = "'R P Y'"
 WXYZ, XYZW = "'W X Y Z'", "'X Y Z W'"
 AXIS = "AXIS"
-NUMBERS = (VALUES, POSE, XYZ, PLACE, RPY, WXYZ, XYZW, AXIS)
-"""The values in the help of options that take several numbers."""
+NUMBERS = (VALUES, POSE, XYZ, PLACE, RPY, WXYZ, XYZW, AXIS, *METAVARS.values())
+"""The values in the help of options that take several words: numbers, and units after them."""
 
 ROUNDING = 1e-6
 """A smaller distance outside a limit [rad, m] is rounding of a printed number."""
@@ -179,11 +179,3 @@ def parse_numbers(text: str, units: str, name: str, radians: bool = False) -> Ar
         why = f", where {wrong[0]!r} is none" if wrong and len(typed) > 1 else ""
         raise InputError(f"{name} takes {count} such as {such}, as in {name} {zeros}; got {text!r}{why}")
     return np.array(numbers)
-
-
-def length(text: object) -> float:
-    """The parser of an option that takes a length [m]."""
-    value = evaluated(str(text), LENGTH)
-    if not np.isfinite(value):
-        raise BadParameter(f"it takes a length such as {SUCH_AS[LENGTH]}; got {text}")
-    return value

@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -24,21 +25,31 @@ from ..support.checks import (
     require_names,
     require_one,
 )
-from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
-from ..support.errors import InputError, shown
+from ..support.csv_lines import FACTORS, Bounds, Row, csv_lines, csv_rows, quantity_and_unit
+from ..support.errors import InputError, listed, shown
+from ..support.files import as_path
 from ..support.unit_hints import angle_hint
 from ..theory.rotations import exp
 from .bounds import LIMIT_NAMES
-from .document import LARGEST
+from .document import LARGEST, note_file
 from .writing import add_joint
 
 CONVENTIONS = ("standard", "modified")
 TYPES = ("revolute", "prismatic")
+FIXED = "fixed"
+"""The type of a row without a joint, before the first or behind the last."""
 BASE, TOOL = "base", "tool"
 
 PARAMETERS = ("a", "alpha", "d", "theta")
-WORDS = ("joint", "type")
-COLUMNS = (*PARAMETERS, *WORDS, *LIMIT_NAMES)
+WORDS = ("joint", "type", "convention")
+COLUMNS = (*WORDS, *PARAMETERS, *LIMIT_NAMES)
+KNOWN = {name: name for name in COLUMNS} | {"α": "alpha", "θ": "theta"}
+EFFORTS = dict.fromkeys(("n", "n m", "nm"), 1.0)
+
+UNDECIDED = (
+    "say the convention, standard (Paul, Spong, Siciliano) or modified (Craig): as an argument, as a column of the CSV "
+    "file, or as convention of [dh] in an arm.toml"
+)
 
 EXAMPLE = "{'joint1': {'upper': 1.0}}"
 
@@ -61,7 +72,7 @@ class DhTable(Rechecked):
     """
 
     rows: Array
-    convention: str = "standard"
+    convention: str
     joints: tuple[str, ...] | None = None
     types: tuple[str, ...] | None = None
     base: Array = field(default_factory=lambda: np.eye(4))
@@ -99,7 +110,7 @@ class DhTable(Rechecked):
 
 def dh_urdf(table: DhTable, name: str) -> str:
     """The URDF of the table's arm, from the link `base` to the link `tool`."""
-    fixed = [_fixed(row, table.convention) for row in table.rows]
+    fixed = [transform_of(row, table.convention) for row in table.rows]
     if table.convention == "standard":
         places, end = [table.base, *fixed[:-1]], fixed[-1] @ table.tool
     else:
@@ -117,7 +128,7 @@ def dh_urdf(table: DhTable, name: str) -> str:
     return ET.tostring(robot, encoding="unicode") + "\n"
 
 
-def _fixed(row: Array, convention: str) -> Array:
+def transform_of(row: Array, convention: str) -> Array:
     """The transform (4, 4) of a row with its coordinate at 0."""
     a, alpha, d, theta = row
     about_x, about_z = np.eye(4), np.eye(4)
@@ -127,28 +138,66 @@ def _fixed(row: Array, convention: str) -> Array:
 
 
 def table_of_rows(
-    rows: Iterable[Mapping[str, Any]], convention: str = "standard", base: Array | None = None
+    rows: Iterable[Mapping[str, Any]], convention: str | None = None, base: Array | None = None
 ) -> DhTable:
-    """The table of rows by column. A missing number is 0. Raises InputError with the row."""
-    numbers, limits, names, types = [], {}, [], []
-    for i, row in enumerate(rows, start=1):
-        if unknown := next((key for key in row if key not in COLUMNS), None):
-            raise InputError(
-                f"row {i}: unknown column {shown(unknown)}; allowed are {', '.join(COLUMNS)}, in m and rad"
-            )
-        given = {key: _number(value, i, key) for key, value in row.items() if key not in WORDS and value != ""}
-        if hint := angle_hint(np.array([given.get("alpha", 0.0), given.get("theta", 0.0)])):
-            raise InputError(f"row {i}: {hint}; write it in radians, as 1.5707963267948966 for 90°")
-        names.append(row.get("joint", f"joint{i}"))
-        types.append(row.get("type", TYPES[0]))
-        numbers.append([given.get(key, 0.0) for key in PARAMETERS])
-        limits[str(names[-1])] = {key: given[key] for key in LIMIT_NAMES if key in given}
-    table = np.reshape(numbers, (len(numbers), 4))
-    return DhTable(table, convention, tuple(names), tuple(types), np.eye(4) if base is None else base, limits=limits)
+    """The table of rows by column, whose names may have units. A missing number is 0.
+
+    Fixed rows at the ends belong to base and tool. Raises InputError with the row, and without a convention.
+    """
+    read = [_read(row, i) for i, row in enumerate(rows, start=1)]
+    said = {str(each) for each in (convention, *(row.get("convention") for row in read)) if each is not None}
+    if len(said) != 1:
+        raise InputError(f"it has the conventions {listed(sorted(said))}: keep one" if said else UNDECIDED)
+    (convention,) = said
+    require_choice(convention, CONVENTIONS, "convention")
+    moving = [i for i, row in enumerate(read) if row.get("type") != FIXED]
+    first, last = (moving[0], moving[-1]) if moving else (0, -1)
+    if len(moving) <= last - first:
+        raise InputError("a fixed row stands before the first joint or behind the last; add its numbers to theirs")
+    numbers = np.array([[row.get(name, 0.0) for name in PARAMETERS] for row in read]).reshape(-1, 4)
+    before, behind = (
+        [transform_of(row, convention) for row in rows] for rows in np.split(numbers, (first, last + 1))[::2]
+    )
+    base = reduce(np.matmul, before, np.eye(4) if base is None else base)
+    tool = reduce(np.matmul, behind, np.eye(4))
+    joints = read[first : last + 1]
+    names = tuple(row.get("joint", f"joint{i}") for i, row in enumerate(joints, start=1))
+    types = tuple(row.get("type", TYPES[0]) for row in joints)
+    limits = [{key: row[key] for key in LIMIT_NAMES if key in row} for row in joints]
+    by_joint = dict(zip(map(str, names), limits, strict=True))
+    return DhTable(numbers[first : last + 1], convention, names, types, base, tool, limits=by_joint)
+
+
+def _read(row: Mapping[str, Any], i: int) -> dict[str, Any]:
+    """The entries of row i by column, in SI."""
+    named = {key: quantity_and_unit(key, KNOWN) for key, value in row.items() if value != ""}
+    read = {name: row[key] for key, (name, _) in named.items() if name in WORDS}
+    for key, (name, unit) in named.items():
+        if name is None:
+            raise InputError(f"row {i}: unknown column {shown(key)}; allowed are {', '.join(COLUMNS)}")
+        if name in WORDS:
+            continue
+        if name in read:
+            raise InputError(f"row {i} has two values of {name}")
+        factors = _units(name, slides=read.get("type") == TYPES[1])
+        if unit.casefold() not in ("", *factors):
+            raise InputError(f"row {i}: {name} of this joint is in {', '.join(factors)}; got [{unit}]")
+        read[name] = _number(row[key], i, name) * factors.get(unit.casefold(), 1.0)
+        if not unit and name in ("alpha", "theta") and (hint := angle_hint(np.array(read[name]))):
+            raise InputError(f"row {i}: {hint}; name the column {name}_deg")
+    return read
+
+
+def _units(name: str, *, slides: bool) -> Mapping[str, float]:
+    """The units of a column of numbers, and their sizes in SI."""
+    factors = FACTORS["m" if name in ("a", "d") or (slides and name in LIMIT_NAMES) else "rad"]
+    per_second = {f"{unit}/s": factor for unit, factor in factors.items()}
+    return {"effort": EFFORTS, "velocity": per_second}.get(name, factors)
 
 
 def rows_of_csv(path: str | os.PathLike[str]) -> list[dict[str, str]]:
     """The rows of a CSV file by the columns that its first line names."""
+    note_file(as_path(path))
     header, *rows = [*csv_rows(csv_lines(path, BOUNDS), str(path))] or [Row(0, [])]
     names = [cell.strip() for cell in header.cells]
     for row in rows:
@@ -160,6 +209,7 @@ def rows_of_csv(path: str | os.PathLike[str]) -> list[dict[str, str]]:
 
 def _number(value: Any, row: int, column: str) -> float:
     with suppress(TypeError, ValueError, OverflowError):
-        if not isinstance(value, bool) and not np.isnan(number := float(value)):
+        number = float(value)
+        if not (isinstance(value, bool) or np.isnan(number) or (column in PARAMETERS and np.isinf(number))):
             return number
-    raise InputError(f"row {row}: {column} must be a number; got {shown(value)}")
+    raise InputError(f"row {row}: {column} must be a finite number; got {shown(value)}")

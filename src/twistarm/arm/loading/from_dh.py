@@ -12,11 +12,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...description.bounds import LIMIT_NAMES
 from ...description.companions.arm_file import ArmSpecification
-from ...description.dh import BASE, CONVENTIONS, TOOL, TYPES, DhTable, dh_urdf, rows_of_csv, table_of_rows
+from ...description.dh import (
+    BASE,
+    COLUMNS,
+    CONVENTIONS,
+    FIXED,
+    PARAMETERS,
+    TOOL,
+    TYPES,
+    UNDECIDED,
+    DhTable,
+    dh_urdf,
+    rows_of_csv,
+    table_of_rows,
+    transform_of,
+)
 from ...limits.joint_limits import JointLimits
-from ...support.checks import Array, require_choice
-from ...support.errors import InputError
+from ...support.checks import Array, as_positive, require_choice
+from ...support.csv_lines import csv_text
+from ...support.errors import InputError, shown
 from ...theory.joints import plane_axes
 from ...theory.screws import inverse, to_screw
 from ..arm import Arm, require_arm
@@ -25,13 +41,16 @@ from .arm_builder import UNIT, ArmBuilder, arm_of_urdf
 PARALLEL = 1e-7
 """Axes at a smaller angle [rad] count as parallel. The foot of their common normal is beyond double precision."""
 
+EXACT = 1e-14
+"""A smaller number of a row is rounding."""
+
 SAMPLES = 20
 """Random configurations at which a table is compared with its arm."""
 
 
 def arm_from_dh(
     table: ArrayLike | DhTable | str | os.PathLike[str],
-    convention: str = "standard",
+    convention: str | None = None,
     *,
     joints: Sequence[str] | None = None,
     types: Sequence[str] | None = None,
@@ -45,9 +64,10 @@ def arm_from_dh(
     The joint's coordinate is added to θ, which is its fixed offset, or to d for a prismatic joint.
 
     Args:
-        table: Rows (n, 4), a `DhTable`, or the path of a CSV file. Its first line names columns out of a, alpha, d,
-            theta, joint, type, lower, upper, velocity, effort. An arm.toml with [dh] is for `load_arm`.
-        convention: "standard" or "modified". A `DhTable` has its own.
+        table: Rows (n, 4), a `DhTable`, or the path of a CSV file. Its first line names columns out of joint, type,
+            convention, a, alpha, d, theta, lower, upper, velocity, effort, with units as in `a [mm]`; else they are
+            SI. Rows of type fixed belong to base and tool. An arm.toml with [dh] is for `load_arm`.
+        convention: "standard" or "modified". A `DhTable` has its own, and a file may have.
         joints: The n joint names; by default joint1, joint2 and so on.
         types: "revolute" or "prismatic" for each joint; by default revolute.
         base: Frame 0 seen from the base (4, 4); by default the identity.
@@ -62,9 +82,14 @@ def arm_from_dh(
         InputError: A wrong shape, name, type, convention or pose, or a file that is no table.
         DescriptionError: Limits of the table leave a joint no room.
     """
+    if convention is not None:
+        require_choice(convention, CONVENTIONS, "convention")
     if isinstance(table, (str, os.PathLike)):
         table = table_of_rows(rows_of_csv(table), convention)
-    made: Any = table if isinstance(table, DhTable) else DhTable(table, convention)  # type: ignore[arg-type]
+    own = table.convention if isinstance(table, DhTable) else convention
+    if own is None or convention not in (None, own):
+        raise InputError(UNDECIDED if own is None else f"the table is {own}; got convention={shown(convention)}")
+    made: Any = table if isinstance(table, DhTable) else DhTable(table, own)  # type: ignore[arg-type]
     given = {"joints": joints, "types": types, "base": base, "tool": tool}
     made = replace(made, **{key: value for key, value in given.items() if value is not None})
     ArmBuilder(name)  # which checks the name
@@ -72,21 +97,26 @@ def arm_from_dh(
     return arm_of_urdf(dh_urdf(made, name), specification, limits)
 
 
-def to_dh(arm: Arm, convention: str = "standard") -> DhTable:
+def to_dh(arm: Arm, convention: str = "standard", parallel: float = PARALLEL) -> DhTable:
     """The Denavit–Hartenberg table of an arm, with poses of base and tool before and behind it.
 
     Each frame lies on the common normal of two successive axes, the last of them the tool's z axis. Of parallel axes
-    the normal through the frame before is taken. a is never negative. Axes within 1e-7 rad count as parallel, and
+    the normal through the frame before is taken. a is never negative. Axes within `parallel` count as parallel, and
     `residual` tells by how much [m, rad] the table then differs from the arm. Source: Craig, §3.4; Paul, §2.8.
+
+    The common normal of two axes at a small angle is far away: axes 10 µrad and 0.3 m apart give a d of 30 km. Where a
+    description has rounded its angles, a greater `parallel` gives a table of usual size.
 
     Args:
         arm: An arm of turns and slides, one for each coordinate.
         convention: "standard" or "modified".
+        parallel: The angle [rad] below which axes count as parallel.
 
     Raises:
         InputError: The arm has coupled or helical joints, or twists that are not of unit length.
     """
     require_choice(convention, CONVENTIONS, "convention")
+    as_positive(parallel, "parallel")
     moving = require_arm(arm).coupling.A.any(axis=1)
     A, screws = arm.coupling.A[moving], to_screw(arm.screws[:, moving].T)
     slides = np.isinf(screws.pitch)
@@ -103,7 +133,7 @@ def to_dh(arm: Arm, convention: str = "standard") -> DhTable:
     for i in range(arm.n):
         here = frame[:3, 3]  # a slide's axis may pass through any point
         one, other = (here if j < arm.n and slides[j] else points[j] for j in (i, i + 1))
-        x, feet = _normal((axes[i], one), (axes[i + 1], other), frame)
+        x, feet = _normal((axes[i], one), (axes[i + 1], other), frame, parallel)
         k = i + 1 if convention == "standard" else i
         frame = np.eye(4)
         frame[:3, :3], frame[:3, 3] = plane_axes(axes[k], x), feet[k - i]
@@ -111,17 +141,59 @@ def to_dh(arm: Arm, convention: str = "standard") -> DhTable:
     steps = [inverse(one) @ other for one, other in pairwise(frames)]
     rows = np.array([_row(T, convention) for T in steps])
     types = tuple(TYPES[int(slide)] for slide in slides)
-    table = DhTable(rows, convention, arm.joint_names, types, base, inverse(frame) @ arm.home)
+    bounds = {name: getattr(arm.limits, name) for name in LIMIT_NAMES}
+    limits = {
+        joint: {name: float(values[j]) for name, values in bounds.items() if np.isfinite(values[j])}
+        for j, joint in enumerate(arm.joint_names)
+    }
+    table = DhTable(rows, convention, arm.joint_names, types, base, inverse(frame) @ arm.home, limits=limits)
     theta = arm.random_theta(0, SAMPLES)
     return replace(table, residual=float(np.abs(arm_from_dh(table).fk(theta) - arm.fk(theta)).max()))
 
 
-def _normal(line: tuple[Array, Array], other: tuple[Array, Array], frame: Array) -> tuple[Array, tuple[Array, Array]]:
+def dh_rows(table: DhTable) -> list[dict[str, Any]]:
+    """The rows of a table by column, in SI, as its CSV file has them: base and tool are fixed rows."""
+    base, tool = (_fixed_rows(T, table.convention) for T in (table.base, table.tool))
+    joints = (*(BASE for _ in base), *(table.joints or ()), *(TOOL for _ in tool))
+    types = (*(FIXED for _ in base), *(table.types or ()), *(FIXED for _ in tool))
+    return [
+        {"joint": joint, "type": kind, "convention": table.convention}
+        | dict(zip(PARAMETERS, np.where(np.abs(row) < EXACT, 0.0, row).tolist(), strict=True))
+        | dict(table.limits.get(joint, {}) if kind != FIXED else {})
+        for joint, kind, row in zip(joints, types, [*base, *table.rows, *tool], strict=True)
+    ]
+
+
+def dh_csv(table: DhTable) -> str:
+    """The CSV file of a table, which `load_arm` and `arm_from_dh` read."""
+    heads = {"a": "a [m]", "alpha": "alpha [rad]", "d": "d [m]", "theta": "theta [rad]"}
+    rows = [[row.get(name, "") for name in COLUMNS] for row in dh_rows(table)]
+    return csv_text([heads.get(name, name) for name in COLUMNS], rows)
+
+
+def _fixed_rows(T: Array, convention: str) -> list[Array]:
+    """Rows (4,) whose product is a transform (4, 4): one if it has the form of one, else a way and ZXZ in three."""
+    rows: list[Any] = [_row(T, convention)]
+    if np.abs(transform_of(rows[0], convention) - T).max() > EXACT:
+        (x, y, z), R = T[:3, 3], T[:3, :3]
+        way, turn, tilt = np.hypot(x, y), np.arctan2(y, x), np.arctan2(np.hypot(R[0, 2], R[1, 2]), R[2, 2])
+        first = np.arctan2(R[0, 2], -R[1, 2])
+        last = np.arctan2(*(transform_of(np.array([0.0, tilt, 0.0, first]), "standard")[:3, :3].T @ R)[[1, 0], 0])
+        if convention == "standard":
+            rows = [[way, 0.0, z, turn], [0.0, tilt, 0.0, first - turn], [0.0, 0.0, 0.0, last]]
+        else:
+            rows = [[0.0, 0.0, z, turn], [way, 0.0, 0.0, first - turn], [0.0, tilt, 0.0, last]]
+    return [row for row in np.array(rows) if np.abs(row).max() > EXACT]
+
+
+def _normal(
+    line: tuple[Array, Array], other: tuple[Array, Array], frame: Array, parallel: float
+) -> tuple[Array, tuple[Array, Array]]:
     """The direction (3,) of the common normal of two lines (axis, point), and its feet on both."""
     (z, p), (w, q) = line, other
     across = np.cross(z, w)
     sine = float(np.linalg.norm(across))
-    if sine < PARALLEL:
+    if sine < parallel:
         foot = p + z * (z @ (frame[:3, 3] - p))
         far = q + w * (w @ (foot - q))
         return (far - foot if np.linalg.norm(far - foot) > UNIT else frame[:3, 0]), (foot, far)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...description import catalog
 from ...description.chain import walk_chain
-from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_file
+from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_file, read_table_file
 from ...description.companions.arm_group import ArmGroup, arm_groups
 from ...description.companions.companion_files import path_from, srdf_beside
 from ...description.companions.srdf import Semantics, note_names, read_srdf
@@ -56,14 +56,16 @@ def load_arm(
 ) -> Arm:
     """Load an arm from a URDF, xacro or MJCF file, an arm.toml, or by its name in the catalogue (`available_arms()`).
 
-    An arm.json of `Arm.bake` is read without Pinocchio. Of the options it takes only `limits`. Arguments win over the
-    arm.toml, and the arm.toml wins over the SRDF.
+    A Denavit–Hartenberg table in a CSV file loads too if a column gives its convention. An arm.json of `Arm.bake` is
+    read without Pinocchio. Of the options it takes only `limits`. Arguments win over the arm.toml, and the arm.toml
+    wins over the SRDF.
 
     The screws and the home pose come from twistarm's own reading of the description. Pinocchio's model is built
     independently, and the two are compared at five random configurations (`arm.proof`).
 
     Args:
-        source: A URDF, xacro or MJCF file, an arm.toml, a baked arm.json, or a name of `available_arms()`.
+        source: A URDF, xacro or MJCF file, an arm.toml, a DH table (.csv), a baked arm.json, or a name of
+            `available_arms()`.
         base: The base link. By default the root link, or, on a vehicle, the first link of the arm itself.
         tip: The tip link. By default the tip of the SRDF's only arm group, or the link that is most likely the tool; a
             finding names it and the other candidates.
@@ -111,7 +113,8 @@ def proven(arm: Arm) -> Arm:
     missing = why_no_pinocchio()
     if missing:
         place = Place(Path(arm.source).name)
-        unproven = finding("not-compared", place, "its kinematics are not compared with Pinocchio's", missing)
+        what = "without Pinocchio its kinematics are not compared and its collisions not known"
+        unproven = finding("not-compared", place, what, missing)
         return replace(arm, findings=(*arm.findings, unproven))
     return replace(arm, proof=prove(arm))
 
@@ -247,7 +250,8 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     if is_baked(path):
         raise InputError(f"{path} is a baked arm, which has no description; give the file that it was baked from")
     if is_file(path):
-        return read_arm_file(path) if path.suffix == ".toml" else ArmSpecification(path, text)
+        read_file = {".toml": read_arm_file, ".csv": read_table_file}.get(path.suffix.lower())
+        return read_file(path) if read_file else ArmSpecification(path, text)
     own = catalog.own_arm_file(text)
     if own is not None:
         return replace(read_arm_file(own), source=text)
@@ -259,7 +263,7 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     why = why_no_file(path)
     if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         near = closest(path.name, _names_beside(path))
-        remedy = f"give a URDF, xacro or MJCF file, an arm.toml or an arm of the catalogue{near}"
+        remedy = f"give a URDF, xacro or MJCF file, a DH table, an arm.toml or an arm of the catalogue{near}"
         raise refusal("file-not-found", Place(text[:200]), why, remedy)
     names = available_arms()
     raise UnknownNameError(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...arm.arm import Arm
+from ...arm.pinocchio_model import why_no_pinocchio
 from ...collision import Scene
 from ...collision.allowed_pairs import ALWAYS
 from ...description.findings import Finding, finding
@@ -21,7 +22,7 @@ MOST_BODIES = 100
 
 def check_collisions(arm: Arm) -> Iterator[Finding]:
     """Pairs of links by the shapes of a `Scene`. Pairs that always collide are exempt without an SRDF."""
-    if arm.description is None or len(arm.description.links) > MOST_BODIES:
+    if arm.description is None or len(arm.description.links) > MOST_BODIES or why_no_pinocchio():
         return
     scene, exempt = Scene(arm), arm.disabled_collisions
     if len(scene.links) > MOST_BODIES:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ...arm.arm import Arm
-from ...arm.loading.load import assemble, prove, read, specify
+from ...arm.loading.load import assemble, proven, read, specify
 from ...description.coupling import resolve_couplings
 from ...description.findings import Finding, Place, finding
 from ...description.meshes import MeshReader
@@ -84,8 +84,7 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
     except (InputError, UnknownNameError) as error:
         return Diagnosis((_of_arm_file(error, source, load),))
     try:
-        arm = assemble(description, specification, {} if limits is None else limits)
-        proven = replace(arm, proof=prove(arm))
+        arm = proven(assemble(description, specification, {} if limits is None else limits))
     except DescriptionError as error:
         refused = _told_by(error, Place(str(source)))
     except ComparisonError as error:
@@ -93,7 +92,7 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
     except (InputError, UnknownNameError) as error:
         refused = [_of_arm_file(error, source, load | {"limits": limits})]
     else:
-        return examine_arm(proven)
+        return examine_arm(arm)
     known = [one for one in description.findings if one not in refused]
     with MeshReader() as reader:
         return Diagnosis(_in_order([*refused, *known, *_of_description(description, None, reader)]), description)

@@ -16,7 +16,7 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from ...arm.pinocchio_model import model_of
+from ...arm.pinocchio_model import model_of, why_no_pinocchio
 from ...description.document import Reading, floats
 from ...description.inertial import inertial_problem
 from ...description.mesh_paths import plain
@@ -78,7 +78,7 @@ def repaired(description: Description, folder: Path) -> Repair:
     problem = difference(description, copy)
     if problem:
         raise InputError(f"the repaired copy would be another robot: {problem}; please report it with the description")
-    return Repair(text, tuple(dict.fromkeys(changes)), model_of(text)[1])
+    return Repair(text, tuple(dict.fromkeys(changes)), why_no_pinocchio() or model_of(text)[1])
 
 
 def _joint(source: SourceText, joint: ET.Element, description: Description) -> Iterator[str]:

@@ -16,26 +16,28 @@ from ...calibration import calibrate as fit
 from ...support.errors import InputError
 from ...viewer import Viewer
 from ..avoiding import Avoid, avoided
+from ..expression import LENGTH, evaluated
 from ..options import Json, takes_arm
 from ..output import console, joint_heads, number, print_json, say, shown, table
 from ..outputs import Force, Outputs, outputs_of, repeated
+from ..quantities import quantity, whole
 from .viewing import show_address
+from .wiring import OrientationNoise
 
 Logs = Annotated[
     list[Path],
     typer.Argument(metavar="LOG…", help="CSV: a column per joint, then x, y, z, or point, plane, wire and length."),
 ]
-Noise = Annotated[float, typer.Option(help="Standard deviation of the measured positions, in metres.")]
-OrientationNoise = Annotated[float, typer.Option(help="Standard deviation of the measured orientations, in degrees.")]
+Noise = Annotated[float, quantity("m", "Standard deviation of the measured positions.")]
 HeldBase = Annotated[bool, typer.Option("--base-held", help="Positions are in the base frame; do not fit it.")]
 HeldTool = Annotated[bool, typer.Option("--tool-held", help="The measured point is the tip; do not fit it.")]
 Distance = Annotated[
-    list[str] | None, typer.Option(metavar="A=B=METRES", help="A known distance of two points; may be repeated.")
+    list[str] | None, typer.Option(metavar="A=B=LENGTH", help="A known distance of two points; may be repeated.")
 ]
-DistanceNoise = Annotated[float, typer.Option(help="Standard deviation of the known distances, in metres.")]
+DistanceNoise = Annotated[float, quantity("m", "Standard deviation of the known distances.")]
 Scales = Annotated[bool, typer.Option("--scales", help="Fit a scale of each joint too.")]
 Eccentricity = Annotated[bool, typer.Option("--eccentricity", help="Fit eccentric gears too.")]
-Next = Annotated[int, typer.Option("--next", metavar="N", help="Name N configurations to measure next.")]
+Next = Annotated[int, whole(0, 1000, "Name N configurations to measure next.", "--next")]
 Written = Annotated[
     list[str] | None,
     repeated(
@@ -79,7 +81,7 @@ def calibrate(
         base="held" if base_held else "fit",
         tool="held" if tool_held else "fit",
         position_noise=position_noise,
-        orientation_noise=float(np.radians(orientation_noise)),
+        orientation_noise=orientation_noise,
         distances=dict(_distance(said) for said in distance or ()),
         distance_noise=distance_noise,
         scales=scales,
@@ -112,11 +114,11 @@ def _show(found: Calibration, arm: Arm, out: TextIO) -> None:
 
 
 def _distance(said: str) -> tuple[tuple[str, str], float]:
-    try:
-        a, b, metres = said.split("=")
-        return (a, b), float(metres)
-    except ValueError:
-        raise InputError(f"--distance takes A=B=METRES, as in left=right=0.05; got {said!r}") from None
+    a, b, length, *more = [*said.split("="), "", ""]
+    value = evaluated(length, LENGTH)
+    if len(more) != 2 or not np.isfinite(value):
+        raise InputError(f"--distance takes A=B=LENGTH, as in left=right=0.05 or left=right=50mm; got {said!r}")
+    return (a, b), value
 
 
 def _print_unseen(estimates: tuple[Estimate, ...], outputs: Outputs) -> None:

@@ -20,6 +20,7 @@ from ..folders import PART, Line, refused, walk
 from ..options import Json, takes_arm, takes_source
 from ..output import console, note, print_json, progress_bar, say, table
 from ..outputs import STDOUT, Force, Output, outputs_of
+from ..quantities import whole
 from ..wording import worded
 
 Against = Annotated[
@@ -29,7 +30,7 @@ Against = Annotated[
 WORDS_SINCE = ("unchanged since", "CHANGED since", "changed")
 WORDS_AGAINST = ("the same as", "DIFFERENT from", "different")
 
-Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configurations to compare at.")]
+Samples = Annotated[int, whole(1, 1_000_000, "Random configurations to compare at.")]
 
 
 @takes_source

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-import typer
-
 from ...arm.arm import Arm
 from ...collision import Scene
 from ...collision.survey import Survey, srdf_text, survey
 from ..options import Json, Radians, SceneFile, takes_arm
 from ..output import console, finding_json, joint_heads, literal, print_json, progress_bar, say, table, theta_values
 from ..outputs import Force, Output, outputs_of
+from ..quantities import quantity, whole
 from ..wording import in_options
 
-Margin = Annotated[float, typer.Option("--margin", min=0.0, help="Distance [m] below which a pair collides.")]
-Samples = Annotated[int, typer.Option(min=1, max=1_000_000, help="Random configurations to check.")]
+Margin = Annotated[float, quantity("m", "Distance below which a pair collides.", zero=True)]
+Samples = Annotated[int, whole(1, 1_000_000, "Random configurations to check.")]
 
 
 @takes_arm

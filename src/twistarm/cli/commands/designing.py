@@ -14,7 +14,7 @@ from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
 from ...design import Cubes, Design, Needs, Payload, compare_designs, load_panel
 from ...design import payload as payload_of
-from ...support.checks import Array, as_not_negative, as_positive
+from ...support.checks import Array
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...support.pictures import empty_figure, png_of
@@ -23,18 +23,16 @@ from ..asked_motion import motion_of_file, typed_targets
 from ..options import CONFIGURATION, Json, Radians, takes_arm, takes_source
 from ..output import console, joint_heads, note, number, print_json, progress_bar, say, shown, table, theta_typed, units
 from ..outputs import Force, outputs_of, repeated
-from ..typed import length, parse_theta
+from ..quantities import quantity
+from ..typed import parse_theta
 from .inspection import info_json
 from .kinematics import warn_outside
 from .motion import Directions, Positions, Rpys
 
 Motion = Annotated[Path | None, typer.Option(metavar="FILE", help="Along a motion: *.csv, *.json, *.yaml or *.toml.")]
 Panel = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]
-Mass = Annotated[float, typer.Option(metavar="KG", help="A wanted payload: what each joint and motor needs for it.")]
-Voxel = Annotated[
-    float | None,
-    typer.Option(parser=length, metavar="M", help="-o writes the payload over space, in cubes of this side."),
-]
+Mass = Annotated[float, quantity("kg", "A wanted payload: what each joint and motor needs for it.", zero=True)]
+Voxel = Annotated[float | None, quantity("m", "-o writes the payload over space, in cubes of this side.")]
 SAMPLES = 200_000
 """Random configurations of a map of the payload: four seconds."""
 Files = Annotated[list[str] | None, repeated("Every configuration to *.csv, a picture to *.png")]
@@ -59,13 +57,10 @@ def payload(
 ) -> int:
     """Show the greatest mass at the tool anywhere inside the limits, at --theta, or along --motion."""
     outputs = outputs_of(output, KINDS, force=force, json=json)
-    as_not_negative(mass, "--mass")
     if motion is not None and theta is not None:
         raise InputError("--motion has its own configurations: leave out --theta")
-    if voxel is not None:
-        as_positive(voxel, "--voxel")
-        if motion is not None or theta is not None:
-            raise InputError("--voxel maps random configurations: leave out --theta and --motion")
+    if voxel is not None and (motion is not None or theta is not None):
+        raise InputError("--voxel maps random configurations: leave out --theta and --motion")
     x: Any = None if theta is None else parse_theta(arm, theta, rad)
     if x is not None:
         warn_outside(arm, x, rad)

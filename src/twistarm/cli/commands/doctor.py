@@ -131,7 +131,7 @@ def _print_repair(output: str | None, made: Repair | None, words: TextIO) -> Non
         return
     for change in made.changes:
         say(f"repaired: {change}", file=words)
-    complaint = f"Pinocchio's own parser still refuses it: {made.complaint}"
+    complaint = f"Pinocchio's own parser does not read it: {made.complaint}"
     reads = complaint if made.complaint else "Pinocchio's own parser reads it"
     same = "the same links, joints, limits and poses"
     n = len(made.changes)

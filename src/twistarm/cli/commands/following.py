@@ -28,10 +28,12 @@ from ...viewer import Viewer
 from ..asked_motion import motion_of_file
 from ..options import CONFIGURATION, Json, Radians, takes_arm
 from ..output import print_json, progress_bar, say
-from ..robot import Hertz, Robot, Tolerance, require_inside, require_positive, takes_robot
+from ..outputs import Outputs
+from ..quantities import of_joints, quantity
+from ..robot import Hertz, Robot, Tolerance, require_inside, takes_robot
 from ..typed import parse_theta
 from ..wording import in_options
-from .motion import Rate
+from .motion import Acceleration, Velocity
 from .servo import report_json
 from .viewing import Browser, Host, Port, show_address
 
@@ -46,8 +48,10 @@ Approach = Annotated[
     bool,
     typer.Option("--approach", help="Where the arm is elsewhere, move to the start first, straight in joint space."),
 ]
-Speed = Annotated[float, typer.Option(help="Share of the motion's own speed, above 0 and at most 1.")]
-StartTolerance = Annotated[float, typer.Option(help="How far from the start a joint may stand (rad, m).")]
+Speed = Annotated[float, quantity("1", "Share of the motion's own speed, above 0 and at most 1.")]
+StartTolerance = Annotated[
+    Any, quantity("rad m", "How far from the start a joint may stand; rad and m without a unit.")
+]
 
 KEYS = "space pauses and resumes, q stops"
 
@@ -65,8 +69,8 @@ def follow(
     speed: Speed = 1.0,
     theta: Stand = None,
     rate: Hertz = 100.0,
-    velocity: Rate = None,
-    acceleration: Rate = None,
+    velocity: Velocity = None,
+    acceleration: Acceleration = None,
     robot: Robot,
     tolerance: Tolerance = TRACKING_TOLERANCE,
     start_tolerance: StartTolerance = START_TOLERANCE,
@@ -83,9 +87,10 @@ def follow(
     if theta is not None and (robot.udp or robot.serial):
         raise InputError("--theta is where simulated joints stand; a robot says where it is")
     checked_rate(rate, ServoSettings())
-    require_positive(speed=speed, tolerance=tolerance, start_tolerance=start_tolerance)
     if speed > 1.0:
         raise InputError(f"--speed is a share of the motion's own, at most 1; got {speed:g}")
+    start = of_joints(arm, start_tolerance, START_TOLERANCE, "--start-tolerance")
+    tracked = of_joints(arm, tolerance, TRACKING_TOLERANCE, "--tolerance")
     driven, read = motion_of_file(arm, motion, {"velocity": velocity, "acceleration": acceleration})
     planned = motion_of(usually_limited(driven), read)
     x = _simulated_start(arm, theta, planned, rad)
@@ -112,13 +117,14 @@ def follow(
 
         report = follow_on(
             driven, planned, sink, feedback, rate=rate, speed=speed, approach=approach,
-            start_tolerance=start_tolerance, tolerance=tolerance, feedback_timeout=robot.feedback_timeout,
+            start_tolerance=start, tolerance=tracked, feedback_timeout=robot.feedback_timeout,
             velocity_mode=robot.velocity_mode, control=control, interlock=interlock, on_cycle=each,
         )  # fmt: skip
     if json:
-        print_json(_as_json(arm, report))
+        print_json(_as_json(arm, report) | {"written": robot.written})
     else:
         say(*in_options(report.explain()).splitlines())
+        Outputs().say(robot.written)
     return 0 if report.ok else 1
 
 

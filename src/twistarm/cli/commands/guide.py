@@ -22,6 +22,7 @@ from ...support.errors import DescriptionError, InputError
 from ..options import takes_arm_option
 from ..output import progress_bar, say, warn
 from ..outputs import Force, outputs_of
+from ..quantities import whole
 from ..typed import Command, Group
 from . import practising
 from .viewing import Browser
@@ -39,7 +40,7 @@ Folder = Annotated[
         "--output", "-o", metavar="DIR", help="Write the site into this folder, new or empty or built before, and end."
     ),
 ]
-Port = Annotated[int, typer.Option(min=0, max=65535, help="Port to serve on, on this machine alone; 0: a free one.")]
+Port = Annotated[int, whole(0, 65535, "Port to serve on, on this machine alone; 0: a free one.")]
 
 
 def lessons_like(typed: str) -> list[str]:

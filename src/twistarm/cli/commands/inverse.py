@@ -16,6 +16,7 @@ from ..csv_rows import Columns, read_sheet
 from ..options import Json, Radians, Theta, takes_arm
 from ..output import console, pose_json, print_json, progress_bar, say, shown, table, theta_typed, units
 from ..outputs import Force, Output, outputs_of
+from ..quantities import quantity
 from ..targets import (
     COLUMNS,
     Axis,
@@ -45,8 +46,7 @@ Posture = Annotated[
     ),
 ]
 MaxTime = Annotated[
-    float | None,
-    typer.Option("--max-time", metavar="S", help="Give up after so many seconds; with --all what is found by then."),
+    float | None, quantity("s", "Give up after so many seconds; with --all what is found by then.", "--max-time")
 ]
 All = Annotated[
     bool, typer.Option("--all", help="Every configuration that meets the target, the one nearest to --start first.")

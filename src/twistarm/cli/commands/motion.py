@@ -19,15 +19,15 @@ from ...planning.files.csv_file import csv_text
 from ...planning.files.joint_trajectory import json_text, yaml_text
 from ...planning.files.mcap_file import mcap_bytes
 from ...planning.joint_space import Kind
-from ...support.checks import as_positive
 from ...support.errors import InputError
 from ..asked_motion import Typed, capped, typed_targets
 from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units
 from ..outputs import STDOUT, Force, Format, Outputs, outputs_of, repeated
+from ..quantities import OfJoints, quantity
 from ..targets import Axis, OrientationTol, PositionTol, typed_tolerances
-from ..typed import POSE, RPY, XYZ, length
+from ..typed import POSE, RPY, XYZ
 from ..wording import in_options
 
 MOST_STRETCHES = 8
@@ -83,20 +83,14 @@ Directions = Annotated[
 ]
 Blend = Annotated[
     float | None,
-    typer.Option(
-        parser=length,
-        metavar="M",
-        help="Round the corners of --line or --xyz inside this radius; without it: stop there.",
-    ),
+    quantity("m", "Round the corners of --line or --xyz inside this radius; without it: stop there.", zero=True),
 ]
 ToolSpeed = Annotated[
-    float | None,
-    typer.Option("--linear-speed", metavar="M/S", help="The tool goes no faster, with --line, --xyz or a motion.toml."),
+    float | None, quantity("m/s", "The tool goes no faster, with --line, --xyz or a motion.toml.", "--linear-speed")
 ]
-Rate = Annotated[
-    float | None,
-    typer.Option(help="At most this for every joint (rad/s and m/s, or per s²); the arm's own limits hold as well."),
-]
+CAP = "At most this for every joint, or for those in its unit; the arm's own limits hold as well."
+Velocity = Annotated[OfJoints | None, quantity("rad/s m/s", CAP)]
+Acceleration = Annotated[OfJoints | None, quantity("rad/s² m/s²", CAP)]
 Output = Annotated[
     list[str] | None,
     repeated(
@@ -120,13 +114,12 @@ Smooth = Annotated[
     ),
 ]
 MaxTime = Annotated[
-    float,
-    typer.Option("--max-time", metavar="S", help="With --avoid: give up the way to a goal after so many seconds."),
+    float, quantity("s", "With --avoid: give up the way to a goal after so many seconds.", "--max-time")
 ]
 Counts = Annotated[
     bool, typer.Option("--counts", help="Write what the motors' drives count alone, for firmware that knows no joints.")
 ]
-Step = Annotated[float, typer.Option(help="Time step of the files, in seconds.")]
+Step = Annotated[float, quantity("s", "Time step of the files.")]
 
 
 @takes_arm
@@ -145,8 +138,8 @@ def plan(
     orientation_tol: OrientationTol = None,
     start: Start = None,
     kind: Annotated[Kind | None, TIMING] = None,
-    velocity: Rate = None,
-    acceleration: Rate = None,
+    velocity: Velocity = None,
+    acceleration: Acceleration = None,
     stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
     unwrap: Unwrap = False,
     smooth: Smooth = None,
@@ -163,8 +156,6 @@ def plan(
     """Plan the fastest motion through poses, targets or the segments of a file, within the limits."""
     if [motion is not None, bool(to), bool(xyz)].count(True) != 1:
         raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
-    as_positive(dt, "--dt")
-    as_positive(max_time, "--max-time")
     if smooth is not None and (line or not to or avoid):
         raise InputError("--smooth is about poses that a motion passes: it goes with --to alone")
     met = typed_tolerances(position_tol, orientation_tol, rad)

@@ -12,13 +12,13 @@ import typer
 
 from ...arm.arm import Arm
 from ...design import PanelReport, best_parking, check_panel, load_panel
-from ...support.checks import as_positive
 from ...support.pictures import empty_figure, png_of
 from ...theory.rotations import to_rpy
 from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, takes_arm
 from ..output import console, note, number, print_json, progress_bar, say, table
 from ..outputs import Force, Outputs, outputs_of, repeated
+from ..quantities import quantity
 from ..typed import PLACE, parse_numbers
 from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_texts
 
@@ -29,9 +29,7 @@ BasePose = Annotated[
         "--base-pose", metavar=PLACE, help="Check x, y [m] and yaw [°, or rad with --rad] instead of a search."
     ),
 ]
-Speed = Annotated[
-    float | None, typer.Option("--linear-speed", metavar="M/S", help="The tool goes no faster in the motion of -o.")
-]
+Speed = Annotated[float | None, quantity("m/s", "The tool goes no faster in the motion of -o.", "--linear-speed")]
 Files = Annotated[list[str] | None, repeated("A picture to *.png, the motion as plan does")]
 
 DONE, MISSED = "#0072b2", "#d55e00"
@@ -55,10 +53,7 @@ def panel(
 ) -> int:
     """Tell which tasks of a panel the arm does, why it fails at others, and where the rover parks best."""
     outputs = outputs_of(output, {"png": (".png",), **MOTION_KINDS}, force=force, json=json)
-    as_positive(dt, "--dt")
-    if linear_speed is not None:
-        as_positive(linear_speed, "--linear-speed")
-    how = {"linear_speed": linear_speed, "unwrap": unwrap, "max_time": as_positive(max_time, "--max-time")}
+    how = {"linear_speed": linear_speed, "unwrap": unwrap, "max_time": max_time}
     asked = load_panel(file)
     place = None if base_pose is None else parse_numbers(base_pose, "m m rad", "--base-pose", rad)
     scene = avoided(arm, avoid)

@@ -18,6 +18,7 @@ from ...guide.teaching.arm import arm as arm_of_the_lessons
 from ...support.files import as_path
 from ..options import Json, takes_arm_option
 from ..output import console, print_json, say, table, warn
+from ..quantities import whole
 
 
 @takes_arm_option
@@ -25,7 +26,7 @@ def check(
     source: str | None,
     load: dict[str, Any],
     file: Annotated[str, typer.Argument(metavar="FILE", help="A Python file, or a results file of Octave or MATLAB.")],
-    seed: Annotated[int, typer.Option(min=0, max=2**32, help="Of the random instances.")] = 0,
+    seed: Annotated[int, whole(0, 2**32, "Of the random instances.")] = 0,
     json: Json = False,
 ) -> int:
     """Grade the exercises in FILE, on random instances and on the screws of the arm.

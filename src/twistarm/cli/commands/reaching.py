@@ -15,7 +15,8 @@ from ..avoiding import Avoid, avoided
 from ..options import Json, takes_arm
 from ..output import console, number, print_json, progress_bar, say, table
 from ..outputs import STDOUT, Force, outputs_of, repeated
-from ..typed import length, parse_numbers
+from ..quantities import quantity, whole
+from ..typed import parse_numbers
 
 KINDS = {"npz": (".npz",), "png": (".png",), "ply": (".ply",)}
 
@@ -25,13 +26,13 @@ UNITS = {"volume": "m³", "lowest": "m", "highest": "m", "best at": "m", "best m
 """Units of the figures, by how their names begin."""
 
 Files = Annotated[list[str] | None, repeated("The map to *.npz, slices to *.png, a cloud to *.ply")]
-Voxel = Annotated[float, typer.Option(parser=length, metavar="M", help="Side of a cube, in metres.")]
+Voxel = Annotated[float, quantity("m", "Side of a cube.")]
 Directions = Annotated[
     str, typer.Option(metavar="WHICH", help="down, position (in any orientation), 26 (all around) or 'X Y Z'.")
 ]
 Method = Annotated[str, typer.Option(metavar="ik|fk", help="ik is exact; fk, by random configurations, a first look.")]
 Resume = Annotated[Path | None, typer.Option(metavar="FOLDER", help="Keep what is done there, and go on from it.")]
-Workers = Annotated[int | None, typer.Option(min=1, help="Threads; else one per processor.")]
+Workers = Annotated[int | None, whole(1, 1024, "Threads; else one per processor.")]
 
 
 @takes_arm

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 
 from ...arm.arm import Arm
@@ -17,28 +18,30 @@ from ...control.stream import Cycle, Source, StreamReport, UdpSource, run
 from ...control.stream.cycles import checked_rate
 from ...control.stream.links.inbox import COMMAND_TIMEOUT
 from ...control.stream.streaming import TOLERANCE
-from ...support.checks import as_not_negative, require_choice
+from ...support.checks import require_choice
 from ...support.errors import InputError
 from ...viewer import Viewer
 from ..asked_motion import capped
 from ..avoiding import Avoid, avoided
 from ..options import Json, Radians, Theta, takes_arm
 from ..output import print_json, say
-from ..robot import Hertz, Robot, Tolerance, address, require_inside, require_positive, takes_robot
+from ..outputs import Outputs
+from ..quantities import of_joints, quantity
+from ..robot import Hertz, Robot, Tolerance, address, require_inside, takes_robot
 from ..typed import parse_theta
 from ..wording import in_options
-from .motion import Rate
+from .motion import Acceleration, Velocity
 from .viewing import Browser, Host, Port, show_address
 
 Commands = Annotated[
     str | None, typer.Option(metavar="HOST:PORT", help="Take commands as datagrams to there, not from the page.")
 ]
-CommandTimeout = Annotated[float, typer.Option(metavar="SECONDS", help="How long a command holds.")]
-Margin = Annotated[float, typer.Option(help="Distance kept from position limits (rad, m).")]
+CommandTimeout = Annotated[float, quantity("s", "How long a command holds.")]
+Margin = Annotated[Any, quantity("rad m", "Distance kept from position limits; rad and m without a unit.", zero=True)]
 OnUnreachable = Annotated[
     str, typer.Option(metavar="slide|stop", help="Where the arm cannot follow: slide along, or stop on the course.")
 ]
-Duration = Annotated[float | None, typer.Option(help="End after so many seconds; else Ctrl-C ends it.")]
+Duration = Annotated[float | None, quantity("s", "End after so long; else Ctrl-C ends it.")]
 
 
 @takes_arm
@@ -48,8 +51,8 @@ def servo(
     *,
     theta: Theta = "ready",
     rate: Hertz = 100.0,
-    velocity: Rate = None,
-    acceleration: Rate = None,
+    velocity: Velocity = None,
+    acceleration: Acceleration = None,
     robot: Robot,
     commands: Commands = None,
     command_timeout: CommandTimeout = COMMAND_TIMEOUT,
@@ -69,9 +72,12 @@ def servo(
         raise InputError("--from and --key are for datagrams: they need --commands or --udp")
     robot.require_fitting()
     require_choice(on_unreachable, ON_UNREACHABLE, "--on-unreachable")
-    settings = ServoSettings(position_margin=as_not_negative(margin, "--margin"), on_unreachable=on_unreachable)
+    margins = of_joints(arm, margin, 0.0, "--margin")
+    if np.ptp(margins):
+        raise InputError(f"--margin is one number for turns and slides, which {arm.name} has both: leave out its unit")
+    settings = ServoSettings(position_margin=float(margins[0]), on_unreachable=on_unreachable)
     checked_rate(rate, settings)
-    require_positive(duration=duration, tolerance=tolerance, command_timeout=command_timeout)
+    near = of_joints(arm, tolerance, TOLERANCE, "--tolerance")
     x = parse_theta(arm, theta, rad)
     require_inside(arm, x, rad)
     driven = replace(arm, limits=capped(arm, {"velocity": velocity, "acceleration": acceleration}))
@@ -90,13 +96,14 @@ def servo(
 
         report = run(
             driven, source, sink, feedback, rate=rate, command_timeout=command_timeout,
-            feedback_timeout=robot.feedback_timeout, tolerance=tolerance, settings=viewer.servo_settings(settings),
+            feedback_timeout=robot.feedback_timeout, tolerance=near, settings=viewer.servo_settings(settings),
             scene=scene, velocity_mode=robot.velocity_mode, duration=duration, on_cycle=each,
         )  # fmt: skip
     if json:
-        print_json(report_json(arm, report))
+        print_json(report_json(arm, report) | {"written": robot.written})
     else:
         say(*in_options(report.explain()).splitlines())
+        Outputs().say(robot.written)
     return 0 if report.ok else 1
 
 

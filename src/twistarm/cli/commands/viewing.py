@@ -27,14 +27,12 @@ from ..asked_motion import motion_of_file
 from ..options import CONFIGURATION, Json, Radians, SceneFile, takes_source
 from ..output import print_json, progress_bar, say, warn
 from ..outputs import Force, Format, outputs_of, repeated
+from ..quantities import whole
 from ..typed import parse_theta
 from .kinematics import warn_outside
 
 Port = Annotated[
-    int,
-    typer.Option(
-        min=0, max=65535, help="Port to serve on; 0 takes a free one. Any other keeps the recorded poses for next time."
-    ),
+    int, whole(0, 65535, "Port to serve on; 0 takes a free one. Any other keeps the recorded poses for next time.")
 ]
 Host = Annotated[str, typer.Option(help="Interface to serve on; anything else opens the view to that network.")]
 Output = Annotated[
@@ -44,7 +42,7 @@ Output = Annotated[
         "output"
     ),
 ]
-FrameRate = Annotated[int | None, typer.Option(min=1, max=120, help="Frames of the film in a second; 30.")]
+FrameRate = Annotated[int | None, whole(1, 120, "Frames of the film in a second; 30.")]
 Play = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Play a motion that `twistarm plan` wrote, or that of a motion.toml."),

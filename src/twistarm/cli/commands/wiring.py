@@ -13,17 +13,19 @@ from ...arm.arm import Arm
 from ...calibration import Residual, WiringReport, check_wiring
 from ..options import Json, takes_arm
 from ..output import console, number, print_json, progress_bar, say, table
+from ..quantities import quantity
 
 Log = Annotated[
     Path, typer.Argument(metavar="LOG", help="CSV: a column per motor, x, y, z [m], and qx, qy, qz, qw if measured.")
 ]
-PositionNoise = Annotated[float, typer.Option(help="Standard deviation of the measured positions, in metres.")]
-OrientationNoise = Annotated[float, typer.Option(help="Standard deviation of the measured orientations, in degrees.")]
+PositionNoise = Annotated[float, quantity("m", "Standard deviation of the measured positions.")]
+OrientationNoise = Annotated[float, quantity("rad", "Standard deviation of the measured orientations [°].")]
 BasePositionNoise = Annotated[
-    float | None, typer.Option(help="Standard deviation of the base's own position, in metres; 0 if exactly known.")
+    float | None, quantity("m", "Standard deviation of the base's own position; 0 if exactly known.", zero=True)
 ]
 BaseOrientationNoise = Annotated[
-    float | None, typer.Option(help="Standard deviation of the base's own orientation, in degrees; 0 if exactly known.")
+    float | None,
+    quantity("rad", "Standard deviation of the base's own orientation [°]; 0 if exactly known.", zero=True),
 ]
 
 
@@ -38,15 +40,14 @@ def wiring(
     json: Json = False,
 ) -> int:
     """Check signs, ratios and zeros of the motors against logged counts and measured tool positions."""
-    turned = base_orientation_noise
     with progress_bar("wiring") as progress:
         report = check_wiring(
             arm,
             log,
             position_noise=position_noise,
-            orientation_noise=float(np.radians(orientation_noise)),
+            orientation_noise=orientation_noise,
             base_position_noise=base_position_noise,
-            base_orientation_noise=None if turned is None else float(np.radians(turned)),
+            base_orientation_noise=base_orientation_noise,
             progress=progress,
         )
     if json:

@@ -156,9 +156,20 @@ def _dh(content: Mapping[str, Any], path: Path) -> DhTable:
         raise InputError(f"dh.rows must be tables, each [[dh.rows]]; got {rows!r}")
     try:
         rows = rows if file is None else rows_of_csv(_file(text_of(file, "dh.table"), "dh.table", path))
-        return table_of_rows(rows, entries.get("convention", "standard"), _pose(entries, "base"))
+        return table_of_rows(rows, entries.get("convention"), _pose(entries, "base"))
     except InputError as error:
         raise InputError(f"dh: {error}") from error
+
+
+def read_table_file(path: Path) -> ArmSpecification:
+    """Read a CSV file with a DH table as an arm. Raises DescriptionError that says what is missing."""
+    from ..dh import BASE, TOOL, rows_of_csv, table_of_rows
+
+    try:
+        table = table_of_rows(rows_of_csv(path))
+    except InputError as error:
+        raise unusable(path, f"as a DH table: {error}") from error
+    return ArmSpecification(path, str(path), base=BASE, tip=TOOL, dh=table)
 
 
 def _file(name: str, key: str, path: Path) -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ import numpy as np
 from ...arm.arm import Arm, require_arm
 from ...support.checks import Array
 from ...support.closeable import Closeable
-from ...support.errors import InputError, listed, missing_extra, one_line
+from ...support.errors import InputError, listed, missing_extra
 from ...support.files import TEMPORARY, why_no_file, writable, write_whole
 from ...support.path_redaction import without_places
 from ...theory.rotations import to_xyzw
@@ -33,10 +34,16 @@ SECOND = 10**9  # nanoseconds
 NONE = np.zeros(0)
 
 MAX_BYTES, MAX_MESSAGES = 1_000_000_000, 200_000
-"""Of a file, and of a topic that is read: half an hour at 100 Hz."""
+"""Of a file, packed and unpacked, and of a topic that is read: half an hour at 100 Hz."""
 
 MAX_CHUNK = 100_000_000
 """Bytes of a chunk, which is decompressed at once. rosbag2 ends a chunk at 0.8 MB, or after a longer message."""
+
+MAGIC, PROFILE = b"\x89MCAP0\r\n", b"\4\0\0\0ros2"
+"""The bytes at both ends of a file, and those behind the 17th."""
+
+
+RECOVER = "copy it again, or save what is whole by `mcap recover`, a program of mcap.dev"
 
 
 def _import_rosbags() -> tuple[Any, Any, Any]:
@@ -48,15 +55,23 @@ def _import_rosbags() -> tuple[Any, Any, Any]:
 
 
 def _bound_chunks() -> None:
-    """Let rosbags decompress no chunk beyond the size that the chunk gives, nor beyond `MAX_CHUNK`.
+    """Let rosbags unpack no chunk beyond the size that it gives or `MAX_CHUNK`, and `MAX_BYTES` until the next call.
 
     rosbags compares the sizes only afterwards. A few kilobytes may hold gigabytes of zeros.
     """
     from lz4.frame import LZ4FrameDecompressor
     from rosbags.rosbag2 import storage_mcap
 
+    left = MAX_BYTES
+
     def bounded(kind: Any, data: bytes, size: int) -> bytes:
-        return kind().decompress(data, min(size, MAX_CHUNK) + 1)
+        nonlocal left
+        left -= size
+        if size > MAX_CHUNK or left < 0:
+            what = f"a chunk of more than {MAX_CHUNK:,}" if size > MAX_CHUNK else f"more than {MAX_BYTES:,}"
+            raise InputError(f"it unpacks to {what} bytes; record it in smaller parts, or only the topics of the arm")
+        unpacked: bytes = kind().decompress(data, size + 1)
+        return unpacked
 
     storage: Any = storage_mcap
     storage.DECOMPRESSORS["zstd"] = partial(bounded, storage.zstd.ZstdDecompressor)
@@ -74,6 +89,7 @@ class Bag(Closeable):
         if self._target.suffix.lower() != ".mcap":
             raise InputError(f"ROS 2 messages are written to *.mcap; got {path}")
         rosbag2, ros, self._store = _import_rosbags()
+        storage_mcap: Any = import_module("rosbags.rosbag2.storage_mcap")
         try:
             self._folder = TemporaryDirectory(prefix=".", suffix=TEMPORARY, dir=self._target.parent)
         except OSError as error:
@@ -82,6 +98,9 @@ class Bag(Closeable):
         self._writer = rosbag2.Writer(Path(self._folder.name) / "bag", version=8, storage_plugin=plugin)
         self._writer.set_compression(modes.STORAGE, rosbag2.CompressionFormat.ZSTD)
         self._writer.open()
+        zstd = storage_mcap.zstd  # with checksums, which rosbags leaves out, or readers would not notice damage
+        checked = {zstd.CompressionParameter.checksum_flag: 1}
+        self._writer.storage.compressor = partial(zstd.compress, options=checked)
         self._topics: dict[str, Any] = {}
         self._links = {arm.tip: arm.base}
         if arm.description is not None:
@@ -158,27 +177,43 @@ def mcap_bytes(trajectory: Trajectory, arm: Arm, dt: float) -> bytes:
 
 def read_mcap(arm: Arm, file: Path) -> Points:
     """Read the points of `arm` from a recording. Raises InputError, with the point."""
-    if why := why_no_file(file) or (file.stat().st_size > MAX_BYTES and f"more than {MAX_BYTES:,} bytes; split it"):
+    if why := why_no_file(file) or _why_no_recording(file):
         raise InputError(f"cannot read {file}: {why}")
     rosbag2, _, store = _import_rosbags()
+    _bound_chunks()
     try:
-        _bound_chunks()
         with rosbag2.Reader(file) as reader:
             message = _motion(arm, reader, store)
     except InputError as error:
         raise InputError(f"cannot read {file}: {error}") from error
     except Exception as error:  # damaged files raise errors of any type in rosbags
-        why = f"{one_line(str(error) or repr(error)).rstrip('.')}; `mcap recover` repairs a recording that was cut off"
-        raise InputError(f"cannot read {file} as an MCAP file of ROS 2: {why}") from error
+        raise InputError(f"cannot read {file}: a part of it is damaged; {RECOVER}") from error
     if not message["points"]:
         raise InputError(f"{file} holds neither one JointTrajectory nor joint states of {listed(arm.joint_names)}")
     return points_in(arm, message, str(file))
+
+
+def _why_no_recording(file: Path) -> str:
+    """Why a file is no whole MCAP file of ROS 2 by its size and its ends; empty if it is one."""
+    size = file.stat().st_size
+    with file.open("rb") as opened:
+        head = opened.read(25)
+        opened.seek(max(0, size - len(MAGIC)))
+        tail = opened.read()
+    checks = {
+        f"more than {MAX_BYTES:,} bytes; split it": size <= MAX_BYTES,
+        "it is no MCAP file": head.startswith(MAGIC),
+        f"its end is missing; {RECOVER}": tail == MAGIC,
+        "its messages are not of ROS 2": head[17:] == PROFILE,
+    }
+    return next((why for why, holds in checks.items() if not holds), "")
 
 
 def _motion(arm: Arm, reader: Any, store: Any) -> dict[str, Any]:
     """Return the setpoints of a recording, its only JointTrajectory, or its joint states, as plain data."""
 
     def heard(kind: str, ending: str = "") -> Iterator[tuple[int, Any]]:
+        _bound_chunks()
         layout = store.get_msgdef(kind)
         topics = [each for each in reader.connections if each.msgtype == kind and each.topic.endswith(ending)]
         for number, (_, time, data) in enumerate(reader.messages(topics) if topics else ()):
