@@ -9,7 +9,6 @@ from typing import Any
 import pinocchio
 import pytest
 
-import twistarm.checking.doctor.diagnosis
 from finding_cases import CASES, FAULTS, Case
 from twistarm import diagnose, load_arm
 from twistarm.checking.doctor.wording import codes_page
@@ -71,7 +70,7 @@ def test_the_input_raises_its_code(code: str, tmp_path: Path) -> None:
 def test_the_engines_faults_are_findings_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write(tmp_path, two_joints())
     with monkeypatch.context() as patched:
-        patched.setattr(twistarm.checking.doctor.diagnosis, "prove", raising(ComparisonError("they disagree by 1")))
+        patched.setattr("twistarm.arm.loading.load.prove", raising(ComparisonError("they disagree by 1")))
         assert [one.what for one in diagnose(path) if one.code == "engines-disagree"] == ["they disagree by 1"]
     monkeypatch.setattr(pinocchio, "buildModelFromXML", raising(ValueError("a fault of its own")))
     (said,) = [one for one in diagnose(path) if one.severity == "error"]
