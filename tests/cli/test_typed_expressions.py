@@ -156,6 +156,8 @@ def test_nonsense_for_a_number_is_answered_by_what_is_allowed(
         ),
         ("ik rover_arm --xyz 0.5 0 0 --orientation-tol 1mm", "--orientation-tol takes a number such as 30 deg"),
         ("plan rover_arm --to zero --velocity 30 deg/s²", "such as 0.5, 30 deg/s or 50 mm/s; got 30 deg/s²"),
+        ("plan rover_arm --to zero --velocity 30 deg", "such as 0.5, 30 deg/s or 50 mm/s; got 30 deg"),
+        ("plan rover_arm --to zero --velocity 1 rad/s/s", "such as 0.5, 30 deg/s or 50 mm/s; got 1 rad/s/s"),
         ("plan rover_arm --to zero --acceleration 3 rad/s", "such as 2, 90 deg/s² or 500 mm/s²; got 3 rad/s"),
         ("plan ur5 --to zero --velocity 50mm/s", "ur5 has no joint in m, as --velocity is"),
         ("servo rover_arm --margin 5deg", "--margin is one number for turns and slides"),

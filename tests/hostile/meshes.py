@@ -149,6 +149,11 @@ DAE = {
         lambda: dae(DRAWN, head="<!DOCTYPE a>").replace('"1.0"', '"1.0" encoding="UTF-16"').encode("utf-16"),
         "document type",
     ),
+    "dae: UTF-7, which hides a document type": text(
+        "mesh.dae",
+        dae(DRAWN, head="+ADwAIQ-DOCTYPE a+AD4-").replace('"1.0"', '"1.0" encoding="UTF-7"'),
+        "no XML in UTF-8",
+    ),
     "dae: a unit of 1e999": text("mesh.dae", dae(DRAWN, unit="1e999"), "unit"),
     "dae: 100,000 elements deep": text(
         "mesh.dae", lambda: dae("<node>" * 100_000 + "</node>" * 100_000), "more|nested|tri|malf"

@@ -147,7 +147,7 @@ BAD = {
     "empty": (lambda data: b"", "it is no MCAP file"),
     "foreign": (lambda data: b"time [s],slide.position [m]\n" * 20, "it is no MCAP file"),
     "of ROS 1": (lambda data: data.replace(b"ros2", b"ros1", 1), "its messages are not of ROS 2"),
-    "another chunk": (lambda data: data[:200] + bytes(99) + data[299:], "a part of it is damaged; .*`mcap recover`"),
+    "another chunk": (lambda data: data[:200] + bytes(99) + data[299:], "a part of it is damaged .*`mcap recover`"),
     "another bit": (lambda data: data[:5000] + bytes([data[5000] ^ 1]) + data[5001:], "a part of it is damaged"),
 }
 
@@ -174,7 +174,7 @@ def test_a_chunk_is_decompressed_no_further_than_it_says(rover, tmp_path):
     file.write_bytes(data)
     tracemalloc.start()
     try:
-        with pytest.raises(InputError, match="a part of it is damaged"):
+        with pytest.raises(InputError, match="damaged .*[Ss]ize"):
             load_trajectory(rover, file)
         assert tracemalloc.get_traced_memory()[1] < 50e6
     finally:

@@ -36,7 +36,7 @@ LONGEST = 100
 """Most characters of an expression."""
 
 UNIT = "|".join(sorted({unit for units in UNITS.values() for unit in units}, key=len, reverse=True))
-PER = {"s": r"/\s*s(?![\w²^*])", "s²": r"/\s*s(?:²|2|\^2|\*\*2)(?![\w²^*])"}
+PER = {"s": r"/\s*s(?![\w²^*]|\s*/\s*s)", "s²": r"/\s*s(?:²|2|\^2|\*\*2|\s*/\s*s)(?![\w²^*])"}
 """The ends of the units of rates."""
 _NUMERAL = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?"
 _TOKEN = re.compile(rf"\s*({_NUMERAL}|[a-zπ°]+|.)")
@@ -73,13 +73,13 @@ def evaluated(text: str, quantity: str = NUMBER, *, radians: bool = False) -> fl
     """
     plain = text.strip().lower().replace("−", "-").replace("π", "pi")
     quantity, _, per = quantity.partition("/")
-    plain = re.sub(PER[per], "", plain) if per else plain
+    plain, rates = re.subn(PER[per], "", plain) if per else (plain, 1)
     bare = math.radians(1.0) if quantity == ANGLE and not radians and "pi" not in plain else 1.0
     try:
         value = _value(ast.parse(_python(plain, UNITS[quantity]), mode="eval").body)
     except (SyntaxError, ValueError, ArithmeticError):
         return math.nan
-    return value.real * bare + value.imag
+    return math.nan if value.imag and not rates else value.real * bare + value.imag
 
 
 def _python(text: str, units: Mapping[str, float]) -> str:

@@ -18,7 +18,7 @@ from .expression import SUCH_AS, evaluated
 OfJoints = Mapping[str, float]
 """A typed quantity of joints, by their units rad and m."""
 
-METAVARS = {units: "ANGLE" if units == "rad" else units.upper().replace(" ", "|") for units in SUCH_AS}
+METAVARS = {units: units.upper().replace(" ", "|") for units in SUCH_AS} | {"rad": "ANGLE", "1": "NUMBER"}
 
 
 def quantity(units: str, told: str, *names: str, zero: bool = False) -> Any:

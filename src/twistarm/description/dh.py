@@ -28,7 +28,7 @@ from ..support.checks import (
 from ..support.csv_lines import FACTORS, Bounds, Row, csv_lines, csv_rows, quantity_and_unit
 from ..support.errors import InputError, listed, shown
 from ..support.files import as_path
-from ..support.unit_hints import angle_hint
+from ..support.unit_hints import TURN, angle_hint
 from ..theory.rotations import exp
 from .bounds import LIMIT_NAMES
 from .document import LARGEST, note_file
@@ -44,11 +44,13 @@ PARAMETERS = ("a", "alpha", "d", "theta")
 WORDS = ("joint", "type", "convention")
 COLUMNS = (*WORDS, *PARAMETERS, *LIMIT_NAMES)
 KNOWN = {name: name for name in COLUMNS} | {"α": "alpha", "θ": "theta"}
+LONGEST = {"alpha": TURN, "theta": TURN, "lower": 4 * TURN, "upper": 4 * TURN}
+"""Angles [rad] that may stand without a unit. Longer ones are in degrees, mostly."""
 EFFORTS = dict.fromkeys(("n", "n m", "nm"), 1.0)
 
 UNDECIDED = (
-    "say the convention, standard (Paul, Spong, Siciliano) or modified (Craig): as an argument, as a column of the CSV "
-    "file, or as convention of [dh] in an arm.toml"
+    "say the convention, standard (Paul, Spong, Siciliano) or modified (Craig): in a column `convention` of the CSV "
+    "file, as convention of [dh] in an arm.toml, or as an argument in Python"
 )
 
 EXAMPLE = "{'joint1': {'upper': 1.0}}"
@@ -145,6 +147,8 @@ def table_of_rows(
     Fixed rows at the ends belong to base and tool. Raises InputError with the row, and without a convention.
     """
     read = [_read(row, i) for i, row in enumerate(rows, start=1)]
+    if not read:
+        raise InputError("it has no rows of a, alpha, d, theta")
     said = {str(each) for each in (convention, *(row.get("convention") for row in read)) if each is not None}
     if len(said) != 1:
         raise InputError(f"it has the conventions {listed(sorted(said))}: keep one" if said else UNDECIDED)
@@ -155,11 +159,12 @@ def table_of_rows(
     if len(moving) <= last - first:
         raise InputError("a fixed row stands before the first joint or behind the last; add its numbers to theirs")
     numbers = np.array([[row.get(name, 0.0) for name in PARAMETERS] for row in read]).reshape(-1, 4)
-    before, behind = (
-        [transform_of(row, convention) for row in rows] for rows in np.split(numbers, (first, last + 1))[::2]
+    base, tool = (
+        reduce(np.matmul, [transform_of(row, convention) for row in part], pose)
+        for part, pose in zip(
+            np.split(numbers, (first, last + 1))[::2], (np.eye(4) if base is None else base, np.eye(4)), strict=True
+        )
     )
-    base = reduce(np.matmul, before, np.eye(4) if base is None else base)
-    tool = reduce(np.matmul, behind, np.eye(4))
     joints = read[first : last + 1]
     names = tuple(row.get("joint", f"joint{i}") for i, row in enumerate(joints, start=1))
     types = tuple(row.get("type", TYPES[0]) for row in joints)
@@ -172,6 +177,8 @@ def _read(row: Mapping[str, Any], i: int) -> dict[str, Any]:
     """The entries of row i by column, in SI."""
     named = {key: quantity_and_unit(key, KNOWN) for key, value in row.items() if value != ""}
     read = {name: row[key] for key, (name, _) in named.items() if name in WORDS}
+    if read.get("type", FIXED) not in (*TYPES, FIXED):
+        raise InputError(f"row {i}: type must be {', '.join(TYPES)} or {FIXED}; got {shown(read['type'])}")
     for key, (name, unit) in named.items():
         if name is None:
             raise InputError(f"row {i}: unknown column {shown(key)}; allowed are {', '.join(COLUMNS)}")
@@ -183,8 +190,11 @@ def _read(row: Mapping[str, Any], i: int) -> dict[str, Any]:
         if unit.casefold() not in ("", *factors):
             raise InputError(f"row {i}: {name} of this joint is in {', '.join(factors)}; got [{unit}]")
         read[name] = _number(row[key], i, name) * factors.get(unit.casefold(), 1.0)
-        if not unit and name in ("alpha", "theta") and (hint := angle_hint(np.array(read[name]))):
-            raise InputError(f"row {i}: {hint}; name the column {name}_deg")
+        most = LONGEST.get(name, np.inf) if "rad" in factors else np.inf
+        if not unit and most < abs(read[name]) < np.inf:
+            raise InputError(
+                f"row {i}: {angle_hint(np.array(read[name]))}; name the column {name}_deg, or {name} [rad]"
+            )
     return read
 
 
@@ -203,7 +213,7 @@ def rows_of_csv(path: str | os.PathLike[str]) -> list[dict[str, str]]:
     for row in rows:
         row.numbers([], len(names), str(path))
     if len(set(names)) < len(names):
-        raise InputError(f"{path}: its first line names a column twice; it names columns out of {', '.join(COLUMNS)}")
+        raise InputError(f"{path}: its first line must name each column once, out of {', '.join(COLUMNS)}")
     return [dict(zip(names, map(str.strip, row.cells), strict=True)) for row in rows]
 
 
@@ -212,4 +222,5 @@ def _number(value: Any, row: int, column: str) -> float:
         number = float(value)
         if not (isinstance(value, bool) or np.isnan(number) or (column in PARAMETERS and np.isinf(number))):
             return number
-    raise InputError(f"row {row}: {column} must be a finite number; got {shown(value)}")
+    point = f"; write {value.replace(',', '.')}" if isinstance(value, str) and value.count(",") == 1 else ""
+    raise InputError(f"row {row}: {column} must be a finite number; got {shown(value)}{point}")

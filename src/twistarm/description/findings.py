@@ -23,15 +23,15 @@ CODES: dict[str, Code] = {
     # the file
     "file-not-found": Code("error", "there is no such file"),
     "file-unreadable": Code("error", "the file cannot be opened"),
-    "arm-file-unusable": Code("error", "the arm.toml has an entry that cannot be understood"),
+    "arm-file-unusable": Code("error", "an arm.toml or a DH table has an entry that cannot be understood"),
     "xml-malformed": Code("error", "the text is not well-formed XML"),
     "document-type-refused": Code("error", "a document type opens the door to entities and external files"),
     "no-robot": Code("error", "the file describes no robot: another root element, or no links"),
     # MJCF
     "mjcf-unusable": Code("error", "an element of an MJCF, or a file that it includes, cannot be understood"),
-    "mjcf-scenery-left-out": Code("info", "an MJCF has things that no URDF has and that the arm does not need"),
+    "mjcf-scenery-left-out": Code("info", "an MJCF has things that no URDF has; the kinematics do not need them"),
     "mjcf-part-not-read": Code("warning", "an MJCF has parts that twistarm does not read; the arm may need them"),
-    "mjcf-loop-open": Code("warning", "a constraint of an MJCF is not linear between two joints; it is not kept"),
+    "mjcf-loop-open": Code("warning", "a constraint of an MJCF is not kept, because no mimic joint can stand for it"),
     # the tree
     "robot-unnamed": Code("warning", "the robot has no name, which other readers refuse"),
     "version-unknown": Code("warning", "the robot has a version of URDF that is not known; read as the newest"),

@@ -41,6 +41,9 @@ from .arm_builder import UNIT, ArmBuilder, arm_of_urdf
 PARALLEL = 1e-7
 """Axes at a smaller angle [rad] count as parallel. The foot of their common normal is beyond double precision."""
 
+MOST_PARALLEL = 0.1
+"""rad. A table whose axes may be farther apart is another arm's."""
+
 EXACT = 1e-14
 """A smaller number of a row is rounding."""
 
@@ -116,7 +119,8 @@ def to_dh(arm: Arm, convention: str = "standard", parallel: float = PARALLEL) ->
         InputError: The arm has coupled or helical joints, or twists that are not of unit length.
     """
     require_choice(convention, CONVENTIONS, "convention")
-    as_positive(parallel, "parallel")
+    if as_positive(parallel, "parallel") > MOST_PARALLEL:
+        raise InputError(f"parallel must be at most {MOST_PARALLEL} rad; got {parallel:g}")
     moving = require_arm(arm).coupling.A.any(axis=1)
     A, screws = arm.coupling.A[moving], to_screw(arm.screws[:, moving].T)
     slides = np.isinf(screws.pitch)

@@ -18,7 +18,6 @@ from ..typed import parse_numbers
 FAR = 10.0
 """A row so many times longer than the arm's reach comes from axes that are nearly parallel."""
 
-
 ROWS = {"standard": "R_z(θ) T_z(d) T_x(a) R_x(α)", "modified": "R_x(α) T_x(a) R_z(θ) T_z(d)"}
 
 Convention = Annotated[
@@ -44,8 +43,8 @@ def dh(
     outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
     (angle,) = [PARALLEL] if parallel is None else parse_numbers(parallel, "rad", "--parallel", rad)
     found = to_dh(arm, convention, float(angle))
-    if np.abs(found.rows[:, [0, 2]]).max() > FAR * arm.reach:
-        note("axes that are nearly parallel meet far away; with --parallel 0.01 they count as parallel")
+    if parallel is None and np.abs(found.rows[:, [0, 2]]).max() > FAR * arm.reach:
+        note("axes that are nearly parallel meet far away; with --parallel 0.01deg they count as parallel")
     written = outputs.write({"csv": lambda: dh_csv(found)})
     if json:
         told = {name: getattr(found, name) for name in ("convention", "base", "tool", "residual")}

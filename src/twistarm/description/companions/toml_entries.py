@@ -19,7 +19,7 @@ MAX_BYTES, MAX_LINE = 64_000, 2_000
 """An arm.toml has some 5 kB. TOML's reader takes seconds for a dotted key that fills a longer line."""
 
 
-def unusable(path: Path, what: str, remedy: str = "correct it there") -> DescriptionError:
+def unusable(path: Path, what: str, remedy: str = "") -> DescriptionError:
     """The error for an unusable file or entry."""
     return refusal("arm-file-unusable", Place(str(path)), what, remedy)
 
@@ -43,7 +43,7 @@ def toml_content(text: str, path: Path, what: str = "an arm.toml") -> dict[str, 
     except RecursionError as error:
         raise unusable(path, "not valid TOML: it nests too deep", f"is it {what}?") from error
     except ValueError as error:  # TOMLDecodeError is one; so is Python's for an integer of too many digits
-        raise unusable(path, f"not valid TOML: {error}") from error
+        raise unusable(path, f"not valid TOML: {error}", "correct it there") from error
 
 
 def text_of(value: Any, place: str) -> str:

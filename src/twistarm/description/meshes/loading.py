@@ -32,8 +32,11 @@ MOST_MISSING = 1000
 
 _EFFECTS = re.compile(rb"<library_effects\b.*?</library_effects>", re.DOTALL)
 
-_XML = re.compile(rb"(?:\xef\xbb\xbf|\xff\xfe|\xfe\xff)?\s*<")
-"""The beginning of a text in XML, behind its byte-order mark."""
+_ENCODING = rb"utf-?8|utf-?16(?:le|be)?|(?:us-)?ascii|iso-8859-\d+|windows-125\d"
+_XML = re.compile(
+    rb"(?:\xef\xbb\xbf|\xff\xfe|\xfe\xff)?\s*<(?!\?xml[^>]*\sencoding\s*=\s*[\"'](?!(?:%b)[\"']))" % _ENCODING, re.I
+)
+"""The beginning of a text in XML, behind its byte-order mark, in an encoding that spells ASCII as ASCII does."""
 
 COMPRESSED = (b"KHR_draco_mesh_compression", b"EXT_meshopt_compression", b"KHR_meshopt_compression")
 """Extensions of glTF whose buffers are packed."""
@@ -197,6 +200,6 @@ def _require_plain_xml(data: bytes) -> None:
     """RefusedError for data that is not XML, as an archive, or that has a document type."""
     text = data.replace(b"\0", b"")  # UTF-16 too
     if not _XML.match(text):
-        raise RefusedError("it is no XML")
+        raise RefusedError("it is no XML in UTF-8")
     if b"<!DOCTYPE" in text:
         raise RefusedError("it has a document type, which is not allowed in any file")

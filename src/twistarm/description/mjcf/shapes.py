@@ -18,6 +18,9 @@ from .document import Attributes, Mjcf
 SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 """Numbers of each solid shape: half lengths, or a radius and half a length."""
 
+OTHERS = ("plane", "hfield", "sdf")
+"""Types of geoms that are not read."""
+
 DENSITY = 1000.0
 """kg/m³ of a geom that gives neither mass nor density."""
 
@@ -54,7 +57,9 @@ class Shapes:
         kind, size, g = kind_of(given), several(given.get("size", "")), frame @ self._mjcf.pose(given)
         if kind == "mesh":
             return self._mesh(given, g), None
-        if kind not in SIZES or "mesh" in given:
+        if kind not in (*SIZES, *OTHERS):
+            raise ValueError(f"type {kind[:60]!r} is none of {', '.join((*SIZES, 'mesh', *OTHERS))}")
+        if kind in OTHERS or "mesh" in given:
             return None, None
         if "fromto" in given:
             a, b = np.array(floats(given["fromto"], 6)).reshape(2, 3)
@@ -139,10 +144,11 @@ def inertial_of(bodies: Iterable[Body], compiler: Attributes) -> list[ET.Element
         d = body.centre - g[:3, 3]
         inertia += body.inertia + body.mass * (d @ d * np.eye(3) - np.outer(d, d))
     moments, axes = np.linalg.eigh(inertia)
-    if compiler.get("balanceinertia") == "true" and 2 * moments[2] > moments.sum():  # no body has such moments
-        inertia, moments = np.eye(3) * moments.mean(), np.full(3, moments.mean())
     if moments[0] < smallest:
-        inertia = axes @ np.diag(np.maximum(moments, smallest)) @ axes.T
+        moments = np.maximum(moments, smallest)
+        inertia = axes @ np.diag(moments) @ axes.T
+    if compiler.get("balanceinertia") == "true" and 2 * moments[2] > moments.sum():  # no body has such moments
+        inertia = np.eye(3) * moments.mean()
     add_origin(element, g)
     ET.SubElement(element, "mass", value=number_text([max(mass, least)]))
     words = number_text(inertia[np.triu_indices(3)]).split()

@@ -272,6 +272,8 @@ class _Writer:
     def _keep_ranges(self, given: Attributes, tag: str) -> None:
         """Keep the largest effort that an actuator brings to its joint, and the positions that it commands."""
         joint, gear = given.get("joint", ""), [*several(given.get("gear", "1")), 1.0][0]
+        if joint not in ("", *self._joints):
+            self._note("mjcf-part-not-read", f"an actuator of {joint[:60]!r}, which is no joint")
         words = given.get("forcerange") if given.get("forcelimited") != "false" else None
         command = given.get("ctrlrange") if given.get("ctrllimited") != "false" else None
         if words := words or (command if tag == "motor" else None):
@@ -279,7 +281,8 @@ class _Writer:
             self._efforts[joint] = max(self._efforts.get(joint, 0.0), effort)
         if command and tag in DRIVEN and gear:
             least, most = sorted(value / gear for value in floats(command, 2))
-            self._commands[joint] = (least, most)
+            before = self._commands.get(joint, (-np.inf, np.inf))
+            self._commands[joint] = (max(least, before[0]), min(most, before[1]))
 
     # -- what stands beside the bodies -------------------------------------------------------------------------------
 
@@ -329,9 +332,10 @@ class _Writer:
         for exclude in self.mjcf.each("contact", "exclude"):
             one, other = sorted((exclude.get("body1", ""), exclude.get("body2", "")))
             self._pairs.add((one, other))
-        states = []
-        for i, key in enumerate(self.mjcf.each("keyframe", "key")):
-            key.set("name", key.get("name") or f"key{i}")
+        states, keys = [], [*self.mjcf.each("keyframe", "key")]
+        taken = {key.get("name", "") for key in keys}
+        for i, key in enumerate(keys):
+            key.set("name", key.get("name") or free_name(f"key{i}", taken))
             with self.mjcf.blaming(key):
                 values = self._values(key)
             states += [GroupState(key.get("name", ""), "", values)] if values else []

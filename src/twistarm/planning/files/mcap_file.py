@@ -15,7 +15,7 @@ import numpy as np
 from ...arm.arm import Arm, require_arm
 from ...support.checks import Array
 from ...support.closeable import Closeable
-from ...support.errors import InputError, listed, missing_extra
+from ...support.errors import InputError, listed, missing_extra, one_line
 from ...support.files import TEMPORARY, why_no_file, writable, write_whole
 from ...support.path_redaction import without_places
 from ...theory.rotations import to_xyzw
@@ -41,7 +41,6 @@ MAX_CHUNK = 100_000_000
 
 MAGIC, PROFILE = b"\x89MCAP0\r\n", b"\4\0\0\0ros2"
 """The bytes at both ends of a file, and those behind the 17th."""
-
 
 RECOVER = "copy it again, or save what is whole by `mcap recover`, a program of mcap.dev"
 
@@ -187,7 +186,8 @@ def read_mcap(arm: Arm, file: Path) -> Points:
     except InputError as error:
         raise InputError(f"cannot read {file}: {error}") from error
     except Exception as error:  # damaged files raise errors of any type in rosbags
-        raise InputError(f"cannot read {file}: a part of it is damaged; {RECOVER}") from error
+        why = f"a part of it is damaged ({one_line(str(error) or repr(error))}); {RECOVER}"
+        raise InputError(f"cannot read {file}: {why}") from error
     if not message["points"]:
         raise InputError(f"{file} holds neither one JointTrajectory nor joint states of {listed(arm.joint_names)}")
     return points_in(arm, message, str(file))
@@ -195,11 +195,13 @@ def read_mcap(arm: Arm, file: Path) -> Points:
 
 def _why_no_recording(file: Path) -> str:
     """Why a file is no whole MCAP file of ROS 2 by its size and its ends; empty if it is one."""
-    size = file.stat().st_size
-    with file.open("rb") as opened:
-        head = opened.read(25)
-        opened.seek(max(0, size - len(MAGIC)))
-        tail = opened.read()
+    try:
+        with file.open("rb") as opened:
+            head, size = opened.read(25), file.stat().st_size
+            opened.seek(max(0, size - len(MAGIC)))
+            tail = opened.read()
+    except OSError as error:
+        return str(error.strerror)
     checks = {
         f"more than {MAX_BYTES:,} bytes; split it": size <= MAX_BYTES,
         "it is no MCAP file": head.startswith(MAGIC),
@@ -235,7 +237,7 @@ def _motion(arm: Arm, reader: Any, store: Any) -> dict[str, Any]:
             points.append(_point(after, each.positions, each.velocities, each.accelerations))
     for time, state in () if motions else heard(STATE, "joint_states"):
         order = [state.name.index(name) for name in names if name in state.name]
-        if len(order) == len(names) and len(state.position):
+        if len(order) == len(names) and len(state.position) == len(state.name):
             begin = begin if points else time
             points.append(_point(time - begin, state.position[order]))
     labels = [{"time": max(0, time - begin) / SECOND, "text": text.data} for time, text in heard(TEXT, LABELS)]
