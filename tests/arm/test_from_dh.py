@@ -259,7 +259,7 @@ def test_a_table_is_of_one_convention() -> None:
         ("a,alpha,d,theta", "rows of a, alpha, d, theta"),
         ("1,2,3,4\n1,2,3,4", "unknown column '1'"),
         ("a,alpha,d,phi\n1,2,3,4", "unknown column 'phi'"),
-        ("a,a\n1,2", "a column twice"),
+        ("a,a\n1,2", "each column once"),
         ("a,alpha\n1", "line 2"),
         ("a,alpha\n1,b", "row 1: alpha"),
         ("a,type\n1,ball", "row 1: type must be revolute, prismatic or fixed; got 'ball'"),
