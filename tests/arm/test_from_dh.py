@@ -157,6 +157,9 @@ def test_nearly_parallel_axes_tell_their_residual() -> None:
     exact = to_dh(arm, parallel=1e-9)  # the common normal is far away
     assert exact.residual < 1e-9
     assert np.abs(exact.rows).max() > 1e5
+    for wrong in (0.0, -1e-9, 0.2, np.nan):
+        with pytest.raises(InputError, match="parallel"):
+            to_dh(arm, parallel=wrong)
 
 
 @pytest.mark.parametrize(

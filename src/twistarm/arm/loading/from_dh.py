@@ -30,7 +30,7 @@ from ...description.dh import (
     transform_of,
 )
 from ...limits.joint_limits import JointLimits
-from ...support.checks import Array, as_positive, require_choice
+from ...support.checks import Array, as_number, require_choice
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError, shown
 from ...theory.joints import plane_axes
@@ -119,8 +119,8 @@ def to_dh(arm: Arm, convention: str = "standard", parallel: float = PARALLEL) ->
         InputError: The arm has coupled or helical joints, or twists that are not of unit length.
     """
     require_choice(convention, CONVENTIONS, "convention")
-    if as_positive(parallel, "parallel") > MOST_PARALLEL:
-        raise InputError(f"parallel must be at most {MOST_PARALLEL} rad; got {parallel:g}")
+    if not 0.0 < as_number(parallel, "parallel") <= MOST_PARALLEL:
+        raise InputError(f"parallel must be above 0 and at most {MOST_PARALLEL} rad; got {parallel:g} rad")
     moving = require_arm(arm).coupling.A.any(axis=1)
     A, screws = arm.coupling.A[moving], to_screw(arm.screws[:, moving].T)
     slides = np.isinf(screws.pitch)
