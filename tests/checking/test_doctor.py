@@ -76,12 +76,12 @@ REAL = {
     ),
     "robojackets_walliiarmv3/urc_gazebo/urdf/WalliiArmV3.urdf": (
         {},
-        {"mesh-missing", "velocity-not-given", "effort-not-given", "mimic-outside-limits", "tool-frame-missing"},
+        {"mesh-missing", "rate-not-given", "outside-limits", "tool-frame-missing"},
     ),
     "robojackets_walli_v2_block/urdf/walli_arm_v2_block/robot.urdf": (
-        {}, {"limit-incomplete", "mass-tiny", "axes-almost-exact", "home-singular", "cannot-turn-in-place"}
+        {}, {"limit-incomplete", "mass-missing", "axes-almost-exact", "home-singular", "cannot-turn-in-place"}
     ),
-    "so101/so101_new_calib.urdf": ({}, {"mesh-missing", "cannot-turn-in-place", "joint-off-the-chain", "several-tips"}),
+    "so101/so101_new_calib.urdf": ({}, {"mesh-missing", "cannot-turn-in-place", "off-the-chain", "several-tips"}),
     "kortex_description/robots/gen3.xacro": ({"xacro_args": {"dof": 7}}, {"mesh-missing", "axes-almost-exact"}),
     "robojackets_walliiarmv3/urc_arm_moveit_config/config/WalliiArmV3.urdf.xacro": ({}, {"package-without-manifest"}),
     "kortex_description/robots/kinova.urdf.xacro": (

@@ -167,7 +167,7 @@ def test_the_narrower_of_soft_and_hard_limits_counts(given: str, kind: str, tmp_
     arm = arm_with(tmp_path, given, kind=kind)
     assert (arm.limits.lower[0], arm.limits.upper[0]) == RANGES[given]
     assert (arm.limits.lower[1], arm.limits.upper[1]) == (-1.0, 1.0)
-    told = [one.what for one in arm.findings if one.code == "soft-limits"]
+    told = [one.what for one in arm.findings if one.code == "limits-adjusted"]
     assert len(told) == (RANGES[given] != (-1.0, 1.0))
     assert ("soft-limits-unusable" in [one.code for one in arm.findings]) == ('"2" soft_upper_limit="3"' in given)
     assert crosscheck(arm, 5).ok  # Pinocchio as written knows the hard ones

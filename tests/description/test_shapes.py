@@ -45,7 +45,7 @@ def test_a_name_means_its_first_colour(case: str, tmp_path: Path) -> None:
     ours = [shape.colour for link in description.links.values() for shape in link.visuals]
     np.testing.assert_allclose(ours, [one.meshColor for one in drawn])
     twice = len({RED, BLUE} & {rgba for rgba in (RED, BLUE) if rgba in NAMED[case]}) == 2 and case != "no name"
-    assert [one.code for one in description.findings if one.code == "material-twice"] == ["material-twice"] * twice
+    assert [one.code for one in description.findings if one.code == "bad-colour"] == ["bad-colour"] * twice
 
 
 def test_a_name_that_is_given_later_colours_nothing_before(tmp_path: Path) -> None:

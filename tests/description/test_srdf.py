@@ -102,7 +102,7 @@ def test_refused_with_its_line(case: str, tmp_path: Path) -> None:
     with pytest.raises(DescriptionError) as caught:
         read_srdf(write(tmp_path, text, "arm.srdf"))
     assert message in str(caught.value)
-    codes = {"a document type": "document-type-refused", "too large": "file-too-large"}
+    codes = {"a document type": "xml-malformed", "too large": "file-too-large"}
     assert [finding.code for finding in caught.value.findings] == [codes.get(case, "srdf-unusable")]
 
 

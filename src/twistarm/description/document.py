@@ -190,7 +190,7 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     def refuse(name: str, *_: object) -> None:
         place = replace(reading.whole, line=parser.CurrentLineNumber)
         what = f"a document type (<!DOCTYPE {name}>) is not allowed"
-        raise refusal("document-type-refused", place, what, "remove it")
+        raise refusal("xml-malformed", place, what, "remove it")
 
     parser.StartElementHandler = start
     parser.EndElementHandler = end

@@ -156,7 +156,7 @@ def _within(arm: Arm, file: str) -> Arm:
     states = {name: theta for name, theta in arm.named_states.items() if arm.limits.contains(theta)}
     what, remedy = "it lies outside the limits that were given; it is left out", "correct them, where the arm needs it"
     places = [Place(file, None, "named_states", name) for name in arm.named_states if name not in states]
-    left_out = [finding("state-outside-limits", place, what, remedy) for place in places]
+    left_out = [finding("outside-limits", place, what, remedy) for place in places]
     return replace(arm, named_states=states, findings=(*arm.findings, *left_out))
 
 

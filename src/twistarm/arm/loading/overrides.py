@@ -151,7 +151,7 @@ def _unfit(arm: Arm, state: GroupState, locked_joints: Mapping[str, float]) -> t
         lower, upper = arm.limits.lower, arm.limits.upper
         i = int(np.argmax(np.maximum(lower - theta, theta - upper)))
         what = f"{arm.joint_names[i]} = {theta[i]:g} lies outside its limits [{lower[i]:g}, {upper[i]:g}]"
-        return "state-outside-limits", what
+        return "outside-limits", what
     return "", ""
 
 
@@ -174,7 +174,7 @@ def fitted_actuators(arm: Arm, specification: ArmSpecification) -> tuple[Actuato
         elif specification.other_chain and set(beyond) <= set(arm.couplings):
             place = Place(specification.source, None, "actuator", motor.name)
             what = f"it drives {listed(beyond)} outside the chain asked for; it is left out"
-            noted.append(finding("actuator-left-out", place, what, "nothing, where that is meant"))
+            noted.append(finding("off-the-chain", place, what, "nothing, where that is meant"))
         else:
             joint, names = beyond[0], arm.joint_names
             what = f"actuators.{motor.name}.ratio: no joint {joint!r} in {arm.name}{closest(joint, names)}"

@@ -48,7 +48,7 @@ def check_meshes(description: Description, reader: MeshReader) -> Iterator[Findi
     if pointers:
         what = "Git LFS pointers, not meshes; they are not drawn"
         remedy = "run git lfs pull in the repository they come from"
-        yield _mesh_finding("mesh-lfs-pointer", description, pointers, what, remedy)
+        yield _mesh_finding("mesh-unreadable", description, pointers, what, remedy)
     yield from _sizes(description, [path for path in paths if path not in pointers], uses, reader)
 
 
@@ -74,7 +74,7 @@ def _sizes(description: Description, paths: list[Path], uses: list[Use], reader:
     flat = [use.path for use in uses if not all(use.scale)]
     if flat:
         remedy = 'write scale="1 1 1" in <mesh>, or what makes metres of the unit it was exported in'
-        yield _mesh_finding("mesh-too-small", description, flat, "a scale of 0 leaves nothing of it to see", remedy)
+        yield _mesh_finding("unit-doubtful", description, flat, "a scale of 0 leaves nothing of it to see", remedy)
     sized = {
         use: length * max(map(abs, use.scale)) for use in uses if all(use.scale) and (length := lengths.get(use.path))
     }
@@ -91,11 +91,11 @@ def _out_of_scale(description: Description, lengths: dict[Use, float]) -> Iterat
         check = f"; check the unit of the export: it may be {others} too" if others else ""
         what = f"{longest:.4g} m long, on an arm of {size:.3g} m: likely in {unit}"
         remedy = _rescaled(list(large), UNITS[unit]) + check
-        yield _mesh_finding("mesh-too-large", description, [use.path for use in large], what, remedy)
+        yield _mesh_finding("unit-doubtful", description, [use.path for use in large], what, remedy)
     elif lengths and max(lengths.values()) < TOO_SMALL * size:
         odd = size > LONGEST_REACH
         yield _mesh_finding(
-            "mesh-too-small",
+            "unit-doubtful",
             description,
             [use.path for use in lengths],
             f"{max(lengths.values()):.2g} m long at most, on an arm of {size:.3g} m: "

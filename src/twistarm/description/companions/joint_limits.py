@@ -65,7 +65,7 @@ class LimitsFile:
         if len(nobodys) < len(others):
             strangers = [joint for joint in others if joint not in nobodys]
             what = f"it has limits for {listed(strangers)}, which are no coordinates of this arm"
-            noted.append(finding("limits-of-others", place, what, "nothing, if they are a gripper's"))
+            noted.append(finding("off-the-chain", place, what, "nothing, if they are a gripper's"))
         if not changes:
             what = "it gives no limit for this arm: every has_…_limits is false, or the values are 0"
             noted.append(finding("limits-empty", place, what, "set has_velocity_limits: true and max_velocity"))

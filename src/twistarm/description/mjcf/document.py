@@ -133,7 +133,7 @@ def read_mjcf(root: ET.Element, reading: Reading) -> Mjcf:
     for tag, most in MOST.items():
         if counts[tag] > most:
             what = f"it has {counts[tag]:,} elements <{tag}>; at most {most:,} are read"
-            raise refusal("too-many-parts", reading.whole, what, "is it a whole scene? leave out all but the robot")
+            raise refusal("too-large", reading.whole, what, "is it a whole scene? leave out all but the robot")
     for compiler in root.findall("compiler"):
         mjcf.compiler.update(compiler.attrib)
         for word, allowed in KEYWORDS.items():

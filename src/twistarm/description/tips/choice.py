@@ -238,7 +238,7 @@ def _unclear(
     description: Description, found: Sequence[Body], ends: Sequence[Body], groups: Iterable[str]
 ) -> DescriptionError:
     if len(found) == 1:
-        return refusal("nothing-moves", description.place(), "no joint moves", "is it the description of an arm?")
+        return refusal("no-chain", description.place(), "no joint moves", "is it the description of an arm?")
     if len(ends) < 2:
         what = f"nothing that is an arm in it, only {'wheels, legs or heads' if not ends else 'too short a chain'}"
         likeliest = argument("tip", _candidates(description, found, ends)[0])
