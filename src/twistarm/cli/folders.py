@@ -12,9 +12,10 @@ from rich.table import Table
 from ..arm.arm import Arm
 from ..checking.doctor.folder import descriptions_in
 from ..description.findings import Finding
+from ..support.messages import joined
 from ..support.path_redaction import without_places
 from .output import console, literal, print_json, progress_bar, say
-from .wording import in_options, worded
+from .wording import words, words_of
 
 VERDICT = 24
 """Characters of a verdict on a line."""
@@ -37,8 +38,8 @@ class Line:
 def refused(said: str, found: Iterable[Finding] = (), /, **more: Any) -> Line:
     """The line of an unloadable file: its first error and the remedy, else `said`."""
     error = next((one for one in found if one.severity == "error"), None)
-    why = said if error is None else "; ".join(filter(None, (error.what, error.remedy)))
-    return Line("refused", False, detail=in_options(why), more=more)
+    why = said if error is None else joined("; ", filter(None, (error.what, error.remedy)))
+    return Line("refused", False, detail=words(why), more=more)
 
 
 def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) -> int:
@@ -50,7 +51,8 @@ def walk(folder: Path, title: str, look: Callable[[Path], Line], *, json: bool) 
             try:
                 line = look(path)
             except Exception as error:
-                line = Line("refused", False, detail=worded(error), more={"error": without_places(worded(error), path)})
+                why = words_of(error)
+                line = Line("refused", False, detail=why, more={"error": without_places(why, path)})
             lines[path.relative_to(folder)] = line
             progress(done / len(files))
     good = all(line.good is not False for line in lines.values())

@@ -23,8 +23,13 @@ LONGEST_COMPARED = 200
 class TwistarmError(Exception):
     """The base of all errors that twistarm raises on purpose. Its text is one line that any terminal can show."""
 
+    @property
+    def message(self) -> str:
+        """The text; a `Text` where it holds quantities or arguments, which another program can show in its words."""
+        return one_line(self.args[0]) if self.args and isinstance(self.args[0], str) else super().__str__()
+
     def __str__(self) -> str:
-        return one_line(super().__str__())
+        return str(self.message)
 
 
 class InputError(TwistarmError, ValueError):
@@ -41,9 +46,6 @@ class DescriptionError(TwistarmError):
         super().__init__(message)
         self.findings = findings
 
-    def __reduce__(self) -> tuple[type[DescriptionError], tuple[str, tuple[Any, ...]]]:
-        return type(self), (str(self), self.findings)
-
 
 class UnknownNameError(TwistarmError, LookupError):
     """A name that does not exist; the message offers the closest ones."""
@@ -56,12 +58,9 @@ class LimitError(TwistarmError):
 class NotConvergedError(TwistarmError):
     """`IKResult.require()` on a solution that did not converge; `.solution` is that solution."""
 
-    def __init__(self, message: str, solution: Any) -> None:
+    def __init__(self, message: str, solution: Any = None) -> None:
         super().__init__(message)
         self.solution = solution
-
-    def __reduce__(self) -> tuple[type[NotConvergedError], tuple[str, Any]]:
-        return type(self), (str(self), self.solution)
 
 
 class NoClosedFormError(TwistarmError):
@@ -96,7 +95,7 @@ def printable(text: str) -> str:
 
 
 def one_line(text: str, longest: int = LONGEST) -> str:
-    """`text` as `printable`, and the middle left out where it is too long."""
+    """`text` as `printable`, and the middle left out where it is too long. A `Text` that is both already stays one."""
     if len(text) > 2 * longest:  # of what is left out nothing is looked at
         text = text[:longest] + text[-longest:]
     line = printable(text)

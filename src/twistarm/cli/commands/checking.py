@@ -21,7 +21,7 @@ from ..options import Json, takes_arm, takes_source
 from ..output import console, note, print_json, progress_bar, say, table
 from ..outputs import STDOUT, Force, Output, outputs_of
 from ..quantities import whole
-from ..wording import worded
+from ..wording import words_of
 
 Against = Annotated[
     str | None,
@@ -50,8 +50,8 @@ def check(
         print_json(_as_json(result, difference))
     else:
         _print(result, difference, against)
-    for words in difference.notes if difference else ():
-        note(words)
+    for each in difference.notes if difference else ():
+        note(each)
     return 0 if _good(result, difference) else 1
 
 
@@ -86,7 +86,7 @@ def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
     except DescriptionError as error:
         if is_part(path, error.findings):
             return Line(PART, None)
-        return refused(str(error), error.findings, error=without_places(worded(error), path))
+        return refused(str(error), error.findings, error=without_places(words_of(error), path))
     result = crosscheck(arm, samples)
     worst = max((row.worst for row in result.comparisons if not row.not_compared), default=0.0)
     return Line("ok" if result.ok else "WRONG", result.ok, arm, f"worst difference {worst:.1e}", {"worst": worst})

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from ...support.caller_words import argument
 from ...support.errors import DescriptionError, listed
+from ...support.messages import Argument, Text
 from ..findings import Finding, finding, refusal
 from ..tree import Description
 from .limbs import Body, bodies
@@ -58,7 +58,7 @@ def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]
     what += f"; the arm stands on {choice.base!r}" if choice.base != description.root else ""
     what += f"; other candidates: {listed(choice.others, SHOWN)}"
     place = description.place(description.links[choice.tip])
-    return (finding("several-tips", place, what, f"pass {argument('tip')} if another is meant"),)
+    return (finding("several-tips", place, what, Text("pass {tip} if another is meant", tip=Argument("tip"))),)
 
 
 def candidates(description: Description, base: str | None = None) -> tuple[str, ...]:
@@ -241,8 +241,8 @@ def _unclear(
         return refusal("nothing-moves", description.place(), "no joint moves", "is it the description of an arm?")
     if len(ends) < 2:
         what = f"nothing that is an arm in it, only {'wheels, legs or heads' if not ends else 'too short a chain'}"
-        likeliest = argument("tip", _candidates(description, found, ends)[0])
-        remedy = f"to take one of its chains all the same, pass {likeliest}"
+        likeliest = Argument("tip", _candidates(description, found, ends)[0])
+        remedy = Text("to take one of its chains all the same, pass {tip}", tip=likeliest)
         return refusal("no-tip", description.place(), what, remedy)
     return _several(description, [(link, end) for end in ends for link in _likely(description, end)], groups)
 
@@ -259,7 +259,7 @@ def _several(description: Description, pairs: Sequence[tuple[str, Body]], groups
     what = f"several links could be the tip: {told}{more}"
     offered = ", ".join(groups)
     what += f"; so could the groups of its SRDF: {offered}" if offered else ""
-    return refusal("no-tip", description.place(), what, f"pass {argument('tip', pairs[0][0])}")
+    return refusal("no-tip", description.place(), what, Text("pass {tip}", tip=Argument("tip", pairs[0][0])))
 
 
 def _joints(end: Body) -> str:
