@@ -7,6 +7,8 @@ from difflib import get_close_matches
 from reprlib import Repr
 from typing import Any
 
+from .messages import Text
+
 SHOWN = 80
 """Characters of a value that a message repeats: it is the caller's own, and names or the first numbers are enough."""
 
@@ -107,7 +109,9 @@ def one_line(text: str, longest: int = LONGEST) -> str:
 
 def unknown_name(kind: str, given: Any, names: Iterable[str], *, within: str, listing: str) -> UnknownNameError:
     """`no frame 'tool_0' in ur5; closest: 'tool0' (12 frames: arm.frame_names)`."""
-    return UnknownNameError(f"no {kind} {shown(given)} in {within}{closest(given, names)} ({listing})")
+    what = "no {kind} {given} in {within}{near} ({listing})"
+    near = closest(given, names)
+    return UnknownNameError(Text(what, kind=kind, given=shown(given), within=within, near=near, listing=listing))
 
 
 def closest(given: Any, names: Iterable[str]) -> str:
