@@ -162,7 +162,6 @@ CODES: dict[str, Code] = {
     "mesh-too-small": Code("warning", "meshes are far smaller than the arm, or scaled to nothing"),
     "mesh-lfs-pointer": Code("warning", "a mesh file holds a Git LFS pointer, not the mesh"),
     "mesh-unreadable": Code("warning", "a mesh file cannot be read; it is not drawn"),
-    "mesh-not-looked-at": Code("info", "meshes of a size that the doctor did not check"),
     # engines
     "engine-refuses": Code("error", "Pinocchio refuses the description"),
     "engines-disagree": Code("error", "product of exponentials and Pinocchio disagree about the arm"),
