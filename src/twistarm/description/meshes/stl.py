@@ -33,7 +33,7 @@ def stl_corners(data: bytes) -> Array:
     if promised > present or promised < 0:
         what = f": {promised:,} triangles are announced and {present:,} are there" if promised >= 0 else ""
         raise RefusedError(f"it is cut short{what}")
-    return np.ndarray((promised, 3, 3), "<f4", data, HEAD + 12, (FACET, 12, 4)).astype(np.float64)
+    return np.ndarray((promised, 3, 3), "<f4", data, HEAD + 12, (FACET, 12, 4))
 
 
 def _corners_of_text(data: bytes) -> Array:
