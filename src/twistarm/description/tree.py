@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -14,9 +14,7 @@ from ..support.checks import Array
 from ..support.errors import listed, unknown_name
 from ..theory.screws import exp
 from .findings import Finding, Place, refusal
-
-if TYPE_CHECKING:
-    from .companions.srdf import Semantics
+from .semantics import Semantics
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed", "planar", "floating"]
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
