@@ -125,7 +125,7 @@ CASES: dict[str, Case] = {
     # the file
     "file-not-found": Case({"arm.toml": 'source = "gone.urdf"'}),
     "file-unreadable": xacro('<xacro:include filename="folder/."/>', files={"folder/x.txt": ""}),
-    "arm-file-unusable": toml("speed = 3"),
+    "companion-unusable: arm.toml": toml("speed = 3"),
     "xml-malformed": urdf("<robot><link></robot>"),
     "xml-malformed: a document type": urdf('<!DOCTYPE robot [<!ENTITY x "y">]><robot name="r"/>'),
     "no-robot": urdf('<robot name="empty"/>'),
@@ -163,7 +163,7 @@ CASES: dict[str, Case] = {
     "limits-swapped": limited("1", "-1"),
     "limit-incomplete": urdf(two_joints(inside='<limit lower="-1" velocity="1" effort="1"/>')),
     "limits-adjusted: soft": urdf(two_joints(inside=SOFT.format(-0.5, 0.5))),
-    "soft-limits-unusable": urdf(two_joints(inside=SOFT.format(2, 3))),
+    "outside-limits: soft": urdf(two_joints(inside=SOFT.format(2, 3))),
     "limit-zero-range": limited("0.5", "0.5"),
     "rate-not-given: velocity": limited("-1", "1", velocity="0"),
     "rate-not-given: effort": urdf(two_joints(inside='<limit lower="-1" upper="1" velocity="1" effort="-1"/>')),
@@ -191,27 +191,30 @@ CASES: dict[str, Case] = {
     "no-chain: base below tip": urdf(two_joints(), base="tool0", tip="upper"),
     "no-chain: nothing moves": urdf(two_joints(), tip="base_link"),
     "no-chain: floating": urdf(two_joints(kind="floating")),
-    "tool-name-taken": toml('[tool]\nname = "upper"\n'),
-    "pose-unusable": toml("[poses.ready]\na = 0.0\n"),
-    "limits-unusable": beside("limits.yaml", "{", limits="limits.yaml"),
+    "companion-unusable: tool": toml('[tool]\nname = "upper"\n'),
+    "companion-unusable: pose": toml("[poses.ready]\na = 0.0\n"),
+    "companion-unusable: limits": beside("limits.yaml", "{", limits="limits.yaml"),
     "pose-left-out": toml("[locked_joints]\na = 0.5\n[poses.ready]\na = 0.0\nb = 0.0\n"),
     "off-the-chain: motor": toml("[actuators.m]\nratio = { b = 2.0 }\n", tip="upper"),
     # what stands beside
     "srdf-found": beside("arm.srdf", srdf('<group name="g"><chain base_link="base_link" tip_link="tool0"/></group>')),
-    "srdf-ambiguous": Case({"arm.urdf": two_joints(), "one.srdf": srdf(), "two.srdf": srdf()}),
-    "srdf-ignored": beside("arm.srdf", "<robot"),
-    "srdf-unusable": beside("arm.srdf", "<robots/>", srdf="arm.srdf"),
+    "companion-not-used: SRDF, several": Case({"arm.urdf": two_joints(), "one.srdf": srdf(), "two.srdf": srdf()}),
+    "companion-doubtful: SRDF, broken": beside("arm.srdf", "<robot"),
+    "companion-unusable: SRDF": beside("arm.srdf", "<robots/>", srdf="arm.srdf"),
     "ready-named": beside(
         "arm.srdf",
         srdf(STATES.replace('"s"', '"Home"') + '<joint name="a" value="0"/><joint name="b" value="0"/></group_state>'),
     ),
-    "srdf-other-robot": beside("arm.srdf", srdf(name="other"), srdf="arm.srdf"),
-    "srdf-unknown-name": beside("arm.srdf", srdf('<group name="g"><joint name="zz"/></group>'), srdf="arm.srdf"),
-    "state-incomplete": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0"/></group_state>')),
+    "companion-doubtful: SRDF, other robot": beside("arm.srdf", srdf(name="other"), srdf="arm.srdf"),
+    "companion-doubtful: SRDF, unknown name": beside(
+        "arm.srdf", srdf('<group name="g"><joint name="zz"/></group>'), srdf="arm.srdf"
+    ),
+    "companion-not-used: SRDF, state": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0"/></group_state>')),
+    "companion-doubtful: SRDF, state": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0,5"/></group_state>')),
     "outside-limits: state": beside(
         "arm.srdf", srdf(f'{STATES}<joint name="a" value="3"/><joint name="b" value="0"/></group_state>')
     ),
-    "limits-unknown-joint": beside(
+    "companion-doubtful: limits, joint": beside(
         "limits.yaml",
         limits_file("{a: {max_velocity: 1.0}, zz: {max_velocity: 1.0}}").replace("\n  {", " {"),
         limits="limits.yaml",
@@ -222,11 +225,13 @@ CASES: dict[str, Case] = {
         limits="limits.yaml",
         tip="upper",
     ),
-    "limits-empty": beside("limits.yaml", limits_file("a: {has_velocity_limits: false}"), limits="limits.yaml"),
-    "limits-not-scaled": beside(
+    "companion-not-used: limits, none": beside(
+        "limits.yaml", limits_file("a: {has_velocity_limits: false}"), limits="limits.yaml"
+    ),
+    "companion-not-used: limits, scaling": beside(
         "limits.yaml", limits_file(extra="default_velocity_scaling_factor: 0.1"), limits="limits.yaml"
     ),
-    "limits-entry-unknown": beside(
+    "companion-doubtful: limits": beside(
         "limits.yaml", limits_file("a: {max_velocity: 1.0, max_speed: 2.0}"), limits="limits.yaml"
     ),
     # what hangs on the links
@@ -236,8 +241,8 @@ CASES: dict[str, Case] = {
             '<link name="upper"/>', '<link name="upper"><visual><geometry><sphere/></geometry></visual></link>'
         )
     ),
-    "bad-colour: a name twice": urdf(coloured('name="m"', "1 0 0 1", "0 0 1 1")),
-    "bad-colour": urdf(coloured('name="m"', "255 128 0 1")),
+    "bad-geometry: two colours": urdf(coloured('name="m"', "1 0 0 1", "0 0 1 1")),
+    "bad-geometry: colour": urdf(coloured('name="m"', "255 128 0 1")),
     "inertial-unusable": with_body(mass="1kg"),
     # packages and xacro
     "package-not-found": xacro('<gazebo file="$(find nowhere)/x"/>'),
@@ -246,15 +251,15 @@ CASES: dict[str, Case] = {
     "package-left-out": xacro(CAMERA, ignore_packages=["camera"]),
     "package-not-used": urdf(two_joints(), ignore_packages=["camera"]),
     "package-needed-not-found": xacro('<xacro:include filename="$(find nowhere)/x.xacro"/>'),
-    "xacro-argument-missing": xacro('<xacro:property name="h" value="$(arg height)"/><gazebo h="${h}"/>'),
-    "xacro-argument-unknown": urdf(two_joints(), xacro_args={"colour": "red"}),
+    "xacro-arguments: missing": xacro('<xacro:property name="h" value="$(arg height)"/><gazebo h="${h}"/>'),
+    "xacro-arguments: unknown": urdf(two_joints(), xacro_args={"colour": "red"}),
     "xacro-failed": xacro('<gazebo h="${height}"/>'),
-    "xacro-recursion": xacro('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>'),
+    "xacro-failed: recursion": xacro('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>'),
     "xacro-expression-refused": xacro('<gazebo h="${().__class__}"/>'),
-    "xacro-too-large": xacro('<gazebo h="${9**9**9}"/>'),
-    "include-pattern-refused": xacro('<xacro:include filename="*/parts.xacro"/>'),
+    "xacro-failed: too large": xacro('<gazebo h="${9**9**9}"/>'),
+    "file-outside-packages: wildcards": xacro('<xacro:include filename="*/parts.xacro"/>'),
     "file-outside-packages": xacro('<xacro:include filename="file:///etc/hostname"/>'),
-    "file-too-large": Case(
+    "file-unreadable: too large": Case(
         xacro('<xacro:include filename="big.xacro"/>').files, sizes={"big.xacro": 30_000_000}
     ),
     # limits
@@ -322,5 +327,5 @@ CASES: dict[str, Case] = {
 }  # fmt: skip
 """By the code, and a word where several inputs raise it."""
 
-FAULTS = ("engine-refuses", "engines-disagree", "mesh-not-looked-at", "not-compared")
+FAULTS = ("engines-disagree", "not-compared")
 """No input raises these: they are about a fault, ours or Pinocchio's, or about what is missing here."""

@@ -40,7 +40,7 @@ def test_arguments_raise_where_arm_toml_is_diagnosed(tmp_path: Path) -> None:
         diagnose(path, tip="tool")
     write(tmp_path, 'source = "arm.urdf"\ntip = "tool"\n', "arm.toml")
     (said,) = [one for one in diagnose(tmp_path / "arm.toml") if one.severity == "error"]
-    assert said.code == "arm-file-unusable"
+    assert said.code == "companion-unusable"
     assert "closest: 'tool0'" in said.what
 
 
@@ -95,7 +95,7 @@ REAL = {
 REFUSED = {
     "kortex_description/robots/gen3_lite_gen3_lite_2f.xacro": ({}, "xacro-failed", 'Invalid parameter "gripper"'),
     "kortex_description/robots/gen3.xacro": ({}, "xacro-failed", "arms/gen3/dof/"),
-    "annin_ar4_description/urdf/ar.urdf.xacro": ({}, "xacro-argument-missing", "uses ar_model, which has no default"),
+    "annin_ar4_description/urdf/ar.urdf.xacro": ({}, "xacro-arguments", "uses ar_model, which has no default"),
     "annin_ar4_description/urdf/ar_gazebo.urdf.xacro": (
         {"xacro_args": {"ar_model": "mk3"}}, "package-needed-not-found", "annin_ar4_driver"
     ),

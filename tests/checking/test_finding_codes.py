@@ -75,7 +75,7 @@ def test_the_engines_faults_are_findings_too(tmp_path: Path, monkeypatch: pytest
         assert [one.what for one in diagnose(path) if one.code == "engines-disagree"] == ["they disagree by 1"]
     monkeypatch.setattr(pinocchio, "buildModelFromXML", raising(ValueError("a fault of its own")))
     (said,) = [one for one in diagnose(path) if one.severity == "error"]
-    assert (said.code, said.what) == ("engine-refuses", "Pinocchio refuses it: a fault of its own")
+    assert (said.code, said.what) == ("engines-disagree", "Pinocchio refuses it: a fault of its own")
 
 
 def raising(error: Exception) -> Callable[[object], None]:

@@ -192,7 +192,7 @@ def _build(description: Description) -> Any:
     model, complaint = model_of(description.repaired)
     if complaint:
         raise refusal(
-            "engine-refuses", description.place(), f"Pinocchio refuses it: {complaint}", "correct what it names"
+            "engines-disagree", description.place(), f"Pinocchio refuses it: {complaint}", "correct what it names"
         )
     return model
 

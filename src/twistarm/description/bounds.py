@@ -100,7 +100,7 @@ def softened(element: ET.Element, kind: str, hard: Bounds, reading: Reading) -> 
     if lower < upper or (lower == upper == hard[0] == hard[1]):
         return lower, upper
     what = f"its soft limits [{soft_lower:g}, {soft_upper:g}] leave no room in [{hard[0]:g}, {hard[1]:g}]; not kept"
-    reading.note("soft-limits-unusable", element, what, "correct its <safety_controller>, or take it out")
+    reading.note("outside-limits", element, what, "correct its <safety_controller>, or take it out")
     return hard
 
 

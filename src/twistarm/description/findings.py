@@ -23,9 +23,7 @@ class Code(NamedTuple):
 CODES: dict[str, Code] = {
     # the file
     "file-not-found": Code("error", "there is no such file"),
-    "file-unreadable": Code("error", "the file cannot be opened"),
-    "file-too-large": Code("error", "a file is larger than any description"),
-    "arm-file-unusable": Code("error", "an arm.toml or a DH table has an entry that cannot be understood"),
+    "file-unreadable": Code("error", "a file cannot be opened, or is larger than any description"),
     "xml-malformed": Code("error", "the text is not well-formed XML, or declares a document type"),
     "no-robot": Code("error", "the file describes no robot: another root element, or no links"),
     # MJCF
@@ -47,58 +45,45 @@ CODES: dict[str, Code] = {
     "limits-swapped": Code("error", "a joint's lower limit lies above its upper one"),
     "limit-incomplete": Code("warning", "a joint lacks a bound, which is read as 0, or both, which is unbounded"),
     "limit-zero-range": Code("warning", "a joint's bounds are equal or nearly so; it can hardly move"),
-    "soft-limits-unusable": Code("warning", "the soft limits of a safety_controller leave the joint no room"),
     "limits-adjusted": Code("info", "a joint's limits are soft ones, a follower's, or none because it is planar"),
     "rate-not-given": Code("warning", "a limit of velocity or effort is absent, zero or negative"),
     "mimic-unusable": Code("error", "a joint mimics one that is missing, mimics it back, or is not one number"),
-    "outside-limits": Code("warning", "a follower, a locked joint or a named state lies outside its joint's limits"),
+    "outside-limits": Code(
+        "warning", "a follower, a locked joint, a named state or soft limits outside a joint's limits"
+    ),
     # the chain
     "no-tip": Code("error", "it is not clear which link is the tool"),
     "several-tips": Code("info", "no tip was given; the most likely link was chosen"),
     "no-chain": Code("error", "no joint moves between base and tip, or a floating one does"),
     "off-the-chain": Code("info", "joints, or their limits and motors, that are not between base and tip"),
-    "tool-name-taken": Code("error", "the tool has the name of a link"),
-    "pose-unusable": Code("error", "a named pose does not fit the arm"),
     "pose-left-out": Code("warning", "a named pose puts a locked joint elsewhere, or is not on the requested chain"),
     "ready-named": Code("info", "the pose to start from is one that the description names"),
     # what stands beside the description
+    "companion-unusable": Code("error", "an entry of an arm.toml, DH table, SRDF or file of limits cannot be used"),
     "srdf-found": Code("info", "an SRDF says more about the robot than its description"),
-    "srdf-ambiguous": Code("info", "several SRDFs beside the description are for a robot of its name; none is used"),
-    "srdf-ignored": Code("warning", "an SRDF beside the description cannot be read"),
-    "srdf-unusable": Code("error", "an element of the SRDF cannot be understood"),
-    "srdf-other-robot": Code("warning", "the SRDF is for a robot of another name"),
-    "srdf-unknown-name": Code("warning", "the SRDF speaks of links or joints that the description does not have"),
-    "state-incomplete": Code("info", "an SRDF's named state does not give every joint of the arm"),
-    "limits-unusable": Code("error", "limits given beside the description do not fit the arm"),
-    "limits-unknown-joint": Code("warning", "limits are given for a joint that does not exist"),
-    "limits-empty": Code("info", "a file of limits gives none"),
-    "limits-not-scaled": Code("info", "MoveIt's default scaling of limits is not applied"),
-    "limits-entry-unknown": Code("warning", "a file of limits has an entry of an unknown name"),
+    "companion-doubtful": Code(
+        "warning", "an SRDF or a file of limits is unreadable or for another robot, at least in part"
+    ),
+    "companion-not-used": Code("info", "an SRDF or a file of limits is not used: several fit, or it gives too little"),
     # packages and xacro
     "package-not-found": Code("warning", "a package was not found, but nothing the kinematics needs uses it"),
+    "package-not-used": Code("warning", "nothing had to be left out for a package that the caller does without"),
     "package-without-manifest": Code("info", "a folder is taken for a package by its name; it has no package.xml"),
     "package-left-out": Code(
         "info", "a part of the description is left out with the package that the caller does without"
     ),
-    "package-not-used": Code("warning", "nothing had to be left out for a package that the caller does without"),
     "environment-kept": Code("info", "an environment variable that was asked for counts as not set"),
     "package-needed-not-found": Code("error", "a package with needed files was not found"),
-    "xacro-argument-missing": Code("error", "a xacro argument has no value"),
-    "xacro-argument-unknown": Code("error", "xacro arguments were given that the file does not take"),
+    "xacro-arguments": Code("error", "a xacro argument has no value, or the file does not take it"),
     "xacro-failed": Code("error", "xacro cannot expand the file"),
-    "xacro-recursion": Code("error", "a macro, a property or an included file refers to itself without end"),
     "xacro-expression-refused": Code("error", "an expression does more than compute"),
-    "xacro-too-large": Code("error", "expanding the file takes more work than any robot's description needs"),
-    "include-pattern-refused": Code("error", "an include has wildcards in a folder's name"),
-    "file-outside-packages": Code("error", "an include or a YAML load reaches outside the packages"),
+    "file-outside-packages": Code("error", "an include or a YAML load may reach outside the packages"),
     # shapes and masses
     "collision-shapes": Code("info", "the shapes that stand for the links in collision checks"),
     "links-collide": Code("warning", "links collide at the ready pose or nearly always; no SRDF exempts them"),
     "mesh-missing": Code("warning", "mesh files were not found; simple shapes are drawn instead"),
     "mesh-unreadable": Code("warning", "a mesh file is damaged or a Git LFS pointer; other shapes stand for it"),
-    "mesh-not-looked-at": Code("info", "meshes of a size that the doctor did not check"),
-    "bad-geometry": Code("warning", "a shape has no usable size or place; it is not drawn"),
-    "bad-colour": Code("warning", "a colour is not four numbers from 0 to 1, or a material has several"),
+    "bad-geometry": Code("warning", "a shape has no usable size, place or colour"),
     "inertial-unusable": Code("warning", "a mass or inertia cannot be read; the link counts as massless"),
     "mass-missing": Code("info", "links have shapes and no mass, almost no mass, or all the same"),
     "inertia-implausible": Code("warning", "no link has such a mass, centre or inertia; its unit may be another"),
@@ -116,8 +101,7 @@ CODES: dict[str, Code] = {
     "tool-frame-missing": Code("warning", "the tool is the last joint's own frame; nothing says where the arm grips"),
     # engines
     "not-compared": Code("warning", "without Pinocchio nothing confirms the arm's kinematics"),
-    "engine-refuses": Code("error", "Pinocchio refuses the description"),
-    "engines-disagree": Code("error", "product of exponentials and Pinocchio disagree about the arm"),
+    "engines-disagree": Code("error", "Pinocchio refuses the description, or finds other kinematics"),
 }
 """Every code a finding may carry. `docs/findings.md` is made from this table."""
 

@@ -67,7 +67,7 @@ def read_description(
         reading = Reading(file, packages, show_lines=False)
     elif xacro_args:
         what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
-        raise refusal("xacro-argument-unknown", Place(str(file)), what, "leave them out")
+        raise refusal("xacro-arguments", Place(str(file)), what, "leave them out")
     else:
         noted = tuple(not_used(package, file, ()) for package in ignore_packages)
         text, reading = read_text(file), Reading(file, packages)

@@ -17,9 +17,6 @@ from .wording import SHOWN, place_of
 MILLIMETRE = 1e-3
 """[m]: the unit that lengths of a CAD export are in most often, if not in metres."""
 
-UNITS = {"inches": 0.0254, "centimetres": 0.01, "millimetres": 0.001}
-"""[m], the largest first: what meshes are exported in."""
-
 LONGEST_REACH = 20.0
 """[m]; in millimetres every arm is longer."""
 

@@ -22,7 +22,7 @@ NEEDED = (
 
 
 MAY_LACK = (
-    *("xacro-failed", "xacro-argument-missing", "no-robot", "link-undefined", "not-a-tree", "mimic-unusable"),
+    *("xacro-failed", "xacro-arguments", "no-robot", "link-undefined", "not-a-tree", "mimic-unusable"),
     *("no-chain", "no-tip"),
 )
 """Errors that a part left out may cause."""

@@ -174,7 +174,7 @@ def _included(element: ET.Element, mjcf: Mjcf, confinement: Confinement) -> ET.E
     root = parse_xml(text, mjcf.readings[-1])
     if sum(len(each.lines) for each in mjcf.readings) > MAX_PARTS:
         what = f"with its included files it has more than {MAX_PARTS:,} elements"
-        raise refusal("file-too-large", mjcf.readings[0].whole, what, "leave out what the arm does not need")
+        raise refusal("file-unreadable", mjcf.readings[0].whole, what, "leave out what the arm does not need")
     return root
 
 
