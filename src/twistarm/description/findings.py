@@ -32,6 +32,7 @@ CODES: dict[str, Code] = {
     "mjcf-scenery-left-out": Code("info", "an MJCF has things that no URDF has; the kinematics do not need them"),
     "mjcf-part-not-read": Code("warning", "an MJCF has parts that twistarm does not read; the arm may need them"),
     "mjcf-loop-open": Code("warning", "a constraint of an MJCF is not kept, because no mimic joint can stand for it"),
+    "mjcf-gravity": Code("info", "an MJCF has another gravity than straight down, which no URDF can say"),
     # the tree
     "robot-unnamed": Code("warning", "the robot has no name, which other readers refuse"),
     "version-unknown": Code("warning", "the robot has a version of URDF that is not known; read as the newest"),
