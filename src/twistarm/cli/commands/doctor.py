@@ -9,7 +9,6 @@ import typer
 from rich.table import Table
 
 from ...checking.doctor import Diagnosis, examine
-from ...checking.doctor.folder import is_part
 from ...checking.doctor.repair import COPY, Repair, repair
 from ...checking.doctor.statements import summary
 from ...checking.doctor.wording import codes_page
@@ -17,11 +16,10 @@ from ...description.findings import CODES, Finding
 from ...description.findings import refused as refusal_of
 from ...support.errors import InputError
 from ...support.path_redaction import without_places
-from ..folders import PART, Line, refused, walk
 from ..options import Json, takes_source
 from ..output import console, finding_json, literal, print_json, say
 from ..outputs import STDOUT, Force, Output, outputs_of
-from ..wording import in_options
+from ..wording import words
 
 COLOURS = {"error": "bold red", "warning": "yellow", "info": "cyan"}
 
@@ -53,13 +51,9 @@ def doctor(
     codes: Codes = False,
     json: Json = False,
 ) -> int:
-    """List faults of a description or an arm, their meaning and remedies. ARM may be a folder."""
+    """List faults of a description or an arm, their meaning and remedies."""
     if fix != (output is not None):
         raise InputError("--fix and -o FILE.urdf go together: the repaired copy gets that name")
-    if Path(source).is_dir():
-        if fix:
-            raise InputError("--fix takes one description at a time; give a file in place of the folder")
-        return walk(Path(source), "doctor", lambda path: _line(path, load, strict), json=json)
     diagnosis = examine(source, **load)
     # A file that does not exist is the caller's error, not the doctor's business.
     if any(one.code == "file-not-found" and one.place.file == source for one in diagnosis.findings):
@@ -108,9 +102,9 @@ def _page(diagnosis: Diagnosis) -> Table:
     page.add_column(overflow="fold")
     for one in diagnosis.findings:
         colour = COLOURS[one.severity]
-        place, what = (literal(text) for text in (str(one.place), in_options(one.what)))
+        place, what = (literal(text) for text in (str(one.place), words(one.what)))
         # A remedy may be lines of an arm.toml, in which names stand as TOML quotes them.
-        remedy = "\n".join(literal(line) for line in in_options(one.remedy).split("\n"))
+        remedy = "\n".join(literal(line) for line in words(one.remedy).split("\n"))
         said = [f"[dim]{place}[/dim]", what, f"→ {remedy}" if remedy else ""]
         page.add_row(f"[{colour}]{one.severity}[/{colour}]\n{one.code}", "\n".join(part for part in said if part))
     return page
@@ -151,15 +145,3 @@ def _as_json(source: str, diagnosis: Diagnosis, output: str | None, made: Repair
     if made is not None:
         content |= {"written": [output], "repairs": made.changes, "pinocchio_complaint": made.complaint}
     return content
-
-
-def _line(path: Path, load: dict[str, Any], strict: bool) -> Line:
-    diagnosis = examine(path, **load)
-    found = diagnosis.findings
-    if is_part(path, found):
-        return Line(PART, None)
-    more = {"findings": [finding_json(one) for one in found]}
-    if diagnosis.arm is None:
-        return refused("", found, **more)
-    serious = ", ".join(dict.fromkeys(one.code for one in found if one.severity != "info"))
-    return Line(counted(found), _good(diagnosis, strict), diagnosis.arm, serious, more)
