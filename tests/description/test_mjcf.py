@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from random_mjcf import Random
-from twistarm import Arm, load_arm
+from twistarm import Arm, crosscheck, load_arm
 from twistarm.description.findings import Finding
 from twistarm.description.inertial import bodies
 from twistarm.description.mjcf.compilation import interruptible
@@ -109,6 +109,13 @@ def test_a_random_file_is_what_mujoco_makes_of_it(seed: int, tmp_path: Path) -> 
     path, written = tmp_path / "arm.xml", Random(seed)
     path.write_text(written.text())
     assert require_as_mujoco(load_arm(path, tip=written.tip), path, 5) > 0
+
+
+def test_the_crosscheck_has_no_second_account_of_mujoco() -> None:
+    result = crosscheck(load_arm(file("several_joints")), 20)
+    assert result.ok
+    assert 0 < result.worst("pinocchio") < TOL
+    assert "mujoco" in result.left_out
 
 
 def test_without_mujoco_one_sentence_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -157,6 +157,8 @@ def crosscheck(
         rows += part()
         if progress is not None:
             progress(done / len(parts))
+    if arm.description is not None and arm.description.gravity is not None:  # an MJCF
+        rows.append(_skipped("all links", "mujoco", "MuJoCo has read the file: it is no second account"))
     return CrossCheck(arm.name, tuple(rows))
 
 
