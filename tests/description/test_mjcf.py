@@ -18,7 +18,7 @@ from random_mjcf import Random
 from twistarm import Arm, crosscheck, load_arm
 from twistarm.description.findings import Finding
 from twistarm.description.inertial import bodies
-from twistarm.description.mjcf.compilation import interruptible
+from twistarm.description.mjcf.compilation import ending_at_once
 from twistarm.support.errors import DescriptionError, MissingExtraError, TwistarmError
 
 DATA = Path(__file__).parents[1] / "data" / "mjcf"
@@ -340,7 +340,7 @@ def test_gravity_is_in_axes_of_the_base() -> None:
 def test_ctrl_c_ends_a_compilation(tmp_path: Path) -> None:
     """The process is not in Python then, and ends by the signal itself."""
     before = signal.getsignal(signal.SIGINT)
-    with interruptible():
+    with ending_at_once():
         assert signal.getsignal(signal.SIGINT) is signal.SIG_DFL
     assert signal.getsignal(signal.SIGINT) is before
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -15,9 +15,7 @@ from ..support.errors import listed, unknown_name
 from ..support.messages import Argument, Text
 from ..theory.screws import exp
 from .findings import Finding, Place, refusal
-
-if TYPE_CHECKING:
-    from .companions.srdf import Semantics
+from .semantics import Semantics
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed", "planar", "floating"]
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]

@@ -50,7 +50,7 @@ def compiled(mjcf: Mjcf) -> Compiled:
         import mujoco
     except ImportError as error:
         raise missing_extra("an MJCF", "mujoco", "mjcf") from error
-    with interruptible(), _silent(mujoco):
+    with ending_at_once(), _silent(mujoco):
         try:
             return _compiled(mujoco, mjcf, with_meshes=True)
         except ValueError as error:
@@ -137,7 +137,7 @@ def _silent(mujoco: Any) -> Iterator[None]:
 
 
 @contextmanager
-def interruptible() -> Iterator[None]:
+def ending_at_once() -> Iterator[None]:
     """Let Ctrl-C end the process at once: Python hears of it only when the compilation has ended."""
     before = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or not callable(before):

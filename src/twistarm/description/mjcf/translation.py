@@ -11,10 +11,10 @@ import numpy as np
 from ...support.checks import Array
 from ...theory.rotations import from_quaternion_wxyz, to_rpy
 from ...theory.screws import exp
-from ..companions.srdf import GroupState, Semantics
 from ..document import Reading, floats
 from ..inertial import INERTIA
 from ..planar import free_name
+from ..semantics import GroupState, Semantics
 from ..tree import GRAVITY
 from ..writing import add_joint, add_mimic, add_origin, number_text
 from .compilation import Compiled, compiled, pose
