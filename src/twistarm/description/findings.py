@@ -31,6 +31,7 @@ CODES: dict[str, Code] = {
     "mjcf-scenery-left-out": Code("info", "an MJCF has things that no URDF has; the kinematics do not need them"),
     "mjcf-part-not-read": Code("warning", "an MJCF has parts that twistarm does not read; the arm may need them"),
     "mjcf-loop-open": Code("warning", "a constraint of an MJCF is not kept, because no mimic joint can stand for it"),
+    "mjcf-gravity": Code("info", "an MJCF has another gravity than straight down, which no URDF can say"),
     # the tree
     "name-unusable": Code("error", "a name of a link or joint is missing, used twice, or too long"),
     "link-undefined": Code("error", "a joint lacks the name of a link, or names one that is not there"),
