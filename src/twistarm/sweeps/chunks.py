@@ -131,7 +131,7 @@ def _packed(arrays: Arrays) -> bytes:
 
 def _read(path: Path) -> Arrays | None:
     """The arrays of a chunk's file; None without a whole one, so that the chunk is computed again."""
-    with suppress(Exception):  # of zipfile, zlib or NumPy: of any kind in a damaged file
-        with open_regular(path) as file, np.load(file, allow_pickle=False) as arrays:
-            return dict(arrays)
+    # A damaged file raises errors of any kind, of zipfile, zlib or NumPy.
+    with suppress(Exception), open_regular(path) as file, np.load(file, allow_pickle=False) as arrays:
+        return dict(arrays)
     return None
