@@ -33,6 +33,7 @@ CODES: dict[str, Code] = {
     "mjcf-scenery-left-out": Code("info", "an MJCF has things that no URDF has; the kinematics do not need them"),
     "mjcf-part-not-read": Code("warning", "an MJCF has parts that twistarm does not read; the arm may need them"),
     "mjcf-loop-open": Code("warning", "a constraint of an MJCF is not kept, because no mimic joint can stand for it"),
+    "mjcf-gravity": Code("info", "an MJCF has another gravity than straight down, which no URDF can say"),
     # the tree
     "robot-unnamed": Code("warning", "the robot has no name, which other readers refuse"),
     "version-unknown": Code("warning", "the robot has a version of URDF that is not known; read as the newest"),
@@ -50,7 +51,7 @@ CODES: dict[str, Code] = {
     # joints
     "joint-type-unknown": Code("error", "URDF has no such joint type"),
     "origin-malformed": Code("error", "a joint's place is not given in numbers"),
-    "origin-looks-like-degrees": Code("warning", "a joint's rpy goes beyond a whole turn, as degrees would"),
+    "origin-looks-like-degrees": Code("warning", "an rpy goes beyond a whole turn, as degrees would"),
     "axis-malformed": Code("error", "a joint's axis is not given in numbers"),
     "axis-zero": Code("error", "a moving joint's axis has no direction"),
     "word-unread": Code("warning", "a misspelt or doubled word in a joint, which no reader takes up"),
@@ -92,6 +93,7 @@ CODES: dict[str, Code] = {
     "srdf-other-robot": Code("warning", "the SRDF is for a robot of another name"),
     "srdf-unknown-name": Code("warning", "the SRDF speaks of links or joints that the description does not have"),
     "state-incomplete": Code("info", "an SRDF's named state does not give every joint of the arm"),
+    "state-unusable": Code("warning", "an SRDF's named state has a value that is no number"),
     "state-outside-limits": Code("warning", "an SRDF's named state lies outside the limits"),
     "limits-unknown-joint": Code("warning", "limits are given for a joint that does not exist"),
     "limits-of-others": Code("info", "limits are given for joints that are no coordinates of the arm"),
@@ -163,7 +165,6 @@ CODES: dict[str, Code] = {
     "mesh-too-small": Code("warning", "meshes are far smaller than the arm, or scaled to nothing"),
     "mesh-lfs-pointer": Code("warning", "a mesh file holds a Git LFS pointer, not the mesh"),
     "mesh-unreadable": Code("warning", "a mesh file cannot be read; it is not drawn"),
-    "mesh-not-looked-at": Code("info", "meshes of a size that the doctor did not check"),
     # engines
     "engine-refuses": Code("error", "Pinocchio refuses the description"),
     "engines-disagree": Code("error", "product of exponentials and Pinocchio disagree about the arm"),

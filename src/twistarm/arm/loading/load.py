@@ -15,11 +15,12 @@ from ...description.chain import walk_chain
 from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_file, read_table_file
 from ...description.companions.arm_group import ArmGroup, arm_groups
 from ...description.companions.companion_files import path_from, srdf_beside
-from ...description.companions.srdf import Semantics, note_names, read_srdf
+from ...description.companions.srdf import note_names, read_srdf
 from ...description.document import Reading
 from ...description.expansion.left_out import blaming
 from ...description.findings import Finding, Place, finding, refusal
 from ...description.packages import PackageIndex, package_names, variable_names
+from ...description.semantics import Semantics
 from ...description.tips.choice import choose_ends, note_choice
 from ...description.tree import Description
 from ...description.urdf import build_description, read_description
@@ -302,7 +303,7 @@ def assemble(description: Description, specification: ArmSpecification, changes:
         coupling=Coupling(*chain.coupling),
         limits=limits,
         reach=chain.reach or 1.0,
-        findings=(*description.findings, *noted, *chosen, *chain.findings, *limiting),
+        findings=(*description.findings, *specification.findings, *noted, *chosen, *chain.findings, *limiting),
         description=description,
         couplings=chain.couplings,
         tool=tool.g_tip_tool,
@@ -315,7 +316,7 @@ def _semantics(
     description: Description, specification: ArmSpecification
 ) -> tuple[Semantics | None, tuple[Finding, ...]]:
     """The named SRDF or the one beside the description, and the findings about it."""
-    if specification.srdf is None and description.mjcf:
+    if specification.srdf is None and description.gravity is not None:  # an MJCF
         return description.semantics, ()
     if specification.srdf is None:
         semantics, noted = srdf_beside(description)

@@ -10,8 +10,9 @@ from ...support.errors import DescriptionError, listed
 from ...support.files import is_file
 from ...support.messages import Argument, Text
 from ..findings import Finding, Place, finding
+from ..semantics import Semantics
 from ..tree import Description
-from .srdf import Semantics, read_srdf
+from .srdf import read_srdf
 
 FOLDERS = ("config", "srdf")
 """Folders of packages with such files, in the description's folder or one above."""

@@ -12,7 +12,7 @@ from typing import Any
 
 from ...support.messages import Argument, Text
 from ..findings import Finding, Place, finding
-from ..yaml_reading import bounded_loader, is_deep
+from .bounded_yaml import bounded_loader, is_deep
 from .expressions import Expressions
 from .names import DIRECT, math_names, python_names, tokenize
 from .work import Refused, Work
