@@ -23,6 +23,7 @@ from ...collision.survey import srdf_text, survey
 from ...description.findings import CODES, Finding
 from ...description.findings import refused as refusal_of
 from ...support.errors import InputError, printable
+from ...support.messages import plural
 from ...support.path_redaction import without_places
 from ..options import SELF, ArmArgument, Json, Radians, SceneFile, avoided
 from ..output import entries, note, plain, progress_bar, say
@@ -95,7 +96,7 @@ def _abilities(diagnosis: Diagnosis) -> str:
     arm, able = diagnosis.arm, diagnosis.able
     if arm is None or able is None:
         return "no arm until the errors below are mended"
-    return f"{arm.n} joint{'s' if arm.n > 1 else ''} from {arm.base} to {arm.tip}; {summary(arm, able)}"
+    return f"{plural(arm.n, 'joint')} from {arm.base} to {arm.tip}; {summary(arm, able)}"
 
 
 def _paragraphs(findings: Sequence[Finding]) -> Iterator[RenderableType]:
@@ -114,7 +115,7 @@ def _counted(findings: Sequence[Finding]) -> str:
     """`1 warning, 3 remarks`."""
     words = {"error": "error", "warning": "warning", "info": "remark"}
     numbers = {word: sum(one.severity == severity for one in findings) for severity, word in words.items()}
-    return ", ".join(f"{n} {word}{'s' if n > 1 else ''}" for word, n in numbers.items() if n) or "nothing to remark"
+    return ", ".join(plural(n, word) for word, n in numbers.items() if n) or "nothing to remark"
 
 
 Samples = Annotated[int, whole(1, 1_000_000, "Random configurations to look at.")]

@@ -13,6 +13,7 @@ from ...ik import POSTURES, AllSolutions, IKBatch, IKResult, StopReason, solve_i
 from ...ik.solution import missed_by_rounding
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError
+from ...support.messages import plural
 from ..command import VALUES, XYZ
 from ..csv_rows import ROWS_SHOWN, Columns, Sheet, few, read_sheet
 from ..options import ArmArgument, Avoid, Json, Radians, Theta, avoided
@@ -212,7 +213,7 @@ def _show_all(out: Outputs, solutions: AllSolutions) -> None:
     if hits.any():
         columns.append(Column("collides", ["yes" if hit else "" for hit in hits]))
     more = f", the {ROWS_SHOWN} nearest of them (-o FILE.csv has all)" if count > ROWS_SHOWN else ", nearest first"
-    title = f"{arm.name}: {count} configuration{'s' if count > 1 else ''}{more if count > 1 else ''}"
+    title = f"{arm.name}: {plural(count, 'configuration')}{more if count > 1 else ''}"
     explanation = solutions.explain()
     names = "theta free colliding outside complete timed_out method family starts hits position_error orientation_error"
     parts: list[Table | str] = []
