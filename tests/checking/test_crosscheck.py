@@ -119,7 +119,7 @@ def test_without_yourdfpy_the_command_that_installs_it(tmp_path: Path, monkeypat
 def test_progress_and_samples(rover: twistarm.Arm) -> None:
     steps: list[float] = []
     crosscheck(rover, 5, progress=steps.append)
-    assert steps == pytest.approx([k / 8 for k in range(1, 9)])
+    assert steps == pytest.approx([k / 7 for k in range(1, 8)])
     with pytest.raises(InputError, match="rng must be a seed"):
         crosscheck(rover, 5, rng=-1)
     with pytest.raises(InputError, match="samples must be a whole number, at least 1"):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from pathlib import Path
 
 import pytest
@@ -126,13 +125,6 @@ def test_a_mesh_is_judged_at_each_of_its_scales(scales: tuple[str, str], tmp_pat
     path.write_text(path.read_text().replace('<link name="tool0"/>', f'<link name="tool0">{shape}</link>'))
     (said,) = [one for one in diagnose(path) if one.code.startswith("mesh")]
     assert (said.code, said.remedy) == ("mesh-too-large", 'write scale="0.001 0.001 0.001" in <mesh>')
-
-
-def test_without_trimesh_it_is_said_what_was_not_looked_at(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "trimesh", None)
-    said = only(with_mesh(triangle(300.0)), tmp_path, "mesh-not-looked-at")
-    assert "1 mesh files of unknown size: reading them needs trimesh" in said.what
-    assert said.remedy == "pip install 'twistarm[view]'"
 
 
 # -- a whole description in another unit --------------------------------------------------------------------------

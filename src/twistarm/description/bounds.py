@@ -17,8 +17,8 @@ AXIS_TOL = 1e-3
 SNAP = 2e-12
 """An axis so near to x, y or z is rounded to it. Pinocchio's parser rounds too, at 1e-12."""
 
-WIDE = 1e300
-"""The number for "no limit" in the text for Pinocchio, which refuses infinity. Read as infinity, like any more."""
+WIDE = 1e9
+"""The number for "no limit" in a URDF, whose readers refuse infinity. Read as infinity, like any more."""
 
 LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
 LATER_NAMES = ("acceleration", "deceleration", "jerk")

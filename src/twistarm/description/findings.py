@@ -33,6 +33,7 @@ CODES: dict[str, Code] = {
     "mjcf-scenery-left-out": Code("info", "an MJCF has things that no URDF has; the kinematics do not need them"),
     "mjcf-part-not-read": Code("warning", "an MJCF has parts that twistarm does not read; the arm may need them"),
     "mjcf-loop-open": Code("warning", "a constraint of an MJCF is not kept, because no mimic joint can stand for it"),
+    "mjcf-gravity": Code("info", "an MJCF has another gravity than straight down, which no URDF can say"),
     # the tree
     "robot-unnamed": Code("warning", "the robot has no name, which other readers refuse"),
     "version-unknown": Code("warning", "the robot has a version of URDF that is not known; read as the newest"),
@@ -164,7 +165,6 @@ CODES: dict[str, Code] = {
     "mesh-too-small": Code("warning", "meshes are far smaller than the arm, or scaled to nothing"),
     "mesh-lfs-pointer": Code("warning", "a mesh file holds a Git LFS pointer, not the mesh"),
     "mesh-unreadable": Code("warning", "a mesh file cannot be read; it is not drawn"),
-    "mesh-not-looked-at": Code("info", "meshes of a size that the doctor did not check"),
     # engines
     "engine-refuses": Code("error", "Pinocchio refuses the description"),
     "engines-disagree": Code("error", "product of exponentials and Pinocchio disagree about the arm"),

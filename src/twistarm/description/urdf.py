@@ -87,9 +87,9 @@ def _of_mjcf(root: ET.Element, reading: Reading) -> Description:
     """The tree of an MJCF, read as the URDF that it is translated to."""
     from .mjcf.translation import translated  # most programs read none
 
-    urdf, mjcf, semantics = translated(root, reading)
+    urdf, semantics, gravity = translated(root, reading)
     description = build_description(urdf, replace(reading, show_lines=False, lines={}))
-    return replace(description, mjcf=mjcf, semantics=semantics)
+    return replace(description, semantics=semantics, gravity=gravity)
 
 
 def _require_links(text: str, file: Path) -> None:
@@ -243,10 +243,12 @@ def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading)
     """Add a finding for each kind of rate, with the joints that do not give it and the value there."""
     moving = [joint.name for joint in joints if joint.scalar and joint.mimic is None]
     for kind in ("velocity", "effort"):
-        absent = {name: given[name].get(kind, 0.0) for name in moving if given[name].get(kind, 0.0) <= 0}
+        absent = [name for name in moving if not 0 < given[name].get(kind, 0.0) < WIDE]
+        absent = [name for name in absent if given[name].get(kind) != np.inf]  # said to have none
         if absent:
-            worst = min(absent.values())
-            what = f"{kind} limit {f'{worst:g}' if worst else 'absent or 0'} on {', '.join(absent)}: taken as not given"
+            worst = min(given[name].get(kind, 0.0) for name in absent)
+            shown = f"{worst:g}" if worst < 0 else "absent or 0"
+            what = f"{kind} limit {shown} on {', '.join(absent)}: taken as not given"
             remedy = f"give {kind} in arm.toml, or in a URDF" + (", before planning" if kind == "velocity" else "")
             reading.note(f"{kind}-not-given", None, what, remedy, repaired=True)
 

@@ -316,7 +316,7 @@ def _semantics(
     description: Description, specification: ArmSpecification
 ) -> tuple[Semantics | None, tuple[Finding, ...]]:
     """The named SRDF or the one beside the description, and the findings about it."""
-    if specification.srdf is None and description.mjcf:
+    if specification.srdf is None and description.gravity is not None:  # an MJCF
         return description.semantics, ()
     if specification.srdf is None:
         semantics, noted = srdf_beside(description)

@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...description.findings import Finding, finding
-from ...description.meshes import MeshReader, UnreadableMeshError
+from ...description.meshes import UnreadableMeshError, read_mesh
 from ...description.tree import Description
 from ...support.checks import Array
-from ...support.errors import MissingExtraError, TwistarmError, listed
+from ...support.errors import listed
 from ...support.files import is_file, open_regular
 from .limits import LONGEST_REACH, UNITS
 
@@ -35,12 +35,7 @@ class Use(NamedTuple):
     scale: tuple[float, ...]
 
 
-def has_meshes(description: Description | None) -> bool:
-    """Whether there is any that can be read."""
-    return description is not None and bool(_uses(description))
-
-
-def check_meshes(description: Description, reader: MeshReader) -> Iterator[Finding]:
+def check_meshes(description: Description) -> Iterator[Finding]:
     """Every mesh file once: its first bytes, then the size of what it holds."""
     uses = _uses(description)
     paths = list(dict.fromkeys(use.path for use in uses))
@@ -49,26 +44,18 @@ def check_meshes(description: Description, reader: MeshReader) -> Iterator[Findi
         what = "Git LFS pointers, not meshes; they are not drawn"
         remedy = "run git lfs pull in the repository they come from"
         yield _mesh_finding("mesh-lfs-pointer", description, pointers, what, remedy)
-    yield from _sizes(description, [path for path in paths if path not in pointers], uses, reader)
+    yield from _sizes(description, [path for path in paths if path not in pointers], uses)
 
 
-def _sizes(description: Description, paths: list[Path], uses: list[Use], reader: MeshReader) -> Iterator[Finding]:
-    try:
-        found = {path: _length(path, reader) for path in paths}
-    except MissingExtraError:
-        what = f"{len(paths)} mesh files of unknown size: reading them needs trimesh"
-        yield finding("mesh-not-looked-at", description.place(), what, "pip install 'twistarm[view]'")
-        return
-    except TwistarmError as error:
-        yield _mesh_finding(
-            "mesh-not-looked-at", description, paths, str(error), "look at them where it can be started"
-        )
-        return
-    lengths = {path: length for path, length in found.items() if not isinstance(length, UnreadableMeshError)}
+def _sizes(description: Description, paths: list[Path], uses: list[Use]) -> Iterator[Finding]:
+    lengths: dict[Path, float] = {}
     broken: dict[tuple[str, str], list[Path]] = {}
-    for path, why in found.items():
-        if isinstance(why, UnreadableMeshError):
-            broken.setdefault((why.reason, why.remedy), []).append(path)
+    for path in paths:
+        found = _length(path)
+        if isinstance(found, UnreadableMeshError):
+            broken.setdefault((found.reason, found.remedy), []).append(path)
+        else:
+            lengths[path] = found
     for (reason, remedy), files in broken.items():
         yield _mesh_finding("mesh-unreadable", description, files, f"{reason}; simple shapes are drawn instead", remedy)
     flat = [use.path for use in uses if not all(use.scale)]
@@ -119,9 +106,9 @@ def _rescaled(uses: Sequence[Use], factor: float) -> str:
     return f'write scale="{numbers}" in <mesh>'
 
 
-def _length(path: Path, reader: MeshReader) -> float | UnreadableMeshError:
+def _length(path: Path) -> float | UnreadableMeshError:
     try:
-        return reader.length(path)
+        return read_mesh(path).length
     except UnreadableMeshError as error:
         return error
 
