@@ -7,8 +7,7 @@ from typing import Any
 
 from typer.core import TyperCommand, TyperGroup
 
-from .expression import is_part
-from .quantities import METAVARS
+from .quantities import METAVARS, is_part
 
 VALUES = "VALUES"
 POSE = "POSE"
