@@ -82,12 +82,11 @@ def _fix(source: SourceText, joint: ET.Element, moved: Array) -> None:
 
 
 def _limit(source: SourceText, joint: ET.Element, limits: list[float], read: Joint) -> None:
-    """Write the numbers of `LIMIT_NAMES`, if the file has others. A rate of 0 means "not given"."""
+    """Write the numbers of `LIMIT_NAMES`, if the file has others. `WIDE` stands for none, 0 would be a standstill."""
     if limits == [getattr(read, field) for field in LIMIT_NAMES]:
         return
     finite, limit = bool(np.isfinite(limits[:2]).any()), joint.find("limit")
     given = {field: repr(float(np.clip(x, -WIDE, WIDE))) for field, x in zip(LIMIT_NAMES, limits, strict=True)}
-    given |= {field: "0" for field, x in zip(LIMIT_NAMES[2:], limits[2:], strict=True) if np.isinf(x)}
     if not slides(read.type):
         source.set(joint, type="revolute" if finite else "continuous")
     if limit is None:
