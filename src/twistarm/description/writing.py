@@ -34,7 +34,7 @@ def add_joint(
 ) -> ET.Element:
     """Add a joint from the first of the links `ends` to a new link, the second. Return the joint's element.
 
-    Readers of URDF refuse infinity; `WIDE` replaces it. A continuous joint without any limit gets no `<limit>`.
+    Readers of URDF refuse infinity; `WIDE` replaces it.
     """
     ET.SubElement(robot, "link", name=ends[1])
     joint = ET.SubElement(robot, "joint", name=name, type=kind)
@@ -43,7 +43,7 @@ def add_joint(
     add_origin(joint, origin)
     if kind != "fixed":
         ET.SubElement(joint, "axis", xyz=number_text(axis))
-    if limit and (kind != "continuous" or np.isfinite(list(limit.values())).any()):
+    if limit:
         numbers = {key: repr(float(np.clip(value, -WIDE, WIDE))) for key, value in limit.items()}
         ET.SubElement(joint, "limit", numbers)
     return joint
