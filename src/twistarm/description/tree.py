@@ -158,7 +158,7 @@ class Description:
                 above = [joint.parent for joint in path]
                 what = f"base {base!r} is no ancestor of tip {tip!r}"
                 remedy = f"a base must be one of {listed(above) if above else 'no link: the tip is the root'}"
-                raise refusal("base-not-above-tip", self.place(), what, remedy)
+                raise refusal("no-chain", self.place(), what, remedy)
             path.append(joint)
             link = joint.parent
         return tuple(reversed(path))

@@ -97,7 +97,7 @@ class Mjcf:
                 self._attach(element, reading, (*around, reading.path))
         if self._size(root) > MOST_ELEMENTS:
             what = f"with all its copies it has more than {MOST_ELEMENTS:,} elements"
-            raise refusal("too-many-parts", reading.whole, what, "leave out what the arm does not need")
+            raise refusal("too-large", reading.whole, what, "leave out what the arm does not need")
 
     def _is_used(self, element: ET.Element, parent: ET.Element) -> bool:
         """Whether an element stays. What the arm may miss is noted."""
@@ -141,7 +141,7 @@ class Mjcf:
         root = parse_xml(text, self.readings[-1])
         if sum(len(each.lines) for each in self.readings) > MAX_PARTS:
             what = f"with its other files it has more than {MAX_PARTS:,} elements"
-            raise refusal("file-too-large", self.readings[0].whole, what, "leave out what the arm does not need")
+            raise refusal("file-unreadable", self.readings[0].whole, what, "leave out what the arm does not need")
         return root, self.readings[-1]
 
     def _rename_mesh(self, mesh: ET.Element, compiler: dict[str, str], reading: Reading) -> None:
