@@ -49,7 +49,9 @@ from .baking import write_baked
 from .configurations import Configurations, named_ready, theta_by_joint
 from .kinematics import ByExponentials, ByPinocchio, walked_poses
 from .pinocchio_model import PinocchioModel, why_no_pinocchio
-from .ready_pose.search import computed_ready
+from .ready_pose.merit import Mechanism
+from .ready_pose.overlaps import overlapping_links
+from .ready_pose.search import round_configuration
 from .roll_axis import roll_axis
 
 
@@ -186,7 +188,12 @@ class Arm:
 
         No two links of a description overlap in it.
         """
-        return frozen(computed_ready(self))
+        overlapping = None
+        if self.description is not None and not why_no_pinocchio():
+            places = self.pinocchio, self.description, self.base, self.moving_names[0], self.reach
+            overlapping = overlapping_links(*places, self.disabled_collisions)
+        mechanism = Mechanism(self.screws, self.coupling.A, self.home[:3, 3], self.units, self.reach)
+        return frozen(round_configuration(mechanism, self.limits, self.sampling_bounds, overlapping))
 
     @cached_property
     def middle(self) -> Array:

@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import combinations, islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ...description.tree import Description
 from ...support.checks import Array
 from ...support.errors import InputError
 from ...support.files import read_bounded
 from ..bodies import Body, Pair, Shapes, adjacent_pairs, sorted_pair
 from ..checker import Checker
-from ..pinocchio_model import import_pinocchio, why_no_pinocchio
-
-if TYPE_CHECKING:
-    from ..arm import Arm
+from ..pinocchio_model import PinocchioModel, import_pinocchio
 
 MOST_SHAPES, MOST_PAIRS = 500, 2_000
 """The most shapes and pairs of shapes. A larger robot is a scene and is not checked."""
@@ -34,22 +32,21 @@ DIRECTIONS = np.array([d for d in np.ndindex(5, 5, 5) if 0 < np.abs(np.subtract(
 """Along the axes, between two or three of them, and between those."""
 
 
-def overlapping_links(arm: Arm) -> Callable[[Array], frozenset[Pair]] | None:
+def overlapping_links(
+    model: PinocchioModel, description: Description, base: str, first: str, reach: float, exempt: frozenset[Pair]
+) -> Callable[[Array], frozenset[Pair]] | None:
     """A function from theta (n,) to the pairs of links that overlap, and links that reach below the base plane.
 
-    What the first joint carries is tested against the rest and the base plane, except adjacent links and pairs that an
-    SRDF exempts. None without Pinocchio or a description, and with more than `MOST_SHAPES` or `MOST_PAIRS`.
+    What the `first` joint carries is tested against the rest and the base plane, except adjacent links and pairs that
+    are `exempt`. None with more than `MOST_SHAPES` or `MOST_PAIRS`.
     """
-    description = arm.description
-    if description is None or why_no_pinocchio():
-        return None
-    model, shapes = arm.pinocchio, _QuickShapes(import_pinocchio().coal)
-    moved = description.beyond(arm.moving_names[0])
-    ground = Body(GROUND, arm.base, shapes.half_space(), np.eye(4), "plane")
-    bodies = [ground, *islice(shapes.of_links(description, arm.reach), MOST_SHAPES)]
+    shapes = _QuickShapes(import_pinocchio().coal)
+    moved = description.beyond(first)
+    ground = Body(GROUND, base, shapes.half_space(), np.eye(4), "plane")
+    bodies = [ground, *islice(shapes.of_links(description, reach), MOST_SHAPES)]
     joints = [model.model.frames[model.frame_id(body.carrier)].parentJoint for body in bodies]
     names = [body.name for body in bodies]
-    exempt = arm.disabled_collisions | adjacent_pairs(description, bodies)
+    exempt = exempt | adjacent_pairs(description, bodies)
     pairs = [
         (i, j)
         for i, j in combinations(range(len(bodies)), 2)
