@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 from ..support.errors import DescriptionError, one_line
+from ..support.messages import Text, joined
 
 Severity = Literal["info", "warning", "error"]
 
@@ -209,7 +210,13 @@ class Finding:
     repaired: bool = False
 
     def __str__(self) -> str:
-        return f"{self.severity}: {self.place}: {self.what} ({self.remedy})"
+        return str(self.text)
+
+    @property
+    def text(self) -> str:
+        """Severity, place, what and remedy in one message."""
+        parts = {"severity": self.severity, "place": self.place, "what": self.what, "remedy": self.remedy}
+        return Text("{severity}: {place}: {what} ({remedy})", **parts)
 
 
 @dataclass
@@ -248,7 +255,6 @@ def refused(findings: Iterable[Finding]) -> DescriptionError:
     """One error for all findings: the first in full, the others counted. `.findings` holds all."""
     every = tuple(findings)
     first, *others = [one for one in every if one.severity == "error"]
-    text = "; ".join(part for part in (f"{first.place}: {first.what}", first.remedy) if part)
-    if others:
-        text += f" (and {len(others)} more: twistarm doctor lists them)"
-    return DescriptionError(text, every)
+    text = joined("; ", filter(None, (Text("{place}: {what}", place=first.place, what=first.what), first.remedy)))
+    more = f" (and {len(others)} more: twistarm doctor lists them)" if others else ""
+    return DescriptionError(Text("{text}{more}", text=text, more=more), every)

@@ -27,6 +27,7 @@ from ...limits.joint_limits import JointLimits
 from ...support.checks import frozen, require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
+from ...support.messages import Argument, Text
 from ..arm import Arm, Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..configurations import named_ready
@@ -359,7 +360,8 @@ def _with_what_is_said(
         taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []
         taken += [f"{len(pairs)} pair{'s' * (len(pairs) > 1)} of links that need no collision check"] if pairs else []
         what = f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}"
-        remedy = "tip=, an arm.toml or another srdf= win over it"
+        given = {name: Argument(name, None) for name in ("tip", "srdf")}
+        remedy = Text("{tip}, an arm.toml or another {srdf} win over it", **given)
         found = finding("srdf-found", Place(semantics.path.name), what, remedy)
         findings = (*arm.findings, found, *stating)
         arm = replace(arm, named_states={**states, **poses}, disabled_collisions=pairs, findings=findings)

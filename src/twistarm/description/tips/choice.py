@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from ...support.caller_words import argument
 from ...support.errors import DescriptionError, listed
+from ...support.messages import Argument, Text
 from ..findings import Finding, finding, refusal
 from ..tree import Description
 from .bodies import Body, bodies
@@ -66,7 +66,7 @@ def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]
         what += f"; the arm stands on {choice.base!r}"
     what += f"; other candidates: {listed(choice.others, SHOWN)}"
     place = description.place(description.links[choice.tip])
-    return (finding("several-tips", place, what, f"pass {argument('tip')} if another is meant"),)
+    return (finding("several-tips", place, what, Text("pass {tip} if another is meant", tip=Argument("tip"))),)
 
 
 def candidates(description: Description, base: str | None = None) -> tuple[str, ...]:
@@ -204,7 +204,8 @@ def _unclear(
     likely = [link for link, body in links.items() if body in ends]
     if len(likely) < 2:
         what = f"nothing that is an arm in it, only {'too short a chain' if ends else 'wheels, legs or heads'}"
-        remedy = f"to take one of its chains all the same, pass {argument('tip', next(iter(links)))}"
+        likeliest = Argument("tip", next(iter(links)))
+        remedy = Text("to take one of its chains all the same, pass {tip}", tip=likeliest)
         return refusal("no-tip", description.place(), what, remedy)
     what = "several links could be the tip: "
     what += ", ".join(f"{listed([link])} ({_joints(links[link])})" for link in likely[:SHOWN])
@@ -213,7 +214,7 @@ def _unclear(
     offered = ", ".join(groups)
     if offered:
         what += f"; so could the groups of its SRDF: {offered}"
-    return refusal("no-tip", description.place(), what, f"pass {argument('tip', likely[0])}")
+    return refusal("no-tip", description.place(), what, Text("pass {tip}", tip=Argument("tip", likely[0])))
 
 
 def _joints(end: Body) -> str:
