@@ -35,6 +35,9 @@ SINGULAR, FORBIDDEN = 0.01, 1e3
 LOST, HOPELESS = 1e-3, 1e-6
 """The least σ_k/σ_1 that counts towards the rank, because exports round axes, and the least that is told from 0."""
 
+RANK_SAMPLES = 16
+"""Random configurations that show the rank of an arm. Almost every one has it."""
+
 DECIMALS = 6
 """Decimals of compared costs, so that rounding does not choose between equal configurations."""
 
@@ -48,6 +51,12 @@ class Mechanism:
     tool: Array
     units: tuple[str, ...]
     reach: float
+
+    def regular(self, theta: Array, samples: Array) -> bool:
+        """Whether the tool moves in as many directions at theta (n,) as at some of `samples` (N, n)."""
+        motions = self.motions(np.vstack([theta, samples]))
+        ratios = self.conditioning(motions, self.placed(motions)[:, -1])
+        return all(bool((each[0] > SINGULAR).sum() >= (each[1:] > SINGULAR).sum(1).max()) for each in ratios)
 
     def motions(self, theta: Array) -> Array:
         """Displacements (N, m + 1, 4, 4) of base and moving joints at theta (N, n)."""

@@ -10,7 +10,6 @@ import numpy as np
 import typer
 
 from ...arm.arm import Arm
-from ...arm.configurations import named_ready
 from ...arm.usual_limits import defaults_line, with_defaults
 from ...limits.joint_limits import JointLimits
 from ...planning import ActiveLimit, Trajectory, active_limits, load_motion
@@ -214,7 +213,7 @@ def motion_texts(arm: Arm, planned: Trajectory, outputs: Outputs, dt: float, *, 
 
 def _start(arm: Arm, radians: bool) -> str:
     """The default start of a plan: the pose `ready` as one would type it."""
-    name = named_ready(arm.named_states)
+    name = arm.ready_name
     which = "computed" if name is None else f"the pose named {name!r}"
     return f'starts at ready ({which}): --from "{theta_values(arm, arm.ready, radians)}"'
 
