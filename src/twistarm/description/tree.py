@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -15,12 +15,13 @@ from ..support.errors import listed, unknown_name
 from ..support.messages import Argument, Text
 from ..theory.screws import exp
 from .findings import Finding, Place, refusal
-
-if TYPE_CHECKING:
-    from .companions.srdf import Semantics
+from .semantics import Semantics
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed", "planar", "floating"]
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
+
+GRAVITY = (0.0, 0.0, -9.81)
+"""The usual acceleration of free fall [m/s²], in axes of a base that stands upright."""
 
 
 @dataclass(frozen=True)
@@ -106,8 +107,8 @@ class Description:
     """Links and joints after all repairs, with the findings of the reading.
 
     `text` is the expanded description as written, for the engines of the crosscheck. `repaired` is the kinematic part
-    of it with all repairs, for Pinocchio. An MJCF has its own text with includes in `mjcf`, and says more in
-    `semantics`.
+    of it with all repairs, for Pinocchio. An MJCF says more, in `semantics` and in `gravity`: the acceleration of free
+    fall (3,) [m/s²] in axes of the root.
     """
 
     name: str
@@ -118,8 +119,8 @@ class Description:
     text: str = field(repr=False)
     repaired: str = field(repr=False)
     findings: tuple[Finding, ...] = ()
-    mjcf: str = field(default="", repr=False)
     semantics: Semantics | None = field(default=None, repr=False)
+    gravity: tuple[float, float, float] | None = None
 
     def __repr__(self) -> str:
         source = f" from {self.path.name}" if self.path else ""
@@ -157,7 +158,7 @@ class Description:
                 above = [joint.parent for joint in path]
                 what = f"base {base!r} is no ancestor of tip {tip!r}"
                 remedy = f"a base must be one of {listed(above) if above else 'no link: the tip is the root'}"
-                raise refusal("base-not-above-tip", self.place(), what, remedy)
+                raise refusal("no-chain", self.place(), what, remedy)
             path.append(joint)
             link = joint.parent
         return tuple(reversed(path))

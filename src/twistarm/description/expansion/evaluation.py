@@ -12,7 +12,7 @@ from typing import Any
 
 from ...support.messages import Argument, Text
 from ..findings import Finding, Place, finding
-from ..yaml_reading import bounded_loader, is_deep
+from .bounded_yaml import bounded_loader, is_deep
 from .expressions import Expressions
 from .names import DIRECT, math_names, python_names, tokenize
 from .work import Refused, Work
@@ -126,7 +126,7 @@ class Evaluation:
             return yaml.load(stream, Loader=bounded_loader(charge, units, number))
         except (RecursionError, yaml.YAMLError) as error:
             if is_deep(error):
-                raise Refused("xacro-too-large", "the YAML is nested too deeply", "write it flatter") from None
+                raise Refused("xacro-failed", "the YAML is nested too deeply", "write it flatter") from None
             raise
 
     def text(self, text: str, symbols: Any) -> Any:
