@@ -30,7 +30,7 @@ NOT_COVERED = (
 
 
 def freeze(arm: Arm, path: str | os.PathLike[str], *, scene: Scene | None = None) -> None:
-    """Write the arm as numbers (JSON, SI): what `Arm.bake` keeps, and each link's mass, centre and inertia.
+    """Write the arm as numbers (JSON, SI): what `bake` keeps, and each link's mass, centre and inertia.
 
     `compare` tells what has changed since. Shapes and meshes, named poses, the SRDF, limits of joints beside the chain,
     damping and friction are not covered, and the file lists them. With a scene the file keeps its allowed pairs, and
