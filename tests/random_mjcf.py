@@ -69,7 +69,7 @@ class Random:
             parts.append(self.joint(str(kind)))
             if kind == "ball":
                 break
-        self.tip = name if len(self.joints) > before else self.tip
+        self.tip = name if any(kind != "ball" for _, kind in self.joints[before:]) else self.tip
         parts += [self.geom() for _ in range(self.rng.integers(1, 3))]
         if self.chance(0.3):
             parts.append(f'<inertial mass="1.5" pos="{self.numbers(3, 0.1)}" diaginertia="0.1 0.12 0.15"/>')

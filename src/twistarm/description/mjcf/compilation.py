@@ -119,8 +119,7 @@ def _refused(mjcf: Mjcf, error: ValueError) -> DescriptionError:
     found = re.search(r",? line (\d+)", text)
     if found is None or mjcf.models:  # the line may be that of an attached model
         return mjcf.error(mjcf.root, f"MuJoCo refuses it: {text}")
-    at = mjcf.lines[min(int(found[1]), len(mjcf.lines)) - 1]
-    return mjcf.error(at, f"MuJoCo refuses it: {text.replace(found[0], '')}")
+    return mjcf.error(mjcf.at_line(int(found[1])), f"MuJoCo refuses it: {text.replace(found[0], '')}")
 
 
 @contextmanager

@@ -28,7 +28,7 @@ MOST_ELEMENTS = 20_000
 """Elements with all copies of `replicate` and `attach`. A whole humanoid has some 2,000."""
 
 MOST_BYTES = 200_000_000
-"""All meshes that MuJoCo weighs, together."""
+"""A mesh that MuJoCo weighs."""
 
 
 @dataclass
@@ -36,22 +36,23 @@ class Mjcf:
     """One MJCF: its root with includes in place, and the other files that MuJoCo may ask for.
 
     `models` are the texts of attached models, and `meshes` the paths of meshes as written, both by the names that
-    MuJoCo gets. `keys` are the keyframes of the main model. `notes` are parts left out, by the code of their finding.
+    MuJoCo gets. `notes` are parts left out, by the code of their finding.
     """
 
     root: ET.Element
     readings: list[Reading]
     models: dict[str, bytes] = field(default_factory=dict)
     meshes: dict[str, str] = field(default_factory=dict)
-    keys: list[ET.Element] = field(default_factory=list)
     notes: dict[str, dict[str, None]] = field(default_factory=dict)
     _sizes: dict[str, int] = field(default_factory=dict)
-    _bytes: int = 0
 
     def __post_init__(self) -> None:
         self._confinement = Confinement(self.readings[0].path, self.readings[0].packages)
         self._prepare(self.root, self.readings[0], ())
-        self.text, self.lines = _numbered(self.root)
+        for element in self.root.iter():
+            element.text = element.tail = None
+        ET.indent(self.root, "")  # one tag in each line
+        self.text = ET.tostring(self.root, "unicode")
 
     def note(self, code: str, part: str) -> None:
         """Note a part that is left out, once."""
@@ -62,6 +63,11 @@ class Mjcf:
         reading = next((each for each in self.readings if element in each.lines), self.readings[0])
         return refusal("mjcf-unusable", reading.place(element), what, remedy)
 
+    def at_line(self, line: int) -> ET.Element:
+        """The element that begins in a line of `text`, or the last one before it."""
+        begun = [tag for tag in self.text.splitlines()[:line] if not tag.startswith("</")]
+        return list(self.root.iter())[len(begun) - 1]
+
     def mesh_bytes(self, name: str) -> bytes | None:
         """The content of a mesh's file. None if there is none inside the folders, or none small enough."""
         path = resolve_uri(self.meshes[name], self.readings[0].packages)
@@ -69,11 +75,9 @@ class Mjcf:
             if path is None:
                 return None
             self._confinement.require_inside(path)
-            data = read_bounded(path, MOST_BYTES - self._bytes)
+            return read_bounded(path, MOST_BYTES)
         except (OSError, Refused):
             return None
-        self._bytes += len(data)
-        return data
 
     def _prepare(self, root: ET.Element, reading: Reading, around: tuple[Path, ...]) -> None:
         """Make one model ready for MuJoCo, inside the files `around` that attach it."""
@@ -83,13 +87,13 @@ class Mjcf:
             compiler |= element.attrib
             for word in FOLDERS:
                 element.attrib.pop(word, None)
-        if not around:  # MuJoCo refuses the whole file for a key of another length
-            self.keys = [key for section in root.findall("keyframe") for key in section]
-            root[:] = [section for section in root if section.tag != "keyframe"]
         for parent in list(root.iter()):
             parent[:] = [part for part in parent if self._is_used(part, parent)]
             parent.attrib.pop("texture", None)
             parent.attrib.pop("hfield", None)
+        if "mjcf-part-not-read" in self.notes and root.find("keyframe") is not None:
+            self.note("mjcf-part-not-read", "the keyframes")  # MuJoCo refuses the file for a key of another length
+            root[:] = [section for section in root if section.tag != "keyframe"]
         for asset in root.findall("asset"):
             for element in asset.findall("mesh"):
                 self._rename_mesh(element, compiler, reading)
@@ -104,7 +108,8 @@ class Mjcf:
         if element.tag in UNUSED or parent.tag == "default":
             return element.tag not in UNUSED
         if element.tag in NOT_READ or element.get("type") == "sdf" or element.find("plugin") is not None:
-            self.note("mjcf-part-not-read", titled(element))
+            name = element.get("name") or element.get("prefix", "")
+            self.note("mjcf-part-not-read", f"<{element.tag}> {name}".rstrip())
             return False
         if element.get("hfield") or element.get("type") == "hfield":
             self.note("mjcf-scenery-left-out", "a shape of type hfield")
@@ -178,23 +183,3 @@ class Mjcf:
             words = re.findall(r"\d+", element.get("count", "1"))
             return size * int(words[0][:9] if words else 1)
         return size
-
-
-def titled(element: ET.Element) -> str:
-    """The tag of an element and its name."""
-    return " ".join(filter(None, (f"<{element.tag}>", element.get("name") or element.get("prefix"))))
-
-
-def _numbered(root: ET.Element) -> tuple[str, list[ET.Element]]:
-    """The text with one tag in each line, and the element of each line."""
-    lines: list[ET.Element] = []
-
-    def lay(element: ET.Element) -> None:
-        lines.append(element)
-        element.text, element.tail = "\n" if len(element) else None, "\n"
-        for child in element:
-            lay(child)
-        lines.extend([element] if len(element) else [])
-
-    lay(root)
-    return ET.tostring(root, "unicode"), lines
