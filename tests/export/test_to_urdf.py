@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio
 import pytest
 
-from twistarm import Arm, ArmBuilder, InputError, arm_from_dh, arm_from_screws, joints, load_arm, to_urdf
+from twistarm import Arm, ArmBuilder, InputError, arm_from_dh, arm_from_screws, bake, joints, load_arm, to_urdf
 from twistarm.description.tree import Geometry
 from twistarm.support.files import WRITTEN_XML, write_whole
 from urdf_text import two_joints, write
@@ -97,7 +97,7 @@ def test_screws_come_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "panda"])
 def test_a_baked_arm_comes_back(name: str, tmp_path: Path) -> None:
     arm = load_arm(name)
-    arm.bake(tmp_path / "arm.json")
+    bake(arm, tmp_path / "arm.json")
     baked = load_arm(tmp_path / "arm.json")
     require_same(arm, came_back(baked, tmp_path))
 
