@@ -16,8 +16,7 @@ from ...theory import rotations
 from ...theory.joints import plane_axes
 from .. import structure
 from ..document import MAX_NESTING, MAX_PARTS, Reading, floats, parse_xml
-from ..expansion.confinement import Confinement
-from ..expansion.work import Refused
+from ..expansion.confinement import Confinement, Refused
 from ..findings import refusal
 
 MAIN = "main"
