@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
@@ -230,8 +229,3 @@ def test_logs_that_are_none(
 ) -> None:
     with pytest.raises(InputError, match=why):
         WiringLog(names, np.zeros(counts), np.zeros(measured))
-
-
-def test_a_log_that_travelled_stays_read_only() -> None:
-    log = WiringLog(("a",), np.zeros((1, 1)), np.zeros((1, 3)))
-    assert not pickle.loads(pickle.dumps(log)).counts.flags.writeable

@@ -94,9 +94,9 @@ REFUSED = {
     "a column twice": ((HEADER + ",x",), "line 1: column 'x' stands there twice"),
     "another unit": ((HEADER.replace("[turn]", "[rad]"),), "line 1: column 'rail' is in [turn]"),
     "millimetres": ((HEADER.replace("x [m]", "x [mm]"),), "line 1: column 'x' is in [m]; got [mm]"),
-    "decimal commas": ((HEADER.replace(",", ";"), ROW.replace(",", ";").replace(".", ",")), "as in 1.5"),
+    "decimal commas": ((HEADER.replace(",", ";"), ROW.replace(",", ";").replace(".", ",")), "line 2: column 1"),
     "too few": ((HEADER, ROW, "1,2,3"), "line 3: 3 values where there are 8 columns"),
-    "no number": ((HEADER, "#", ROW.replace("100", "1O0", 1)), "line 3: '1O0' is no number"),
+    "no number": ((HEADER, "#", ROW.replace("100", "1O0", 1)), "line 3: column 4"),
     "no rotation": ((HEADER + ",qx,qy,qz,qw", ROW + ",0,0,0,0"), "line 2: qx qy qz qw must be of length 1; got 0"),
 }  # fmt: skip
 

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..limits.actuators import Actuators
-from ..support.checks import Array, Rechecked, as_floats, as_pose, frozen, require
+from ..support.checks import Array, as_floats, as_pose, frozen, require
 from ..support.display import Brief
 from ..support.errors import InputError, closest, listed
 from .columns import POSITION, ROTATION, read_columns
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class WiringLog(Rechecked, Brief):
+class WiringLog(Brief):
     """K moments: `counts` (K, k) of the drives `names`, `measured` of the tool in base coordinates.
 
     `measured` (K, 3) are positions of the tool's origin [m], or (K, 4, 4) poses. Raises InputError for anything else.

@@ -208,7 +208,7 @@ class Scene(Obstacles):
             found.append(finding("collision-shapes", place, what, "write collision shapes into the description"))
         for why, names in self._unreadable.items():
             remedy = "mend the file, or give the link a box or cylinder as collision shape"
-            found.append(finding("collision-mesh-unreadable", place, f"{why}; left out of {listed(names)}", remedy))
+            found.append(finding("mesh-unreadable", place, f"{why}; left out of {listed(names)}", remedy))
         return tuple(found)
 
     @property

@@ -27,7 +27,7 @@ from ...limits.joint_limits import JointLimits
 from ...support.checks import frozen, require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
-from ...support.messages import Argument, Text
+from ...support.messages import Argument, Text, plural
 from ..arm import Arm, Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..configurations import named_ready
@@ -155,7 +155,7 @@ def _within(arm: Arm, file: str) -> Arm:
     states = {name: theta for name, theta in arm.named_states.items() if arm.limits.contains(theta)}
     what, remedy = "it lies outside the limits that were given; it is left out", "correct them, where the arm needs it"
     places = [Place(file, None, "named_states", name) for name in arm.named_states if name not in states]
-    left_out = [finding("state-outside-limits", place, what, remedy) for place in places]
+    left_out = [finding("outside-limits", place, what, remedy) for place in places]
     return replace(arm, named_states=states, findings=(*arm.findings, *left_out))
 
 
@@ -285,7 +285,7 @@ def assemble(description: Description, specification: ArmSpecification, changes:
     tool = specification.tool or Tool(tip, np.eye(4))
     if specification.tool and tool.name in description.links:
         what = f"tool.name {tool.name!r} is a link already"
-        raise refusal("tool-name-taken", Place(specification.source), what, "name it otherwise")
+        raise refusal("companion-unusable", Place(specification.source), what, "name it otherwise")
     chain = walk_chain(description, base, tip, tool.g_tip_tool, specification.locked_joints)
     limits, limiting = fitted_limits(chain.limits, chain.coordinates, specification, changes, description.joints)
     arm = Arm(
@@ -313,7 +313,7 @@ def _semantics(
     description: Description, specification: ArmSpecification
 ) -> tuple[Semantics | None, tuple[Finding, ...]]:
     """The named SRDF or the one beside the description, and the findings about it."""
-    if specification.srdf is None and description.mjcf:
+    if specification.srdf is None and description.gravity is not None:  # an MJCF
         return description.semantics, ()
     if specification.srdf is None:
         semantics, noted = srdf_beside(description)
@@ -355,8 +355,8 @@ def _with_what_is_said(
         states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked_joints)
         pairs = semantics.disabled_collisions(arm.description.links)
         taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
-        taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []
-        taken += [f"{len(pairs)} pair{'s' * (len(pairs) > 1)} of links that need no collision check"] if pairs else []
+        taken += [plural(len(states), "named pose")] if states else []
+        taken += [f"{plural(len(pairs), 'pair')} of links that need no collision check"] if pairs else []
         what = f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}"
         given = {name: Argument(name, None) for name in ("tip", "srdf")}
         remedy = Text("{tip}, an arm.toml or another {srdf} win over it", **given)

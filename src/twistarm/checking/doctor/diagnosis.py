@@ -102,12 +102,12 @@ def _of_arm_file(
     """A wrong name or value in an arm.toml as a finding; the caller's is raised again."""
     if any(load.values()) or not str(source).endswith(".toml"):
         raise error
-    return finding("arm-file-unusable", Place(str(source)), str(error), "correct it there")
+    return finding("companion-unusable", Place(str(source)), str(error), "correct it there")
 
 
 def _told_by(error: DescriptionError, place: Place) -> list[Finding]:
     """The error's own findings; an error without any becomes one."""
-    return list(error.findings) or [finding("arm-file-unusable", place, str(error), "correct it")]
+    return list(error.findings) or [finding("companion-unusable", place, str(error), "correct it")]
 
 
 def examine_arm(arm: Arm) -> Diagnosis:

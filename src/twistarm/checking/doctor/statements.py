@@ -10,6 +10,7 @@ from ...arm.arm import Arm
 from ...description.findings import Finding, finding
 from ...support.checks import Array
 from ...support.directions import axis_in_words, direction_in_words
+from ...support.messages import plural
 from .abilities import TOL, Abilities
 from .wording import place_of
 
@@ -24,7 +25,7 @@ def summary(arm: Arm, able: Abilities) -> str:
     spare = arm.n - able.rank
     turns = "its orientation follows from its position" if not able.turning else f"{able.turning} of 3 rotations there"
     text = f"moves its tool in {able.rank} of 6 directions: {able.position} of 3 for the position, {turns}"
-    return f"{text}; {spare} joint{'s' * (spare > 1)} to spare" if spare else text
+    return f"{text}; {plural(spare, 'joint')} to spare" if spare else text
 
 
 def check_abilities(arm: Arm, able: Abilities) -> Iterator[Finding]:
@@ -38,11 +39,6 @@ def check_abilities(arm: Arm, able: Abilities) -> Iterator[Finding]:
         yield finding("cannot-turn", place, cannot_turn(able), remedy)
     if able.turning + len(able.unturned) < 3:
         yield finding("cannot-turn-in-place", place, cannot_turn_in_place(able), _instead(able, arm.tool_axis))
-    if able.rank < min(arm.n, 6):
-        what = (
-            f"its {arm.n} joints move the tool in {able.rank} directions only: {arm.n - able.rank} to spare everywhere"
-        )
-        yield finding("joints-redundant", place, what, "nothing; many configurations meet one target")
 
 
 def cannot_move(able: Abilities) -> str:

@@ -24,7 +24,7 @@ def explain(error: Exception, expansion: Expansion, place: Place) -> Description
             return refusal(cause.code, place, _shortened(cause.what) + where, cause.remedy)
     if any(isinstance(cause, RecursionError) for cause in chain):
         what = "a macro, a property or an included file refers to itself without end"
-        return refusal("xacro-recursion", place, what)
+        return refusal("xacro-failed", place, what)
     if undefined := re.search(r"Undefined substitution argument (\S+)", text):
         return _missing_argument(undefined[1], expansion)
     if missing := re.search(re.escape(MISSING_PACKAGE) + r"([^/\s'\"]+)", text):
@@ -89,7 +89,7 @@ def _missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
         values = ", ".join(f"{name} ({value!r})" for name, value in others.items())
         what += f", which has no default; the others have values: {values}" if others else ", which has no default"
     remedy = Text("pass {arguments}", arguments=Argument("xacro_args", missing))
-    return refusal("xacro-argument-missing", Place(str(expansion.path)), _shortened(what), remedy)
+    return refusal("xacro-arguments", Place(str(expansion.path)), _shortened(what), remedy)
 
 
 def _hint(text: str) -> str:

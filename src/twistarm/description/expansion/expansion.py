@@ -211,7 +211,7 @@ class Expansion:
         """The real path and the text of a file that may be read. XacroException if there is none."""
         if len(self._xacro.filestack) > MAX_INCLUDES:
             what = f"an included file refers to itself without end: {MAX_INCLUDES} files are open"
-            raise Refused("xacro-recursion", what, "take out the include that comes back")
+            raise Refused("xacro-failed", what, "take out the include that comes back")
         try:
             if name.startswith(MISSING_PACKAGE):
                 raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
@@ -265,7 +265,7 @@ class Expansion:
             data = yaml.load(text, Loader=Loader)
         except RecursionError:
             what = f"the YAML in {path.name} is nested too deeply"
-            raise Refused("xacro-too-large", what, "write it flatter") from None
+            raise Refused("xacro-failed", what, "write it flatter") from None
         self._xacro.filestack.pop()
         return self._xacro.YamlListWrapper.wrap(data)
 

@@ -18,7 +18,7 @@ from typing import Any
 
 from .confinement import Refused
 
-REFUSED, TOO_LARGE = "xacro-expression-refused", "xacro-too-large"
+REFUSED, TOO_LARGE = "xacro-expression-refused", "xacro-failed"
 
 MAX_DEPTH = 100
 """Levels of the syntax tree. A sum has as many as terms, and Python's compiler recurses."""
