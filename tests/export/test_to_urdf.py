@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -54,6 +55,24 @@ def test_an_mjcf_comes_back(path: Path, tmp_path: Path) -> None:
     if not arm.couplings.keys() - set(arm.joint_names):  # Pinocchio reads mimics only if asked
         model = pinocchio.buildModelFromXML((tmp_path / "copy.urdf").read_text())
         assert [str(name) for name in model.names][1:] == list(arm.joint_names)
+
+
+def test_other_readers_get_all_shapes_and_no_standstill(tmp_path: Path) -> None:
+    """urdfdom drops all shapes of a file for one material without a name, and takes a velocity of 0 at its word."""
+    arms = (
+        load_arm(MJCF / "masses.xml"),
+        arm_from_dh([[0.3, 1.2, 0.1, 0.4]], "modified", limits={"upper": {"joint1": 1}}),
+    )
+    for arm in arms:
+        (tmp_path / "copy.urdf").write_text(text := to_urdf(arm, tmp_path))
+        model, shapes, _ = pinocchio.buildModelsFromUrdf(str(tmp_path / "copy.urdf"), str(tmp_path))
+        assert len(shapes.geometryObjects) == text.count("<collision")
+        assert (model.velocityLimit > 0).all()
+        for limit in re.findall(r"<limit[^>]*>", text):
+            assert 'velocity="0' not in limit
+            assert "1e+300" not in limit
+    assert text.count("<limit") == 1
+    assert to_urdf(arms[0]).count("<collision") > 3
 
 
 def holds(body: Geometry, points: np.ndarray) -> np.ndarray:

@@ -25,9 +25,6 @@ from .payload import payload, with_extremes
 SAMPLES, CUBES = 2000, 40
 """Configurations, and cubes along the diameter of the ball that holds the tool."""
 
-ALIKE = 0.005
-"""A smaller relative difference is not told: samples differ by as much."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Design(Brief):
@@ -54,25 +51,6 @@ class Design(Brief):
     duration: float
     notes: tuple[str, ...]
     panel: float = np.nan
-
-    def against(self, other: Design) -> str:
-        """What this design does better and worse than another, in a sentence."""
-        said = []
-        for verb, unit, mine, its in (
-            ("reaches out", "%", self.farthest, other.farthest),
-            ("sweeps in volume", "%", self.volume, other.volume),
-            ("holds", "kg", self.payload, other.payload),
-            ("holds in the median", "kg", self.median_payload, other.median_payload),
-            ("weighs", "kg", self.mass, other.mass),
-            ("takes", "s", self.duration, other.duration),
-        ):
-            if ALIKE * its < abs(mine - its) < np.inf and (its or unit != "%"):  # nor NaN
-                size = float(f"{abs(mine - its) * (100.0 / its if unit == '%' else 1.0):.2g}")
-                said.append(f"{verb} {size:g} {unit} {'more' if mine > its else 'less'}")
-        if (more := 100.0 * (self.panel - other.panel)) and np.isfinite(more):
-            said.append(f"does {abs(more):.2g} % {'more' if more > 0.0 else 'less'} of the panel")
-        words = " and ".join(filter(None, [", ".join(said[:-1]), *said[-1:]]))
-        return f"{self.name} {words} than {other.name}" if said else f"{self.name} does the same as {other.name}"
 
 
 def compare_designs(

@@ -20,6 +20,7 @@ from ..planning.cartesian.branches import branches
 from ..support.checks import Array, Matrix, as_frame, as_pose, require, require_callback
 from ..support.display import Brief
 from ..support.errors import InputError
+from ..support.messages import joined
 from ..theory import screws
 from ..theory.manipulability import scaled_jacobian
 from .panel import Panel, PanelTask
@@ -201,7 +202,7 @@ def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | No
     for point, target in zip(POINTS, targets, strict=True):
         at = solve_ik(arm, target, **met)
         if not at.converged:
-            return replace(found, code=at.stop.name.lower(), why=f"{point}: {in_one_line(at)}")
+            return replace(found, code=at.stop.name.lower(), why=joined(": ", [str(point), in_one_line(at)]))
     for start in _starts(arm, targets[0], scene):
         try:
             motion = plan(arm, [JointMove(start), *here.moves(arm.tool_axis, panel.clearance)], **met)

@@ -13,7 +13,7 @@ from ..support.checks import Array
 from ..support.directions import value_in_words
 from ..support.display import told
 from ..support.errors import NotConvergedError
-from ..support.messages import Text
+from ..support.messages import Text, joined
 from ..support.unit_hints import theta_hint
 from .answer import CLOSED_FORM, DAMPED, FIELDS, NEAREST, STOPS, Answer, StopReason
 from .explain import explain, summary
@@ -169,7 +169,7 @@ class IKResult:
         """theta (n,). Raises NotConvergedError, which carries this solution, where the target is not met."""
         if self.converged:
             return self.theta
-        raise NotConvergedError(f"{summary(self)}; solution.explain() says more", self)
+        raise NotConvergedError(joined("; ", [summary(self), "solution.explain() says more"]), self)
 
     @property
     def _start(self) -> Array:
