@@ -17,15 +17,15 @@ from ..theory.screws import exp
 from .calibration import Calibration, Estimate
 from .geometry import Geometry
 from .measurements import Bools, Measurements, Rows, joined, read_measurements
-from .problem import LOUD, MOST_STD, Problem, descend, shown, started
+from .problem import LOUD, MOST_STD, Problem, descend, observable, started
 from .suspicions import doubts, refuse_unusable, suspicions
 
 Frame = Literal["fit", "held"]
 Log = Measurements | str | os.PathLike[str]
 
 FOLDS, BLOCK = 5, 0.2
-FIRST, BEFORE_AXES = 30.0, 3.0
-"""How much rather the log is explained by base, tool and places, and by zeros, than by moved axes."""
+USUAL = {"zero": 0.2, "shift": 0.002, "tilt": 0.01, "scale": 0.1, "eccentricity": 0.1}
+"""How far joints are out as a rule [m, rad, 1]: what the fit knows before the log."""
 
 
 def calibrate(
@@ -80,7 +80,8 @@ def calibrate(
     geometry = Geometry(arm, np.eye(4), np.eye(4), as_flag(scales, "scales"), as_flag(eccentricity, "eccentricity"))
     noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")
     known, apart = _distances(distances, log), as_positive(distance_noise, "distance_noise")
-    problem, _ = Problem(geometry, log, noise, known, apart).placed()
+    usual = [0.0] * 12 + [1.0 / USUAL[each.what.split()[0]] for each in geometry.parameters[12:]]
+    problem, _ = Problem(geometry, log, noise, np.array(usual), known, apart).placed()
     fitted = _fitted(problem, base == "fit", tool == "fit")
     said = refuse_unusable(problem, fitted)
     problem, q = started(problem, bool(fitted[:6].any()), fitted[6:12])
@@ -134,13 +135,12 @@ def _fitted(problem: Problem, base: bool, tool: bool) -> Bools:
 
 def _shown(problem: Problem, q: Array, fitted: Bools) -> Bools:
     """The unknowns (Q,) that the log shows: places, base and tool rather than zeros, and zeros rather than axes."""
-    order = np.full(len(q), FIRST) * fitted
-    order[12 : problem.P] /= FIRST
-    order[12 : 12 + problem.geometry.arm.n] *= BEFORE_AXES
+    usual = np.ones(len(q))
+    usual[12 : problem.P] /= problem.usual[12:]
     most = np.array([MOST_STD[parameter.unit] for parameter in problem.parameters])
     seen, ones = fitted, np.ones(len(problem.log.theta))
-    for met in (False, True):  # the one shows what is the tool's as well, the other what is the base's as well
-        seen = shown(problem.slopes(q, ones, met=met)[: -len(q)], order * seen, most)
+    for resting in (False, True):  # the one shows what is the tool's as well, the other what is the base's as well
+        seen = observable(problem.slopes(q, ones, resting=resting)[: -problem.P], usual * seen, most)
     return seen
 
 
