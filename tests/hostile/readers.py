@@ -88,9 +88,6 @@ READERS: Mapping[str, Reader] = {
         ("ik", "arm.urdf", "--targets", "-"), "in.csv", _is(TARGETS), "csv", stdin=True
     ),
     "an SRDF beside": Reader(("info", "arm.urdf"), "beside.srdf", _is(SRDF), "xml", walks=True),
-    "doctor's folder": Reader(("doctor", "."), "sub/in.urdf", two_joints, "xml", walks=True),
-    "check's folder": Reader(("check", ".", "--samples", "5"), "sub/arm.toml", _is(ARM), "toml", walks=True),
-    "doctor's folder of folders": Reader(("doctor", "."), "sub", two_joints, "xml", walks=True),
 }
 
 

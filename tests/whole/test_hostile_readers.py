@@ -12,9 +12,7 @@ import pytest
 
 from hostile.attempt import Outcome
 from hostile.readers import READERS, Case, cases
-from twistarm.checking.doctor.folder import descriptions_in
 from twistarm.cli.application import run
-from twistarm.support.errors import InputError
 
 SAMPLED = (
     *(f"{reader}: {what}" for reader in READERS for what in ("a FIFO", "a link to itself")),
@@ -68,11 +66,3 @@ def test_everything_is_told_in_one_line_within_the_bounds(case: Case) -> None:
     signal.alarm(0)
     with TemporaryDirectory() as folder:  # pytest would keep gigabytes
         assert case.fault(case.attempt(Path(folder))) == ""
-
-
-def test_a_folder_of_very_many_entries_is_not_walked_through(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("twistarm.checking.doctor.folder.MOST_ENTRIES", 3)
-    for name in "abcd":
-        (tmp_path / name).touch()
-    with pytest.raises(InputError, match="more than 3 files and folders below; name a smaller folder"):
-        descriptions_in(tmp_path)

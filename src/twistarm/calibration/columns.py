@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..support.checks import Array
-from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, quantity_and_unit
+from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ..support.errors import InputError, closest, listed
 from ..support.files import as_path
+from ..support.units import column
 from ..theory.rotations import from_xyzw
 
 BOUNDS = Bounds(bytes=10_000_000, lines=100_000)
@@ -75,7 +76,7 @@ def read_columns(path: str | os.PathLike[str], units: Units, needed: Sequence[st
     header, *rest = rows
     place, at = f"{file}, line {header.line}", dict[str, tuple[int, float]]()
     for i, cell in enumerate(header.cells):
-        name, unit = quantity_and_unit(cell.strip(), {name: name for name in units})
+        name, unit = column(cell, {name: name for name in units})
         if name is None:
             said = cell.partition("[")[0].strip()
             raise InputError(f"{place}: unknown column {said!r}{closest(said, units)}; {wanted}")

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from ..arm.arm import Arm, require_arm
 from ..support.checks import Array, as_reals, frozen, require_names
-from ..support.csv_lines import FACTORS
 from ..support.display import Brief
 from ..support.errors import InputError
 from ..support.files import as_path
+from ..support.units import UNITS
 from .columns import POSITION, ROTATION, read_columns
 
 Bools = NDArray[np.bool_]
@@ -117,7 +117,7 @@ def read_measurements(path: str | os.PathLike[str], arm: Arm) -> Measurements:
         | lengths
         | dict.fromkeys((*ROTATION, *NAMES), "1")
     )
-    columns = read_columns(path, {name: FACTORS[unit] for name, unit in kinds.items()}, arm.joint_names)
+    columns = read_columns(path, {name: UNITS[unit] for name, unit in kinds.items()}, arm.joint_names)
     if not columns.rows:
         raise InputError(f"{columns.file}: no rows below the names of the columns")
     parts: dict[str, Any] = {name: columns.texts(name) for name in NAMES if name in columns}

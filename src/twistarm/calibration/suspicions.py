@@ -8,9 +8,9 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array
-from ..support.csv_lines import FACTORS
 from ..support.errors import InputError, listed
 from ..support.unit_hints import theta_hint
+from ..support.units import UNITS
 from ..theory.rotations import skew
 from .faults import LITTLE_ANGLE, LITTLE_LENGTH
 from .measurements import Bools
@@ -60,7 +60,7 @@ def _require_metres(problem: Problem) -> None:
     log, reach = problem.log, problem.geometry.arm.reach
     spread = float(np.ptp(log.position[log.located], axis=0).max()) if log.located.any() else 0.0
     if spread > 20.0 * reach:
-        unit = min(FACTORS["m"], key=lambda unit: abs(np.log(spread * FACTORS["m"][unit] / reach)))
+        unit = min(UNITS["m"], key=lambda unit: abs(np.log(spread * UNITS["m"][unit] / reach)))
         raise InputError(
             f"the positions lie {spread:.4g} m apart, and the arm reaches {reach:.3g} m: are they in {unit}? "
             f"Name the unit in the header, as in x [{unit}]"

@@ -12,18 +12,9 @@ import numpy as np
 import typer
 
 from ..support.checks import Array
-from ..support.csv_lines import (
-    FACTORS,
-    Bounds,
-    Row,
-    csv_lines,
-    csv_rows,
-    is_comment,
-    is_number,
-    lines_in,
-    quantity_and_unit,
-)
+from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_comment, is_number, lines_in
 from ..support.errors import InputError, listed, shown
+from ..support.units import UNITS, column
 from .output import note
 
 Columns = Annotated[
@@ -69,11 +60,11 @@ class Sheet:
         found: dict[str, Column] = {}
         passed_over: list[str] = []
         for index, cell in enumerate(self.header):
-            name, unit = quantity_and_unit(cell.strip(), known)
+            name, unit = column(cell, known)
             if name is None:
                 passed_over += [] if OURS.match(cell) else [cell.strip()]
                 continue
-            factors = FACTORS[units[name]]
+            factors = UNITS[units[name]]
             if unit.casefold() not in ("", *factors):
                 raise InputError(f"{self.file}: {name} is a column in {listed(factors)}; its header says {unit!r}")
             if name in found:

@@ -25,10 +25,11 @@ from ..support.checks import (
     require_names,
     require_one,
 )
-from ..support.csv_lines import FACTORS, Bounds, Row, csv_lines, csv_rows, quantity_and_unit
+from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ..support.errors import InputError, listed, shown
 from ..support.files import as_path
 from ..support.unit_hints import TURN, angle_hint
+from ..support.units import UNITS, column
 from ..theory.rotations import exp
 from .bounds import LIMIT_NAMES
 from .document import LARGEST, note_file
@@ -175,7 +176,7 @@ def table_of_rows(
 
 def _read(row: Mapping[str, Any], i: int) -> dict[str, Any]:
     """The entries of row i by column, in SI."""
-    named = {key: quantity_and_unit(key, KNOWN) for key, value in row.items() if value != ""}
+    named = {key: column(key, KNOWN) for key, value in row.items() if value != ""}
     read = {name: row[key] for key, (name, _) in named.items() if name in WORDS}
     if read.get("type", FIXED) not in (*TYPES, FIXED):
         raise InputError(f"row {i}: type must be {', '.join(TYPES)} or {FIXED}; got {shown(read['type'])}")
@@ -200,7 +201,7 @@ def _read(row: Mapping[str, Any], i: int) -> dict[str, Any]:
 
 def _units(name: str, *, slides: bool) -> Mapping[str, float]:
     """The units of a column of numbers, and their sizes in SI."""
-    factors = FACTORS["m" if name in ("a", "d") or (slides and name in LIMIT_NAMES) else "rad"]
+    factors = UNITS["m" if name in ("a", "d") or (slides and name in LIMIT_NAMES) else "rad"]
     per_second = {f"{unit}/s": factor for unit, factor in factors.items()}
     return {"effort": EFFORTS, "velocity": per_second}.get(name, factors)
 

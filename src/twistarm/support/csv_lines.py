@@ -1,4 +1,4 @@
-"""Rows of a CSV file, read within bounds, the names and units in its header, and our CSV text."""
+"""Rows of a CSV file, read within bounds, and our CSV text."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ import codecs
 import csv
 import io
 import os
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from itertools import chain
-from math import isfinite, pi
+from math import isfinite
 from typing import BinaryIO, NamedTuple
 
 from .errors import InputError, shown
@@ -18,17 +17,6 @@ from .files import as_path, open_regular, why_no_file
 
 MAX_LINE = 100_000
 """Characters of a line: a thousand columns of numbers with all their digits are 20,000."""
-
-
-FACTORS = {
-    "m": {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254},
-    "rad": {"rad": 1.0, "radians": 1.0, "deg": pi / 180, "degrees": pi / 180, "°": pi / 180},
-    "1": {"1": 1.0, "-": 1.0},
-}
-"""The size of a header's unit in the unit of the quantity [m, rad, 1]."""
-
-UNIT = re.compile(r"(.*?)(?:\s*[\[(]\s*([^\])]*?)\s*[\])]|[_ ](m|cm|mm|rad|deg|degrees))?")
-"""A column's name with or without its unit: `x`, `x [mm]`, `roll (deg)`, `elbow_deg`."""
 
 
 class Bounds(NamedTuple):
@@ -148,17 +136,6 @@ def is_number(cell: str) -> bool:
         float(cell)
         return cell.isascii() and "_" not in cell
     return False
-
-
-def quantity_and_unit(cell: str, known: Mapping[str, str]) -> tuple[str | None, str]:
-    """The quantity that a header's cell names, and its unit."""
-    match = UNIT.fullmatch(cell)
-    name, unit = (match[1], match[2] or match[3] or "") if match else (cell, "")
-    for said, its_unit in ((cell, ""), (name, unit)):
-        found = known.get(said) or known.get(said.casefold())
-        if found is not None:
-            return found, its_unit
-    return None, ""
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

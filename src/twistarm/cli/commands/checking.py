@@ -11,17 +11,12 @@ from ...arm.arm import Arm
 from ...arm.loading.load import load_arm
 from ...checking.crosscheck import CrossCheck, crosscheck
 from ...checking.difference import Difference, compare
-from ...checking.doctor.folder import is_part
 from ...checking.golden_file import NOT_COVERED, golden_text
-from ...support.errors import DescriptionError, InputError
-from ...support.path_redaction import without_places
 from ..avoiding import SELF, avoided
-from ..folders import PART, Line, refused, walk
 from ..options import Json, takes_arm, takes_source
 from ..output import console, note, print_json, progress_bar, say, table
 from ..outputs import STDOUT, Force, Output, outputs_of
 from ..quantities import whole
-from ..wording import worded
 
 Against = Annotated[
     str | None,
@@ -38,10 +33,6 @@ def check(
     source: str, load: dict[str, Any], samples: Samples = 1000, against: Against = None, json: Json = False
 ) -> int:
     """Compare product of exponentials, Pinocchio, yourdfpy and MuJoCo; --against lists changes."""
-    if Path(source).is_dir():
-        if against is not None:
-            raise InputError("--against compares one arm; name that arm instead of a folder")
-        return walk(Path(source), "check", lambda path: _line(path, load, samples), json=json)
     arm = load_arm(source, **load)
     difference = None if against is None else compare(arm, against)
     with progress_bar("cross-check") as progress:
@@ -77,19 +68,6 @@ def _print(result: CrossCheck, difference: Difference | None, against: str | Non
         for words in difference.changes:
             say(f"{change}: {words}")
     console().print(check_table(result))
-
-
-def _line(path: Path, load: dict[str, Any], samples: int) -> Line:
-    """The cross-check of one file of a folder."""
-    try:
-        arm = load_arm(path, **load)
-    except DescriptionError as error:
-        if is_part(path, error.findings):
-            return Line(PART, None)
-        return refused(str(error), error.findings, error=without_places(worded(error), path))
-    result = crosscheck(arm, samples)
-    worst = max((row.worst for row in result.comparisons if not row.not_compared), default=0.0)
-    return Line("ok" if result.ok else "WRONG", result.ok, arm, f"worst difference {worst:.1e}", {"worst": worst})
 
 
 Collisions = Annotated[

@@ -9,7 +9,6 @@ import typer
 from rich.table import Table
 
 from ...checking.doctor import Diagnosis, examine
-from ...checking.doctor.folder import is_part
 from ...checking.doctor.repair import COPY, Repair, repair
 from ...checking.doctor.statements import summary
 from ...checking.doctor.wording import codes_page
@@ -17,7 +16,6 @@ from ...description.findings import CODES, Finding
 from ...description.findings import refused as refusal_of
 from ...support.errors import InputError
 from ...support.path_redaction import without_places
-from ..folders import PART, Line, refused, walk
 from ..options import Json, takes_source
 from ..output import console, finding_json, literal, print_json, say
 from ..outputs import STDOUT, Force, Output, outputs_of
@@ -53,13 +51,9 @@ def doctor(
     codes: Codes = False,
     json: Json = False,
 ) -> int:
-    """List faults of a description or an arm, their meaning and remedies. ARM may be a folder."""
+    """List faults of a description or an arm, their meaning and remedies."""
     if fix != (output is not None):
         raise InputError("--fix and -o FILE.urdf go together: the repaired copy gets that name")
-    if Path(source).is_dir():
-        if fix:
-            raise InputError("--fix takes one description at a time; give a file in place of the folder")
-        return walk(Path(source), "doctor", lambda path: _line(path, load, strict), json=json)
     diagnosis = examine(source, **load)
     # A file that does not exist is the caller's error, not the doctor's business.
     if any(one.code == "file-not-found" and one.place.file == source for one in diagnosis.findings):
@@ -151,15 +145,3 @@ def _as_json(source: str, diagnosis: Diagnosis, output: str | None, made: Repair
     if made is not None:
         content |= {"written": [output], "repairs": made.changes, "pinocchio_complaint": made.complaint}
     return content
-
-
-def _line(path: Path, load: dict[str, Any], strict: bool) -> Line:
-    diagnosis = examine(path, **load)
-    found = diagnosis.findings
-    if is_part(path, found):
-        return Line(PART, None)
-    more = {"findings": [finding_json(one) for one in found]}
-    if diagnosis.arm is None:
-        return refused("", found, **more)
-    serious = ", ".join(dict.fromkeys(one.code for one in found if one.severity != "info"))
-    return Line(counted(found), _good(diagnosis, strict), diagnosis.arm, serious, more)

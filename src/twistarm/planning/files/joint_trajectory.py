@@ -12,10 +12,11 @@ import numpy as np
 from ...arm.arm import Arm
 from ...description.yaml_reading import parse_yaml
 from ...limits.actuators import Actuators
-from ...support import strict_json
 from ...support.checks import Array
-from ...support.errors import DescriptionError, InputError, closest, listed
+from ...support.errors import DescriptionError, InputError, closest, listed, shown
+from ...support.fields import number, numbers
 from ...support.files import WRITTEN_YAML, read_bounded, why_no_file
+from ...support.strict_json import parsed
 from ...support.yaml_text import block
 from .motor_values import motor_values, motors_of
 from .points import Points
@@ -76,7 +77,7 @@ def read_json(arm: Arm, file: Path) -> Points:
     """Read the points of `arm` from a JSON file. Raises InputError, with the line or the point."""
     text = _text(file)
     try:
-        message = strict_json.parsed(text)
+        message = parsed(text)
     except ValueError as error:
         raise InputError(f"{file} is no JSON: {error}") from error
     return points_in(arm, message, str(file))
@@ -115,8 +116,7 @@ def points_in(arm: Arm, message: Any, file: str) -> Points:
         if name != FIELDS[0] and not all(point.get(name) for point in points):
             break  # ROS leaves out what is not known, or leaves it empty
         rows = [
-            strict_json.numbers(_entry(point, name, place(k)), f"{place(k)}: {name}", len(names))
-            for k, point in enumerate(points)
+            numbers(_entry(point, name, place(k)), f"{place(k)}: {name}", len(names)) for k, point in enumerate(points)
         ]
         states.append(np.reshape(rows, (len(points), len(names)))[:, order])
     return Points(t, _labels(message, file), place, None, *states)
@@ -124,7 +124,7 @@ def points_in(arm: Arm, message: Any, file: str) -> Points:
 
 def _entry(mapping: Any, name: str, place: str) -> Any:
     if not isinstance(mapping, dict):
-        raise InputError(f"{place}: a mapping with {name!r} is needed; got {strict_json.short(mapping)}")
+        raise InputError(f"{place}: a mapping with {name!r} is needed; got {shown(mapping)}")
     if name not in mapping:
         raise InputError(f"{place}: {name!r} is missing{closest(name, map(str, mapping))}")
     return mapping[name]
@@ -133,7 +133,7 @@ def _entry(mapping: Any, name: str, place: str) -> Any:
 def _listed(mapping: Any, name: str, place: str) -> list[Any]:
     value = _entry(mapping, name, place)
     if not isinstance(value, list):
-        raise InputError(f"{place}: {name} must be a list; got {strict_json.short(value)}")
+        raise InputError(f"{place}: {name} must be a list; got {shown(value)}")
     return value
 
 
@@ -151,13 +151,13 @@ def _time(point: Any, place: str) -> float:
     time = _entry(point, "time_from_start", place)
     parts = [_entry(time, name, f"{place}, time_from_start") for name in ("sec", "nanosec")]
     if not all(isinstance(part, int) and not isinstance(part, bool) and 0 <= part < 2**32 for part in parts):
-        raise InputError(f"{place}: time_from_start is in whole sec and nanosec from 0; got {strict_json.short(time)}")
+        raise InputError(f"{place}: time_from_start is in whole sec and nanosec from 0; got {shown(time)}")
     return float(parts[0] + parts[1] * NANOSECOND)
 
 
 def _labels(message: dict[str, Any], file: str) -> list[tuple[float, str]]:
     place = f"{file}, labels"
     return [
-        (strict_json.number(_entry(label, "time", place), f"{place}: time"), _entry(label, "text", place))
+        (number(_entry(label, "time", place), f"{place}: time"), _entry(label, "text", place))
         for label in (_listed(message, "labels", file) if "labels" in message else ())
     ]

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from ...support.errors import InputError, shown
+from ...support.fields import Check, fields, flag, list_of, number, numbers, one_of, whole
 from ...support.path_redaction import without_places
-from ...support.strict_json import Check, counter, decoded, fields, flag, list_of, number, numbers, one_of, short
+from ...support.strict_json import decoded
 from ..page_files import page_text
 
 Message = dict[str, Any]
@@ -45,16 +46,16 @@ def parse(message: str | bytes) -> Request:
     asked = decoded(message)
     kind = asked.pop("type", None)
     if not isinstance(kind, str) or kind not in REQUESTS:
-        raise InputError(f"unknown message type {short(kind)}; one of {', '.join(REQUESTS)}")
-    count = counter(asked.pop("number", 0), "number")
-    return Request(kind, fields(asked, kind, REQUESTS[kind]), count)
+        raise InputError(f"unknown message type {shown(kind)}; one of {', '.join(REQUESTS)}")
+    count = whole(asked.pop("number", 0), "number")
+    return Request(kind, fields(asked, "", REQUESTS[kind]), count)
 
 
 def number_of(message: str | bytes) -> int | None:
     """The number of a message that `parse` refuses, or None."""
     try:
         fields = json.loads(message)
-        return counter(fields["number"], "number") if isinstance(fields, dict) else None
+        return whole(fields["number"], "number") if isinstance(fields, dict) else None
     except (ValueError, KeyError, RecursionError):
         return None
 
@@ -80,15 +81,15 @@ def _pose(value: Any, name: str) -> dict[str, Any]:
     return fields(value, name, {"name": as_name, "theta": _numbers}, {"by": as_name})
 
 
-_number = partial(number, largest=LARGEST_VALUE)
-_numbers = partial(numbers, largest=LARGEST_VALUE)
+_number = partial(number, least=-LARGEST_VALUE, most=LARGEST_VALUE)
+_numbers = partial(numbers, least=-LARGEST_VALUE, most=LARGEST_VALUE)
 
 CHECKS: Mapping[str, Check] = {
     "number": _number,
     "numbers": _numbers,
     "point": partial(_numbers, size=3),
     "quaternion": partial(_numbers, size=4),
-    "count": counter,
+    "count": whole,
     "flag": flag,
     "name": as_name,
     "names": list_of(as_name),

@@ -11,9 +11,10 @@ import numpy as np
 
 from ....arm.arm import Arm, require_arm
 from ....support.checks import Array, require, require_mapping
-from ....support.errors import InputError, TwistarmError, listed
-from ....support.strict_json import Check, counter, decoded, fields, list_of, number, numbers, one_of, short
-from ....support.strict_json import text as _text
+from ....support.errors import InputError, TwistarmError, listed, shown
+from ....support.fields import Check, anything, fields, list_of, number, numbers, one_of, whole
+from ....support.fields import text as any_text
+from ....support.strict_json import decoded
 from ....theory.rotations import from_quaternion_wxyz
 from ...servo import AnyCommand, JogCommand, PoseCommand, TwistCommand
 from ..interlock import STATES, WORDS, Interlocked
@@ -89,10 +90,10 @@ def command_of(arm: Arm, message: Mapping[str, Any]) -> AnyCommand:
     if kind is None:
         if "interlock" in message:
             also = "and may have reason and number"
-            raise InputError(f"a word to the interlock is one of {listed(WORDS)}, {also}; got {short(message)}")
-        raise InputError(f"a command has one of {listed(_COMMANDS)}; got {short(sorted(message))}")
+            raise InputError(f"a word to the interlock is one of {listed(WORDS)}, {also}; got {shown(message)}")
+        raise InputError(f"a command has one of {listed(_COMMANDS)}; got {shown(sorted(message))}")
     needed, optional, build = _COMMANDS[kind]
-    given = fields(message, kind, needed, {**optional, "number": counter})
+    given = fields(message, "", needed, {**optional, "number": whole})
     try:
         return build(arm, given)
     except InputError:
@@ -108,7 +109,7 @@ def heard_word(device: Interlocked, text: bytes, fresh: bool) -> bool:
     if INTERLOCK not in text:
         return False
     try:
-        said = fields(decoded(text), "a word", {"interlock": one_of(WORDS)}, {"reason": _text, "number": _any})
+        said = fields(decoded(text), "", {"interlock": one_of(WORDS)}, {"reason": any_text, "number": anything})
     except InputError:
         return False
     device.interlock.hear(said["interlock"], said.get("reason", ""), fresh)
@@ -134,8 +135,8 @@ def parse_state(arm: Arm, text: str | bytes, motors: MotorSide | None = None) ->
     """
     require_arm(arm)
     names, value = ("joint_names", "theta") if motors is None else ("motor_names", "motor")
-    needed = {names: list_of(_text), value: numbers}
-    sent = fields(decoded(text), "a joint state", needed, {"number": counter, "interlock": one_of(STATES)})
+    needed = {names: list_of(any_text), value: numbers}
+    sent = fields(decoded(text), "", needed, {"number": whole, "interlock": one_of(STATES)})
     known = arm.joint_names if motors is None else motors.names
     return StateMessage(values_by_name(known, sent[names], sent[value]), sent.get("number"), sent.get("interlock"))
 
@@ -192,20 +193,16 @@ def setpoint_message(arm: Arm, setpoint: Setpoint, motors: MotorSide | None = No
     return message
 
 
-def _any(value: Any, name: str) -> Any:
-    return value
-
-
 def _hold(value: Any, name: str) -> Any:
     if not isinstance(value, (str, list, type(None))):
-        raise InputError(f"hold must be 'position', 'orientation' or six booleans; got {short(value)}")
+        raise InputError(f"hold must be 'position', 'orientation' or six booleans; got {shown(value)}")
     return value
 
 
 def _rates(rates: Any, name: str) -> dict[str, float]:
     if not isinstance(rates, Mapping) or not rates:
-        raise InputError(f'jog must be {{"joint": rate}}, rates in rad/s or m/s; got {short(rates)}')
-    return {name: number(rate, f"jog of {short(name)}") for name, rate in rates.items()}
+        raise InputError(f'jog must be {{"joint": rate}}, rates in rad/s or m/s; got {shown(rates)}')
+    return {name: number(rate, f"jog of {shown(name)}") for name, rate in rates.items()}
 
 
 def _pose(given: Any, name: str) -> Array:
@@ -213,7 +210,7 @@ def _pose(given: Any, name: str) -> Array:
     if isinstance(given, list) and len(given) == 4:
         return np.array([numbers(row, f"pose[{k}]", 4) for k, row in enumerate(given)])
     if not isinstance(given, Mapping):
-        raise InputError(f"pose must be four rows of four numbers, or position and quaternion_wxyz; got {short(given)}")
+        raise InputError(f"pose must be four rows of four numbers, or position and quaternion_wxyz; got {shown(given)}")
     parts = fields(given, "pose", {"position": partial(numbers, size=3), "quaternion_wxyz": partial(numbers, size=4)})
     quaternion = np.array(parts["quaternion_wxyz"])
     length = float(np.linalg.norm(quaternion))
@@ -225,7 +222,7 @@ def _pose(given: Any, name: str) -> Array:
 
 def _true(value: Any, name: str) -> bool:
     if value is not True:
-        raise InputError(f"{name} must be true; got {short(value)}")
+        raise InputError(f"{name} must be true; got {shown(value)}")
     return True
 
 
@@ -234,7 +231,7 @@ _Build = Callable[[Arm, dict[str, Any]], AnyCommand]
 
 _COMMANDS: Mapping[str, tuple[Mapping[str, Check], Mapping[str, Check], _Build]] = {
     "twist": (
-        {"twist": partial(numbers, size=6), "frame": _any},
+        {"twist": partial(numbers, size=6), "frame": anything},
         {"hold": _hold},
         lambda arm, given: TwistCommand(given["twist"], given["frame"], given.get("hold")),
     ),

@@ -18,7 +18,7 @@ from ....arm.arm import Arm
 from ....support.checks import as_theta, as_whole
 from ....support.closeable import Closeable
 from ....support.errors import InputError, missing_extra, shown
-from ....support.strict_json import counter, short
+from ....support.fields import whole
 from ...servo import ServoStatus
 from ..interlock import EMERGENCY_STOP, ENABLED, STOPPED
 from ..motors import MotorSide
@@ -127,9 +127,9 @@ def parse_state_line(arm: Arm, line: bytes, motors: MotorSide | None = None) -> 
     """The joint state in a line. Raises InputError unless it is a number, n finite values and the checksum."""
     body, star, given = line.strip().rpartition(b"*")
     if len(line) > LONGEST_LINE or not star:
-        raise InputError(f"a joint state line ends with * and a checksum; got {short(line)}")
+        raise InputError(f"a joint state line ends with * and a checksum; got {shown(line)}")
     if given.upper() != b"%02X" % checksum(body):
-        raise InputError(f"the checksum of a joint state line is {checksum(body):02X}; got {short(given)}")
+        raise InputError(f"the checksum of a joint state line is {checksum(body):02X}; got {shown(given)}")
     try:
         number, *values = body.decode("ascii").split(",")
         interlock = STATE_OF.get(values[-1]) if values else None
@@ -137,7 +137,7 @@ def parse_state_line(arm: Arm, line: bytes, motors: MotorSide | None = None) -> 
         said = [float(value) for value in values]
         names = motors.names if motors else arm.joint_names
         as_theta(said, len(names), "the joint state line", names)
-        return StateMessage(dict(zip(names, said, strict=True)), counter(int(number), "number"), interlock)
+        return StateMessage(dict(zip(names, said, strict=True)), whole(int(number), "number"), interlock)
     except ValueError as error:  # InputError is one
         raise InputError(f"a joint state line is number,theta_1,…,theta_{arm.n}[,E|S|X]*hh: {error}") from error
 

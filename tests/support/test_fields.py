@@ -1,0 +1,94 @@
+"""Fields of files and messages: what fits, and errors that name the field and the value."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+
+import numpy as np
+import pytest
+
+from twistarm.support import fields
+from twistarm.support.errors import InputError
+
+MOTOR = partial(fields.fields, needed={"ratio": fields.table_of(fields.number)}, optional={"unit": fields.word})
+
+
+def test_a_format_is_a_table_of_checks():
+    found = fields.fields(
+        {"name": "arm", "motors": {"m": {"ratio": {"elbow": 100}}}, "xyz": [1, 2.5, 0]},
+        "",
+        {"name": fields.word},
+        {"motors": fields.table_of(MOTOR), "xyz": partial(fields.numbers, size=3), "tip": fields.word},
+    )
+    assert found == {"name": "arm", "motors": {"m": {"ratio": {"elbow": 100.0}}}, "xyz": [1.0, 2.5, 0.0]}
+
+
+@pytest.mark.parametrize(
+    ("check", "value", "result"),
+    [
+        (fields.number, np.float32(0.5), 0.5),
+        (partial(fields.number, most=math.inf), math.inf, math.inf),
+        (fields.number_in, " -1.5e2 ", -150.0),
+        (partial(fields.number_in, least=-math.inf), "-inf", -math.inf),
+        (fields.whole, 2**53 - 1, 2**53 - 1),
+        (fields.flag, False, False),
+        (fields.text, "", ""),
+        (fields.one_of(("a", "b")), "b", "b"),
+        (fields.list_of(fields.whole, 1, 2), [3], [3]),
+    ],
+)
+def test_what_fits(check, value, result):
+    assert check(value, "x") == result
+
+
+@pytest.mark.parametrize(
+    ("check", "value"),
+    [
+        *((fields.number, value) for value in (True, np.bool_(True), "3", None, math.nan, math.inf, 10**400)),
+        (partial(fields.number, least=0.0, most=10.0), 10.5),
+        (fields.positive, 0),
+        *((fields.number_in, text) for text in ("", "0,5", "1_000", "٣", "inf", "nan", "1 2", "0" * 401)),
+        *((fields.whole, value) for value in (-1, 2**53, False, 1.0)),
+        (fields.text, 3),
+        (fields.word, " "),
+        (fields.flag, 1),
+        (fields.one_of(("a", "b")), ["a"]),
+        (fields.list_of(fields.whole, 1, 2), [1, 2, 3]),
+        (fields.list_of(fields.whole), {"a": 1}),
+        (partial(fields.numbers, size=2), [0]),
+        (fields.table_of(fields.whole), []),
+        (MOTOR, 3),
+    ],
+)
+def test_what_does_not_fit(check, value):
+    with pytest.raises(InputError) as caught:
+        check(value, "arm.elbow")
+    assert "arm.elbow" in str(caught.value)
+    assert len(str(caught.value)) < 300
+
+
+@pytest.mark.parametrize(
+    ("value", "culprit"),
+    [
+        ({"ratio": {"elbow": "fast"}}, "motor.ratio.elbow"),
+        ({"ratio": {}, "unit": ""}, "motor.unit"),
+        ({"unit": "rad"}, "'ratio'"),
+        ({"ratio": {}, "unitt": "rad"}, "'unitt' in motor; closest: 'unit'"),
+    ],
+)
+def test_an_error_names_the_field(value, culprit):
+    with pytest.raises(InputError) as caught, fields.inside("robot.toml", "line 3"):
+        MOTOR(value, "motor")
+    assert str(caught.value).startswith("robot.toml, line 3: ")
+    assert culprit in str(caught.value)
+
+
+def test_an_entry_of_a_list_is_counted():
+    with pytest.raises(InputError, match=r"xyz\[1\]"):
+        fields.numbers([0, None], "xyz")
+
+
+def test_an_integer_without_a_decimal_text():
+    with pytest.raises(InputError, match="x must"):
+        fields.number(10**5000, "x")
