@@ -18,7 +18,7 @@ from .calibration import Calibration, Estimate
 from .geometry import Geometry
 from .measurements import Bools, Measurements, Rows, joined, read_measurements
 from .problem import LOUD, MOST_STD, Problem, descend, observable, started
-from .suspicions import doubts, refuse_unusable, suspicions
+from .log_checks import doubts, faults_of, refuse_unusable
 
 Frame = Literal["fit", "held"]
 Log = Measurements | str | os.PathLike[str]
@@ -47,9 +47,9 @@ def calibrate(
 
     The model is `geometry.Geometry`, a local product of exponentials. Each turning joint has 4 parameters and each
     slide 2; base and tool have 6 each. Zeros, scales and eccentricities come on top. A parameter that the log does
-    not show beside those before it is held at 0 and told: base and tool come first, then zeros, then axes from the
-    base outward. So no number is redundant. The choice follows from the nominal arm and the rows' configurations.
-    Without positions or poses the base is the arm's own.
+    not show beside the others is held at 0 and named. Base and tool come first, then zeros, then axes: first what
+    would show most if it were out by its usual size. The choice follows from the nominal arm and the rows'
+    configurations. Without positions or poses the base is the arm's own.
 
     Args:
         arm: The nominal arm.
@@ -93,7 +93,7 @@ def calibrate(
     frames[12 : problem.P] = False
     first = descend(problem, q, frames, robust=as_flag(robust, "robust"))[0]
     q, weights = descend(problem, first, seen, robust=robust)
-    faults = suspicions(problem, q, first)
+    faults = faults_of(problem, q, first)
     held = {"folds": (np.inf, np.inf), "block": (np.inf, np.inf)}
     if not faults:
         said = (*said, *doubts(problem, q, seen))
@@ -156,12 +156,9 @@ def _parts(problem: Problem) -> tuple[tuple[str, list[Rows]], ...]:
     """
     K, located = len(problem.log.theta), problem.log.located
     fold = np.random.default_rng(0).permutation(K) % min(FOLDS, K)
-    group = np.arange(len(problem.places))
-    for a, b in problem.distances:
-        i, j = problem.places.index(("point", a)), problem.places.index(("point", b))
-        group[group == group[j]] = group[i]
-    if not located.any() and len(np.unique(group)) > 1:
-        fold = np.unique(group, return_inverse=True)[1][problem.place] % FOLDS
+    placements, of_row = np.unique(problem.placements, return_inverse=True)
+    if not located.any() and len(placements) > 1:
+        fold = of_row % FOLDS
     where = problem.log.position if located.all() else problem.log.theta
     along = where @ np.linalg.svd(where - where.mean(axis=0), full_matrices=False)[2][0]
     far = np.flatnonzero(along > np.quantile(along, 1.0 - BLOCK))

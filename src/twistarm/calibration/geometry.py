@@ -84,7 +84,7 @@ class Geometry:
         names, m = self.arm.moving_names, self.arm.screws.shape[1]
         return names if len(names) == m else tuple(f"screw {i + 1}" for i in range(m))
 
-    @property
+    @cached_property
     def _sliding(self) -> NDArray[np.bool_]:
         v, w = np.linalg.norm(self.arm.screws.reshape(2, 3, -1), axis=1)
         return np.asarray(w < 1e-12 * v)
@@ -109,7 +109,7 @@ class Geometry:
             d[across] = axes
         return b, a, z, d, s if self.scales else np.zeros(k), e.reshape(2, k) if self.eccentric else np.zeros((2, k))
 
-    @property
+    @cached_property
     def _across(self) -> NDArray[np.bool_]:
         """The components (m, 6) of d that move the axis across itself."""
         across = np.zeros((len(self._sliding), 6), dtype=bool)
@@ -131,34 +131,34 @@ class Geometry:
             g = motions(S, theta @ self.arm.coupling.A.T)[:, -1] @ D[-1] @ self.arm.home
         else:
             g = self.arm.fk(theta)
-        return self.base @ exp(b) @ g @ self.tool @ exp(a)
+        return self.base @ _motion(b) @ g @ self.tool @ _motion(a)
 
-    def twists(self, p: Array, y: Array) -> Array:
-        """The spatial twists (K, 6, P) of the tool by each parameter."""
+    def twists(self, p: Array, y: Array) -> tuple[Array, Array]:
+        """`poses`, and the spatial twists (K, 6, P) of the tool by each parameter."""
         b, a, _, d, _, _ = self.split(p)
-        theta, K = self.joints(p, y), len(y)
+        theta, base = self.joints(p, y), self.base @ _motion(b)
         if self.axes:
             D, S = self._moved(d)
             A, F = self.arm.coupling.A, self.places
             products = motions(S, theta @ A.T)
-            J = columns(products, S) @ A
+            g, J = products[:, -1] @ D[-1] @ self.arm.home, columns(products, S) @ A
             # d_i moves what follows; the joints before it carry that.
             across = [adjoint_of(D[i] @ F[i] @ exp(d[i])) @ _right_jacobian(d[i]) for i in range(len(F))]
             owner, component = np.nonzero(self._across)
-            before = np.concatenate([np.broadcast_to(np.eye(4), (K, 1, 4, 4)), products[:, :-1]], axis=1)
+            before = np.concatenate([np.broadcast_to(np.eye(4), (len(y), 1, 4, 4)), products[:, :-1]], axis=1)
             moved = [columns(before[:, owner], np.array(across)[owner, :, component].T)]
         else:
-            J, moved = self.arm.spatial_jacobian(theta), []
+            g, J, moved = self.arm.fk(theta), self.arm.spatial_jacobian(theta), []
+        g = base @ g @ self.tool @ _motion(a)
         J = J if self.drive is None else J @ self.drive
         parts = [J, *moved]
         if self.scales:
             parts.append(J * y[:, None])
         if self.eccentric:
             parts += [J * np.sin(y)[:, None], J * np.cos(y)[:, None]]
-        base = adjoint_of(self.base @ exp(b))
-        first = np.broadcast_to(base @ _right_jacobian(b), (K, 6, 6))
-        last = adjoint_of(self.poses(p, y)) @ _right_jacobian(a)
-        return np.concatenate([first, last, base @ np.concatenate(parts, axis=-1)], axis=-1)
+        first = np.broadcast_to(adjoint_of(base) @ _right_jacobian(b), (len(y), 6, 6))
+        last = adjoint_of(g) @ _right_jacobian(a)
+        return g, np.concatenate([first, last, adjoint_of(base) @ np.concatenate(parts, axis=-1)], axis=-1)
 
     def _moved(self, d: Array) -> tuple[Array, Array]:
         """D (m + 1, 4, 4), the displacement of all that follows i axes, and the screws (6, m) moved by them."""
@@ -181,8 +181,15 @@ class Geometry:
         return self.places @ exp(d) @ inverse_of(self.places) @ zeros
 
 
+def _motion(xi: Array) -> Array:
+    """e^ξ (4, 4); most fits hold base or tool at 0, where `exp` would take most of the time."""
+    return exp(xi) if xi.any() else np.eye(4)
+
+
 def _right_jacobian(xi: Array) -> Array:
     """J (6, 6) with e^{ξ + δ} = e^ξ e^{J δ}: I − ad/2 + ad²/6, for small ξ. Chirikjian 2011, §10.7."""
+    if not xi.any():
+        return np.eye(6)
     ad = np.zeros((6, 6))
     ad[:3, :3] = ad[3:, 3:] = skew(xi[3:])
     ad[:3, 3:] = skew(xi[:3])

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, as_reals, frozen, require_names
+from ..limits.actuators import Actuators
+from ..support.checks import Array, as_flag, as_reals, frozen, require_names
 from ..support.display import Brief
 from ..support.errors import InputError
 from ..support.files import as_path
@@ -32,6 +33,8 @@ def _none() -> Array:
 @dataclass(frozen=True, eq=False, repr=False)
 class Measurements(Brief):
     """K rows: commanded `theta` (K, n) [rad, m], and what was measured of the tool's origin at each.
+
+    For `check_wiring`, `theta` (K, k) are the counts of the arm's k motors, each in its drive's unit.
 
     `position` (K, 3) [m] and `rotation` (K, 3, 3) are seen from the measuring device. A row of NaN: not measured.
     `point`, `plane` and `wire` (K,) name a point that the tool rested on, a plane that it touched, or the anchor of a
@@ -104,20 +107,20 @@ def _made(columns: dict[str, Array]) -> Measurements:
     return Measurements(**parts)
 
 
-def read_measurements(path: str | os.PathLike[str], arm: Arm) -> Measurements:
+def read_measurements(path: str | os.PathLike[str], arm: Arm, *, counts: bool = False) -> Measurements:
     """Read measurements from CSV. The first line names the columns, in any order.
 
-    The joints' names [rad, m]; x, y, z and qx, qy, qz, qw; point, plane, wire and length; noise. A unit may follow in
+    The joints' names [rad, m], or with `counts` those of the motors, in each drive's own unit; x, y, z and qx, qy, qz, qw; point, plane, wire and length; noise. A unit may follow in
     brackets, as `elbow [deg]` or `x [mm]`. An empty cell is not measured. Lines with # are comments. Raises InputError
     with the line for an unknown, missing or invalid column or cell.
     """
-    lengths = dict.fromkeys((*POSITION, "length", "noise"), "m")
-    kinds = (
-        dict(zip(require_arm(arm).joint_names, arm.units, strict=True))
-        | lengths
-        | dict.fromkeys((*ROTATION, *NAMES), "1")
-    )
-    columns = read_columns(path, {name: UNITS[unit] for name, unit in kinds.items()}, arm.joint_names)
+    units = {name: UNITS[unit] for name, unit in zip(require_arm(arm).joint_names, arm.units, strict=True)}
+    if as_flag(counts, "counts"):
+        motors = require_motors(arm)
+        units = {name: {unit: 1.0} for name, unit in zip(motors.names, motors.units, strict=True)}
+    commanded = tuple(units)
+    units |= dict.fromkeys((*POSITION, "length", "noise"), UNITS["m"]) | dict.fromkeys((*ROTATION, *NAMES), UNITS["1"])
+    columns = read_columns(path, units, commanded)
     if not columns.rows:
         raise InputError(f"{columns.file}: no rows below the names of the columns")
     parts: dict[str, Any] = {name: columns.texts(name) for name in NAMES if name in columns}
@@ -127,7 +130,15 @@ def read_measurements(path: str | os.PathLike[str], arm: Arm) -> Measurements:
         parts["rotation"] = columns.rotations()
     parts |= {name: columns.numbers([name], empty=True)[:, 0] for name in ("length", "noise") if name in columns}
     label = [f"{as_path(path).name}:{row.line}" for row in columns.rows]
-    return Measurements(columns.numbers(arm.joint_names), **parts, label=label)
+    return Measurements(columns.numbers(commanded), **parts, label=label)
+
+
+def require_motors(arm: Arm) -> Actuators:
+    """The arm's motors, or InputError without any."""
+    motors = require_arm(arm).actuators
+    if motors is None:
+        raise InputError(f"{arm.name} has no actuators: describe its motors as [actuators.NAME] in its arm.toml")
+    return motors
 
 
 def joined(parts: Sequence[Measurements]) -> Measurements:

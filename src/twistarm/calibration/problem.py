@@ -15,7 +15,7 @@ from ..theory.screws import exp
 from .geometry import Geometry, Parameter
 from .measurements import Bools, Measurements, Rows
 
-STEPS, HALVINGS = 30, 8
+STEPS, TRIES, LEAST_DAMPING = 30, 8, 1e-9
 SETTLED = 1e-4
 """Share of a standard deviation, squared, below which a step ends the descent."""
 
@@ -140,10 +140,9 @@ class Problem:
     def _beside(self, q: Array) -> tuple[Array, Array]:
         """Residuals of what is known beside the rows, and their slopes, in standard deviations.
 
-        These are the distances, the motors that share a joint, and the usual size of each unknown.
+        These are the distances, the motors that share a joint, and last the usual size of each parameter.
         """
-        geometry, P = self.geometry, self.P
-        r, J = [self.usual * q[:P]], [np.eye(P, len(q)) * self.usual[:, None]]
+        geometry, P, r, J = self.geometry, self.P, [np.empty(0)], [np.empty((0, len(q)))]
         for pair, length in self.distances.items():
             a, b = (P + 3 * self.places.index(("point", name)) for name in pair)
             apart, slope = q[a : a + 3] - q[b : b + 3], np.zeros((1, len(q)))
@@ -159,6 +158,8 @@ class Problem:
             slope[..., 12 : 12 + k], slope[..., P - k : P] = C, C * y[:, None]
             r.append(((y * (1.0 + s) + z) @ C.T).ravel())
             J.append(slope.reshape(-1, len(q)))
+        r.append(self.usual * q[:P])
+        J.append(np.eye(P, len(q)) * self.usual[:, None])
         return np.concatenate(r), np.concatenate(J)
 
     def residual(self, q: Array, weights: Array) -> Array:
@@ -171,12 +172,21 @@ class Problem:
 
         A tool beside its socket would show a turn of the whole arm with the socket, which nothing can show.
         """
-        g, V = self.geometry.poses(q[: self.P], self.log.theta), self.geometry.twists(q[: self.P], self.log.theta)
+        g, V = self.geometry.twists(q[: self.P], self.log.theta)
         r, slope, own = self._misses(q, g)
         p = g[:, :3, 3] - resting * (np.swapaxes(slope[:, :3, :3], 1, 2) @ r[:, :3, None])[..., 0]
         V = np.concatenate([V[:, :3] - skew(p) @ V[:, 3:], V[:, 3:]], axis=1)
         J = np.concatenate([slope @ V, own], axis=-1) * (self._scale * np.sqrt(weights)[:, None])[..., None]
         return np.concatenate([J[self.measured], self._beside(q)[1]])
+
+    @cached_property
+    def placements(self) -> Rows:
+        """The number (K,) of each row's placement: places with a known distance move together. −1 for a position."""
+        group = np.arange(len(self.places) + 1) - 1
+        for a, b in self.distances:
+            i, j = self.places.index(("point", a)) + 1, self.places.index(("point", b)) + 1
+            group[group == group[j]] = group[i]
+        return np.asarray(group[self.place + 1])
 
     def loudness(self, q: Array) -> Array:
         """The root mean square (K,) of each row's residuals in standard deviations."""
@@ -221,30 +231,31 @@ def observable(A: Array, usual: Array, most: Array) -> Bools:
 def descend(problem: Problem, q: Array, free: Bools, *, robust: bool = True) -> tuple[Array, Array]:
     """The unknowns near q with the least squares in the `free` ones, and the rows' weights (K,).
 
-    Gauss–Newton with halved steps. With `robust`, weights are Cauchy's 1/(1 + (r/3s)²), where s is the median noise
+    Levenberg–Marquardt with columns of length 1. With `robust`, weights are Cauchy's 1/(1 + (r/3s)²), where s is the median noise
     found, at least what was stated.
     """
-    weights = np.ones(len(problem.log.theta))
+    weights, damping = np.ones(len(problem.log.theta)), LEAST_DAMPING
+    r = problem.residual(q, weights)
     for _ in range(STEPS if free.any() else 0):
         if robust:
             loud = problem.loudness(q)
             weights = 1.0 / (1.0 + (loud / (3.0 * max(1.0, float(np.median(loud))))) ** 2)
-        r, A = problem.residual(q, weights), problem.slopes(q, weights)[:, free]
+            r = problem.residual(q, weights)
+        A = problem.slopes(q, weights)[:, free]
         size = np.linalg.norm(A, axis=0)
         size[size == 0] = np.inf
         A = A / size
-        step = -np.linalg.lstsq(A.T @ A, A.T @ r, rcond=1e-12)[0]
         before = float(r @ r)
-        if float(np.sum((A @ step) ** 2)) < SETTLED * before / len(r):
-            break
-        for halved in range(HALVINGS):
+        for tries in range(TRIES):
+            step = -np.linalg.solve(A.T @ A + damping * np.eye(A.shape[1]), A.T @ r)
             tried = q.copy()
-            tried[free] += step / size / 2**halved
+            tried[free] += step / size
             after = problem.residual(tried, weights)
             if float(after @ after) < before:
-                q = tried
+                q, r, damping = tried, after, max(damping / 10, LEAST_DAMPING)
                 break
-        else:
+            damping *= 10
+        if tries == TRIES - 1 or float(np.sum((A @ step) ** 2)) < SETTLED * before / len(r):
             break
     return q, weights
 
@@ -255,7 +266,7 @@ def started(problem: Problem, base: bool, tool: Bools) -> tuple[Problem, Array]:
     if base:
         p = geometry.poses(np.zeros(problem.P), problem.log.theta)[located, :3, 3]
         geometry = replace(geometry, base=kabsch(p, problem.log.position[located]) @ geometry.base)
-    for _ in range(HALVINGS):
+    for _ in range(TRIES):
         problem, first = replace(problem, geometry=geometry).placed()
         free = np.ones(len(first), dtype=bool)
         free[:6], free[6:12], free[12 : problem.P] = base, tool, False

@@ -1,7 +1,8 @@
-"""What is wrong with a calibration's log: too few rows, other units, locked joints, rows twice, a base that moved."""
+"""What is wrong with a log: another unit, too few rows, a joint that rests, columns exchanged, a base that moved."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import combinations
 
 import numpy as np
@@ -12,9 +13,11 @@ from ..support.errors import InputError, listed
 from ..support.unit_hints import theta_hint
 from ..support.units import UNITS
 from ..theory.rotations import skew
-from .faults import LITTLE_ANGLE, LITTLE_LENGTH
-from .measurements import Bools
+from .measurements import Bools, Measurements
 from .problem import LOUD, Problem, kabsch
+
+LITTLE_ANGLE, LITTLE_LENGTH = float(np.radians(15.0)), 0.05
+"""A joint that moved by less [rad, m] has hardly moved."""
 
 MOVED = 6.0
 """A base that moved lowers the squares by more than so many times what six more parameters do by chance."""
@@ -31,10 +34,19 @@ QUIET = 0.2
 TURNED = 0.2
 """Orientations that are out by more [rad] are written in another way."""
 
-IN_TURN = 5
+IN_TURN, LEAST_PART = 5, 6
+"""Fits of base and tool in turn, and rows on each side of the moment when a base moved."""
 
-LEAST_PART = 6
-"""Rows on each side of the moment when a base moved."""
+
+def require_metres(log: Measurements, arm: Arm) -> None:
+    """InputError for positions farther apart than the arm reaches many times over, with the likely unit."""
+    spread = float(np.ptp(log.position[log.located], axis=0).max()) if log.located.any() else 0.0
+    if spread > 20.0 * arm.reach:
+        unit = min(UNITS["m"], key=lambda unit: abs(np.log(spread * UNITS["m"][unit] / arm.reach)))
+        raise InputError(
+            f"the positions lie {spread:.4g} m apart, and the arm reaches {arm.reach:.3g} m: are they in {unit}? "
+            f"Name the unit in the header, as in x [{unit}]"
+        )
 
 
 def refuse_unusable(problem: Problem, fitted: Bools) -> tuple[str, ...]:
@@ -43,71 +55,55 @@ def refuse_unusable(problem: Problem, fitted: Bools) -> tuple[str, ...]:
     hint = theta_hint(log.theta, arm.units, arm.limits.lower, arm.limits.upper)
     if hint:
         raise InputError(f"{hint}: name the unit in the header, as in {arm.joint_names[arm.units.index('rad')]} [deg]")
-    _require_metres(problem)
+    require_metres(log, arm)
     rows, numbers, least = len(log.theta), problem.numbers, int(fitted[:12].sum()) + 3 * len(problem.places)
     if numbers <= least:
         raise InputError(
             f"{rows} rows give {numbers} numbers; base, tool and places alone have {least} unknowns: measure more"
         )
-    few: tuple[str, ...] = ()
+    odd = []
     if numbers < 2 * fitted.sum():
         need = int(np.ceil(2 * fitted.sum() * rows / numbers))
-        few = (f"{rows} rows are few for {fitted.sum()} unknowns: measure {need}, twice as many numbers",)
-    return (*few, *_twice(problem), *_sizeless(problem))
+        odd.append(f"{rows} rows are few for {fitted.sum()} unknowns: measure {need}, twice as many numbers")
+    first: dict[tuple[object, ...], str] = {}
+    measured = np.nan_to_num(np.column_stack([log.theta, log.position, log.length])).tolist()
+    for row, place, label in zip(measured, log.place, log.label, strict=True):
+        earlier = first.setdefault((*row, place), label)
+        if earlier != label:
+            odd.append(f"{label} repeats {earlier}: it counts twice")
+            break
+    if not (log.located.any() or any(log.wire) or problem.distances):
+        odd.append("points and planes alone do not show the arm's size: give the distance of two points, or positions")
+    return tuple(odd)
 
 
-def _require_metres(problem: Problem) -> None:
-    log, reach = problem.log, problem.geometry.arm.reach
-    spread = float(np.ptp(log.position[log.located], axis=0).max()) if log.located.any() else 0.0
-    if spread > 20.0 * reach:
-        unit = min(UNITS["m"], key=lambda unit: abs(np.log(spread * UNITS["m"][unit] / reach)))
-        raise InputError(
-            f"the positions lie {spread:.4g} m apart, and the arm reaches {reach:.3g} m: are they in {unit}? "
-            f"Name the unit in the header, as in x [{unit}]"
-        )
-
-
-def _twice(problem: Problem) -> tuple[str, ...]:
-    log = problem.log
-    rows = np.column_stack([log.theta, np.nan_to_num(log.position), np.nan_to_num(log.length)])
-    names = [hash((a, b, c)) % 2**31 for a, b, c in zip(log.point, log.plane, log.wire, strict=True)]
-    _, first, count = np.unique(np.column_stack([rows, names]), axis=0, return_index=True, return_counts=True)
-    again = np.sort(first[count > 1])
-    return (f"rows stand there twice, the first of them {log.label[again[0]]}: they count twice",) if again.size else ()
-
-
-def _sizeless(problem: Problem) -> tuple[str, ...]:
-    """Points and planes whose places are unknown look the same to an arm of another scale."""
-    log = problem.log
-    if log.located.any() or any(log.wire) or problem.distances:
-        return ()
-    return ("points and planes alone do not show the arm's size: give the distance of two points, or some positions",)
-
-
-def suspicions(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
-    """What the fit q (Q,) shows to be wrong: residuals or corrections that no arm has, and a base that moved.
+def faults_of(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
+    """What spoils the fit q (Q,): a joint that rests, corrections that no arm needs, or a base that moved.
 
     `first` (Q,) are the unknowns with base and tool fitted alone.
     """
-    still = _still(problem)
+    arm, travel = problem.geometry.arm, np.ptp(problem.log.theta, axis=0)
+    least = np.where(np.array(arm.units) == "m", LITTLE_LENGTH, LITTLE_ANGLE)
+    least = np.minimum(least, 0.5 * (arm.limits.upper - arm.limits.lower))
+    still = [name for name, moved, enough in zip(arm.joint_names, travel, least, strict=True) if moved < enough]
     if still:
-        return still
-    left, before = (float(np.median(np.linalg.norm(problem.misses(x)[:, :3], axis=1))) for x in (q, first))
-    reach, odd = problem.geometry.arm.reach, ""
-    tilt, shift = _farthest(problem, q)
+        enough = f"{np.degrees(LITTLE_ANGLE):.0f}° or {1000 * LITTLE_LENGTH:.0f} mm"
+        return (f"{listed(still)} hardly moves: the fit holds near one value only; move it by more than {enough}",)
     turned = np.linalg.norm(problem.misses(q)[problem.measured[:, 3], 3:], axis=1)
-    if left > 0.03 * reach:
-        odd = f"nothing fits: {1000 * left:.0f} mm are left in the median"
-    elif turned.size and np.median(turned) > TURNED:
+    if turned.size and np.median(turned) > TURNED:
         return (
             "the orientations do not fit: are they qx, qy, qz, qw in this order, of the tool in the device's frame?",
         )
-    elif tilt > FAR_TILT or shift > FAR_SHIFT * reach:
+    left = float(np.median(np.linalg.norm(problem.misses(q)[:, :3], axis=1)))
+    (tilt, shift), odd = _farthest(problem, q), ""
+    if left > 0.03 * arm.reach:
+        odd = f"nothing fits: {1000 * left:.0f} mm are left in the median"
+    elif tilt > FAR_TILT or shift > FAR_SHIFT * arm.reach:
         odd = f"axes would move by up to {np.degrees(tilt):.0f}° and {1000 * shift:.0f} mm, more than an arm is out"
-    unexplained = float(np.median(problem.loudness(q))) > LOUD
-    swapped = _swapped(problem) if odd or unexplained else ""
-    if swapped:
-        return (f"{odd or f'{1000 * left:.3g} of {1000 * before:.3g} mm are left'}; {swapped}",)
+    if odd or float(np.median(problem.loudness(q))) > LOUD:
+        exchanged = _exchanged(problem)
+        if exchanged:
+            return (f"{odd or f'{1000 * left:.3g} mm are left'}; {exchanged}",)
     moved = _moved_base(problem, q) or _moved_base(problem, first)
     return moved or ((f"{odd}; are columns swapped, signs reversed, or units mixed?",) if odd else ())
 
@@ -116,15 +112,13 @@ def doubts(problem: Problem, q: Array, seen: Bools) -> tuple[str, ...]:
     """What is unusual of the fit q (Q,), though it may be right."""
     said, (tilt, shift), loud = [], _farthest(problem, q), float(np.median(problem.loudness(q)))
     if tilt > MUCH_TILT or shift > MUCH_SHIFT:
-        said.append(
-            f"axes move by up to {np.degrees(tilt):.1f}° and {1000 * shift:.0f} mm: is it this arm, in true metres?"
-        )
+        far = f"{np.degrees(tilt):.1f}° and {1000 * shift:.0f} mm"
+        said.append(f"axes move by up to {far}: is it this arm, in true metres?")
     if loud > LOUD:
         said.append(f"the rows fit {loud:.0f} times worse than the stated noise: something is not explained")
     if loud < QUIET and problem.numbers > 2 * seen.sum():
-        said.append(
-            f"the rows fit {1 / max(loud, 1e-9):.2g} times better than the stated noise: state less, to see more"
-        )
+        better = f"{1 / max(loud, 1e-9):.2g}"
+        said.append(f"the rows fit {better} times better than the stated noise: state less, to see more")
     return tuple(said)
 
 
@@ -134,44 +128,30 @@ def _farthest(problem: Problem, q: Array) -> tuple[float, float]:
     return float(axes[:, 3:].max()), float(axes[:, :3].max())
 
 
-def _still(problem: Problem) -> tuple[str, ...]:
-    """Joints that hardly move: their corrections would hold near one value only."""
-    arm, travel = problem.geometry.arm, np.ptp(problem.log.theta, axis=0)
-    least = np.where(np.array(arm.units) == "m", LITTLE_LENGTH, LITTLE_ANGLE)
-    least = np.minimum(least, 0.5 * (arm.limits.upper - arm.limits.lower))
-    still = [name for name, moved, enough in zip(arm.joint_names, travel, least, strict=True) if moved < enough]
-    if not still:
-        return ()
-    said = f"{np.degrees(LITTLE_ANGLE):.0f}° or {1000 * LITTLE_LENGTH:.0f} mm"
-    return (f"{listed(still)} hardly moves: what is found holds near one value only; move it by more than {said}",)
-
-
-def _swapped(problem: Problem) -> str:
+def _exchanged(problem: Problem) -> str:
     """The reversed signs and exchanged columns that halve what base and tool alone leave; else an empty text."""
     log, arm = problem.log, problem.geometry.arm
     if log.located.sum() < 4:
         return ""
-    m = log.position[log.located]
-    found, n = {}, arm.n
-    for i, name in enumerate(arm.joint_names):
-        found[f"the sign of {name} looks reversed"] = _left(arm, log.theta[log.located] * _but(n, i, -1.0), m)
-        if arm.units[i] == "rad":
-            found[f"{name} looks to be in degrees"] = _left(arm, log.theta[log.located] * _but(n, i, np.pi / 180), m)
-    for i, j in combinations(range(n), 2):
-        theta = log.theta[log.located].copy()
-        theta[:, [i, j]] = theta[:, [j, i]]
-        found[f"the columns {arm.joint_names[i]} and {arm.joint_names[j]} look swapped"] = _left(arm, theta, m)
-    found["two of x, y, z look swapped, or one has the wrong sign"] = _left(
-        arm, log.theta[log.located], m * [-1.0, 1.0, 1.0]
-    )
+    theta, m = log.theta[log.located], log.position[log.located]
+    found = {words: _left(arm, tried, m) for words, tried in _other_columns(arm, theta)}
+    found["two of x, y, z look swapped, or one has the wrong sign"] = _left(arm, theta, m * [-1.0, 1.0, 1.0])
     least = min(found.values())
-    alike = [words for words, one in found.items() if one < 1.5 * least]
-    return " or ".join(alike) if least < 0.5 * _left(arm, log.theta[log.located], m) else ""
+    alike = [words for words, left in found.items() if left < 1.5 * least]
+    return " or ".join(alike) if least < 0.5 * _left(arm, theta, m) else ""
 
 
-def _but(n: int, i: int, factor: float) -> Array:
-    """Ones (n,) but for one factor."""
-    return np.where(np.arange(n) == i, factor, 1.0)
+def _other_columns(arm: Arm, theta: Array) -> Iterator[tuple[str, Array]]:
+    """Configurations (K, n) with a sign reversed, a joint in degrees, or two columns exchanged."""
+    names, n = arm.joint_names, arm.n
+    for i, name in enumerate(names):
+        yield f"the sign of {name} looks reversed", theta * np.where(np.arange(n) == i, -1.0, 1.0)
+        if arm.units[i] == "rad":
+            yield f"{name} looks to be in degrees", theta * np.where(np.arange(n) == i, np.pi / 180, 1.0)
+    for i, j in combinations(range(n), 2):
+        order = np.arange(n)
+        order[[i, j]] = j, i
+        yield f"the columns {names[i]} and {names[j]} look swapped", theta[:, order]
 
 
 def _left(arm: Arm, theta: Array, m: Array) -> float:
