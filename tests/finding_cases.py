@@ -208,6 +208,7 @@ CASES: dict[str, Case] = {
     "srdf-other-robot": beside("arm.srdf", srdf(name="other"), srdf="arm.srdf"),
     "srdf-unknown-name": beside("arm.srdf", srdf('<group name="g"><joint name="zz"/></group>'), srdf="arm.srdf"),
     "state-incomplete": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0"/></group_state>')),
+    "state-unusable": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0,5"/></group_state>')),
     "state-outside-limits": beside(
         "arm.srdf", srdf(f'{STATES}<joint name="a" value="3"/><joint name="b" value="0"/></group_state>')
     ),

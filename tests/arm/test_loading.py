@@ -87,15 +87,15 @@ BAD_TOML = {
     "not TOML": ("name = ", "not valid TOML"),
     "no source": ('name = "x"', "it names no source: write source ="),
     "a source that is not there": ('source = "other.urdf"', "source 'other.urdf' does not exist beside"),
-    "an unknown entry": ('source = "arm.urdf"\nbsae = "x"', "unknown entry 'bsae' at the top level"),
+    "an unknown entry": ('source = "arm.urdf"\nbsae = "x"', "unknown entry 'bsae'; closest: 'base'"),
     "an unknown limit": ('source = "arm.urdf"\n[limits.a]\nspeed = 1', "unknown entry 'speed' in limits.a"),
     "a limit of an unknown joint": ('source = "arm.urdf"\n[limits.c]\nvelocity = 1', "no joint 'c' in limits"),
     "a pose without a joint": ('source = "arm.urdf"\n[poses.p]\na = 0.0', "poses.p: no value for joint 'b'"),
     "a pose outside the limits": (
         'source = "arm.urdf"\n[poses.p]\na = 3.0\nb = 0.0',
-        "poses.p lies outside the limits",
+        "poses.p: a = 3 lies outside its limits [-1, 1]",
     ),
-    "a tool without a name": ('source = "arm.urdf"\n[tool]\nxyz = [0.0, 0.0, 0.0]', "tool.name must be a text"),
+    "a tool without a name": ('source = "arm.urdf"\n[tool]\nxyz = [0.0, 0.0, 0.0]', "tool needs 'name'"),
     "a tool named as a link": (
         'source = "arm.urdf"\n[tool]\nname = "upper"',
         "tool.name 'upper' is a link already; name",
@@ -103,11 +103,11 @@ BAD_TOML = {
     "a base without a name": ('source = "arm.urdf"\nbase = ""', "base must not be empty; got ''"),
     "a joint locked out of this world": (
         'source = "arm.urdf"\nlocked_joints = { a = -1e300 }',
-        "locked_joints.a must be at most 1e+09 in size",
+        "locked_joints.a must be",
     ),
     "several places of one tool": (
         'source = "arm.urdf"\n[tool]\nname = "t"\nxyz = [[0, 0, 0], [0, 0, 1]]',
-        "tool.xyz must be one vector (3,); got (2, 3)",
+        "tool.xyz must be",
     ),
     "package dirs that are not there": (
         'source = "arm.urdf"\npackage_dirs = ["no_such"]',
@@ -126,6 +126,13 @@ def test_bad_arm_toml_in_one_line(case: str, tmp_path: Path) -> None:
         load_arm(write(tmp_path, text, "arm.toml"))
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_tool_turned_by_degrees_is_a_finding(tmp_path: Path) -> None:
+    write(tmp_path, two_joints())
+    arm = load_arm(write(tmp_path, 'source = "arm.urdf"\n[tool]\nname = "pen"\nrpy = [0, 90, 0]\n', "arm.toml"))
+    assert [finding.code for finding in arm.findings] == ["origin-looks-like-degrees"]
+    assert "tool.rpy" in arm.findings[0].what
 
 
 def test_package_dirs_may_stand_in_the_home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -108,14 +108,14 @@ def test_a_motor_on_a_follower_drives_its_master(tmp_path: Path) -> None:
 
 
 REFUSED = {
-    "an unknown joint": ("ratio = { elbow = 1.0 }", "actuators.m.ratio: no joint 'elbow' in"),
-    "no ratio": ("offset = 1.0", "actuators.m.ratio must be a table of"),
-    "a ratio of zero": ("ratio = { a = 0.0 }", "actuators.m.ratio.a must be finite and"),
-    "a ratio in words": ('ratio = { a = "100:1" }', "actuators.m.ratio.a must be a number (rad"),
+    "an unknown joint": ("ratio = { elbow = 1.0 }", "'elbow'"),
+    "no ratio": ("offset = 1.0", "'ratio'"),
+    "a ratio of zero": ("ratio = { a = 0.0 }", "actuators.m.ratio.a"),
+    "a ratio in words": ('ratio = { a = "100:1" }', "actuators.m.ratio.a"),
     "an unknown entry": ("ratio = { a = 1.0 }\ngear = 3", "unknown entry 'gear' in actuators.m"),
-    "a unit that is a number": ("ratio = { a = 1.0 }\nunit = 1", "actuators.m.unit must be a text; got 1"),
-    "limits that are no table": ("ratio = { a = 1.0 }\nlimits = 3", "actuators.m.limits must be a table of"),
-    "a negative limit": ("ratio = { a = 1.0 }\nlimits.effort = -2", "m.limits.effort must not be negative; got"),
+    "a unit that is a number": ("ratio = { a = 1.0 }\nunit = 1", "actuators.m.unit"),
+    "limits that are no table": ("ratio = { a = 1.0 }\nlimits = 3", "actuators.m.limits"),
+    "a negative limit": ("ratio = { a = 1.0 }\nlimits.effort = -2", "m.limits.effort"),
     "swapped limits": (
         "ratio = { a = 1.0 }\nlimits = { lower = 3, upper = 1 }",
         "actuators.m.limits are swapped: lower 3 >",

@@ -13,7 +13,7 @@ from twistarm import DescriptionError, load_arm
 from twistarm.description.companions.arm_group import arm_groups
 from twistarm.description.companions.srdf import read_srdf
 from twistarm.description.urdf import read_description
-from urdf_text import joint, robot, write
+from urdf_text import joint, robot, two_joints, write
 
 SRDF = """<?xml version="1.0"?>
 <robot name="tiny">
@@ -74,10 +74,6 @@ def tiny(inside: str) -> str:
 REFUSED = {
     "a group without a name": (tiny('<group><joint name="a"/></group>'), "arm.srdf:2: group: it has no name=; add"),
     "a group twice": (tiny('<group name="g"/><group name="g"/>'), "arm.srdf:2: group 'g': a group of this"),
-    "a state in words": (
-        tiny('<group_state name="s" group="g"><joint name="a" value="up"/></group_state>'),
-        "arm.srdf:2: joint 'a': in group_state 's'",
-    ),
     "groups without end": (
         tiny("".join(f'<group name="g{i}"/>' for i in range(201))),
         "it has 201 elements <group>; allowed are",
@@ -94,6 +90,17 @@ REFUSED = {
         "it has 1,000,024 bytes; at most 1,000,000 are read",
     ),
 }
+
+
+def test_of_a_bad_number_only_that_state_is_lost_and_named(tmp_path: Path) -> None:
+    state = '<group_state name="{}" group="g"><joint name="a" value="{}"/><joint name="b" value="0"/></group_state>\n'
+    text = tiny("".join(state.format(*each) for each in (("home", "0.5"), ("up", "0,5"), ("stowed", "-0.5"))))
+    arm = load_arm(write(tmp_path, two_joints()), srdf=write(tmp_path, text, "arm.srdf"))
+    assert {name: theta.tolist() for name, theta in arm.named_states.items()} == {
+        "home": [0.5, 0.0], "stowed": [-0.5, 0.0],
+    }  # fmt: skip
+    (noted,) = [finding for finding in arm.findings if finding.code == "state-unusable"]
+    assert (noted.place.line, noted.place.name) == (3, "up")
 
 
 @pytest.mark.parametrize("case", REFUSED)

@@ -49,7 +49,11 @@ TIPS = {
     "a jaw against a frame": (f"{SIX} [-> gripper_frame_link | R> moving_jaw]", "gripper_frame_link"),
     "a claw with grippers": ("base C> a R> b R> c C> d R> e C> claw [R> leftgripper | Rm> rightgripper]", "claw"),
     "fixed fingers": (f"{SIX} -> palm [-> finger_left | -> finger_right]", "palm"),
-    # one end
+    "a jaw without a name": (f"{SIX} [-> gripper_frame_link | R> l7]", "gripper_frame_link"),
+    "a jaw with rods": (f"{SIX} [-> tool_frame | R> horn Rm> rod]", "tool_frame"),
+    "a jaw beside a gripper's site": (f"{SIX} [-> gripper | R> l7 -> l7_tip]", "gripper"),
+    "a jaw on the gripper": ("base R> l1 R> l2 R> l3 R> l4 R> gripper R> jaw", "gripper"),
+    "no jaw but a last joint with the tool": (f"{SIX} [-> ee_mount | R> l7 -> tool0]", "tool0"),
     # what hangs on
     "ornaments": ("base [-> lamp | R> l1 [-> motor1 | R> l2 [-> led_ring | -> april_tag | -> imu | -> pen]]]", "pen"),
     "a name before the roll": ("base R> l1 R> l2 R> l3 -> ee_link R> gripper_roll_link", "gripper_roll_link"),
@@ -85,19 +89,16 @@ ROVERS = {
 }  # fmt: skip
 
 ASKED = {
-    "two arms": (
-        "torso [R> l1 R> l2 -> l_tool0 | R> r1 R> r2 -> r_tool0]", "tip: 'l_tool0' (2 joints), 'r_tool0' (2 joints); "
-        "pass tip='l_tool0'"
-    ),
+    "two arms": ("torso [R> l1 R> l2 -> l_tool0 | R> r1 R> r2 -> r_tool0]", ("l_tool0", "r_tool0")),
     "an arm and a longer one": (
-        "t [R> l1 R> l2 R> l3 R> l4 R> l5 R> l6 R> l7 | R> r1 R> r2 R> r3 R> r4]", "'l7' (7 joints), 'r4' (4 joints)"
+        "t [R> l1 R> l2 R> l3 R> l4 R> l5 R> l6 R> l7 | R> r1 R> r2 R> r3 R> r4]", ("l7", "r4")
     ),
-    "two frames": (f"{SIX} [-> a_tcp | -> b_tcp]", "'a_tcp' (6 joints), 'b_tcp' (6 joints)"),
-    "a rover without an arm": (f"base_link [{WHEELS} | -> lidar]", "nothing that is an arm in it, only wheels"),
-    "with a camera on a mast": (f"base_link [{WHEELS} | R> pan R> tilt -> camera]", "nothing that is an arm in it"),
-    "legs": ("body [R> a_hip R> a_knee R> a_foot | R> b_hip R> b_knee R> b_foot]", "nothing that is an arm in it"),
-    "fingers alone": ("palm [P> left_finger | Pm> right_finger]", "'left_finger' (1 joint), 'right_finger' (1 joint)"),
-    "nothing that moves": ("base [-> a | -> b]", "no joint moves"),
+    "two frames": (f"{SIX} [-> a_tcp | -> b_tcp]", ("a_tcp", "b_tcp")),
+    "a rod that follows an inner joint": ("base R> l1 R> l2 R> l3 R> l4 [Rm> x | R> l5]", ("x", "l5")),
+    "a rover without an arm": (f"base_link [{WHEELS} | -> lidar]", ()),
+    "with a camera on a mast": (f"base_link [{WHEELS} | R> pan R> tilt -> camera]", ()),
+    "legs": ("body [R> a_hip R> a_knee R> a_foot | R> b_hip R> b_knee R> b_foot]", ()),
+    "fingers alone": ("palm [P> left_finger | Pm> right_finger]", ("left_finger", "right_finger")),
 }  # fmt: skip
 
 
@@ -127,42 +128,52 @@ def test_on_a_rover_the_arm_is_taken_from_its_own_first_link(case: str, tmp_path
 
 @pytest.mark.parametrize("case", ASKED)
 def test_what_is_equal_is_asked(case: str, tmp_path: Path) -> None:
-    text, message = ASKED[case]
+    text, equal = ASKED[case]
+    description = described(text, tmp_path)
     with pytest.raises(DescriptionError) as caught:
-        load_arm(write(tmp_path, skeleton(text)))
-    assert message in str(caught.value)
-    assert len(str(caught.value)) < 400
+        choose_ends(description)
+    (asked,) = caught.value.findings
+    assert asked.code == "no-tip"
+    assert all(repr(link) in asked.what for link in equal)
+    assert candidates(description)[: len(equal)] == equal
+    assert candidates(description)[0] in asked.remedy
+
+
+def test_without_a_moving_joint_there_is_nothing_to_ask(tmp_path: Path) -> None:
+    with pytest.raises(DescriptionError) as caught:
+        choose_ends(described("base [-> a | -> b]", tmp_path))
+    assert [one.code for one in caught.value.findings] == ["nothing-moves"]
 
 
 def test_what_does_not_turn_against_each_other_is_no_pair_of_fingers(tmp_path: Path) -> None:
     """Two short branches beyond a wrist are fingers only if their axes are parallel."""
-    before, joint, after = skeleton(f"{SIX} [R> l7 | R> l8]").partition('<joint name="to l8"')
-    assert 'xyz="0 0 1"' in after
-    with pytest.raises(DescriptionError, match="'l7' \\(7 joints\\), 'l8' \\(7 joints\\)"):
-        load_arm(write(tmp_path, before + joint + after.replace('axis xyz="0 0 1"', 'axis xyz="1 0 0"', 1)))
+    text = skeleton(f"{SIX} [R> l7 | R> l8]")
+    assert choose_ends(read_description(write(tmp_path, text))).tip == "l6"
+    before, joint, after = text.partition('<joint name="to l8"')
+    path = write(tmp_path, before + joint + after.replace('axis xyz="0 0 1"', 'axis xyz="1 0 0"', 1))
+    with pytest.raises(DescriptionError):
+        choose_ends(read_description(path))
+    assert candidates(read_description(path))[:2] == ("l7", "l8")
 
 
 def test_with_a_base_the_tip_is_looked_for_beyond_it(tmp_path: Path) -> None:
-    path = write(tmp_path, skeleton("torso [-> l0 R> l1 R> l2 -> l_tcp | -> r0 R> r1 R> r2 -> r_tcp]"))
-    assert load_arm(path, base="r0").tip == "r_tcp"
-    with pytest.raises(DescriptionError, match="several links"):
-        load_arm(path, base="torso")
+    description = described("torso [-> l0 R> l1 R> l2 -> l_tcp | -> r0 R> r1 R> r2 -> r_tcp]", tmp_path)
+    assert choose_ends(description, "r0").tip == "r_tcp"
+    with pytest.raises(DescriptionError):
+        choose_ends(description, "torso")
 
 
-def test_the_choice_is_told_with_its_reason_and_the_others(tmp_path: Path) -> None:
+def test_the_choice_is_a_finding_with_the_base_and_the_others(tmp_path: Path) -> None:
     description = described(f"base_link [{WHEELS} | -> arm_base R> a1 R> a2 R> a3 [-> ee | -> tool0 | -> x]]", tmp_path)
-    (told,) = note_choice(description, choose_ends(description))
-    assert (told.code, told.severity, told.place.name) == ("several-tips", "info", "tool0")
-    assert told.what == (
-        "chosen as the tool, because no tip was given: it has a usual name for it, 3 joints from 'base_link'; "
-        "the arm stands on 'arm_base'; other candidates: 'ee', 'x', 'front_left_wheel', 'front_right_wheel', "
-        "'rear_left_wheel', 'rear_right_wheel'"
-    )
-    assert told.remedy.startswith("pass tip=...")
+    choice = choose_ends(description)
+    assert choice.others[:3] == ("ee", "x", "front_left_wheel")
+    (found,) = note_choice(description, choice)
+    assert (found.code, found.severity, found.place.name) == ("several-tips", "info", "tool0")
+    assert all(repr(link) in found.what for link in ("arm_base", *choice.others))
 
 
 @pytest.mark.parametrize("text", [SIX, f"{SIX} -> tool0", "base R> l1 R> claw"])
-def test_nothing_is_told_where_there_was_nothing_to_choose(text: str, tmp_path: Path) -> None:
+def test_without_a_choice_there_is_no_finding(text: str, tmp_path: Path) -> None:
     description = described(text, tmp_path)
     assert note_choice(description, choose_ends(description)) == ()
 
@@ -170,8 +181,7 @@ def test_nothing_is_told_where_there_was_nothing_to_choose(text: str, tmp_path: 
 def test_of_many_candidates_the_likeliest_are_listed(tmp_path: Path) -> None:
     legs = " | ".join(f"R> c{i} R> f{i}" for i in range(20))
     description = described(f"body [R> a R> b R> c | {legs} | R> d R> e R> f]", tmp_path)
+    assert candidates(description)[:3] == ("c", "f", "f0")
     with pytest.raises(DescriptionError) as caught:
         choose_ends(description)
-    assert "tip: 'c' (3 joints), 'f' (3 joints), 'f0' (2 joints)" in str(caught.value)
-    assert str(caught.value).count("joints)") == SHOWN
-    assert str(caught.value).endswith("… (22 in all); pass tip='c'")
+    assert caught.value.findings[0].what.count("joints)") == SHOWN

@@ -16,7 +16,7 @@ from catalogue import load
 from ik_targets import at_some_limits, errors, judged, judged_batch, pinocchio_fk, require_core, target_from
 from reason_targets import CASES, arms_of, draw
 from twistarm import ArmBuilder, NotConvergedError
-from twistarm.cli.wording import in_options
+from twistarm.cli.wording import words
 from twistarm.ik import Approach, Pose, Position, StopReason, TolerancedPose, solve_ik, solve_ik_batch
 from twistarm.ik.abilities import short_of, split_rotation
 
@@ -263,7 +263,7 @@ def test_what_is_hardly_missed_names_the_tolerance_and_what_widens_it():
     aside = Approach([0.5, 0.0, 0.3], [1.0, 0.05, 0.0], [0, 0, 1])
     turned = solve_ik(planar, aside).orientation_error
     assert "orientation_tol=" in solve_ik(planar, aside, orientation_tol=turned / 5).explain()
-    assert "--orientation-tol" in in_options(solve_ik(planar, aside, orientation_tol=turned / 5).explain())
+    assert "--orientation-tol" in words(solve_ik(planar, aside, orientation_tol=turned / 5).explain())
 
 
 def test_arms_of_many_joints_are_said_to_come_nearer_perhaps():

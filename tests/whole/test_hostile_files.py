@@ -19,7 +19,7 @@ REFUSED = {
     "loads_zeros_without_end.xacro": ("file-outside-packages", "/dev/zero lies outside the folders"),
     "names_of_thousands.urdf": ("name-too-long", "names_of_thousands.urdf:14: joint 'jjj"),
     "number_beyond_all_numbers.toml": ("arm-file-unusable", "limits.a.upper must be a number"),
-    "number_beyond_all_numbers.yaml": ("limits-unusable", "joint 'a': max_velocity must be a number"),
+    "number_beyond_all_numbers.yaml": ("limits-unusable", "max_velocity must be a number"),
     "source_of_itself.toml": ("xml-malformed", "is it a URDF, xacro or MJCF file, and whole?"),
     "tower_of_powers.xacro": ("xacro-too-large", "a whole number of more than 10000 bits"),
     "two_of_everything.urdf": (

@@ -18,7 +18,6 @@ from ..description.findings import Finding
 from ..description.tree import Description
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits, slides, unit_of, usual_half
-from ..support.caller_words import FRAME_NAMES
 from ..support.checks import (
     Array,
     as_generator,
@@ -269,7 +268,7 @@ class Arm:
             UnknownNameError: The arm has no such frame.
         """
         if not isinstance(frame, str) or frame not in self.frame_names:
-            listing = f"{len(self.frame_names)} frames: {FRAME_NAMES}"
+            listing = f"{len(self.frame_names)} frames: arm.frame_names or `twistarm info ARM --json`"
             within = self.name if self.description is not None else f"{self.name}, {self._whence}"
             raise unknown_name("frame", frame, self.frame_names, within=within, listing=listing)
         if frame == self.tip:

@@ -12,7 +12,7 @@ from .csv_rows import ROWS_SHOWN, Sheet, few
 from .grid import Grid
 from .output import console, joint_heads, print_json, say, shown, table, theta_typed, units
 from .outputs import Outputs
-from .wording import in_options
+from .wording import words
 
 ERRORS = ("position_error", "orientation_error")
 
@@ -81,7 +81,7 @@ def tell_all(solutions: AllSolutions, outputs: Outputs, *, radians: bool, json: 
         if len(solutions):
             console(outputs.words).print(_all_table(solutions, radians))
             say(theta_typed(solutions.arm, solutions[0], radians), file=outputs.words)
-        say(*in_options(solutions.explain()).splitlines(), file=outputs.words)
+        say(*words(solutions.explain(), radians=radians).splitlines(), file=outputs.words)
         outputs.say(written)
     return 0 if len(solutions) else 1
 
@@ -115,7 +115,7 @@ def _all_json(solutions: AllSolutions) -> dict[str, Any]:
         **{field: getattr(solutions, field) for field in fields},
         "position_error": solutions.position_error,
         "orientation_error": solutions.orientation_error,
-        "explanation": in_options(solutions.explain()),
+        "explanation": words(solutions.explain(), radians=True),
     }
 
 

@@ -38,7 +38,7 @@ from .commands import (
 )
 from .output import say
 from .typed import Command, Group
-from .wording import DEGREES, worded
+from .wording import words_of
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 """Exit codes: a bad answer, unusable input, a fault of twistarm, Ctrl-C."""
@@ -101,7 +101,6 @@ def run(arguments: Sequence[str], sent: Sequence[int] = ()) -> int:
     debug = "--debug" in arguments
     # --debug may stand anywhere, not only before the command.
     rest = [argument for argument in arguments if argument != "--debug"]
-    DEGREES.set(not {"--rad", "--json"} & set(rest))
     try:
         code = app(args=rest, prog_name="twistarm", standalone_mode=False)
         if sys.stdout is not None:
@@ -118,16 +117,16 @@ def run(arguments: Sequence[str], sent: Sequence[int] = ()) -> int:
             return INTERRUPTED
         if debug:
             raise
-        return _report(error)
+        return _report(error, radians=bool({"--rad", "--json"} & set(rest)))
 
 
-def _report(error: Exception) -> int:
+def _report(error: Exception, *, radians: bool) -> int:
     # Usage errors: typer's click raises them with their own wording.
     if hasattr(error, "format_message"):
-        words = error.format_message().replace("Value error, ", "")
-        _say(f"{words} (see twistarm --help, or --help after the command)")
+        what = error.format_message().replace("Value error, ", "")
+        _say(f"{what} (see twistarm --help, or --help after the command)")
         return BAD_INPUT
-    _say(worded(error))
+    _say(words_of(error, radians=radians))
     if isinstance(error, (NotConvergedError, PathError)):  # what was asked for makes sense, and this arm cannot do it
         return BAD_ANSWER
     return BAD_INPUT if isinstance(error, (TwistarmError, OSError)) else BUG

@@ -23,15 +23,15 @@ from ..support.errors import printable
 from ..support.path_redaction import without_places
 from ..theory.rotations import to_quaternion_wxyz, to_rpy
 from .grid import Column, Grid
-from .wording import in_options
+from .wording import words
 
 PIPED_WIDTH = 160
 """Columns without a terminal. Tables stay in one piece."""
 
 
-def console(words: TextIO | None = None) -> Console:
-    """A console on stdout, or on `words`. Pass names through `literal` before you print them as markup."""
-    out = words or sys.stdout
+def console(file: TextIO | None = None) -> Console:
+    """A console on stdout, or on `file`. Pass names through `literal` before you print them as markup."""
+    out = file or sys.stdout
     known = out.isatty() or "COLUMNS" in os.environ
     return Console(file=out, width=None if known else PIPED_WIDTH, highlight=False, emoji=False)
 
@@ -51,14 +51,14 @@ def say(*lines: object, file: TextIO | None = None) -> None:
     print(*(printable(str(line)) for line in lines), sep="\n", file=file or sys.stdout, flush=True)
 
 
-def warn(message: str) -> None:
+def warn(message: str, *, radians: bool = False) -> None:
     """A warning on stderr, in one line."""
-    say(f"warning: {in_options(message)}", file=sys.stderr)
+    say(f"warning: {words(message, radians=radians)}", file=sys.stderr)
 
 
-def note(message: str) -> None:
+def note(message: str, *, radians: bool = False) -> None:
     """A note about an assumption, on stderr, in one line."""
-    say(f"note: {in_options(message)}", file=sys.stderr)
+    say(f"note: {words(message, radians=radians)}", file=sys.stderr)
 
 
 def print_json(content: Any) -> None:
@@ -86,8 +86,8 @@ def finding_json(finding: Finding) -> dict[str, Any]:
         "line": place.line,
         "element": place.element,
         "name": place.name,
-        "what": without_places(in_options(finding.what), here),
-        "remedy": without_places(in_options(finding.remedy), here),
+        "what": without_places(words(finding.what, radians=True), here),
+        "remedy": without_places(words(finding.remedy, radians=True), here),
         "repaired": finding.repaired,
     }
 

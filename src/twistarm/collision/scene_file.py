@@ -24,9 +24,6 @@ from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw, to_rpy
 MOST_BYTES = 4_000_000
 """The largest planning scene."""
 
-MOST_NODES = 200_000
-"""The most values in one."""
-
 SIZES = {"box": ("size",), "sphere": ("radius",), "cylinder": ("radius", "length"), "capsule": ("radius", "length")}
 MESHES = (("file",), ("vertices", "triangles"))
 PLACE = ("name", "xyz", "rpy", "quaternion_wxyz", "on", "touching")
@@ -189,7 +186,7 @@ def _listed(names: Iterable[str]) -> str:
 
 
 def _planning_scene(path: Path) -> SceneFile:
-    content = parse_yaml(read_text(path, MOST_BYTES), path, MOST_NODES)
+    content = parse_yaml(read_text(path, MOST_BYTES), path)
     with at(path, "at the top"):
         scene = content.get("planning_scene", content)
         free = list((scene.get("world") or {}).get("collision_objects") or ())

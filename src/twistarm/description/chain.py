@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from ..limits.joint_limits import FIELDS, JointLimits, slides, unit_of
-from ..support.caller_words import argument, quantity
 from ..support.checks import Array
+from ..support.messages import Argument, Quantity, Text
 from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import adjoint, exp
 from .coupling import Affine, coupling_matrix, resolve_couplings
@@ -48,15 +48,15 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
     for joint in joints:
         if joint.type == "floating":
             what = f"between {base!r} and {tip!r} it is floating: its motion is not one number per joint"
-            raise refusal("floating-in-chain", description.place(joint), what, f"choose a {argument('base')} beyond it")
+            remedy = Text("choose a {base} beyond it", base=Argument("base"))
+            raise refusal("floating-in-chain", description.place(joint), what, remedy)
     couplings = resolve_couplings(description, locked_joints)
     moving = tuple(joint.name for joint in joints if joint.moving)
     coordinates = tuple(dict.fromkeys(m for name in moving if (m := couplings[name].master) is not None))
     if not coordinates:
         what = f"no joint moves between base {base!r} and tip {tip!r}"
-        raise refusal(
-            "nothing-moves", description.place(), what, f"choose another {argument('base')} or {argument('tip')}"
-        )
+        remedy = Text("choose another {base} or {tip}", base=Argument("base"), tip=Argument("tip"))
+        raise refusal("nothing-moves", description.place(), what, remedy)
     A, b = coupling_matrix(couplings, moving, coordinates)
     screws, home, points = _walk(joints, dict(zip(moving, b, strict=True)))
     masters = [description.joints[name] for name in coordinates]
@@ -129,8 +129,12 @@ def _locked_outside(description: Description, locked_joints: Mapping[str, float]
         finding(
             "locked-outside-limits",
             description.place(joint),
-            f"it is locked at {quantity(value, unit)}, outside its limits "
-            f"{quantity(joint.lower, unit)} … {quantity(joint.upper, unit)}",
+            Text(
+                "it is locked at {value}, outside its limits {lower} … {upper}",
+                value=Quantity(value, unit),
+                lower=Quantity(joint.lower, unit),
+                upper=Quantity(joint.upper, unit),
+            ),
             "lock it inside its limits",
         )
         for name, value in locked_joints.items()

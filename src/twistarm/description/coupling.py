@@ -9,6 +9,7 @@ import numpy as np
 
 from ..support.checks import Array, as_number
 from ..support.errors import UnknownNameError, closest, listed, unknown_name
+from ..support.messages import Argument, Text
 from .findings import refusal
 from .tree import Description
 
@@ -33,8 +34,8 @@ def resolve_couplings(description: Description, locked_joints: Mapping[str, floa
             if parts := [joint.name for joint in moving.values() if joint.part_of == name]:
                 what = f"joint {name!r} of {description.name} is planar"
                 raise UnknownNameError(f"{what}; lock its coordinates: {listed(parts)}")
-            within, listing = f"{description.name}, for locked_joints=", f"{len(moving)} moving joints"
-            raise unknown_name("moving joint", name, moving, within=within, listing=listing)
+            within = Text("{robot}, for {locked}", robot=description.name, locked=Argument("locked_joints", None))
+            raise unknown_name("moving joint", name, moving, within=within, listing=f"{len(moving)} moving joints")
         as_number(locked_joints[name], f"locked_joints[{name!r}]")
     return {name: _follow(description, name, locked_joints) for name in moving}
 

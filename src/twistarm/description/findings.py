@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 from ..support.errors import DescriptionError, one_line
+from ..support.messages import Text, joined
 
 Severity = Literal["info", "warning", "error"]
 
@@ -49,7 +50,7 @@ CODES: dict[str, Code] = {
     # joints
     "joint-type-unknown": Code("error", "URDF has no such joint type"),
     "origin-malformed": Code("error", "a joint's place is not given in numbers"),
-    "origin-looks-like-degrees": Code("warning", "a joint's rpy goes beyond a whole turn, as degrees would"),
+    "origin-looks-like-degrees": Code("warning", "an rpy goes beyond a whole turn, as degrees would"),
     "axis-malformed": Code("error", "a joint's axis is not given in numbers"),
     "axis-zero": Code("error", "a moving joint's axis has no direction"),
     "word-unread": Code("warning", "a misspelt or doubled word in a joint, which no reader takes up"),
@@ -91,6 +92,7 @@ CODES: dict[str, Code] = {
     "srdf-other-robot": Code("warning", "the SRDF is for a robot of another name"),
     "srdf-unknown-name": Code("warning", "the SRDF speaks of links or joints that the description does not have"),
     "state-incomplete": Code("info", "an SRDF's named state does not give every joint of the arm"),
+    "state-unusable": Code("warning", "an SRDF's named state has a value that is no number"),
     "state-outside-limits": Code("warning", "an SRDF's named state lies outside the limits"),
     "limits-unknown-joint": Code("warning", "limits are given for a joint that does not exist"),
     "limits-of-others": Code("info", "limits are given for joints that are no coordinates of the arm"),
@@ -209,7 +211,13 @@ class Finding:
     repaired: bool = False
 
     def __str__(self) -> str:
-        return f"{self.severity}: {self.place}: {self.what} ({self.remedy})"
+        return str(self.text)
+
+    @property
+    def text(self) -> str:
+        """Severity, place, what and remedy in one message."""
+        parts = {"severity": self.severity, "place": self.place, "what": self.what, "remedy": self.remedy}
+        return Text("{severity}: {place}: {what} ({remedy})", **parts)
 
 
 @dataclass
@@ -248,7 +256,6 @@ def refused(findings: Iterable[Finding]) -> DescriptionError:
     """One error for all findings: the first in full, the others counted. `.findings` holds all."""
     every = tuple(findings)
     first, *others = [one for one in every if one.severity == "error"]
-    text = "; ".join(part for part in (f"{first.place}: {first.what}", first.remedy) if part)
-    if others:
-        text += f" (and {len(others)} more: twistarm doctor lists them)"
-    return DescriptionError(text, every)
+    text = joined("; ", filter(None, (Text("{place}: {what}", place=first.place, what=first.what), first.remedy)))
+    more = f" (and {len(others)} more: twistarm doctor lists them)" if others else ""
+    return DescriptionError(Text("{text}{more}", text=text, more=more), every)

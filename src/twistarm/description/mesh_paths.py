@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import unquote
 
-from ..support.caller_words import package_folder
 from ..support.errors import closest
 from ..support.files import is_file
+from ..support.messages import Text, package_folder
 from .meshes.mesh_file import FORMATS
 from .packages import PackageIndex
 
@@ -95,7 +95,7 @@ def _package_missing(package: str, path: str, packages: PackageIndex) -> tuple[s
         if path and any(is_file(folder / name) for name in _spellings(path)):
             remedy = f"{correct}give the folder {folder.name!r} the name {package}"
             return f"{what}, but the path is relative to the folder {folder.name!r}", remedy
-    return what, f"{correct}pass {package_folder(package)}"
+    return what, Text("{correct}pass {folder}", correct=correct, folder=package_folder(package))
 
 
 def _near(folder: Path, path: str) -> str | None:

@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from ..limits.joint_limits import slides
 from ..support.checks import Array
 from ..support.errors import listed, unknown_name
+from ..support.messages import Argument, Text
 from ..theory.screws import exp
 from .findings import Finding, Place, refusal
-
-if TYPE_CHECKING:
-    from .companions.srdf import Semantics
+from .semantics import Semantics
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed", "planar", "floating"]
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
@@ -141,7 +140,7 @@ class Description:
         """`link` itself, or an UnknownNameError with the closest names."""
         if not isinstance(link, str) or link not in self.links:
             listing = f"{len(self.links)} links: {listed(self.links)}"
-            what = "link" if role == "link" else f"link for {role}="
+            what = "link" if role == "link" else Text("link for {argument}", argument=Argument(role, None))
             raise unknown_name(what, link, self.links, within=self.name, listing=listing)
         return link
 

@@ -12,9 +12,9 @@ from typing import get_args
 
 import numpy as np
 
-from ..support.caller_words import package_folder
 from ..support.checks import Array, frozen
 from ..support.errors import DescriptionError, closest, listed
+from ..support.messages import Text, package_folder
 from .bounds import LIMIT_NAMES, WIDE, limit_numbers, note_softened, rate, read_axis, read_bounds, softened
 from .catalog import models_share
 from .document import Reading, existing_file, floats, parse_xml, read_text
@@ -141,8 +141,7 @@ def _note_copies(reading: Reading) -> None:
         if folder.parent == models_share():  # the wheel's own, which pip has put there
             continue
         what = f"no package.xml names package {package!r}: it is taken to be the folder {folder}, for its name"
-        holder = package_folder("another")
-        remedy = f"put a package.xml of that name into it, or pass {holder}"
+        remedy = Text("put a package.xml of that name into it, or pass {folder}", folder=package_folder("another"))
         reading.note("package-without-manifest", None, what, remedy)
 
 

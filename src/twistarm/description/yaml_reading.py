@@ -1,145 +1,57 @@
-"""YAML as plain data, with ROS's unit tags, without objects and bombs, and with errors in one line."""
+"""YAML as plain data, with ROS's unit tags, and with errors in one line."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping
+from itertools import islice
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
-import numpy as np
-
+from ..support.units import factor
 from .findings import Place, refusal
 
-MAX_NODES = 50_000
-"""Most values with every alias counted. A text with more is a bomb ("billion laughs")."""
-
-MAX_NUMBER, MAX_KEY = 400, 18
-"""Characters of a number. Long numbers in base 60, which YAML has, take long to compute, and long keys share hashes."""
-
-ENDLESS = "it nests without end"
-
-UNITS = {"!degrees": np.pi / 180.0, "!radians": 1.0, "!meters": 1.0, "!millimeters": 0.001}
-"""Tags that xacro and the descriptions of ROS put before a number, in rad or m."""
-
-_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+TAGS = {"degrees": factor("deg", "rad"), "radians": 1.0}
+"""Tags that the joint_limits.yaml of ROS put before a number."""
 
 # YAML 1.1 takes 1e-3 for a text because it has no point; ROS's own parser and YAML 1.2 take it for a number.
 _EXPONENT = re.compile(r"[-+]?[0-9][0-9_]*[eE][-+]?[0-9]+")
 
 
-def parse_yaml(text: str, file: Path, most: int = MAX_NODES) -> Any:
-    """Mappings, lists, texts and numbers of one YAML document of at most that many values.
+def parse_yaml(text: str, file: Path) -> Any:
+    """Mappings, lists, texts and numbers of one YAML document, in which no mapping has a key twice.
 
-    No key is given twice. DescriptionError `limits-unusable` for anything else.
+    DescriptionError `limits-unusable`, with the line, for anything else.
     """
     import yaml
 
-    left = most
+    # On libyaml's parser, where PyYAML has it, which takes a quarter of the time.
+    base: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
-    def problem(nodes: int) -> str:
-        nonlocal left
-        left -= nodes
-        return f"more than {most} values" if left < 0 else ""
-
-    loader = bounded_loader(problem, UNITS, float, strict=True)
-    loader.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+0123456789"))
-    try:
-        return yaml.load(text, Loader=loader)
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        place = Place(str(file), mark.line + 1 if mark else None)
-        words = " ".join(str(getattr(error, "problem", None) or error).split())
-        raise refusal("limits-unusable", place, f"not usable YAML: {ENDLESS if is_deep(error) else words}") from error
-    except (RecursionError, ValueError, OverflowError) as error:
-        what = ENDLESS if is_deep(error) else str(error)
-        raise refusal("limits-unusable", Place(str(file)), f"not usable YAML: {what}") from error
-
-
-def is_deep(error: Exception) -> bool:
-    """Whether the text nests too deeply. Newer versions of libyaml have a limit, too."""
-    return isinstance(error, RecursionError) or "nesting depth" in str(error)
-
-
-def bounded_loader(
-    problem: Callable[[int], str], units: Mapping[str, float], number: Callable[[str], float], *, strict: bool = False
-) -> Any:
-    """A class of safe loaders for PyYAML. Tags on PyYAML's loader would hold for the whole process.
-
-    `problem` takes the values in each node, aliases written out, and tells why there may be no more. `units` gives the
-    factor of a tag such as `!degrees`, and `number` evaluates the text behind it. `strict` refuses keys that are given
-    twice, and numbers in base 60.
-    """
-    import yaml
-
-    def refuse(problem: str, node: Any) -> None:
-        raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
-
-    class Loader(_safe_loader(yaml)):  # type: ignore[misc,unused-ignore]
-        # xacro registers tags of its own on PyYAML's, and evaluates what stands behind them.
-        yaml_constructors = {  # noqa: RUF012
-            tag: made for tag, made in yaml.SafeLoader.yaml_constructors.items() if not str(tag).startswith("!")
-        }
-
-        def __init__(self, stream: str | TextIO) -> None:
-            super().__init__(stream)
-            self.count = 0
-            self.sizes: dict[int, int] = {}
-
-        def compose_node(self, parent: Any, index: Any) -> Any:
-            event, before = self.peek_event(), self.count
-            node = super().compose_node(parent, index)
-            alias = isinstance(event, yaml.events.AliasEvent)
-            if alias and id(node) not in self.sizes:
-                refuse("an alias inside its own value", event)
-            size = self.sizes[id(node)] if alias else 1
-            self.count += size
-            self.sizes.setdefault(id(node), self.count - before)
-            if why := problem(size) or _bad_number(node, MAX_NUMBER, strict):
-                refuse(why, event)
-            return node
-
-        def compose_mapping_node(self, anchor: Any) -> Any:
-            node = super().compose_mapping_node(anchor)
-            for key, _ in node.value:
-                if why := _bad_number(key, MAX_KEY):
-                    refuse(why, key)
-            keys = Counter(key.value for key, _ in node.value if strict and isinstance(key.value, str))
-            twice = next((key for key, times in keys.items() if times > 1), None)
-            if twice is not None:
-                refuse(f"{twice!r} stands there twice", node)
-            return node
+    class Loader(base):  # type: ignore[misc] # a class of our own: tags on PyYAML's would hold for the whole process
+        def construct_mapping(self, node: Any, deep: bool = False) -> Any:
+            keys = Counter(key.value for key, _ in node.value if isinstance(key.value, str))
+            if twice := [key for key, count in keys.items() if count > 1]:
+                raise yaml.constructor.ConstructorError(None, None, f"{twice[0]!r} stands twice", node.start_mark)
+            return super().construct_mapping(node, deep)
 
     def with_unit(loader: Any, tag: str, node: Any) -> float:
-        if "!" + tag not in units:
-            refuse(f"the tag !{tag} is unknown; allowed: {', '.join(units)}", node)
-        return number(loader.construct_scalar(node)) * units["!" + tag]
+        if tag not in TAGS:
+            problem = f"the tag !{tag} is unknown; allowed: !{', !'.join(TAGS)}"
+            raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
+        return float(loader.construct_scalar(node)) * TAGS[tag]
 
     Loader.add_multi_constructor("!", with_unit)
-    return Loader
-
-
-def _bad_number(node: Any, most: int, strict: bool = False) -> str:
-    """Why a number is refused. Empty for usual numbers and other values."""
-    if node.tag not in _NUMBERS:
-        return ""
-    if len(node.value) > most:
-        return f"a number of more than {most} characters"
-    return f"{node.value} is a number in base 60; write it in base 10" if strict and ":" in node.value else ""
-
-
-def _safe_loader(yaml: Any) -> Any:
-    """PyYAML's safe loader, on libyaml's parser if PyYAML has it, which takes a fifth of the time."""
-    if not yaml.__with_libyaml__:
-        return yaml.SafeLoader
-
-    bases = yaml.composer.Composer, yaml.cyaml.CParser, yaml.constructor.SafeConstructor, yaml.resolver.Resolver
-
-    class Loader(*bases):  # type: ignore[misc]
-        def __init__(self, stream: str | TextIO) -> None:
-            yaml.cyaml.CParser.__init__(self, stream)
-            for base in (bases[0], *bases[2:]):
-                base.__init__(self)
-
-    return Loader
+    Loader.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+0123456789"))
+    try:
+        return yaml.load(text, Loader=Loader)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        what = " ".join(str(getattr(error, "problem", None) or error).split())
+        line = next(islice(text.split("\n"), mark.line, None), "") if mark else ""
+        if "\t" in line[: len(line) - len(line.lstrip())]:
+            what = "a TAB indents the line; indent with spaces"
+        place = Place(str(file), mark.line + 1 if mark else None)
+        raise refusal("limits-unusable", place, f"not usable YAML: {what}") from error
+    except (RecursionError, ValueError, OverflowError) as error:
+        raise refusal("limits-unusable", Place(str(file)), f"not usable YAML: {error}") from error

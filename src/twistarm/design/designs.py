@@ -15,6 +15,7 @@ from ..planning import JointMove, PathError, plan
 from ..support.checks import Array, require, require_callback
 from ..support.display import Brief
 from ..support.errors import InputError, LimitError, NotConvergedError, TwistarmError, shown
+from ..support.messages import joined
 from ..sweeps.grid import Grid, sphere
 from ..theory.manipulability import Manipulability, scaled_jacobian
 from .panel import Panel
@@ -116,7 +117,7 @@ def _design(name: str, arm: Arm, poses: Sequence[Target | Array], panel: Panel |
             start = solve_ik(arm, poses[0]).require()
             duration = plan(arm, [JointMove(pose) for pose in poses[1:]], start=start).duration
     except (NotConvergedError, PathError, LimitError) as error:
-        notes.append(f"no motion: {error}")
+        notes.append(joined(": ", ["no motion", error.message]))
     try:
         held, mass = payload(arm, samples=SAMPLES), arm.pinocchio.moved_mass
         least, median = float(held.mass.min()), float(np.median(held.mass))

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arm.inability import cannot_move, cannot_turn, position_limit
-from ..support.caller_words import argument, quantity
 from ..support.checks import Array
 from ..support.directions import axis_in_words, value_in_words
 from ..support.errors import printable
+from ..support.messages import Argument, Quantity, Text, joined
 from ..support.unit_hints import length_hint
 from .abilities import approach_plane, out_of_surface, short_of, split_rotation
 from .answer import NEAREST, StopReason
@@ -46,12 +46,14 @@ SEARCHES = 100
 
 def explain(solution: IKResult) -> str:
     """The solution in words, line by line."""
-    lines = [f"asked of {solution.arm.name}: {solution.target.describe()}", f"reached: {reached(solution)}"]
+    asked = f"asked of {solution.arm.name}: {solution.target.describe()}"
+    lines = [asked, Text("reached: {errors}", errors=reached(solution))]
     if not solution.converged:
         lines += why_not(solution)
     searches = "1 search" if solution.restarts == 1 else f"{solution.restarts} searches"
     lines.append(f"found by {solution.method}: {solution.iterations} iterations, {searches}")
-    return "\n".join(map(printable, [*lines, *(f"note: {note}" for note in solution.notes)]))
+    notes = [Text("note: {note}", note=note) for note in solution.notes]
+    return joined("\n", map(printable, [*lines, *notes]))
 
 
 def why_not(solution: IKResult) -> list[str]:
@@ -61,42 +63,50 @@ def why_not(solution: IKResult) -> list[str]:
 
 def summary(solution: IKResult) -> str:
     """One line: what was asked, how far off the answer is, the reason."""
-    return f"{solution.arm.name} does not meet {solution.target.describe()}: {reached(solution)}; {solution.stop.value}"
+    return joined("; ", [_missed(solution), solution.stop.value])
 
 
 def in_one_line(solution: IKResult) -> str:
     """What was asked, how far off the answer is, the reason and its details."""
     why = [printable(line) for line in _why(solution)]
-    if why and why[0].startswith(solution.stop.value):
-        return "; ".join([summary(solution).removesuffix(f"; {solution.stop.value}"), *why])
-    return "; ".join([summary(solution), *why])
+    if not (why and why[0].startswith(solution.stop.value)):
+        why = [solution.stop.value, *why]
+    return joined("; ", [_missed(solution), *why])
+
+
+def _missed(solution: IKResult) -> str:
+    what = "{arm} does not meet {target}: {errors}"
+    return Text(what, arm=solution.arm.name, target=solution.target.describe(), errors=reached(solution))
 
 
 def reached(solution: IKResult) -> str:
     """The two errors in words."""
     if math.isinf(solution.position_error):
         return "nothing yet"
-    parts, met = [], solution.tolerances.or_rounding(solution.arm.rounding)
+    parts: list[str] = []
+    met = solution.tolerances.or_rounding(solution.arm.rounding)
     if solution.rounded:
         return "met to within the rounding of the arm's axes"
     if len(solution.target._position_tolerance):
-        off = f"{_length(solution.position_error)} off"
-        off += _wider(solution.position_error, met.position, "position_tol", "m")
+        wider = _wider(solution.position_error, met.position, "position_tol", "m")
         hint = length_hint(solution.target.position_error(np.eye(4)), solution.arm.reach)
-        off += f" ({hint}: lengths are in metres)" if hint else ""
-        parts.append(f"position {off}" if solution.position_error > met.position else "position met")
+        hint = f" ({hint}: lengths are in metres)" if hint else ""
+        off = Text("position {off} off{wider}{hint}", off=_length(solution.position_error), wider=wider, hint=hint)
+        parts.append(off if solution.position_error > met.position else "position met")
     if len(solution.target._rotation_tolerance):
-        off = f"{_degrees(solution.orientation_error)} off, {OFF_BY[type(solution.target)]}"
-        off += _wider(solution.orientation_error, met.orientation, "orientation_tol", "rad") or _eased(solution)
-        parts.append(f"orientation {off}" if solution.orientation_error > met.orientation else "orientation met")
-    return ", ".join(parts)
+        wider = _wider(solution.orientation_error, met.orientation, "orientation_tol", "rad") or _eased(solution)
+        angle, which = _degrees(solution.orientation_error), OFF_BY[type(solution.target)]
+        off = Text("orientation {angle} off, {which}{wider}", angle=angle, which=which, wider=wider)
+        parts.append(off if solution.orientation_error > met.orientation else "orientation met")
+    return joined(", ", parts)
 
 
 def _wider(error: float, tolerance: float, argument: str, unit: str) -> str:
     """The tolerance and the argument that widens it, for an error of few tolerances."""
     if error >= NARROW_MISS * tolerance:
         return ""
-    return f" (the tolerance is {quantity(tolerance, unit)}; {argument}= widens it)"
+    what = " (the tolerance is {tolerance}; {argument} widens it)"
+    return Text(what, tolerance=Quantity(tolerance, unit), argument=Argument(argument, None))
 
 
 def _eased(solution: IKResult) -> str:
@@ -108,7 +118,7 @@ def _eased(solution: IKResult) -> str:
         wide = times * met.position
         found = chain.solve(target.kind, target.numbers, solution.theta, wide, met.orientation, SEARCHES, 0, None, None)
         if found is not None and found.stop == 0:
-            return f" (met with {argument('position_tol', float(f'{wide:.3g}'))})"
+            return Text(" (met with {wide})", wide=Argument("position_tol", Quantity(wide, "m", 3)))
     return ""
 
 

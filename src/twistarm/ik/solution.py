@@ -13,6 +13,7 @@ from ..support.checks import Array
 from ..support.directions import value_in_words
 from ..support.display import told
 from ..support.errors import NotConvergedError
+from ..support.messages import Text
 from ..support.unit_hints import theta_hint
 from .answer import CLOSED_FORM, DAMPED, FIELDS, NEAREST, STOPS, Answer, StopReason
 from .explain import explain, summary
@@ -179,7 +180,7 @@ class IKResult:
         given, inside = self._answer.theta0, self._start
         arm = self._arm
         hint = theta_hint(given, arm.units, arm.limits.lower, arm.limits.upper)
-        return [f"theta0: {hint}"] * bool(hint) + [
+        return [Text("theta0: {hint}", hint=hint)] * bool(hint) + [
             f"theta0 lay outside the limits: {name} {value_in_words(was, unit)} was brought inside, to "
             f"{value_in_words(now, unit)}"
             for name, was, now, unit in zip(arm.joint_names, given, inside, arm.units, strict=True)

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm, require_arm
-from ..support.caller_words import quantity
 from ..support.checks import as_flag, as_number, as_whole, require_callback
 from ..support.errors import InputError, NoClosedFormError, shown, unknown_name
+from ..support.messages import Quantity, Text
 from .all_solutions import AllSolutions
 from .batch import Progress
 from .certainty import is_exact
@@ -208,8 +208,13 @@ def checked_fixed_joints(arm: Arm, fixed_joints: Mapping[str, float] | None) -> 
         i = arm.joint_names.index(name)
         if not arm.limits.lower[i] <= number <= arm.limits.upper[i]:
             raise InputError(
-                f"joint {name!r} cannot be fixed at {quantity(number, arm.units[i])}, outside its limits "
-                f"{quantity(arm.limits.lower[i], arm.units[i])} … {quantity(arm.limits.upper[i], arm.units[i])}"
+                Text(
+                    "joint {joint!r} cannot be fixed at {value}, outside its limits {lower} … {upper}",
+                    joint=name,
+                    value=Quantity(number, arm.units[i]),
+                    lower=Quantity(arm.limits.lower[i], arm.units[i]),
+                    upper=Quantity(arm.limits.upper[i], arm.units[i]),
+                )
             )
         stands[i] = number
     return dict(sorted(stands.items()))

@@ -12,16 +12,16 @@ from ..collision import Scene
 from ..ik import solve_ik
 from ..ik.explain import in_one_line
 from ..ik.targets import KINDS
-from ..support.caller_words import argument
 from ..support.checks import Array
 from ..support.errors import NotConvergedError
+from ..support.messages import Text, joined
 from .cartesian.refusal import PathError
 from .free_path import free_path
 from .goals import Goals
 from .in_scene import first_collision
 from .segments import FreeMove, Move, Segment, place
 from .trajectory import Trajectory
-from .unwrapping import unwrapped
+from .unwrapping import UNWRAP, unwrapped
 
 ROUNDED, LARGEST = 0.45, 0.1
 """Radius of a rounded corner: greatest share of the way to the nearer neighbour, and of the arm's reach."""
@@ -85,10 +85,9 @@ def _ways(
             way = free_path(scene, at, goal, goals.limits, max_time)
         except PathError as error:
             nearer = unwrapped(goals.arm, goal, at, "", asked=True)[0]
-            hint = "" if (nearer == goal).all() else f"; {argument('unwrap', True)} takes a nearer turn of the goal"
-            raise PathError(
-                f"{error}{hint}", theta=at, reason="collision", segment=i, place=place(i, segment)
-            ) from error
+            hint = Text("; {unwrap} takes a nearer turn of the goal", unwrap=UNWRAP)
+            what = error.message if (nearer == goal).all() else joined("", [error.message, hint])
+            raise PathError(what, theta=at, reason="collision", segment=i, place=place(i, segment)) from error
         ways.append(way)
         at, known = way[-1], i + 1
     return ways
@@ -100,7 +99,7 @@ def _goal(scene: Scene, segment: FreeMove, at: Array, goals: Goals, where: str) 
         return unwrapped(goals.arm, goals.configuration(segment, at, where), at, where, goals.unwrap)[0]
     found = solve_ik(goals.arm, segment.to, at, scene=scene, **goals.tolerances(segment).keywords)
     if not found.converged:
-        raise NotConvergedError(f"{where}: {in_one_line(found)}", found)
+        raise NotConvergedError(joined(": ", [where, in_one_line(found)]), found)
     return found.theta
 
 

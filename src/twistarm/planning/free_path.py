@@ -10,9 +10,9 @@ import numpy as np
 
 from ..collision import Scene
 from ..limits.joint_limits import JointLimits
-from ..support.caller_words import argument
 from ..support.checks import Array
 from ..support.errors import missing_extra
+from ..support.messages import Argument, Text
 from .cartesian.refusal import PathError
 
 CLEARANCE = 0.004
@@ -58,7 +58,11 @@ def free_path(scene: Scene, start: Array, goal: Array, limits: JointLimits, max_
         if all(scene.is_free(one, other) for one, other in pairwise(path)):
             return path
     raise PathError(
-        f"no way round was found in {max_time:g} s; give another goal, or a longer {argument('max_time', ...)}"
+        Text(
+            "no way round was found in {time:g} s; give another goal, or a longer {max_time}",
+            time=max_time,
+            max_time=Argument("max_time"),
+        )
     )
 
 

@@ -16,6 +16,7 @@ from ..ik.task_space import Tolerances
 from ..limits.joint_limits import JointLimits
 from ..support.checks import Array
 from ..support.errors import InputError, NotConvergedError, UnknownNameError
+from ..support.messages import joined
 from ..theory import rotations, screws
 from .cartesian.curves import Curve, arc, line, screw
 from .cartesian.moving_target import MovingTarget
@@ -49,7 +50,7 @@ class Goals:
         if isinstance(goal, KINDS):
             solution = solve_ik(self.arm, goal, theta, **met.keywords, posture="theta0")
             if not solution.converged:
-                raise NotConvergedError(f"{where}: {in_one_line(solution)}", solution)
+                raise NotConvergedError(joined(": ", [where, in_one_line(solution)]), solution)
             return solution.theta
         if isinstance(goal, Mapping):
             goal = {**self.arm.theta_to_dict(theta), **goal}

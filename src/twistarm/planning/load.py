@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..arm.arm import Arm, require_arm
 from ..support.errors import InputError, LimitError
 from ..support.files import as_path
+from ..support.messages import joined
 from .files.csv_file import read_csv
 from .files.joint_trajectory import read_json, read_yaml
 from .files.mcap_file import read_mcap
@@ -92,7 +93,7 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
             arm.joint_names, arm.units, theta, t, breakpoints, coefficients, arm.actuators, labels, limits=points.limits
         )
     except InputError as error:
-        raise InputError(f"{file}: {error}") from error
+        raise InputError(joined(": ", [str(file), error.message])) from error
 
 
 def _require_usual(points: Points) -> None:

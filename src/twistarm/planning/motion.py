@@ -12,9 +12,9 @@ import numpy as np
 
 from ..arm.arm import Arm, require_arm
 from ..limits.joint_limits import JointLimits
-from ..support.caller_words import argument
 from ..support.checks import Array, Row, as_flag, as_positive, require_callback, require_choice
 from ..support.errors import InputError, shown
+from ..support.messages import Argument, Text
 from .cartesian.refusal import PathError
 from .goals import Goals
 from .joint_path import JointPath
@@ -129,7 +129,8 @@ def plan(
         goals = Goals(planned, bounds, turning)
         motion = planned_in(scene, planned, moves, origin, goals, as_positive(max_time, "max_time"), planned_through)
     elif any(isinstance(move, FreeMove) for move in moves):
-        raise InputError(f"a FreeMove needs a scene, which may be the arm alone: give {argument('scene', ...)}")
+        what = "a FreeMove needs a scene, which may be the arm alone: give {scene}"
+        raise InputError(Text(what, scene=Argument("scene")))
     else:
         motion = planned_through(moves)
     if progress is not None:

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ..limits.joint_limits import JointLimits
-from ..support.caller_words import argument, quantity
 from ..support.checks import Array
 from ..support.errors import LimitError
+from ..support.messages import Argument, Quantity, Text
 from ..support.unit_hints import theta_hint
 from .bernstein import largest
 from .piecewise import derivative, extremes
@@ -71,9 +71,17 @@ def require_within(trajectory: Trajectory, limits: JointLimits, advice: str = "p
     if beyond > POSITION_TOL:
         unit, time = trajectory.units[j], trajectory.breakpoints[s] + tau[c, s, j]
         raise LimitError(
-            f"between its waypoints joint {trajectory.joint_names[j]!r} would swing to "
-            f"{quantity(values[c, s, j], unit)} at t = {time:.4g} s, {quantity(beyond, unit)} beyond its "
-            f"{side} limit {quantity(getattr(limits, side)[j], unit)}: {advice}"
+            Text(
+                "between its waypoints joint {joint!r} would swing to {value} at t = {time:.4g} s, {beyond} beyond its "
+                "{side} limit {limit}: {advice}",
+                joint=trajectory.joint_names[j],
+                value=Quantity(values[c, s, j], unit),
+                time=time,
+                beyond=Quantity(beyond, unit),
+                side=side,
+                limit=Quantity(getattr(limits, side)[j], unit),
+                advice=advice,
+            )
         )
     require_rates(trajectory, limits)
 
@@ -93,9 +101,17 @@ def require_rates(trajectory: Trajectory, limits: JointLimits, moved: str = "joi
         unit, time = trajectory.units[j] + RATE_UNITS[order], trajectory.breakpoints[s] + tau[c, s, j]
         factor = stretch_needed(trajectory.coefficients, durations, limits).max()
         raise LimitError(
-            f"{moved} {trajectory.joint_names[j]!r} would need {quantity(abs(values[c, s, j]), unit)} at "
-            f"t = {time:.4g} s; its {RATES[order - 1]} limit is {quantity(limit[j], unit)}: multiply times by "
-            f"{factor * (1 + 5e-4):.4g}, or leave times out"
+            Text(
+                "{moved} {joint!r} would need {value} at t = {time:.4g} s; its {rate} limit is {limit}: multiply times "
+                "by {factor:.4g}, or leave times out",
+                moved=moved,
+                joint=trajectory.joint_names[j],
+                value=Quantity(abs(values[c, s, j]), unit),
+                time=time,
+                rate=RATES[order - 1],
+                limit=Quantity(limit[j], unit),
+                factor=factor * (1 + 5e-4),
+            )
         )
 
 
@@ -109,7 +125,16 @@ def require_waypoints(
     unit = units[j]
     hint = theta_hint(waypoints, units, limits.lower, limits.upper)
     raise LimitError(
-        f"{what or f'waypoint {i} (counted from 0)'} puts joint {names[j]!r} at {quantity(waypoints[i, j], unit)}, "
-        f"{quantity(beyond, unit)} beyond its {side} limit {quantity(getattr(limits, side)[j], unit)}: "
-        f"move the waypoint, or change the limit by {argument('limits')}" + (f" ({hint})" if hint else "")
+        Text(
+            "{what} puts joint {joint!r} at {value}, {beyond} beyond its {side} limit {limit}: move the waypoint, or "
+            "change the limit by {limits}{hint}",
+            what=what or f"waypoint {i} (counted from 0)",
+            joint=names[j],
+            value=Quantity(waypoints[i, j], unit),
+            beyond=Quantity(beyond, unit),
+            side=side,
+            limit=Quantity(getattr(limits, side)[j], unit),
+            limits=Argument("limits"),
+            hint=Text(" ({hint})", hint=hint) if hint else "",
+        )
     )

@@ -7,6 +7,8 @@ from difflib import get_close_matches
 from reprlib import Repr
 from typing import Any
 
+from .messages import Text
+
 SHOWN = 80
 """Characters of a value that a message repeats: it is the caller's own, and names or the first numbers are enough."""
 
@@ -23,8 +25,13 @@ LONGEST_COMPARED = 200
 class TwistarmError(Exception):
     """The base of all errors that twistarm raises on purpose. Its text is one line that any terminal can show."""
 
+    @property
+    def message(self) -> str:
+        """The text; a `Text` where it holds quantities or arguments, which another program can show in its words."""
+        return one_line(self.args[0]) if self.args and isinstance(self.args[0], str) else super().__str__()
+
     def __str__(self) -> str:
-        return one_line(super().__str__())
+        return str(self.message)
 
 
 class InputError(TwistarmError, ValueError):
@@ -41,9 +48,6 @@ class DescriptionError(TwistarmError):
         super().__init__(message)
         self.findings = findings
 
-    def __reduce__(self) -> tuple[type[DescriptionError], tuple[str, tuple[Any, ...]]]:
-        return type(self), (str(self), self.findings)
-
 
 class UnknownNameError(TwistarmError, LookupError):
     """A name that does not exist; the message offers the closest ones."""
@@ -56,12 +60,9 @@ class LimitError(TwistarmError):
 class NotConvergedError(TwistarmError):
     """`IKResult.require()` on a solution that did not converge; `.solution` is that solution."""
 
-    def __init__(self, message: str, solution: Any) -> None:
+    def __init__(self, message: str, solution: Any = None) -> None:
         super().__init__(message)
         self.solution = solution
-
-    def __reduce__(self) -> tuple[type[NotConvergedError], tuple[str, Any]]:
-        return type(self), (str(self), self.solution)
 
 
 class NoClosedFormError(TwistarmError):
@@ -96,7 +97,7 @@ def printable(text: str) -> str:
 
 
 def one_line(text: str, longest: int = LONGEST) -> str:
-    """`text` as `printable`, and the middle left out where it is too long."""
+    """`text` as `printable`, and the middle left out where it is too long. A `Text` that is both already stays one."""
     if len(text) > 2 * longest:  # of what is left out nothing is looked at
         text = text[:longest] + text[-longest:]
     line = printable(text)
@@ -108,7 +109,9 @@ def one_line(text: str, longest: int = LONGEST) -> str:
 
 def unknown_name(kind: str, given: Any, names: Iterable[str], *, within: str, listing: str) -> UnknownNameError:
     """`no frame 'tool_0' in ur5; closest: 'tool0' (12 frames: arm.frame_names)`."""
-    return UnknownNameError(f"no {kind} {shown(given)} in {within}{closest(given, names)} ({listing})")
+    what = "no {kind} {given} in {within}{near} ({listing})"
+    near = closest(given, names)
+    return UnknownNameError(Text(what, kind=kind, given=shown(given), within=within, near=near, listing=listing))
 
 
 def closest(given: Any, names: Iterable[str]) -> str:

@@ -53,11 +53,11 @@ def fields(
     return {key: check(value[key], f"{name}.{key}" if name else key) for key, check in known.items() if key in value}
 
 
-def table_of(check: Check) -> Check:
-    """The check of a table of any names, by the check of its entries."""
+def table_of(check: Check, least: int = 0) -> Check:
+    """The check of a table of any names, at least so many, by the check of its entries."""
 
     def entries(value: Any, name: str) -> dict[str, Any]:
-        if not isinstance(value, Mapping):
+        if not isinstance(value, Mapping) or len(value) < least:
             raise InputError(f"{name} must be a table of name = value; got {shown(value)}")
         return {str(key): check(entry, f"{name}.{key}") for key, entry in value.items()}
 

@@ -62,7 +62,7 @@ def draft_arm_file(source: str | os.PathLike[str], folder: str | os.PathLike[str
     except DescriptionError as error:
         if not any(finding.code == "no-tip" for finding in error.findings):
             raise
-        unclear = str(error)
+        unclear = error.message
     declared: Mapping[str, str | None] = {}
     if is_xacro(file):
         index = package_index(file, given.package_dirs)

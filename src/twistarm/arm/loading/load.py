@@ -15,11 +15,12 @@ from ...description.chain import walk_chain
 from ...description.companions.arm_file import ArmSpecification, Tool, read_arm_file, read_table_file
 from ...description.companions.arm_group import ArmGroup, arm_groups
 from ...description.companions.companion_files import path_from, srdf_beside
-from ...description.companions.srdf import Semantics, note_names, read_srdf
+from ...description.companions.srdf import note_names, read_srdf
 from ...description.document import Reading
 from ...description.expansion.left_out import blaming
 from ...description.findings import Finding, Place, finding, refusal
 from ...description.packages import PackageIndex, package_names, variable_names
+from ...description.semantics import Semantics
 from ...description.tips.choice import choose_ends, note_choice
 from ...description.tree import Description
 from ...description.urdf import build_description, read_description
@@ -27,6 +28,7 @@ from ...limits.joint_limits import JointLimits
 from ...support.checks import frozen, require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
+from ...support.messages import Argument, Text
 from ..arm import Arm, Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..configurations import named_ready
@@ -301,7 +303,7 @@ def assemble(description: Description, specification: ArmSpecification, changes:
         coupling=Coupling(*chain.coupling),
         limits=limits,
         reach=chain.reach or 1.0,
-        findings=(*description.findings, *noted, *chosen, *chain.findings, *limiting),
+        findings=(*description.findings, *specification.findings, *noted, *chosen, *chain.findings, *limiting),
         description=description,
         couplings=chain.couplings,
         tool=tool.g_tip_tool,
@@ -359,7 +361,8 @@ def _with_what_is_said(
         taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []
         taken += [f"{len(pairs)} pair{'s' * (len(pairs) > 1)} of links that need no collision check"] if pairs else []
         what = f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}"
-        remedy = "tip=, an arm.toml or another srdf= win over it"
+        given = {name: Argument(name, None) for name in ("tip", "srdf")}
+        remedy = Text("{tip}, an arm.toml or another {srdf} win over it", **given)
         found = finding("srdf-found", Place(semantics.path.name), what, remedy)
         findings = (*arm.findings, found, *stating)
         arm = replace(arm, named_states={**states, **poses}, disabled_collisions=pairs, findings=findings)

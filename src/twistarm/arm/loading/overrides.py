@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from ...description.companions.arm_file import ArmSpecification, Motor
-from ...description.companions.joint_limits import LimitsFile, read_joint_limits
-from ...description.companions.srdf import GroupState, Semantics
+from ...description.companions.joint_limits import read_joint_limits
 from ...description.coupling import Affine
 from ...description.findings import Finding, Place, finding, refusal
+from ...description.semantics import GroupState, Semantics
 from ...limits.actuators import Actuators
 from ...limits.joint_limits import JointLimits, by_field
 from ...support.checks import Array
@@ -35,40 +35,30 @@ def fitted_limits(
     specification: ArmSpecification,
     changes: Changes,
     joints: Iterable[str],
-) -> tuple[JointLimits, list[Finding]]:
+) -> tuple[JointLimits, tuple[Finding, ...]]:
     """The description's limits, then the arm.toml's file and entries by joint, then the caller's.
 
     `names` are the chain's coordinates, `joints` all joints of the description. The arm.toml's limits of locked joints
     and of those off a requested chain are left out.
     """
-    noted: list[Finding] = []
+    noted: tuple[Finding, ...] = ()
     joints, locked = tuple(joints), specification.locked_joints
     beyond = set(joints).difference(names) if specification.other_chain else set()
     own = {joint: its for joint, its in specification.limits.items() if joint not in locked and joint not in beyond}
     if specification.joint_limits is not None:
-        limits = _with_file(limits, read_joint_limits(specification.joint_limits), names, joints, noted)
+        limits, noted = read_joint_limits(specification.joint_limits).onto(limits, names, joints)
     try:
         limits = limits.with_(by_field(own), names)
     except (ValueError, LookupError) as error:
         raise refusal("limits-unusable", Place(specification.source), str(error)) from error
     if isinstance(changes, (str, os.PathLike)):
-        return _with_file(limits, read_joint_limits(changes), names, joints, noted), noted
+        limits, more = read_joint_limits(changes).onto(limits, names, joints)
+        return limits, (*noted, *more)
     if not isinstance(changes, JointLimits):
         return limits.with_(changes, names), noted
     if changes.lower.size != len(names):
         raise InputError(f"limits must be those of {len(names)} joints ({', '.join(names)}); got {changes.lower.size}")
     return changes, noted
-
-
-def _with_file(
-    limits: JointLimits, file: LimitsFile, names: tuple[str, ...], joints: tuple[str, ...], noted: list[Finding]
-) -> JointLimits:
-    changes, findings = file.of(names, joints)
-    noted += findings
-    try:
-        return limits.with_(changes, names)
-    except InputError as error:
-        raise refusal("limits-unusable", Place(str(file.path)), str(error)) from error
 
 
 def fitted_poses(arm: Arm, specification: ArmSpecification) -> tuple[dict[str, Array], list[Finding]]:
@@ -97,9 +87,19 @@ def _pose(arm: Arm, name: str, values: Mapping[str, float], specification: ArmSp
         theta = arm.theta_from({joint: value for joint, value in values.items() if joint not in skipped})
     except (ValueError, LookupError) as error:
         raise refusal("pose-unusable", place, f"poses.{name}: {error}") from error
-    if not arm.limits.contains(theta):
-        raise refusal("pose-unusable", place, f"poses.{name} lies outside the limits", "correct it or the limits")
+    if outside := _outside(arm, theta, 0.0):
+        raise refusal("pose-unusable", place, f"poses.{name}: {outside}", "correct it or the limits")
     return theta
+
+
+def _outside(arm: Arm, theta: Array, tol: float) -> str:
+    """The joint of theta (n,) that is farthest outside its limits, in words; empty if all are within `tol`."""
+    lower, upper = arm.limits.lower, arm.limits.upper
+    beyond = np.maximum(lower - theta, theta - upper)
+    i = int(np.argmax(beyond))
+    if beyond[i] <= tol:
+        return ""
+    return f"{arm.joint_names[i]} = {theta[i]:g} lies outside its limits [{lower[i]:g}, {upper[i]:g}]"
 
 
 def _contradiction(values: Mapping[str, float], locked_joints: Mapping[str, float]) -> str:
@@ -146,13 +146,8 @@ def _unfit(arm: Arm, state: GroupState, locked_joints: Mapping[str, float]) -> t
     contradiction = _contradiction(state.values, locked_joints)
     if contradiction:
         return "pose-left-out", contradiction
-    theta = _theta(arm, state)
-    if not arm.limits.contains(theta, STATE_TOL):
-        lower, upper = arm.limits.lower, arm.limits.upper
-        i = int(np.argmax(np.maximum(lower - theta, theta - upper)))
-        what = f"{arm.joint_names[i]} = {theta[i]:g} lies outside its limits [{lower[i]:g}, {upper[i]:g}]"
-        return "state-outside-limits", what
-    return "", ""
+    outside = _outside(arm, _theta(arm, state), STATE_TOL)
+    return ("state-outside-limits", outside) if outside else ("", "")
 
 
 def _theta(arm: Arm, state: GroupState) -> Array:

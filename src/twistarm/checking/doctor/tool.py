@@ -11,9 +11,9 @@ from ...description.findings import Finding, finding
 from ...description.tips.link_names import tool_rank
 from ...description.tree import Description
 from ...limits.joint_limits import slides
-from ...support.caller_words import argument
 from ...support.directions import direction_in_words
 from ...support.errors import one_line
+from ...support.messages import Argument, Text
 from .abilities import Abilities
 from .wording import grouped, place_of
 
@@ -37,7 +37,7 @@ def check_off_the_chain(arm: Arm, description: Description) -> Iterator[Finding]
             f"{'they are' if len(idle) > 1 else 'it is'} not between {arm.base} and {arm.tip_link} and "
             f"{'do' if len(idle) > 1 else 'does'} not move the tool"
         )
-        remedy = f"nothing, if that is meant; else pass {argument('tip')}"
+        remedy = Text("nothing, if that is meant; else pass {tip}", tip=Argument("tip"))
         yield grouped("joint-off-the-chain", description, idle, what, remedy)
 
 

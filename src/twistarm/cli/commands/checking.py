@@ -41,8 +41,8 @@ def check(
         print_json(_as_json(result, difference))
     else:
         _print(result, difference, against)
-    for words in difference.notes if difference else ():
-        note(words)
+    for each in difference.notes if difference else ():
+        note(each)
     return 0 if _good(result, difference) else 1
 
 

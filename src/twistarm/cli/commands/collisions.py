@@ -11,7 +11,7 @@ from ..options import Json, Radians, SceneFile, takes_arm
 from ..output import console, finding_json, joint_heads, literal, print_json, progress_bar, say, table, theta_values
 from ..outputs import Force, Output, outputs_of
 from ..quantities import quantity, whole
-from ..wording import in_options
+from ..wording import words
 
 Margin = Annotated[float, quantity("m", "Distance below which a pair collides.", zero=True)]
 Samples = Annotated[int, whole(1, 1_000_000, "Random configurations to check.")]
@@ -76,4 +76,4 @@ def _print(scene: Scene, found: Survey, radians: bool) -> None:
         order = f"examples as in --theta: {', '.join(joint_heads(scene.arm, radians))}"
         console().print(table("pairs that collide", columns, rows, text=columns[::2], caption=order))
     for found_one in scene.findings:
-        console().print(literal(in_options(str(found_one))))
+        console().print(literal(words(found_one.text)))

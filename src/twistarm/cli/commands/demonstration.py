@@ -18,7 +18,7 @@ from ...planning import Trajectory, plan_joint
 from ...support.errors import InputError
 from ...viewer import Viewer, save_html
 from ..output import console, jacobian_table, pose_table, say
-from ..wording import in_options
+from ..wording import words
 from .checking import check_table, verdict
 from .inspection import info_view
 from .inverse import solution_table
@@ -63,7 +63,7 @@ def _show_motion(out: Console, arm: Arm) -> Trajectory:
     target = Approach(g[:3, 3] + [0.0, 0.1, 0.1], g[:3, 2])
     solution = solve_ik(arm, target)
     out.print(solution_table(arm, solution, radians=False))
-    say(*in_options(solution.explain()).splitlines())
+    say(*words(solution.explain()).splitlines())
     if not solution.converged:
         raise InputError("the demo's target was not reached: please report it")
     out.rule("5. A trajectory through three poses: stowed, ready, and that target")

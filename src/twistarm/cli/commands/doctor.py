@@ -19,7 +19,7 @@ from ...support.path_redaction import without_places
 from ..options import Json, takes_source
 from ..output import console, finding_json, literal, print_json, say
 from ..outputs import STDOUT, Force, Output, outputs_of
-from ..wording import in_options
+from ..wording import words
 
 COLOURS = {"error": "bold red", "warning": "yellow", "info": "cyan"}
 
@@ -102,9 +102,9 @@ def _page(diagnosis: Diagnosis) -> Table:
     page.add_column(overflow="fold")
     for one in diagnosis.findings:
         colour = COLOURS[one.severity]
-        place, what = (literal(text) for text in (str(one.place), in_options(one.what)))
+        place, what = (literal(text) for text in (str(one.place), words(one.what)))
         # A remedy may be lines of an arm.toml, in which names stand as TOML quotes them.
-        remedy = "\n".join(literal(line) for line in in_options(one.remedy).split("\n"))
+        remedy = "\n".join(literal(line) for line in words(one.remedy).split("\n"))
         said = [f"[dim]{place}[/dim]", what, f"→ {remedy}" if remedy else ""]
         page.add_row(f"[{colour}]{one.severity}[/{colour}]\n{one.code}", "\n".join(part for part in said if part))
     return page

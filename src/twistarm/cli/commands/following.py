@@ -32,7 +32,7 @@ from ..outputs import Outputs
 from ..quantities import of_joints, quantity
 from ..robot import Hertz, Robot, Tolerance, require_inside, takes_robot
 from ..typed import parse_theta
-from ..wording import in_options
+from ..wording import words
 from .motion import Acceleration, Velocity
 from .servo import report_json
 from .viewing import Browser, Host, Port, show_address
@@ -123,7 +123,7 @@ def follow(
     if json:
         print_json(_as_json(arm, report) | {"written": robot.written})
     else:
-        say(*in_options(report.explain()).splitlines())
+        say(*words(report.explain(), radians=rad).splitlines())
         Outputs().say(robot.written)
     return 0 if report.ok else 1
 
@@ -134,7 +134,8 @@ def _as_json(arm: Arm, report: FollowReport) -> dict[str, Any]:
     )
     return {
         "arm": arm.name, "ok": report.ok, "completed": report.completed, "ending": report.stream.ending.name,
-        "reason": in_options(report.stream.reason), "at": report.at, "duration": report.duration, "speed": report.speed,
+        "reason": words(report.stream.reason, radians=True),
+        "at": report.at, "duration": report.duration, "speed": report.speed,
         "largest_lag": lags, "largest_error": errors, "loop": report_json(arm, report.stream),
     }  # fmt: skip
 

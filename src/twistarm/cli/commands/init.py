@@ -12,12 +12,12 @@ import typer
 from ...arm.loading.arm_file_draft import draft_arm_file
 from ...arm.loading.load import load_arm
 from ...planning.motion_file_draft import draft_motion_file
-from ...support.caller_words import argument
 from ...support.errors import InputError
+from ...support.messages import Argument
 from ..options import Base, Env, PackageDir, Srdf, Tip, Without, Xacro, load_keywords
 from ..output import say
 from ..outputs import NAMED, STDOUT, Force, Outputs, outputs_of
-from ..wording import in_options
+from ..wording import words, written
 
 Motion = Annotated[
     bool,
@@ -53,7 +53,7 @@ def init(
     draft = draft_arm_file(file, Path(os.path.realpath(output)).parent, **keywords)
     outputs.write({"toml": lambda: draft.text})
     if draft.unclear:
-        unclear = f"take the # away from one tip = in it before it loads: {in_options(draft.unclear)}"
+        unclear = f"take the # away from one tip = in it before it loads: {words(draft.unclear)}"
         say(f"{output}: written, but {unclear}", file=outputs.words)
         return 1
     if output != STDOUT:
@@ -67,7 +67,7 @@ def _motion(source: str, keywords: dict[str, Any], output: str, outputs: Outputs
     arm = load_arm(source, **keywords)
     outputs.write({"toml": lambda: draft_motion_file(arm)})
     if output != STDOUT:
-        options = [in_options(argument(name, value)) for name, value in keywords.items() if value]
+        options = [written(Argument(name, value)) for name, value in keywords.items() if value]
         plan = " ".join(["twistarm plan", shlex.quote(source), shlex.quote(output), *options])
         say(f"{output}: a motion with every kind of segment; next: {plan}")
     return 0

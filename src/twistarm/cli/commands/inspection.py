@@ -22,7 +22,7 @@ from ...limits.joint_limits import FIELDS
 from ...support.path_redaction import without_places
 from ..options import Json, Radians, takes_arm_or_none
 from ..output import console, finding_json, literal, number, print_json, say, shown, table, units
-from ..wording import in_options
+from ..wording import words
 
 
 def arms(json: Json = False) -> None:
@@ -107,7 +107,7 @@ def info_view(arm: Arm, radians: bool) -> Group:
         for motors in (_actuators(arm.actuators), *_motor_limits(arm, arm.actuators, radians)):
             parts += ["", motors]
         parts.append("")
-    parts += [literal(in_options(str(finding))) for finding in arm.findings]
+    parts += [literal(words(finding.text, radians=radians)) for finding in arm.findings]
     return Group(*parts)
 
 

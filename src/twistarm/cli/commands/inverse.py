@@ -31,7 +31,7 @@ from ..targets import (
     typed_tolerances,
 )
 from ..typed import VALUES, XYZ, parse_joints, parse_numbers, parse_theta
-from ..wording import in_options
+from ..wording import words
 
 Xyz = Annotated[str | None, typer.Option(metavar=XYZ, help="Position of the tool in the base frame, in metres.")]
 Targets = Annotated[
@@ -124,7 +124,11 @@ def ik(
         print_json(_as_json(arm, solution) | {"written": written})
     else:
         console(outputs.words).print(solution_table(arm, solution, rad))
-        say(theta_typed(arm, solution.theta, rad), *in_options(solution.explain()).splitlines(), file=outputs.words)
+        say(
+            theta_typed(arm, solution.theta, rad),
+            *words(solution.explain(), radians=rad).splitlines(),
+            file=outputs.words,
+        )
         outputs.say(written)
     return 0 if solution.converged else 1
 
@@ -156,6 +160,6 @@ def _as_json(arm: Arm, solution: IKResult) -> dict[str, Any]:
         "joint_names": arm.joint_names,
         "theta": solution.theta,
         **{field: getattr(solution, field) for field in fields},
-        "explanation": in_options(solution.explain()),
+        "explanation": words(solution.explain(), radians=True),
         "reached": pose_json(arm.fk(solution.theta)),
     }

@@ -28,7 +28,7 @@ from ..outputs import STDOUT, Force, Format, Outputs, outputs_of, repeated
 from ..quantities import OfJoints, quantity
 from ..targets import Axis, OrientationTol, PositionTol, typed_tolerances
 from ..typed import POSE, RPY, XYZ
-from ..wording import in_options
+from ..wording import words
 
 MOST_STRETCHES = 8
 """So many rows of active limits are shown; --json has them all."""
@@ -181,7 +181,7 @@ def plan(
     if origin is None:
         note(_start(arm, rad))
     for each in planned.notes:
-        note(each)
+        note(each, radians=rad)
     written = outputs.write(motion_texts(arm, planned, outputs, dt, counts=counts))
     active = active_limits(arm, planned, limits=limits, segments=segments)
     nearest = None if scene is None else scene.clearance(planned.breakpoints, planned.coefficients)
@@ -258,6 +258,6 @@ def _as_json(arm: Arm, planned: Trajectory, written: list[str]) -> dict[str, Any
         "waypoints": planned.waypoints,
         "peak_velocity": planned.peak(1),
         "peak_acceleration": planned.peak(2),
-        "notes": [in_options(each) for each in planned.notes],
+        "notes": [words(each, radians=True) for each in planned.notes],
         "written": written,
     }

@@ -70,7 +70,7 @@ def panel(
         say(*missed, _sentence(found, rad), file=outputs.words)
     written: list[str] = []
     try:
-        for names in _write(found, outputs, dt, how):
+        for names in _write(found, outputs, dt, how, rad):
             written += names
     finally:
         if json:
@@ -80,7 +80,7 @@ def panel(
     return int(len(found.done) < len(found.results))
 
 
-def _write(found: PanelReport, outputs: Outputs, dt: float, how: dict[str, Any]) -> Iterator[list[str]]:
+def _write(found: PanelReport, outputs: Outputs, dt: float, how: dict[str, Any], radians: bool) -> Iterator[list[str]]:
     """Write the pictures, then the motion, which may fail. Yields the names of what is written."""
     pictures = replace(outputs, files=tuple(each for each in outputs.files if each[0] == "png"))
     motions = replace(outputs, files=tuple(each for each in outputs.files if each[0] != "png"))
@@ -91,7 +91,7 @@ def _write(found: PanelReport, outputs: Outputs, dt: float, how: dict[str, Any])
         with progress_bar("planning") as progress:
             motion = found.motion(**how, progress=progress)
         for each in motion.notes:
-            note(each)
+            note(each, radians=radians)
         yield motions.write(motion_texts(found.arm, motion, motions, dt))
 
 

@@ -29,7 +29,7 @@ from ..outputs import Outputs
 from ..quantities import of_joints, quantity
 from ..robot import Hertz, Robot, Tolerance, address, require_inside, takes_robot
 from ..typed import parse_theta
-from ..wording import in_options
+from ..wording import words
 from .motion import Acceleration, Velocity
 from .viewing import Browser, Host, Port, show_address
 
@@ -102,7 +102,7 @@ def servo(
     if json:
         print_json(report_json(arm, report) | {"written": robot.written})
     else:
-        say(*in_options(report.explain()).splitlines())
+        say(*words(report.explain(), radians=rad).splitlines())
         Outputs().say(robot.written)
     return 0 if report.ok else 1
 

@@ -56,7 +56,7 @@ class StreamError(Exception):
 
     def __init__(self, ending: Ending, reason: str) -> None:
         super().__init__(reason)
-        self.ending = ending
+        self.ending, self.reason = ending, reason
 
 
 def call_device(ending: Ending, call: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
@@ -69,8 +69,10 @@ def call_device(ending: Ending, call: Callable[P, T], *args: P.args, **kwargs: P
 
 def worded(error: Exception) -> str:
     """An error as a reason. Errors of other programs are named with their type."""
-    if isinstance(error, (TwistarmError, StreamError)):
-        return str(error)
+    if isinstance(error, StreamError):
+        return error.reason
+    if isinstance(error, TwistarmError):
+        return error.message
     return f"{type(error).__name__}: {error}"
 
 
@@ -134,7 +136,7 @@ class Cycles(ABC, Generic[C]):
         try:
             return self._cycle(now)
         except StreamError as failed:
-            return self._failed(now, str(failed), failed.ending)
+            return self._failed(now, failed.reason, failed.ending)
 
     def brake(self, now: float) -> bool:
         """One step toward rest without reading commands or joints.

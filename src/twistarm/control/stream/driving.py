@@ -42,7 +42,7 @@ def drive(
         except KeyboardInterrupt as interrupted:
             reason = str(interrupted)
         except StreamError as failed:
-            ending, reason = failed.ending, str(failed)
+            ending, reason = failed.ending, failed.reason
         except BaseException as error:
             come_to_rest(cycles, metronome, time)
             _note(error, tuple(cycles.tally.failures))

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import TypeVar
 
 from ...support.display import told
+from ...support.messages import joined
 from ..servo import ServoReason, ServoStatus
 from .metronome import Lateness
 
@@ -102,7 +103,7 @@ class StreamReport:
         """The report in lines."""
         counts = names_counted(self.statuses)
         lines = [
-            f"ended: {self.ending.value}{': ' if self.reason else ''}{self.reason}",
+            joined(": ", filter(None, [f"ended: {self.ending.value}", self.reason])),
             f"{self.cycles} cycles in {self.duration:.2f} s at {self.rate:g} Hz, {self.missed} missed",
             f"cycles began late by {self.late_p50 * 1e3:.3f} ms (median), {self.late_p99 * 1e3:.3f} ms (99 %), "
             f"{self.late_max * 1e3:.3f} ms (most)",
@@ -114,7 +115,7 @@ class StreamReport:
             *(f"while it came to rest: {failure}" for failure in self.failures),
             f"at the end: {self.at_the_end}",
         ]
-        return "\n".join(lines)
+        return joined("\n", lines)
 
     def _stale(self) -> list[str]:
         spans = (

@@ -11,6 +11,7 @@ from ...arm.arm import Arm
 from ...limits.joint_limits import AS_GOOD_AS_UNBOUNDED
 from ...support.checks import Array, as_floats, as_theta
 from ...support.errors import InputError, shown
+from ...support.messages import Quantity, Text
 from .protocols import Measured
 
 
@@ -89,9 +90,12 @@ class FeedbackWatch:
             return ""
         j = int(np.argmax(away / self._tolerance))
         unit = self._arm.units[j]
-        return (
-            f"joint {self._arm.joint_names[j]} is {away[j]:.3g} {unit} from where it was commanded to be "
-            f"(tolerance {self._tolerance[j]:g} {unit}): see why it did not follow, and start again from where it is"
+        return Text(
+            "joint {joint} is {away} from where it was commanded to be (tolerance {tolerance}): see why it did not "
+            "follow, and start again from where it is",
+            joint=self._arm.joint_names[j],
+            away=Quantity(away[j], unit, 3),
+            tolerance=Quantity(self._tolerance[j], unit),
         )
 
     def _plausible(self, theta: ArrayLike) -> tuple[Array | None, str]:

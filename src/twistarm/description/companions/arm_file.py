@@ -3,30 +3,32 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...limits.joint_limits import FIELDS, RATES
-from ...support.checks import Array, as_vector, frozen, require_one
-from ...support.entries import only
-from ...support.errors import InputError
+from ...support.checks import Array, frozen
+from ...support.errors import InputError, shown
+from ...support.fields import Check, anything, fields, list_of, number, numbers, positive, table_of, text, word
 from ...support.files import as_path, is_file
+from ...support.unit_hints import angle_hint
 from ...theory.rotations import from_rpy
-from ..findings import Place, refusal
+from ..document import LARGEST
+from ..findings import Finding, Place, finding, refusal
 from ..packages import is_too_wide, package_names
-from .toml_entries import bounded, number_of, numbers_of, parse_toml, table_of, text_of, unusable
+from .toml_entries import parse_toml, unusable
 
 if TYPE_CHECKING:
     from ..dh import DhTable
 
 MOTOR_LIMITS = ("lower", "upper", "velocity", "acceleration", "effort")
 """Limits that a motor may have. Data sheets give no jerk."""
-
-_MOTOR_KEYS = ("ratio", "offset", "unit", "ticks_per_turn", "limits")
 
 
 @dataclass(frozen=True)
@@ -83,80 +85,101 @@ class ArmSpecification:
     motors: tuple[Motor, ...] = ()
     other_chain: bool = False
     dh: DhTable | None = None
+    findings: tuple[Finding, ...] = ()
 
 
-_TEXTS = ("name", "source", "base", "tip", "srdf", "joint_limits")
-_KEYS = (
-    *_TEXTS,
-    "dh",
-    "tool",
-    "xacro_args",
-    "package_dirs",
-    "ignore_packages",
-    "limits",
-    "locked_joints",
-    "poses",
-    "actuators",
-)
+def _ratio(value: Any, name: str) -> float:
+    if (ratio := _coordinate(value, name)) == 0.0:
+        raise InputError(f"{name} must not be 0: it is motor rad per joint rad, or per m")
+    return ratio
+
+
+def _motor_limits(value: Any, name: str) -> dict[str, float]:
+    rates = {rate: partial(number, least=0.0, most=inf) for rate in RATES if rate in MOTOR_LIMITS}
+    limits = fields(value, name, {}, {"lower": _bound, "upper": _bound, **rates})
+    if limits.get("lower", -inf) > limits.get("upper", inf):
+        raise InputError(f"{name} are swapped: lower {limits['lower']:g} > upper {limits['upper']:g}")
+    return limits
+
+
+_coordinate = partial(number, least=-LARGEST, most=LARGEST, unit="rad or m")
+_bound = partial(number, least=-inf, most=inf, unit="rad or m")
+_three = partial(numbers, size=3, least=-LARGEST, most=LARGEST)
+_XYZ_RPY: dict[str, Check] = {"xyz": _three, "rpy": _three}
+_MOTOR: dict[str, Check] = {"offset": _coordinate, "unit": text, "ticks_per_turn": positive, "limits": _motor_limits}
+
+FORMAT: dict[str, Check] = {
+    **dict.fromkeys(("name", "source", "base", "tip", "srdf", "joint_limits"), word),
+    "dh": partial(
+        fields,
+        needed={},
+        optional={
+            "table": word,
+            "rows": list_of(table_of(anything)),
+            "convention": text,
+            "base": partial(fields, needed={}, optional=_XYZ_RPY),
+        },
+    ),
+    "tool": partial(fields, needed={"name": word}, optional=_XYZ_RPY),
+    "xacro_args": table_of(anything),
+    "package_dirs": list_of(text),
+    "ignore_packages": list_of(text),
+    "limits": table_of(partial(fields, needed={}, optional=dict.fromkeys(FIELDS, _bound))),
+    "locked_joints": table_of(_coordinate),
+    "poses": table_of(table_of(_coordinate)),
+    "actuators": table_of(partial(fields, needed={"ratio": table_of(_ratio, least=1)}, optional=_MOTOR)),
+}
+"""The entries of an arm.toml and their checks."""
 
 
 def read_arm_file(path: Path) -> ArmSpecification:
     """Read an arm.toml. Raises DescriptionError that names the file, the entry and what is allowed there."""
-    content = parse_toml(path)
     try:
-        return _specification(content, path)
+        return _specification(fields(parse_toml(path), "", {}, FORMAT), path)
     except InputError as error:
         raise unusable(path, str(error)) from error
 
 
 def _specification(content: Mapping[str, Any], path: Path) -> ArmSpecification:
-    only(content, _KEYS, " at the top level")
-    for key in _TEXTS:
-        if key in content:
-            text_of(content[key], key)
     if ("source" in content) == ("dh" in content):
         what = "it has a source and a table [dh]" if "dh" in content else "it names no source"
         raise InputError(f'{what}: write source = "my_arm.urdf" or a table [dh]')
-    dh = _dh(content, path) if "dh" in content else None
-    folders = _folders(content, path)
+    files = {key: _file(content[key], key, path) for key in ("source", "srdf", "joint_limits") if key in content}
+    dh = _dh(content["dh"], path) if "dh" in content else None
+    folders = [_folder(folder, path) for folder in content.get("package_dirs", ())]
     far = tuple(folder for folder in folders if _is_elsewhere(folder, path))
-    poses = table_of(content, "poses")
+    tool = content.get("tool")
     return ArmSpecification(
-        description=path if dh else _file(content["source"], "source", path),
+        description=files.get("source", path),
         source=str(path),
         name=content.get("name"),
         base=content.get("base", dh and "base"),
         tip=content.get("tip", dh and "tool"),
         dh=dh,
-        tool=_tool(content),
-        xacro_args=table_of(content, "xacro_args"),
+        tool=tool and Tool(tool["name"], _pose(tool)),
+        xacro_args=content.get("xacro_args", {}),
         package_dirs=tuple(folder for folder in folders if folder not in far),
         mesh_dirs=far,
-        ignore_packages=package_names(content.get("ignore_packages", [])),
-        limits=_limits(content),
-        locked_joints={
-            joint: bounded(value, f"locked_joints.{joint}")
-            for joint, value in table_of(content, "locked_joints").items()
-        },
-        poses={name: numbers_of(table_of(poses, name), f"poses.{name}") for name in poses},
-        srdf=_file(content["srdf"], "srdf", path) if "srdf" in content else None,
-        joint_limits=_file(content["joint_limits"], "joint_limits", path) if "joint_limits" in content else None,
-        motors=_motors(content),
+        ignore_packages=package_names(content.get("ignore_packages", ())),
+        limits=content.get("limits", {}),
+        locked_joints=content.get("locked_joints", {}),
+        poses=content.get("poses", {}),
+        srdf=files.get("srdf"),
+        joint_limits=files.get("joint_limits"),
+        motors=tuple(Motor(name, **motor) for name, motor in content.get("actuators", {}).items()),
+        findings=tuple(_degrees(content, path)),
     )
 
 
-def _dh(content: Mapping[str, Any], path: Path) -> DhTable:
+def _dh(entries: Mapping[str, Any], path: Path) -> DhTable:
     """The table in the file, or in a CSV file that it names."""
     from ..dh import rows_of_csv, table_of_rows  # few arms have one
 
-    entries = table_of(content, "dh")
-    only(entries, ("table", "rows", "convention", "base"), " in dh")
-    file, rows = entries.get("table"), entries.get("rows", [])
-    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
-        raise InputError(f"dh.rows must be tables, each [[dh.rows]]; got {rows!r}")
+    rows = entries.get("rows", [])
     try:
-        rows = rows if file is None else rows_of_csv(_file(text_of(file, "dh.table"), "dh.table", path))
-        return table_of_rows(rows, entries.get("convention"), _pose(entries, "base"))
+        if "table" in entries:
+            rows = rows_of_csv(_file(entries["table"], "dh.table", path))
+        return table_of_rows(rows, entries.get("convention"), _pose(entries.get("base", {})))
     except InputError as error:
         raise InputError(f"dh: {error}") from error
 
@@ -181,16 +204,13 @@ def _file(name: str, key: str, path: Path) -> Path:
     return file
 
 
-def _folders(content: Mapping[str, Any], path: Path) -> tuple[Path, ...]:
-    folders = content.get("package_dirs", [])
-    if not isinstance(folders, list) or not all(isinstance(folder, str) for folder in folders):
-        raise InputError(f"package_dirs must be a list of texts; got {folders!r}")
-    found = tuple(path.parent / as_path(folder) for folder in folders)
-    for name, folder in zip(folders, found, strict=True):
-        if not os.path.isdir(folder):
-            what = f"package_dirs names {name!r}; there is no such folder beside it"
-            raise refusal("file-not-found", Place(str(path)), what, "correct the path")
-    return found
+def _folder(name: str, path: Path) -> Path:
+    """A folder that the arm.toml names, beside it."""
+    folder = path.parent / as_path(name)
+    if not os.path.isdir(folder):
+        what = f"package_dirs names {name!r}; there is no such folder beside it"
+        raise refusal("file-not-found", Place(str(path)), what, "correct the path")
+    return folder
 
 
 def _is_elsewhere(folder: Path, path: Path) -> bool:
@@ -199,79 +219,16 @@ def _is_elsewhere(folder: Path, path: Path) -> bool:
     return is_too_wide(Path(os.path.commonpath(ends)))
 
 
-def _limits(content: Mapping[str, Any]) -> dict[str, dict[str, float]]:
-    limits = table_of(content, "limits")
-    for joint in limits:
-        only(table_of(limits, joint), FIELDS, f" in limits.{joint}")
-    return {joint: numbers_of(limits[joint], f"limits.{joint}") for joint in limits}
-
-
-def _tool(content: Mapping[str, Any]) -> Tool | None:
-    if "tool" not in content:
-        return None
-    table = table_of(content, "tool")
-    name = text_of(table.get("name"), "tool.name")
-    return Tool(name, _pose(content, "tool", "name"))
-
-
-def _pose(content: Mapping[str, Any], key: str, *more: str) -> Array:
-    """The pose (4, 4) of a table with xyz and rpy, the identity without one."""
-    table, g = table_of(content, key), np.eye(4)
-    only(table, (*more, "xyz", "rpy"), f" in {key}")
-    g[:3, 3] = _three(table, f"{key}.xyz")
-    g[:3, :3] = from_rpy(_three(table, f"{key}.rpy"))
+def _pose(table: Mapping[str, Any]) -> Array:
+    """The pose (4, 4) of a table with xyz and rpy, the identity without them."""
+    g = np.eye(4)
+    g[:3, 3], g[:3, :3] = table.get("xyz", 0.0), from_rpy(table.get("rpy", np.zeros(3)))
     return frozen(g)
 
 
-def _three(table: Mapping[str, Any], place: str) -> Array:
-    given = table.get(place.rpartition(".")[2], (0.0, 0.0, 0.0))
-    numbers = require_one(as_vector(given, place), place, 1)
-    return np.array([bounded(number, place) for number in numbers])
-
-
-def _motors(content: Mapping[str, Any]) -> tuple[Motor, ...]:
-    return tuple(_motor(name, table) for name, table in table_of(content, "actuators").items())
-
-
-def _motor(name: str, table: Any) -> Motor:
-    text_of(name, "an actuator's name")
-    place = f"actuators.{name}"
-    if not isinstance(table, dict):
-        raise InputError(f"{place} must be a table with ratio = {{ joint = number }}; got {table!r}")
-    only(table, _MOTOR_KEYS, f" in {place}")
-    if not isinstance(table.get("ratio"), dict) or not table["ratio"]:
-        what = f"{place}.ratio must be a table of joint = number; got {table.get('ratio')!r}"
-        raise InputError(f"{what}; write ratio = {{ elbow = 100.0 }}: motor rad per joint rad (or per m)")
-    wanted = "finite and not 0"
-    ratio = {name: bounded(value, f"{place}.ratio.{name}", wanted) for name, value in table["ratio"].items()}
-    for joint, value in ratio.items():
-        if value == 0:
-            raise InputError(f"{place}.ratio.{joint} must be {wanted}; got {value:g}")
-    if not isinstance(table.get("unit", ""), str):
-        raise InputError(f"{place}.unit must be a text; got {table['unit']!r}")
-    ticks = table.get("ticks_per_turn")
-    return Motor(
-        name=name,
-        ratio=ratio,
-        offset=bounded(table.get("offset", 0.0), f"{place}.offset"),
-        unit=table.get("unit", "rad"),
-        ticks_per_turn=None if ticks is None else number_of(ticks, f"{place}.ticks_per_turn", "ticks"),
-        limits=_motor_limits(table, f"{place}.limits"),
-    )
-
-
-def _motor_limits(motor: Mapping[str, Any], place: str) -> dict[str, float]:
-    table = motor.get("limits", {})
-    if not isinstance(table, dict):
-        what = f"{place} must be a table of limit = number; got {table!r}"
-        how = "write limits = { velocity = 300.0 }: motor rad (or m), per s, per s²; N m or N"
-        raise InputError(f"{what}; {how}")
-    only(table, MOTOR_LIMITS, f" in {place}")
-    limits = numbers_of(table, place)
-    for name, value in limits.items():
-        if name in RATES and value < 0:
-            raise InputError(f"{place}.{name} must not be negative; got {value:g}")
-    lower, upper = limits.get("lower", -np.inf), limits.get("upper", np.inf)
-    if lower > upper:
-        raise InputError(f"{place} are swapped: lower {lower:g} > upper {upper:g}")
-    return limits
+def _degrees(content: Mapping[str, Any], path: Path) -> Iterator[Finding]:
+    """Findings for turns of the tool and of a table's base that look like degrees."""
+    for name, table in {"tool": content.get("tool", {}), "dh.base": content.get("dh", {}).get("base", {})}.items():
+        if hint := angle_hint(np.array(table.get("rpy", ()))):
+            place, what = Place(str(path)), f"{name}.rpy {shown(table['rpy'])}: {hint}"
+            yield finding("origin-looks-like-degrees", place, what, "write radians: 90 degrees are 1.5707963")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from ..semantics import EndEffector, Group, Semantics
 from ..tree import Description, Joint
-from .srdf import EndEffector, Group, Semantics
 
 
 @dataclass(frozen=True)

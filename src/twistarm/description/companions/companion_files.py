@@ -6,12 +6,13 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from ...support.caller_words import argument
 from ...support.errors import DescriptionError, listed
 from ...support.files import is_file
+from ...support.messages import Argument, Text
 from ..findings import Finding, Place, finding
+from ..semantics import Semantics
 from ..tree import Description
-from .srdf import Semantics, read_srdf
+from .srdf import read_srdf
 
 FOLDERS = ("config", "srdf")
 """Folders of packages with such files, in the description's folder or one above."""
@@ -48,13 +49,14 @@ def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Findi
         left -= max(FILE_BYTES, path.stat().st_size)
         if left < 0:
             what = f"{len(every)} SRDFs are beside the description; {len(every) - i} of them are not looked at"
-            noted.append(finding("srdf-ignored", Place(path.name), what, f"name the right one as {argument('srdf')}"))
+            remedy = Text("name the right one as {srdf}", srdf=Argument("srdf"))
+            noted.append(finding("srdf-ignored", Place(path.name), what, remedy))
             break
         try:
             semantics = read_srdf(path)
         except DescriptionError as error:
-            remedy = f"correct it, or name another as {argument('srdf')}"
-            noted.append(finding("srdf-ignored", Place(path.name), str(error), remedy))
+            remedy = Text("correct it, or name another as {srdf}", srdf=Argument("srdf"))
+            noted.append(finding("srdf-ignored", Place(path.name), error.message, remedy))
             continue
         if semantics.name == description.name:
             matching.append(semantics)
@@ -62,7 +64,8 @@ def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Findi
         return next(iter(matching), None), tuple(noted)
     files = listed(path_from(description, semantics.path) for semantics in matching)
     what = f"several SRDFs are for a robot {description.name!r}: {files}; none is used"
-    return None, (*noted, finding("srdf-ambiguous", description.place(), what, f"name one as {argument('srdf')}"))
+    remedy = Text("name one as {srdf}", srdf=Argument("srdf"))
+    return None, (*noted, finding("srdf-ambiguous", description.place(), what, remedy))
 
 
 def path_from(description: Description, file: Path) -> str:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
+from math import inf
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from ...limits.joint_limits import by_field
-from ...support.errors import DescriptionError, closest, listed
+from ...limits.joint_limits import JointLimits, by_field
+from ...support.errors import DescriptionError, InputError, closest, listed
+from ...support.fields import anything, fields, flag, number, table_of
 from ..document import existing_file, read_text
 from ..findings import Finding, Place, finding, refusal
 from ..yaml_reading import parse_yaml
@@ -23,53 +23,84 @@ MAX_BYTES = 250_000
 MAX_NESTING = 6
 """How deep parameters nest around joint_limits (`/**: ros__parameters: robot_description_planning:`)."""
 
-_GIVEN = {
-    "velocity": ("has_velocity_limits", {"max_velocity": "velocity"}),
-    "acceleration": ("has_acceleration_limits", {"max_acceleration": "acceleration"}),
-    "jerk": ("has_jerk_limits", {"max_jerk": "jerk"}),
-    "effort": ("has_effort_limits", {"max_effort": "effort"}),
-    "position": ("has_position_limits", {"min_position": "lower", "max_position": "upper"}),
-}
-"""For each kind of limit its switch, and its entries with their fields of JointLimits."""
+_position = partial(number, least=-inf, most=inf, unit="rad or m, or !degrees")
+_rate = partial(number, least=0.0, most=inf, unit="per s, s², s³; N m or N")
 
-_OTHER = re.compile(r"(has|max)_deceleration(_limits)?|has_soft_limits|k_(position|velocity)|soft_.*|angle_wraparound")
-"""Entries of ros2_control that have no effect here."""
+ENTRIES = {
+    "max_velocity": ("has_velocity_limits", "velocity", _rate),
+    "max_acceleration": ("has_acceleration_limits", "acceleration", _rate),
+    # Pilz's planner for MoveIt writes a negative number, ros2_control a positive one.
+    "max_deceleration": ("has_deceleration_limits", "deceleration", _position),
+    "max_jerk": ("has_jerk_limits", "jerk", _rate),
+    "max_effort": ("has_effort_limits", "effort", _rate),
+    "min_position": ("has_position_limits", "lower", _position),
+    "max_position": ("has_position_limits", "upper", _position),
+    "soft_lower_limit": ("has_soft_limits", "soft_lower", _position),
+    "soft_upper_limit": ("has_soft_limits", "soft_upper", _position),
+}
+"""Each entry with its switch, its meaning and its check."""
+
+FORMAT = (
+    {entry: check for entry, (_, _, check) in ENTRIES.items()}
+    | {switch: flag for switch, _, _ in ENTRIES.values()}
+    | dict.fromkeys(("k_position", "k_velocity", "angle_wraparound"), anything)
+)
+"""The last three are of controllers and have no effect here."""
+
+POSITIONS = ("lower", "upper", "soft_lower", "soft_upper")
 
 
 @dataclass(frozen=True)
 class LimitsFile:
-    """Limits of a file by joint and field, {"elbow": {"velocity": 1.0}}, in rad or m and their rates."""
+    """Limits of a file by joint and meaning, {"elbow": {"velocity": 1.0}}, in rad or m and their rates."""
 
     path: Path
     joints: Mapping[str, Mapping[str, float]]
     findings: tuple[Finding, ...] = ()
 
-    def of(
-        self, names: tuple[str, ...], every: Iterable[str]
-    ) -> tuple[dict[str, dict[str, float]], tuple[Finding, ...]]:
-        """Limits for these coordinates by field and joint, and findings. `every` lists all joints of the robot.
+    def onto(
+        self, limits: JointLimits, names: tuple[str, ...], every: Iterable[str]
+    ) -> tuple[JointLimits, tuple[Finding, ...]]:
+        """The limits of these coordinates with those of the file, and findings. `every` lists all joints of the robot.
 
-        Raises DescriptionError if the file names none of the coordinates.
+        A deceleration limits the acceleration, too: of both the smaller holds. Soft limits narrow the positions.
+        Raises DescriptionError if the file names none of the coordinates, or its limits are swapped.
         """
+        place, noted = Place(self.path.name), list(self.findings)
+        ours = {joint: its for joint, its in self.joints.items() if joint in names}
         others = [joint for joint in self.joints if joint not in names]
-        place = Place(self.path.name)
-        if len(others) == len(self.joints):
+        if not ours:
             what = f"its joints are {listed(others) or 'none'}; the arm's are {listed(names)}"
-            raise refusal("limits-unusable", Place(str(self.path)), what, "is it the file of another robot?")
-        changes = by_field({joint: values for joint, values in self.joints.items() if joint in names})
-        noted = list(self.findings)
-        nobodys = [joint for joint in others if joint not in set(every)]
-        for joint in nobodys:
+            raise _unusable(self.path, what, "is it the file of another robot?")
+        strangers = [joint for joint in others if joint in set(every)]
+        for joint in (joint for joint in others if joint not in strangers):
             what = f"it has limits for {joint!r}, and no joint has that name; they are not kept"
             noted.append(finding("limits-unknown-joint", place, what, f"correct the name{closest(joint, names)}"))
-        if len(nobodys) < len(others):
-            strangers = [joint for joint in others if joint not in nobodys]
+        if strangers:
             what = f"it has limits for {listed(strangers)}, which are no coordinates of this arm"
             noted.append(finding("limits-of-others", place, what, "nothing, if they are a gripper's"))
-        if not changes:
+        if not any(ours.values()):
             what = "it gives no limit for this arm: every has_…_limits is false, or the values are 0"
             noted.append(finding("limits-empty", place, what, "set has_velocity_limits: true and max_velocity"))
-        return changes, tuple(noted)
+        hard = {joint: {k: v for k, v in its.items() if not k.startswith("soft")} for joint, its in ours.items()}
+        try:
+            limits = limits.with_(by_field(hard), names)
+        except InputError as error:
+            raise _unusable(self.path, str(error)) from error
+        soft = {joint: its for joint, its in ours.items() if {"soft_lower", "soft_upper"} & its.keys()}
+        for joint, its in soft.items():
+            i = names.index(joint)
+            lower = max(limits.lower[i], its.get("soft_lower", -inf))
+            upper = min(limits.upper[i], its.get("soft_upper", inf))
+            at = Place(self.path.name, None, "joint", joint)
+            if not lower < upper:
+                what = f"its soft limits leave no room in [{limits.lower[i]:g}, {limits.upper[i]:g}]; not kept"
+                noted.append(finding("soft-limits-unusable", at, what, "correct them, or set has_soft_limits: false"))
+                continue
+            limits = limits.with_({"lower": {joint: lower}, "upper": {joint: upper}}, names)
+            what = f"its soft limits are kept: [{lower:g}, {upper:g}]"
+            noted.append(finding("soft-limits", at, what, "set has_soft_limits: false for its whole range"))
+        return limits, tuple(noted)
 
 
 def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
@@ -88,77 +119,46 @@ def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
         keys = listed(map(str, content), 6) if isinstance(content, dict) else "no mapping"
         remedy = "write joint_limits: {joint: {has_velocity_limits: true, max_velocity: 1.0}}, once"
         raise _unusable(file, f"{there} (at the top: {keys})", remedy)
-    around, table = found[0]
-    if not isinstance(table, dict):
-        raise _unusable(file, f"joint_limits must be a mapping by joint; got {_short(table)}")
-    joints: dict[str, dict[str, float]] = {}
-    noted = list(_scaled(around, file))
-    for joint, entries in table.items():
-        joints[str(joint)] = _joint(str(joint), entries, file, noted)
+    (around,) = found
+    noted: list[Finding] = []
+    if factors := [f"{key} {value}" for key, value in around.items() if str(key).startswith("default_")]:
+        what = f"{' and '.join(factors)}: MoveIt plans with limits scaled so; here they are taken as they are"
+        noted.append(finding("limits-not-scaled", Place(file.name), what, "lower limits that should hold here too"))
+    try:
+        table = table_of(table_of(anything))(around["joint_limits"], "joint_limits")
+        joints = {joint: _joint(joint, entries, file, noted) for joint, entries in table.items()}
+    except InputError as error:
+        raise _unusable(file, str(error)) from error
     return LimitsFile(file, joints, tuple(noted))
 
 
-def _nested(content: Any, depth: int) -> Iterator[tuple[Any, Any]]:
-    """Every mapping with joint_limits, and the value there."""
+def _nested(content: Any, depth: int) -> Iterator[Mapping[str, Any]]:
+    """Every mapping with joint_limits."""
     if not isinstance(content, dict) or depth == 0:
         return
     if "joint_limits" in content:
-        yield content, content["joint_limits"]
+        yield content
         return
     for value in content.values():
         yield from _nested(value, depth - 1)
 
 
-def _scaled(around: Mapping[str, Any], file: Path) -> Iterator[Finding]:
-    factors = [f"{key} {value}" for key, value in around.items() if str(key).startswith("default_")]
-    if factors:
-        what = f"{' and '.join(factors)}: MoveIt plans with limits scaled so; here they are taken as they are"
-        yield finding("limits-not-scaled", Place(file.name), what, "lower limits that should hold here too")
-
-
-def _joint(joint: str, entries: Any, file: Path, noted: list[Finding]) -> dict[str, float]:
-    if not isinstance(entries, dict):
-        raise _unusable(file, f"joint {joint!r} must be a mapping such as {{max_velocity: 1.0}}; got {_short(entries)}")
-    known = [name for switch, fields in _GIVEN.values() for name in (switch, *fields)]
-    for key in map(str, entries):
-        if key not in known and not _OTHER.fullmatch(key):
-            what = f"its entry {key!r} is unknown and left out{closest(key, known)}"
-            noted.append(finding("limits-entry-unknown", Place(file.name, None, "joint", joint), what, "correct it"))
+def _joint(joint: str, entries: Mapping[str, Any], file: Path, noted: list[Finding]) -> dict[str, float]:
+    """The limits of a joint by meaning, without those that are switched off."""
+    for key in entries.keys() - FORMAT.keys():
+        what = f"its entry {key!r} is unknown and left out{closest(key, FORMAT)}"
+        noted.append(finding("limits-entry-unknown", Place(file.name, None, "joint", joint), what, "correct it"))
+    given = fields({key: entries[key] for key in FORMAT if key in entries}, f"joint {joint!r}", {}, FORMAT)
     limits: dict[str, float] = {}
-    for switch, fields in _GIVEN.values():
-        if _is_on(entries, switch, joint, file):
-            limits |= {
-                field: _number(entries[name], name, joint, file) for name, field in fields.items() if name in entries
-            }
-    limits = {field: value for field, value in limits.items() if value or field in ("lower", "upper")}
-    if limits.get("lower", -np.inf) > limits.get("upper", np.inf):
-        what = f"joint {joint!r}: min_position {limits['lower']:g} lies above max_position {limits['upper']:g}"
-        raise _unusable(file, what, "swap them")
+    for entry, (switch, meaning, _) in ENTRIES.items():
+        if entry in given and given.get(switch, True) and (given[entry] or meaning in POSITIONS):
+            limits[meaning] = given[entry]
+    if slowing := abs(limits.pop("deceleration", 0.0)):
+        limits["acceleration"] = min(slowing, limits.get("acceleration", inf))
+    if limits.get("lower", -inf) > limits.get("upper", inf):
+        raise InputError(f"joint {joint!r}: min_position {limits['lower']:g} lies above max_position; swap them")
     return limits
-
-
-def _is_on(entries: Mapping[str, Any], switch: str, joint: str, file: Path) -> bool:
-    value = entries.get(switch, True)
-    if not isinstance(value, bool):
-        raise _unusable(file, f"joint {joint!r}: {switch} must be true or false; got {_short(value)}")
-    return value
-
-
-def _number(value: Any, entry: str, joint: str, file: Path) -> float:
-    try:
-        number = float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else np.nan
-    except OverflowError:
-        number = np.nan
-    if np.isnan(number):
-        raise _unusable(file, f"joint {joint!r}: {entry} must be a number (rad or m, or !degrees); got {_short(value)}")
-    if number < 0 and not entry.endswith("position"):
-        raise _unusable(file, f"joint {joint!r}: {entry} must not be negative; got {number:g}")
-    return number
 
 
 def _unusable(file: Path, what: str, remedy: str = "") -> DescriptionError:
     return refusal("limits-unusable", Place(str(file)), what, remedy)
-
-
-def _short(value: Any) -> str:
-    return repr(value)[:60]

@@ -1,18 +1,15 @@
-"""Entries of an arm.toml, checked and written. Errors name the entry and the allowed values."""
+"""TOML read within bounds, and keys and texts of it written. See `support.fields` for the entries."""
 
 from __future__ import annotations
 
 import json
 import re
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from ...support.errors import DescriptionError, InputError
-from ..document import LARGEST, read_text
+from ...support.errors import DescriptionError
+from ..document import read_text
 from ..findings import Place, refusal
 
 MAX_BYTES, MAX_LINE = 64_000, 2_000
@@ -44,48 +41,6 @@ def toml_content(text: str, path: Path, what: str = "an arm.toml") -> dict[str, 
         raise unusable(path, "not valid TOML: it nests too deep", f"is it {what}?") from error
     except ValueError as error:  # TOMLDecodeError is one; so is Python's for an integer of too many digits
         raise unusable(path, f"not valid TOML: {error}", "correct it there") from error
-
-
-def text_of(value: Any, place: str) -> str:
-    """The value, if it is a text that is not empty."""
-    if not isinstance(value, str):
-        raise InputError(f"{place} must be a text; got {value!r}")
-    if not value.strip():
-        raise InputError(f"{place} must not be empty; got {value!r}")
-    return value
-
-
-def table_of(content: Mapping[str, Any], key: str) -> Mapping[str, Any]:
-    """The table `key`, empty if there is none."""
-    table = content.get(key, {})
-    if not isinstance(table, dict):
-        raise InputError(f"{key} must be a table of name = value; got {table!r}")
-    return table
-
-
-def numbers_of(table: Mapping[str, Any], place: str) -> dict[str, float]:
-    """Numbers by name."""
-    return {name: number_of(value, f"{place}.{name}") for name, value in table.items()}
-
-
-def number_of(value: Any, place: str, unit: str = "rad or m") -> float:
-    """A number, infinity too."""
-    try:
-        number = np.nan if isinstance(value, (bool, str)) else float(value)
-    except (TypeError, ValueError, OverflowError):
-        number = np.nan
-    if np.isnan(number):
-        raise InputError(f"{place} must be a number ({unit}); got {str(value)[:60]!r}")
-    return number
-
-
-def bounded(value: Any, place: str, wanted: str = "finite") -> float:
-    """A number of a size that robots have."""
-    number = number_of(value, place)
-    if not abs(number) <= LARGEST:
-        allowed = f"at most {LARGEST:g} in size" if np.isfinite(number) else wanted
-        raise InputError(f"{place} must be {allowed}; got {number:g}")
-    return number
 
 
 def toml_key(name: str) -> str:

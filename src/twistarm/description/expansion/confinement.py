@@ -7,8 +7,8 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from ...support.caller_words import package_folder
 from ...support.files import read_bounded
+from ...support.messages import Text, package_folder
 from ..document import decoded
 from ..packages import SOURCES, PackageIndex, is_too_wide, package_name
 from .work import Refused
@@ -68,7 +68,7 @@ class Confinement:
         if not inside and not any(map(self._is_known, real.parents)):
             allowed = ", ".join(map(str, self.roots)) or "none"
             what = f"{real} lies outside the folders that may be read ({allowed}, and packages found by their name)"
-            raise Refused(OUTSIDE, what, f"pass {package_folder('its package')}")
+            raise Refused(OUTSIDE, what, Text("pass {folder}", folder=package_folder("its package")))
 
     def _is_known(self, folder: Path) -> bool:
         """Whether the index finds a package in it, directly or through the user's build."""

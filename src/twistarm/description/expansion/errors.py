@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from types import EllipsisType
 
-from ...support.caller_words import argument, package_folder
 from ...support.errors import DescriptionError, InputError, closest, listed
+from ...support.messages import Argument, Text, package_folder
 from ..findings import Finding, Place, finding, refusal
 from .evaluation import NotSetError
 from .hooks import MISSING_PACKAGE, Expansion
@@ -41,7 +41,7 @@ def explain(error: Exception, expansion: Expansion, place: Place) -> Description
         if isinstance(cause, OSError):
             return refusal("xacro-failed", place, *_missing_file(cause, expansion))
         if isinstance(cause, NotSetError):
-            remedy = f"pass {argument('env_vars', [...])} if it may know it, and set it"
+            remedy = Text("pass {allowed} if it may know it, and set it", allowed=Argument("env_vars", [...]))
             return refusal("xacro-failed", place, f"xacro cannot expand it: {cause}", remedy)
     return refusal("xacro-failed", place, *_reworded(text, expansion))
 
@@ -49,12 +49,13 @@ def explain(error: Exception, expansion: Expansion, place: Place) -> Description
 def _missing_package(package: str, wanted: Path, expansion: Expansion, place: Place) -> DescriptionError:
     """The error for a missing package. `wanted` is the file to open in it."""
     what = f"package {package!r} not found; searched {expansion.packages.searched()}"
-    remedy = (
-        f"pass {package_folder('it')}, or where the arm can do without it "
-        f"(a sensor's, a gripper's, a simulator's) {argument('ignore_packages', [package])}"
+    remedy = Text(
+        "pass {folder}, or where the arm can do without it (a sensor's, a gripper's, a simulator's) {without}",
+        folder=package_folder("it"),
+        without=Argument("ignore_packages", [package]),
     )
     if near_names := closest(package, expansion.packages.names()):
-        remedy = f"correct the name{near_names}, or {remedy}"
+        remedy = Text("correct the name{near}, or {other}", near=near_names, other=remedy)
     if far := expansion.packages.find_for_mesh_alone(package):
         what = (
             f"package {package!r} stands in {far}, which the arm.toml alone names: of packages that far from it meshes "
@@ -62,10 +63,15 @@ def _missing_package(package: str, wanted: Path, expansion: Expansion, place: Pl
         )
     elif near := _folder_with(wanted, expansion):
         what += f"; the requested file, {wanted}, stands in {near}"
-        remedy = f"if that folder is the package, name it {package}; else {remedy}"
+        remedy = Text("if that folder is the package, name it {package}; else {other}", package=package, other=remedy)
     elif (beside := expansion.path.parent / wanted.name).is_file():
         what += f"; the requested file stands at {beside}"
-        remedy = f"copy the package with its folders: there it is {package}/{wanted}; else {remedy}"
+        remedy = Text(
+            "copy the package with its folders: there it is {package}/{wanted}; else {other}",
+            package=package,
+            wanted=wanted,
+            other=remedy,
+        )
     return refusal("package-needed-not-found", place, _shortened(what), remedy)
 
 
@@ -122,7 +128,7 @@ def missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
 
 def _pass(arguments: Mapping[str, str | EllipsisType]) -> str:
     """The remedy `pass xacro_args={'dof': '7'}`, with an ellipsis for a value that only the user knows."""
-    return f"pass {argument('xacro_args', arguments)}"
+    return Text("pass {arguments}", arguments=Argument("xacro_args", arguments))
 
 
 def unknown_argument(name: str, path: Path, known: Mapping[str, str | None]) -> InputError:
@@ -134,7 +140,12 @@ def unknown_argument(name: str, path: Path, known: Mapping[str, str | None]) -> 
 def package_finding(path: Path, package: str) -> Finding:
     """The finding for a missing package that no opened file needed."""
     what = f"$(find {package}): package not found; nothing the kinematics needs uses it"
-    return finding("package-not-found", Place(path.name), what, f"pass {package_folder(package)} if its files matter")
+    return finding(
+        "package-not-found",
+        Place(path.name),
+        what,
+        Text("pass {folder} if its files matter", folder=package_folder(package)),
+    )
 
 
 def _reworded(text: str, expansion: Expansion) -> tuple[str, str]:
@@ -156,4 +167,4 @@ def _reworded(text: str, expansion: Expansion) -> tuple[str, str]:
 def _shortened(text: str, length: int = 700) -> str:
     """The text on one line, cut at `length`."""
     line = " ".join(text.split())
-    return line if len(line) <= length else f"{line[:length]}…"
+    return text if line == text and len(line) <= length else line if len(line) <= length else f"{line[:length]}…"

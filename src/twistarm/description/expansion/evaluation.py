@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ...support.caller_words import argument
+from ...support.messages import Argument, Text
 from ..findings import Finding, Place, finding
-from ..yaml_reading import bounded_loader, is_deep
+from .bounded_yaml import bounded_loader, is_deep
 from .expressions import Expressions
 from .names import DIRECT, math_names, python_names, tokenize
 from .work import Refused, Work
@@ -65,7 +65,7 @@ class Environment:
             what = (
                 f"it asks for the environment variable {name!r}, and was answered as if that were not set: {default!r}"
             )
-            remedy = f"pass {argument('env_vars', [name])} if it may know it"
+            remedy = Text("pass {allowed} if it may know it", allowed=Argument("env_vars", [name]))
             yield finding("environment-kept", Place(self.file.name), what, remedy)
 
 

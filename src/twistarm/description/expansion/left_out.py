@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from ...support.caller_words import package_folder
 from ...support.errors import DescriptionError, closest, listed
+from ...support.messages import Argument, Text, joined, package_folder
 from ..findings import Finding, Place, finding
 
 LEFT_OUT = "package-left-out"
@@ -60,7 +60,11 @@ class LeftOut:
     def leave_out(self, place: Place, what: str, package: str = "") -> None:
         """Note a part that is left out, as `what` tells in words, and the package that it belongs to."""
         self._used.add(package)
-        remedy = f"if it matters, pass {package_folder(listed(self.packages))} instead of ignore_packages="
+        remedy = Text(
+            "if it matters, pass {folder} instead of {without}",
+            folder=package_folder(listed(self.packages)),
+            without=Argument("ignore_packages", None),
+        )
         short = replace(place, file=os.path.basename(place.file))
         self._parts.setdefault(what, finding(LEFT_OUT, short, what, remedy))
 
@@ -76,7 +80,11 @@ def not_used(package: str, file: Path, named: Iterable[str]) -> Finding:
     what = (
         f"nothing is left out without {package!r}: no file of it is opened; packages named: {listed(names) or 'none'}"
     )
-    remedy = f"correct the name{closest(package, names)}, or take it out of ignore_packages="
+    remedy = Text(
+        "correct the name{near}, or take it out of {without}",
+        near=closest(package, names),
+        without=Argument("ignore_packages", None),
+    )
     return finding("package-not-used", Place(file.name), what, remedy)
 
 
@@ -86,7 +94,8 @@ def blamed(error: DescriptionError, noted: Iterable[Finding]) -> DescriptionErro
     if not parts or not any(one.code in MAY_LACK for one in error.findings):
         return error
     more = f" (and {len(parts) - SHOWN} more)" if len(parts) > SHOWN else ""
-    told = f"{error}; this may be what is missing: {'; '.join(parts[:SHOWN])}{more}"
+    missing = f"this may be what is missing: {'; '.join(parts[:SHOWN])}{more}"
+    told = joined("; ", [error.message, missing])
     return DescriptionError(told, tuple(dict.fromkeys([*error.findings, *noted])))
 
 

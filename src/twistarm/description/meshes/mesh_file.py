@@ -60,7 +60,7 @@ class UnreadableMeshError(DescriptionError):
         super().__init__(f"cannot read mesh {path.name}: {reason}; {remedy}")
         self.path, self.reason, self.remedy = path, reason, remedy
 
-    def __reduce__(self) -> tuple[type[UnreadableMeshError], tuple[Path, str, str]]:  # type: ignore[override]
+    def __reduce__(self) -> tuple[type[UnreadableMeshError], tuple[Path, str, str]]:
         return type(self), (self.path, self.reason, self.remedy)
 
 

@@ -12,10 +12,10 @@ import numpy as np
 from ...support.checks import Array
 from ...theory.rotations import from_quaternion_wxyz, to_rpy
 from ...theory.screws import exp
-from ..companions.srdf import GroupState, Semantics
 from ..document import Reading, floats
 from ..inertial import Body
 from ..planar import free_name
+from ..semantics import GroupState, Semantics
 from ..writing import add_joint, add_mimic, add_origin
 from .document import ACTUATORS, EQUALITY, MAIN, Attributes, Mjcf, read_mjcf
 from .schema import unknown_words

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
-from ...support.caller_words import argument
 from ...support.errors import DescriptionError, listed
+from ...support.messages import Argument, Text
 from ..findings import Finding, finding, refusal
 from ..tree import Description
-from .limbs import Body, bodies
-from .link_names import is_tool, tells_of, tool_rank
+from .bodies import Body, bodies
+from .link_names import is_flange, is_tool, tells_of, tool_rank
 
 SHOWN = 6
 """Most candidates in one sentence."""
@@ -29,6 +29,14 @@ class Choice(NamedTuple):
     others: tuple[str, ...]
 
 
+class TipLink(NamedTuple):
+    """A body's tool `link`, None if several are equal, the reason, and all candidates, the likeliest first."""
+
+    link: str | None
+    why: str
+    candidates: tuple[str, ...]
+
+
 def choose_ends(description: Description, base: str | None = None, groups: Iterable[str] = ()) -> Choice:
     """Base and tip as a person would name them. With `base`, only the links beyond it are candidates.
 
@@ -38,16 +46,15 @@ def choose_ends(description: Description, base: str | None = None, groups: Itera
     """
     found = bodies(description, base or description.root)
     ends = _ends(found)
-    main = _main(ends)
-    if main is None or not _is_arm(main, found):
-        raise _unclear(description, found, ends, groups)
-    tip = tip_link(description, main)
-    if tip.link is None:
-        raise _several(description, [(link, main) for link in tip.candidates], groups)
-    others = dict.fromkeys([*tip.candidates, *_candidates(description, found, [main, *ends])])
+    end = max(ends, key=lambda end: (_has_tool(end), end.depth), default=None)
+    clear = end is not None and all(_outweighs(end, other) for other in ends if other is not end)
+    tip = _tip_link(description, end) if end is not None and clear and _is_arm(end, found) else None
+    if end is None or tip is None or tip.link is None:
+        raise _unclear(description, found, [end] if end is not None and tip is not None else ends, groups)
+    others = dict.fromkeys([*tip.candidates, *_candidates(description, found, ends)])
     others.pop(tip.link)
-    why = f"{tip.why}, {_joints(main)} from {(base or description.root)!r}"
-    return Choice(base or _standing(description, main), tip.link, why, tuple(others))
+    why = f"{tip.why}, {_joints(end)} from {(base or description.root)!r}"
+    return Choice(base or _first_link(description, end), tip.link, why, tuple(others))
 
 
 def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]:
@@ -55,16 +62,17 @@ def note_choice(description: Description, choice: Choice) -> tuple[Finding, ...]
     if not choice.others:
         return ()
     what = f"chosen as the tool, because no tip was given: {choice.why}"
-    what += f"; the arm stands on {choice.base!r}" if choice.base != description.root else ""
+    if choice.base != description.root:
+        what += f"; the arm stands on {choice.base!r}"
     what += f"; other candidates: {listed(choice.others, SHOWN)}"
     place = description.place(description.links[choice.tip])
-    return (finding("several-tips", place, what, f"pass {argument('tip')} if another is meant"),)
+    return (finding("several-tips", place, what, Text("pass {tip} if another is meant", tip=Argument("tip"))),)
 
 
 def candidates(description: Description, base: str | None = None) -> tuple[str, ...]:
     """Every link that could be the tip, the likeliest first."""
     found = bodies(description, base or description.root)
-    return _candidates(description, found, _ends(found))
+    return tuple(_candidates(description, found, _ends(found)))
 
 
 # -- which chain -------------------------------------------------------------------------------------------------------
@@ -76,29 +84,24 @@ def _ends(found: Sequence[Body]) -> list[Body]:
     for body in found:
         if body.part == "limb" and (body.parent is None or body.parent in limbs):
             limbs[body] = None
-    ends = [body for body in limbs if body.joint is not None and not body.on("limb") and not _is_chassis(body)]
+    ends = [body for body in limbs if body.joint is not None and not body.on("limb")]
+    ends = [body for body in ends if body.on("finger") or not body.on("locomotion")]
     if not ends and not any(body.part == "locomotion" for body in found):
         ends = [body for body in found if body.joint is not None and not body.children]
     return sorted(ends, key=lambda body: -body.depth)
 
 
-def _is_chassis(body: Body) -> bool:
-    return bool(body.on("locomotion")) and not body.on("finger")
-
-
-def _main(ends: Sequence[Body]) -> Body | None:
-    """The end of the arm: the only end, or one that outweighs all others."""
-    likely = dict.fromkeys([*ends[:1], *[end for end in ends if speaks(end)][:1]])
-    return next((end for end in likely if all(_outweighs(end, other) for other in ends if other is not end)), None)
+def _has_tool(end: Body) -> bool:
+    """Whether fingers or a usual name show that a tool is here."""
+    return bool(end.on("finger")) or any(tool_rank(link) is not None or is_flange(link) for link in end.links)
 
 
 def _outweighs(end: Body, other: Body) -> bool:
     """Whether the chain to `end` is clearly the arm, counted from its fork with the chain to `other`."""
     fork = max(a.depth for a, b in zip(end.path(), other.path(), strict=False) if a is b)
     mine, its = end.depth - fork, other.depth - fork
-    if its > ARM or speaks(other):
-        return False
-    return mine >= its if speaks(end) else mine >= min(its + 2, 2 * its)
+    least = its if _has_tool(end) else min(its + 2, 2 * its)
+    return its <= ARM and not _has_tool(other) and mine >= least
 
 
 def _is_arm(end: Body, found: Sequence[Body]) -> bool:
@@ -106,132 +109,90 @@ def _is_arm(end: Body, found: Sequence[Body]) -> bool:
     if not any(body.part == "locomotion" for body in found):
         return True
     chassis = max((body.depth for body in end.path() if body.on("locomotion")), default=0)
-    said = speaks(end) or tells_of("finger", *end.links)
-    return end.depth - chassis >= ARM - said
+    with_hand = _has_tool(end) or tells_of("finger", *end.links)
+    return end.depth - chassis >= (ARM - 1 if with_hand else ARM)
 
 
-# -- which base --------------------------------------------------------------------------------------------------------
-
-
-def _standing(description: Description, end: Body) -> str:
+def _first_link(description: Description, end: Body) -> str:
     """The root, or behind wheels or legs the link that the arm begins on, if they do not begin there too."""
-    path = end.path()
-    chassis = next((body for body in reversed(path) if body.on("locomotion")), None)
-    if chassis is None:
-        return description.root
-    first, *wheels = (body.joint.parent for body in (path[chassis.depth + 1], *chassis.on("locomotion")) if body.joint)
-    if any(first in chassis.inward(wheel) for wheel in wheels):
-        return first if chassis.joint is not None else description.root
-    # KDL wants a base without mass: descriptions put a link `…_inertia` behind the one that people call the base.
-    return chassis.links[first] or first if first.lower().endswith("inertia") else first
+    for body, outer in reversed(list(pairwise(end.path()))):
+        wheels = [wheel.joint.parent for wheel in body.on("locomotion") if wheel.joint is not None]
+        if wheels and outer.joint is not None:
+            first = outer.joint.parent
+            if any(first in body.inward(wheel) for wheel in wheels):
+                return first if body.joint is not None else description.root
+            # KDL wants a base without mass: descriptions put a link `…_inertia` behind the one people call the base.
+            return body.links[first] or first if first.lower().endswith("inertia") else first
+    return description.root
 
 
-class TipLink(NamedTuple):
-    """A body's tool `link`, None if several are equal, the reason, and all candidates, the likeliest first."""
-
-    link: str | None
-    why: str
-    candidates: tuple[str, ...]
+# -- which link --------------------------------------------------------------------------------------------------------
 
 
-def tip_link(description: Description, end: Body) -> TipLink:
-    """The link of the body that a person would name.
+def _tip_link(description: Description, end: Body) -> TipLink:
+    """The link of the body that a person would name: the first of a table of reasons that has one.
 
-    1. The link with the most usual name. A tool's name wins over the `tool0` that carries it. Of several links with
-       equal names the outermost wins, if they lie behind one another.
-    2. With fingers, the frame between them, or their palm.
-    3. The only end that is not an ornament, or the only one with the name of a flange or a hand.
-    4. The link that carries all ends, if they have shapes.
+    Of several links with equal names the outermost wins, if they lie behind one another. A tool's name wins over the
+    `tool0` that carries the tool.
     """
-    usual = _usual(end)
-    if usual:
-        best = [link for link in usual if tool_rank(link) == tool_rank(usual[0])]
-        outermost = len(set(best) - set(end.inward(best[0]))) == 0
-        return TipLink(best[0] if outermost else None, "it has a usual name for it", tuple(usual))
-    flanges = [link for link in end.links if _is_flange(link)]
-    ends = _outer_links(end)
-    if end.on("finger"):
-        found = _in_hand(description, end, ends)
-    elif len(ends) == 1:
-        found = TipLink(ends[0], "it is the end of the chain", (ends[0],))
-    else:
-        found = _of_several(description, end, ends, flanges)
-    return found._replace(candidates=tuple(dict.fromkeys([*found.candidates, *flanges])))
-
-
-def speaks(end: Body) -> bool:
-    """Whether fingers or a usual name show that a tool is here."""
-    return bool(end.on("finger")) or any(tool_rank(link) is not None or _is_flange(link) for link in end.links)
-
-
-def _usual(end: Body) -> list[str]:
-    """The links with usual names: the most usual first, then the outermost. A tool0 below a tool is last."""
+    shaped = {link for link in end.links if description.links[link].visuals or description.links[link].collisions}
     carriers = {link for tool in end.links if is_tool(tool) for link in end.inward(tool)[1:] if tool_rank(link) == 0}
-    ranked = [
-        (link in carriers, rank, -len(end.inward(link)), link)
-        for link in end.links
-        if (rank := tool_rank(link)) is not None
-    ]
-    return [link for *_, link in sorted(ranked, key=lambda one: one[:3])]
+    ranks = {link: (link in carriers, rank) for link in end.links if (rank := tool_rank(link)) is not None}
+    named = sorted(ranks, key=lambda link: (ranks[link], -len(end.inward(link))))
+    flanges = [link for link in end.links if is_flange(link)]
+    fingers = [finger.joint.parent for finger in end.on("finger") if finger.joint is not None]
+    ends = _outer_links(end)
+    if named:
+        others = named
+        reasons = [("it has a usual name for it", [link for link in named if ranks[link] == ranks[named[0]]])]
+    elif fingers:
+        palm = end.fork(fingers)
+        frames = [link for link in ends if link != palm and palm in end.inward(link) and link not in shaped]
+        frames = [link for link in frames if tells_of("carrier", link) or not tells_of("finger", link)]
+        others = [palm, *frames, *flanges]
+        reasons = [("it is the frame between the fingers", frames if len(frames) == 1 else [])]
+        reasons += [("the fingers move on it" if len(fingers) > 1 else "the finger moves on it", [palm])]
+    else:
+        fork = end.fork(ends)
+        handles = flanges or [link for link in ends if tells_of("carrier", link)]
+        others = [*ends, *flanges]
+        reasons = [
+            ("it is the end of the chain", ends if len(ends) == 1 else []),
+            ("it is named like a tool or its flange", handles if len(handles) == 1 else []),
+            ("it carries the parts at the end of the chain", [fork] if shaped.issuperset(ends) else []),
+            ("", [*ends, fork]),
+        ]
+    why, best = next(reason for reason in reasons if reason[1])
+    in_line = set(best) <= set(end.inward(best[0]))
+    return TipLink(best[0] if in_line else None, why, tuple(dict.fromkeys([*best, *others])))
 
 
 def _outer_links(end: Body) -> list[str]:
-    """The ends of the body's tree of fixed joints, without ornaments and fixed fingers."""
-    carries = Counter(end.links.values())
-    left = dict.fromkeys(end.links)
-    outer = [link for link in left if not carries[link]]
-    fingers = [link for link in outer if tells_of("finger", link) and not tells_of("carrier", link)]
-    loose = [link for link in outer if tells_of("ornament", link) or (len(fingers) > 1 and link in fingers)]
-    while loose:
-        link = loose.pop()
-        on = end.links[link]
-        if not on:
-            break
-        del left[link]
-        carries[on] -= 1
-        if not carries[on] and tells_of("ornament", on):
-            loose.append(on)
-    return [link for link in left if not carries[link]]
+    """The ends of the body's tree of fixed joints, without ornaments and pairs of fixed fingers."""
+    left = dict(end.links)
+    while True:
+        carrying = set(left.values())
+        outer = [link for link in left if link not in carrying]
+        fingers = [link for link in outer if tells_of("finger", link) and not tells_of("carrier", link)]
+        loose = [link for link in outer if tells_of("ornament", link) or (len(fingers) > 1 and link in fingers)]
+        if not loose or not left[loose[0]]:
+            return outer
+        for link in loose:
+            del left[link]
 
 
-def _in_hand(description: Description, end: Body, ends: list[str]) -> TipLink:
-    """The only frame on the palm, else the palm, which is the link that carries all fingers."""
-    palm = end.fork(finger.joint.parent for finger in end.on("finger") if finger.joint is not None)
-    frames = [link for link in ends if link != palm and palm in end.inward(link) and not _shaped(description, link)]
-    frames = [link for link in frames if tells_of("carrier", link) or not tells_of("finger", link)]
-    if len(frames) == 1:
-        return TipLink(frames[0], "it is the frame between the fingers", (frames[0], palm))
-    several = len(end.on("finger")) > 1
-    return TipLink(palm, f"the finger{'s' * several} move{'s' * (not several)} on it", (palm, *frames))
+# -- candidates and errors ---------------------------------------------------------------------------------------------
 
 
-def _of_several(description: Description, end: Body, ends: list[str], flanges: list[str]) -> TipLink:
-    named = flanges or [link for link in ends if tells_of("carrier", link)]
-    if len(named) == 1:
-        return TipLink(named[0], "it is named like a tool or its flange", (named[0], *ends))
-    carrier = end.fork(ends)
-    if all(_shaped(description, link) for link in ends):
-        return TipLink(carrier, "it carries the parts at the end of the chain", (carrier, *ends))
-    return TipLink(None, "", (*ends, carrier))
-
-
-def _is_flange(link: str) -> bool:
-    return tells_of("flange", link) and not tells_of("ornament", link)
-
-
-def _shaped(description: Description, link: str) -> bool:
-    return bool(description.links[link].visuals or description.links[link].collisions)
-
-
-# -- what is said ------------------------------------------------------------------------------------------------------
-
-
-def _candidates(description: Description, found: Sequence[Body], ends: Sequence[Body]) -> tuple[str, ...]:
+def _candidates(description: Description, found: Sequence[Body], ends: Sequence[Body]) -> dict[str, Body]:
     """The tips of these ends, then the other leaves of the tree, those with the most joints first."""
-    likely = [link for end in dict.fromkeys(ends) for link in _likely(description, end)]
-    depth = {link: body.depth for body in found for link in body.links}
-    leaves = sorted((leaf for leaf in description.leaves if leaf in depth), key=lambda leaf: -depth[leaf])
-    return tuple(dict.fromkeys([*likely, *leaves]))
+    links: dict[str, Body] = {}
+    for end in ends:
+        tip = _tip_link(description, end)
+        links |= dict.fromkeys(tip.candidates if tip.link is None else (tip.link,), end)
+    outer = set(description.leaves)
+    leaves = {link: body for body in found for link in body.links if link in outer}
+    return links | dict(sorted(leaves.items(), key=lambda leaf: -leaf[1].depth))
 
 
 def _unclear(
@@ -239,28 +200,22 @@ def _unclear(
 ) -> DescriptionError:
     if len(found) == 1:
         return refusal("nothing-moves", description.place(), "no joint moves", "is it the description of an arm?")
-    if len(ends) < 2:
-        what = f"nothing that is an arm in it, only {'wheels, legs or heads' if not ends else 'too short a chain'}"
-        likeliest = argument("tip", _candidates(description, found, ends)[0])
-        remedy = f"to take one of its chains all the same, pass {likeliest}"
+    links = _candidates(description, found, ends)
+    likely = [link for link, body in links.items() if body in ends]
+    if len(likely) < 2:
+        what = f"nothing that is an arm in it, only {'too short a chain' if ends else 'wheels, legs or heads'}"
+        likeliest = Argument("tip", next(iter(links)))
+        remedy = Text("to take one of its chains all the same, pass {tip}", tip=likeliest)
         return refusal("no-tip", description.place(), what, remedy)
-    return _several(description, [(link, end) for end in ends for link in _likely(description, end)], groups)
-
-
-def _likely(description: Description, end: Body) -> Sequence[str]:
-    """The tool link at an end, or all candidates there."""
-    tip = tip_link(description, end)
-    return tip.candidates if tip.link is None else (tip.link,)
-
-
-def _several(description: Description, pairs: Sequence[tuple[str, Body]], groups: Iterable[str]) -> DescriptionError:
-    more = f", … ({len(pairs)} in all)" if len(pairs) > SHOWN else ""
-    told = ", ".join(f"{listed([link])} ({_joints(end)})" for link, end in pairs[:SHOWN])
-    what = f"several links could be the tip: {told}{more}"
+    what = "several links could be the tip: "
+    what += ", ".join(f"{listed([link])} ({_joints(links[link])})" for link in likely[:SHOWN])
+    if len(likely) > SHOWN:
+        what += f", … ({len(likely)} in all)"
     offered = ", ".join(groups)
-    what += f"; so could the groups of its SRDF: {offered}" if offered else ""
-    return refusal("no-tip", description.place(), what, f"pass {argument('tip', pairs[0][0])}")
+    if offered:
+        what += f"; so could the groups of its SRDF: {offered}"
+    return refusal("no-tip", description.place(), what, Text("pass {tip}", tip=Argument("tip", likely[0])))
 
 
 def _joints(end: Body) -> str:
-    return f"{end.depth} joint{'s' * (end.depth > 1)}"
+    return f"{end.depth} joint{'s' if end.depth > 1 else ''}"

@@ -81,3 +81,8 @@ def is_tool(name: str) -> bool:
 def tells_of(part: str, *names: str) -> bool:
     """Whether one of the names is that of a `part`, a key of `PARTS`."""
     return any(PARTS[part].search(plain(name)) for name in names)
+
+
+def is_flange(name: str) -> bool:
+    """Whether the name is that of a flange."""
+    return tells_of("flange", name) and not tells_of("ornament", name)

@@ -13,9 +13,9 @@ from ...ik.solve import solve_ik
 from ...ik.targets import AnyTarget, Approach, Pose, Position
 from ...ik.task_space import Tolerances
 from ...limits.joint_limits import JointLimits
-from ...support.caller_words import argument, posture, quantity
 from ...support.checks import Array
 from ...support.errors import TwistarmError
+from ...support.messages import Argument, Posture, Quantity, Text, joined
 from ...support.unit_hints import length_hint
 from .branches import branches
 from .following import Followed, follow
@@ -62,7 +62,7 @@ class PathError(TwistarmError):
         segment: int | None = None,
         place: str = "",
     ) -> None:
-        super().__init__(f"{place}: {message}" if place else message)
+        super().__init__(Text("{place}: {message}", place=place, message=message) if place else message)
         self.detail, self.share, self.theta, self.reason = message, share, theta, reason
         self.joint, self.start, self.segment, self.place = joint, start, segment, place
 
@@ -80,19 +80,28 @@ def refusal(arm: Arm, limits: JointLimits, blocked: Blocked, segment: int, place
     reason, joint, why = _why(arm, blocked, beyond)
     other = _other_start(arm, limits, blocked) if others and not nowhere else None
     help_ = _help(arm, limits, blocked, other)
-    why += CERTAIN * nowhere
     hint = length_hint(float(np.linalg.norm(moving.curve(np.array(1.0))[:3, 3])), arm.reach)
-    why += f" ({hint})" if hint else ""
-    said = f"the tool follows the path for {_part(moving, blocked.node.s)} and no farther: {why}: {help_}"
-    return PathError(said, blocked.node.s, blocked.node.theta, reason, joint, other, segment, place)
+    what = Text(
+        "the tool follows the path for {part} and no farther: {why}{certain}{hint}: {help}",
+        part=_part(moving, blocked.node.s),
+        why=why,
+        certain=CERTAIN * nowhere,
+        hint=f" ({hint})" if hint else "",
+        help=help_,
+    )
+    return PathError(what, blocked.node.s, blocked.node.theta, reason, joint, other, segment, place)
 
 
 def _part(moving: MovingTarget, share: float) -> str:
     """Word the part of the path that was followed, in m or rad."""
     turns = moving.curve.length < 1e-9
     whole, unit = (moving.curve.angle, "rad") if turns else (moving.curve.length, "m")
-    so_far, all_ = (quantity(float(f"{part:.3g}"), unit) for part in (share * whole, whole))
-    return f"{so_far} of {all_} ({min(round(100.0 * share), 99)} %)"
+    return Text(
+        "{part} of {whole} ({percent} %)",
+        part=Quantity(share * whole, unit, 3),
+        whole=Quantity(whole, unit, 3),
+        percent=min(round(100.0 * share), 99),
+    )
 
 
 def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str | None, str]:
@@ -107,8 +116,9 @@ def _why(arm: Arm, blocked: Blocked, beyond: IKResult | None) -> tuple[str, str 
         if _goes_on(arm, blocked, held):
             j = held[0]
             side = "lower" if theta[j] - limits.lower[j] < limits.upper[j] - theta[j] else "upper"
-            limit = quantity(float(getattr(limits, side)[j]), arm.units[j])
-            return "limit", arm.joint_names[j], f"joint {arm.joint_names[j]!r} comes to its {side} limit {limit}"
+            limit = Quantity(float(getattr(limits, side)[j]), arm.units[j])
+            what = "joint {joint!r} comes to its {side} limit {limit}"
+            return "limit", arm.joint_names[j], Text(what, joint=arm.joint_names[j], side=side, limit=limit)
     if not (beyond is None or beyond.converged):
         if beyond.stop is StopReason.BLOCKED_BY_LIMITS:
             return "limit", None, "the limits of the joints leave no configuration that meets it farther on"
@@ -148,8 +158,8 @@ def _other_start(arm: Arm, limits: JointLimits, blocked: Blocked) -> Array | Non
 
 def _help(arm: Arm, limits: JointLimits, blocked: Blocked, other: Array | None) -> str:
     if other is not None:
-        begin = posture(other.tolist(), arm.units)
-        return f"begin it in another configuration, {begin}, from which all of it can be followed"
+        what = "begin it in another configuration, {start}, from which all of it can be followed"
+        return Text(what, start=Posture(tuple(other.tolist()), arm.units))
     moving = blocked.node.moving
     if loose := _sufficient_tolerances(arm, limits, blocked):
         return loose
@@ -176,9 +186,9 @@ def _sufficient_tolerances(arm: Arm, limits: JointLimits, blocked: Blocked) -> s
     position, angle = (float(each.max()) for each in moving.errors(s, arm.fk(theta)))
     missed = [(position, "m", "position_tol")] * (position > met.position)
     missed += [(angle, "rad", "orientation_tol")] * (angle > met.orientation)
-    by = " and ".join(quantity(float(f"{miss:.2g}"), unit) for miss, unit, _ in missed)
-    wider = " and ".join(argument(name, float(f"{1.1 * miss:.2g}")) for miss, _, name in missed)
-    return f"the rest of it is missed by {by} at most: with {wider} the arm can follow it"
+    by = joined(" and ", (Quantity(miss, unit, 2) for miss, unit, _ in missed))
+    wider = joined(" and ", (Argument(name, Quantity(1.1 * miss, unit, 2)) for miss, unit, name in missed))
+    return Text("the rest of it is missed by {by} at most: with {wider} the arm can follow it", by=by, wider=wider)
 
 
 def _followed(arm: Arm, limits: JointLimits, moving: MovingTarget, start: Array) -> list[Node]:

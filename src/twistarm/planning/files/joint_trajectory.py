@@ -29,9 +29,6 @@ NANOSECOND = 1e-9
 MAX_BYTES = 50_000_000
 """Twenty minutes of five joints at 100 Hz."""
 
-MAX_VALUES = 500_000
-"""Of a YAML file: three minutes of five joints at 100 Hz. JSON is read twenty times as fast."""
-
 FIELDS = ("positions", "velocities", "accelerations")
 
 
@@ -88,7 +85,7 @@ def read_yaml(arm: Arm, file: Path) -> Points:
     # An echoed message ends with the separator of a next document, which does not follow.
     text = _text(file).rstrip().removesuffix("\n---")
     try:
-        message = parse_yaml(text, file, MAX_VALUES)
+        message = parse_yaml(text, file)
     except DescriptionError as error:
         raise InputError(str(error)) from error
     return points_in(arm, message, str(file))

@@ -11,9 +11,9 @@ from ....limits.joint_limits import JointLimits
 from ....planning import Trajectory, plan_joint
 from ....planning.piecewise import derivative, evaluate
 from ....planning.within import require_within
-from ....support.caller_words import argument, quantity
 from ....support.checks import Array, require
 from ....support.errors import InputError, closest, listed
+from ....support.messages import Argument, Quantity, Text, joined
 
 BEYOND_LIMIT = 1e-6
 """Excess over a position limit [rad, m] that is rounding of a file."""
@@ -50,9 +50,12 @@ def why_elsewhere(arm: Arm, theta: Array, start: Array, near: Array) -> str:
     away = np.abs(theta - start)
     if not (away > near).any():
         return ""
-    far = [f"{arm.joint_names[j]} {quantity(float(away[j]), arm.units[j])}" for j in np.flatnonzero(away > near)]
-    move = argument("approach", True)
-    return f"{', '.join(far)} away; {move} moves it there first"
+    far = [
+        Text("{joint} {away}", joint=arm.joint_names[j], away=Quantity(float(away[j]), arm.units[j]))
+        for j in np.flatnonzero(away > near)
+    ]
+    move = Argument("approach", True)
+    return Text("{far} away; {approach} moves it there first", far=joined(", ", far), approach=move)
 
 
 def _ordered(arm: Arm, trajectory: Trajectory) -> Trajectory:
@@ -87,7 +90,12 @@ def _require_smooth(motion: Trajectory, limits: JointLimits) -> None:
             k, j = (int(index) for index in np.argwhere(jump > most)[0])
             unit = motion.units[j] + ("/s" if order else "")
             raise InputError(
-                f"the {what} of joint {motion.joint_names[j]!r} jumps by {quantity(float(jump[k, j]), unit)} at t = "
-                f"{motion.breakpoints[k]:.4g} s, and no robot can: a motion has no corners, and begins and ends at "
-                "rest; plan one through these positions"
+                Text(
+                    "the {what} of joint {joint!r} jumps by {jump} at t = {time:.4g} s, and no robot can: a motion has "
+                    "no corners, and begins and ends at rest; plan one through these positions",
+                    what=what,
+                    joint=motion.joint_names[j],
+                    jump=Quantity(float(jump[k, j]), unit),
+                    time=motion.breakpoints[k],
+                )
             )

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from ....arm.arm import Arm
 from ....planning import Trajectory
-from ....support.caller_words import quantity
 from ....support.checks import Array, require_callback
 from ....support.display import Brief
+from ....support.messages import Quantity, Text, joined
 from ..driving import drive
 from ..interlock import Interlock
 from ..links.inbox import FEEDBACK_TIMEOUT
@@ -56,7 +56,7 @@ class FollowReport(Brief):
 
     def explain(self) -> str:
         """The report in lines."""
-        return "\n".join([*self.followed(), self.stream.explain()])
+        return joined("\n", [*self.followed(), self.stream.explain()])
 
     def followed(self) -> list[str]:
         """How far, how fast and how well, a line each."""
@@ -66,13 +66,14 @@ class FollowReport(Brief):
         slower = f", at {100.0 * self.speed:.3g} % of its speed" if self.speed < AS_PLANNED else ""
         return [
             f"followed: {way}{slower}",
-            f"farthest from the setpoint of its time: {self._farthest(self.largest_lag)}",
-            f"farthest from all setpoints of the last timeout: {self._farthest(self.largest_error)}",
+            self._farthest("the setpoint of its time", self.largest_lag),
+            self._farthest("all setpoints of the last timeout", self.largest_error),
         ]
 
-    def _farthest(self, off: Array) -> str:
+    def _farthest(self, what: str, off: Array) -> str:
         j = int(np.argmax(off))
-        return f"joint {self.joint_names[j]}, {quantity(float(f'{off[j]:.3g}'), self.units[j])}"
+        away = Quantity(float(off[j]), self.units[j], 3)
+        return Text("farthest from {what}: joint {joint}, {away}", what=what, joint=self.joint_names[j], away=away)
 
 
 def follow(

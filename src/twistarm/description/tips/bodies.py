@@ -1,0 +1,214 @@
+"""A description as rigid bodies joined by moving joints, each with its kind: limb, wheel, finger, rod or head."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ..tree import Description, Joint
+from .link_names import is_tool, tells_of
+
+Part = Literal["limb", "locomotion", "finger", "rod", "head"]
+"""The kind of a body. A `limb` may be part of an arm."""
+
+CARRIED = 3
+"""Least joints that carry a hand without a hand's name."""
+
+PARALLEL = 0.95
+"""Least cosine of the angle between the axes of two opposed fingers."""
+
+
+@dataclass(eq=False)
+class Body:
+    """Links connected by fixed joints, beyond the moving `joint` (None for the first body).
+
+    `links` maps each link to the one that it is fixed on, "" for the first, outer links last. `depth` counts the joints
+    before it, without those of a free base, and `height` the longest chain of joints beyond. A body that `holds_tool`
+    has a link with a tool's name, or carries one. The joint of a body that `follows` is a mimic, and so are all beyond.
+    """
+
+    joint: Joint | None
+    links: dict[str, str]
+    parent: Body | None
+    depth: int = 0
+    children: list[Body] = field(default_factory=list)
+    height: int = 0
+    holds_tool: bool = False
+    follows: bool = False
+    part: Part = "limb"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the moving joint and of the link that it carries."""
+        first = next(iter(self.links))
+        return (first,) if self.joint is None else (self.joint.name, first)
+
+    def on(self, part: Part) -> list[Body]:
+        """The bodies of this kind on it."""
+        return [child for child in self.children if child.part == part]
+
+    def inward(self, link: str) -> list[str]:
+        """`link` and the links that it is fixed on, inward to the first."""
+        path = [link]
+        while on := self.links[path[-1]]:
+            path.append(on)
+        return path
+
+    def fork(self, links: Iterable[str]) -> str:
+        """The outermost link of the body that carries all of these, or is one of them."""
+        first, *rest = (self.inward(link) for link in links)
+        shared = set(first).intersection(*rest)
+        return next(link for link in first if link in shared)
+
+    def path(self) -> list[Body]:
+        """From the first body to this one."""
+        path = [self]
+        while path[-1].parent is not None:
+            path.append(path[-1].parent)
+        return path[::-1]
+
+    def beyond(self) -> list[Body]:
+        """The body and all bodies that it carries."""
+        found = [self]
+        for body in found:
+            found += body.children
+        return found
+
+
+def bodies(description: Description, base: str) -> list[Body]:
+    """The rigid bodies from the link `base` outward, parents first, each with its kind."""
+    outward: dict[str, list[Joint]] = {}
+    for joint in description.joints.values():
+        outward.setdefault(joint.parent, []).append(joint)
+    found = [Body(None, {base: ""}, None)]
+    for body in found:
+        queue = [base] if body.joint is None else [body.joint.child]
+        for link in queue:
+            for joint in outward.get(link, ()):
+                if joint.moving:
+                    child = description.links[joint.child]
+                    in_place = not (joint.origin[:3, 3].any() or child.visuals or child.collisions)
+                    of_base = body.depth == 0 and (in_place or joint.type in ("planar", "floating"))
+                    body.children.append(Body(joint, {joint.child: ""}, body, body.depth + (not of_base)))
+                else:
+                    body.links[joint.child] = link
+                    queue.append(joint.child)
+        found += body.children
+    for body in reversed(found):
+        body.height = max((child.height + 1 for child in body.children), default=0)
+        body.holds_tool = any(map(is_tool, body.links)) or any(child.holds_tool for child in body.children)
+        mimic = body.joint is not None and body.joint.mimic is not None
+        body.follows = mimic and all(child.follows for child in body.children)
+        for part, rule in RULES.items():
+            for one in rule(body):
+                one.part = part
+    return found
+
+
+def _wheels(body: Body) -> Sequence[Body]:
+    """Wheels and legs: ends with such names, several that spin side by side, and bodies that carry only those."""
+    rolling = [
+        child
+        for child in body.children
+        if (child.children and len(child.on("locomotion")) == len(child.children))
+        or (not child.children and tells_of("locomotion", *child.names, *child.links))
+    ]
+    spinning = [
+        child
+        for child in body.children
+        if child not in rolling and child.joint is not None and child.joint.type == "continuous" and not child.children
+        if not child.holds_tool and not tells_of("finger", *child.names)
+    ]
+    side_by_side = len(spinning) > 1 and (body.depth < CARRIED or bool(rolling))
+    nothing_else = bool(rolling) and len(rolling) + len(spinning) == len(body.children)
+    return [*rolling, *spinning] if side_by_side or nothing_else else rolling
+
+
+def _fingers(body: Body) -> Sequence[Body]:
+    """Fingers: branches with such names, branches that are alike, or a single jaw; and all as short as these.
+
+    A branch is short with one or two joints, or with fewer than carry the body.
+    """
+    if body.joint is None:
+        return ()
+    short = [child for child in body.on("limb") if child.height < max(2, body.depth) and not child.holds_tool]
+    named = [child for child in short if tells_of("finger", *child.names)]
+    hand: Sequence[Body] = named if len(named) > 1 else ()
+    if not hand and (body.depth >= CARRIED or any(map(is_tool, body.links))):
+        hand = _alike(short)
+    hand = hand or [child for child in short if _is_jaw(child, body)]
+    longest = max((child.height for child in hand), default=-1)
+    return [child for child in short if child.height <= longest]
+
+
+def _alike(short: Sequence[Body]) -> Sequence[Body]:
+    """Branches with as many joints of one type: more than two, or two that close on each other.
+
+    Two close if one follows the other, or if their axes are parallel and they have at most two joints each.
+    """
+    joints = {child: child.joint for child in short if child.joint is not None}
+    for height, kind in sorted({(child.height, joint.type) for child, joint in joints.items()}, reverse=True):
+        alike = [child for child in short if child.height == height and joints[child].type == kind]
+        if len(alike) > 2:
+            return short  # a thumb has more joints, or fewer
+        if len(alike) == 2:
+            one, other = (joints[child] for child in alike)
+            followed = {joint.mimic.joint for joint in (one, other) if joint.mimic is not None}
+            cosine = (one.origin[:3, :3] @ one.axis) @ (other.origin[:3, :3] @ other.axis)
+            if followed:  # a rod of a parallelogram follows a joint before both
+                close = any(body.names[0] in followed for child in alike for body in child.beyond())
+            else:
+                close = height < 2 and bool(abs(cosine) > PARALLEL)
+            if close:
+                return alike
+    return ()
+
+
+def _is_jaw(child: Body, body: Body) -> bool:
+    """Whether a branch is the only jaw of the body.
+
+    Beside a tool's frame that carries nothing, the only branch is one whatever its name. A branch with a finger's name
+    is one on a body that has a tool's frame or a fixed jaw, or on a hand.
+    """
+    carrying = {link for one in body.children if one.joint is not None for link in body.inward(one.joint.parent)}
+    fixed = [link for link, on in body.links.items() if on]
+    frames = [link for link in fixed if link not in carrying and (is_tool(link) or tells_of("carrier", link))]
+    if frames and len(body.on("limb")) == 1:
+        return all(beyond.follows for beyond in child.children)
+    fingers = [one for one in body.on("limb") if not one.holds_tool and tells_of("finger", *one.names)]
+    if fingers != [child] or child.children or tells_of("wrist", *child.names):
+        return False
+    opposed = body.holds_tool or any(tells_of("jaw", link) for link in fixed)
+    return opposed or (tells_of("jaw", child.names[-1]) and tells_of("hand", *body.links))
+
+
+def _rods(body: Body) -> Sequence[Body]:
+    """Rods and cylinders beside a limb: those with such names, and shorter branches of mimics only."""
+    limbs = body.on("limb")
+    named = [child for child in limbs if tells_of("linkage", *child.names) and not child.holds_tool]
+    longest = max((child.height for child in limbs if child not in named), default=-1)
+    idle = [child for child in limbs if child.follows and child.height < longest and not child.holds_tool]
+    return [*named, *idle] if longest >= 0 else ()
+
+
+def _heads(body: Body) -> Sequence[Body]:
+    """Heads, masts and cameras: branches with only such names, beside limbs or wheels, or with a camera."""
+    limbs = body.on("limb")
+    heads = [
+        child
+        for child in limbs
+        if not child.holds_tool and all(tells_of("sensor", *one.names) for one in child.beyond())
+    ]
+    if len(heads) == len(limbs) and not body.on("locomotion"):
+        heads = [child for child in heads if any(tells_of("camera", *one.names) for one in child.beyond())]
+    return [one for child in heads for one in child.beyond()]
+
+
+RULES: Mapping[Part, Callable[[Body], Iterable[Body]]] = {
+    "locomotion": _wheels,
+    "finger": _fingers,
+    "rod": _rods,
+    "head": _heads,
+}
+"""What a body carries of each kind but limbs. Each rule sees the children that the rules before it left as limbs."""

@@ -1,0 +1,64 @@
+"""Messages as data: the Python form, the command line's, and what happens to the values on the way."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+from twistarm import DescriptionError, TwistarmError
+from twistarm.cli.wording import words
+from twistarm.support.messages import Argument, Posture, Quantity, Text, joined, package_folder, plural
+
+OPTIONS = [
+    (Argument("tip", "it is"), "tip='it is'", "--tip 'it is'"),
+    (Argument("tip"), "tip=...", "--tip LINK"),
+    (Argument("tip", None), "tip=", "--tip"),
+    (Argument("ignore_packages", ["a'b", "c"]), None, """--ignore-package 'a'"'"'b' --ignore-package c"""),
+    (Argument("xacro_args", {"dof": "7"}), "xacro_args={'dof': '7'}", "--xacro dof:=7"),
+    (Argument("xacro_args", {"x]": ...}), "xacro_args={'x]': ...}", "--xacro 'x]:=VALUE'"),
+    (Argument("env_vars", [...]), "env_vars=[...]", "--env NAME"),
+    (Argument("unwrap", True), "unwrap=True", "--unwrap"),
+    (Argument("orientation_tol", Quantity(0.01, "rad", 2)), "orientation_tol=0.01", "--orientation-tol 0.57"),
+    (Argument("position_tol", Quantity(1e-3, "m")), "position_tol=0.001", "--position-tol 0.001"),
+    (Argument("rng", 3), "rng=3", "rng=3"),
+    (Quantity(-1.5707963, "rad"), "-1.5708 rad", "-90°"),
+    (Quantity(2.0, "rad/s²"), "2 rad/s²", "114.59°/s²"),
+    (Quantity(1.23456, "m", 3), "1.23 m", "1.23 m"),
+    (Quantity(float("inf"), "rad"), "inf rad", "inf°"),
+    (Posture((0.5, 0.25), ("rad", "m")), "[0.5 rad, 0.25 m]", '"28.65 0.25" (° and m)'),
+    (package_folder("it"), None, "--package-dir FOLDER (the folder that holds it)"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("value", "python", "option"), OPTIONS)
+def test_each_reader_has_his_own_words(value: object, python: str | None, option: str) -> None:
+    text = Text("at {value}", value=value)
+    assert python is None or text == f"at {python}"
+    assert words(text) == f"at {option}"
+
+
+def test_radians_stay_for_who_types_radians() -> None:
+    text = joined(
+        "; ", [Quantity(0.5, "rad"), Argument("orientation_tol", Quantity(0.01, "rad")), Posture((1.0,), ("rad",))]
+    )
+    assert words(text, radians=True) == '0.5 rad; --orientation-tol 0.01; "1" (rad and m)'
+
+
+@pytest.mark.parametrize("name", ["tip='x'", "0.5 rad", "{limit}", "arm.my.tip=3", "{"])
+def test_names_that_look_like_values_stay(name: str) -> None:
+    text = Text("{joint!r} to {limit}: {why}", joint=name, limit=Quantity(1.0, "m"), why=joined(name, ["a", "b"]))
+    assert text == words(text) == f"{name!r} to 1 m: a{name}b"
+
+
+def test_values_survive_errors_nesting_and_pickles() -> None:
+    inner = Text("joint {joint!r} at {value}", joint="elbow", value=Quantity(0.5, "rad"))
+    for kind in (TwistarmError, DescriptionError):
+        error = pickle.loads(pickle.dumps(kind(joined(": ", ["arm.urdf", inner]))))
+        assert str(error) == "arm.urdf: joint 'elbow' at 0.5 rad"
+        assert words(error.message) == "arm.urdf: joint 'elbow' at 28.648°"
+
+
+def test_counted_nouns() -> None:
+    assert [plural(n, "joint") for n in (0, 1, 2)] == ["0 joints", "1 joint", "2 joints"]
+    assert plural(2, "axis", "axes") == "2 axes"
