@@ -16,9 +16,9 @@ from ..support.errors import shown as brief
 from ..theory.screws import exp
 from .calibration import Calibration, Estimate
 from .geometry import Geometry
+from .log_checks import doubts, faults_of, refuse_unusable
 from .measurements import Bools, Measurements, Rows, joined, read_measurements
 from .problem import LOUD, MOST_STD, Problem, descend, observable, started
-from .log_checks import doubts, faults_of, refuse_unusable
 
 Frame = Literal["fit", "held"]
 Log = Measurements | str | os.PathLike[str]

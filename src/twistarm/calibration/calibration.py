@@ -111,7 +111,7 @@ class Calibration:
         return f"rows left out of the fit keep {left:.3g} mm, and {before:.3g} mm without it: measure more, or better"
 
     def require(self, *, here: bool = False) -> Calibration:
-        """Itself, or InputError where the correction is not confirmed; with `here` it may be so at the log's place alone."""
+        """Itself, or InputError if the correction is not confirmed; with `here`, where the log was taken is enough."""
         if not (self.confirmed or (as_flag(here, "here") and self.confirmed_here)):
             raise InputError(self.why_not)
         return self

@@ -1,9 +1,6 @@
-"""What is wrong with a log: another unit, too few rows, a joint that rests, columns exchanged, a base that moved."""
+"""What is wrong with a log: another unit, too few rows, a joint at rest, a correction no arm needs, a moved base."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator
-from itertools import combinations
 
 import numpy as np
 
@@ -14,7 +11,7 @@ from ..support.unit_hints import theta_hint
 from ..support.units import UNITS
 from ..theory.rotations import skew
 from .measurements import Bools, Measurements
-from .problem import LOUD, Problem, kabsch
+from .problem import LOUD, Problem
 
 LITTLE_ANGLE, LITTLE_LENGTH = float(np.radians(15.0)), 0.05
 """A joint that moved by less [rad, m] has hardly moved."""
@@ -25,17 +22,14 @@ MOVED = 6.0
 FAR_TILT, FAR_SHIFT = 0.2, 0.1
 """An axis that would tilt by more [rad], or move by more reaches, is no matter of tolerances."""
 
-MUCH_TILT, MUCH_SHIFT = 0.05, 0.01
-"""More than this [rad, m] is not usual."""
-
 QUIET = 0.2
 """A median residual of so few stated deviations shows that the noise is smaller than stated."""
 
 TURNED = 0.2
 """Orientations that are out by more [rad] are written in another way."""
 
-IN_TURN, LEAST_PART = 5, 6
-"""Fits of base and tool in turn, and rows on each side of the moment when a base moved."""
+LEAST_PART = 6
+"""Rows on each side of the moment when a base moved."""
 
 
 def require_metres(log: Measurements, arm: Arm) -> None:
@@ -78,7 +72,7 @@ def refuse_unusable(problem: Problem, fitted: Bools) -> tuple[str, ...]:
 
 
 def faults_of(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
-    """What spoils the fit q (Q,): a joint that rests, corrections that no arm needs, or a base that moved.
+    """What spoils the fit q (Q,): a joint at rest, a correction that no arm needs, or a base that moved.
 
     `first` (Q,) are the unknowns with base and tool fitted alone.
     """
@@ -91,77 +85,26 @@ def faults_of(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
         return (f"{listed(still)} hardly moves: the fit holds near one value only; move it by more than {enough}",)
     turned = np.linalg.norm(problem.misses(q)[problem.measured[:, 3], 3:], axis=1)
     if turned.size and np.median(turned) > TURNED:
-        return (
-            "the orientations do not fit: are they qx, qy, qz, qw in this order, of the tool in the device's frame?",
-        )
-    left = float(np.median(np.linalg.norm(problem.misses(q)[:, :3], axis=1)))
-    (tilt, shift), odd = _farthest(problem, q), ""
-    if left > 0.03 * arm.reach:
-        odd = f"nothing fits: {1000 * left:.0f} mm are left in the median"
-    elif tilt > FAR_TILT or shift > FAR_SHIFT * arm.reach:
-        odd = f"axes would move by up to {np.degrees(tilt):.0f}° and {1000 * shift:.0f} mm, more than an arm is out"
-    if odd or float(np.median(problem.loudness(q))) > LOUD:
-        exchanged = _exchanged(problem)
-        if exchanged:
-            return (f"{odd or f'{1000 * left:.3g} mm are left'}; {exchanged}",)
+        return ("the orientations do not fit: are they qx, qy, qz, qw in this order, of the tool in device axes?",)
     moved = _moved_base(problem, q) or _moved_base(problem, first)
-    return moved or ((f"{odd}; are columns swapped, signs reversed, or units mixed?",) if odd else ())
+    left = float(np.median(np.linalg.norm(problem.misses(q)[:, :3], axis=1)))
+    axes = np.abs(problem.geometry.split(q[: problem.P])[3])
+    tilt, shift = float(axes[:, 3:].max()), float(axes[:, :3].max())
+    if moved or not (left > 0.03 * arm.reach or tilt > FAR_TILT or shift > FAR_SHIFT * arm.reach):
+        return moved
+    far = f"{1000 * left:.3g} mm are left, with axes moved by up to {np.degrees(tilt):.0f}° and {1000 * shift:.0f} mm"
+    return (f"no arm fits these rows: {far}; are columns swapped, signs reversed, or units mixed?",)
 
 
 def doubts(problem: Problem, q: Array, seen: Bools) -> tuple[str, ...]:
     """What is unusual of the fit q (Q,), though it may be right."""
-    said, (tilt, shift), loud = [], _farthest(problem, q), float(np.median(problem.loudness(q)))
-    if tilt > MUCH_TILT or shift > MUCH_SHIFT:
-        far = f"{np.degrees(tilt):.1f}° and {1000 * shift:.0f} mm"
-        said.append(f"axes move by up to {far}: is it this arm, in true metres?")
+    loud = float(np.median(problem.loudness(q)))
     if loud > LOUD:
-        said.append(f"the rows fit {loud:.0f} times worse than the stated noise: something is not explained")
+        return (f"the rows fit {loud:.0f} times worse than the stated noise: something is not explained",)
     if loud < QUIET and problem.numbers > 2 * seen.sum():
         better = f"{1 / max(loud, 1e-9):.2g}"
-        said.append(f"the rows fit {better} times better than the stated noise: state less, to see more")
-    return tuple(said)
-
-
-def _farthest(problem: Problem, q: Array) -> tuple[float, float]:
-    """The largest tilt [rad] and shift [m] of an axis."""
-    axes = np.abs(problem.geometry.split(q[: problem.P])[3])
-    return float(axes[:, 3:].max()), float(axes[:, :3].max())
-
-
-def _exchanged(problem: Problem) -> str:
-    """The reversed signs and exchanged columns that halve what base and tool alone leave; else an empty text."""
-    log, arm = problem.log, problem.geometry.arm
-    if log.located.sum() < 4:
-        return ""
-    theta, m = log.theta[log.located], log.position[log.located]
-    found = {words: _left(arm, tried, m) for words, tried in _other_columns(arm, theta)}
-    found["two of x, y, z look swapped, or one has the wrong sign"] = _left(arm, theta, m * [-1.0, 1.0, 1.0])
-    least = min(found.values())
-    alike = [words for words, left in found.items() if left < 1.5 * least]
-    return " or ".join(alike) if least < 0.5 * _left(arm, theta, m) else ""
-
-
-def _other_columns(arm: Arm, theta: Array) -> Iterator[tuple[str, Array]]:
-    """Configurations (K, n) with a sign reversed, a joint in degrees, or two columns exchanged."""
-    names, n = arm.joint_names, arm.n
-    for i, name in enumerate(names):
-        yield f"the sign of {name} looks reversed", theta * np.where(np.arange(n) == i, -1.0, 1.0)
-        if arm.units[i] == "rad":
-            yield f"{name} looks to be in degrees", theta * np.where(np.arange(n) == i, np.pi / 180, 1.0)
-    for i, j in combinations(range(n), 2):
-        order = np.arange(n)
-        order[[i, j]] = j, i
-        yield f"the columns {names[i]} and {names[j]} look swapped", theta[:, order]
-
-
-def _left(arm: Arm, theta: Array, m: Array) -> float:
-    """The mean error [m] at positions m (K, 3), with a base and a point of the tool fitted in turn."""
-    g, t = arm.fk(theta), np.asarray(np.zeros(3))
-    for _ in range(IN_TURN):
-        base = kabsch(g[:, :3, 3] + g[:, :3, :3] @ t, m)
-        R, lever = base[:3, :3], (base[:3, :3] @ g[:, :3, :3]).reshape(-1, 3)
-        t = np.asarray(np.linalg.lstsq(lever, (m - base[:3, 3] - g[:, :3, 3] @ R.T).ravel(), rcond=1e-6)[0])
-    return float(np.linalg.norm((g[:, :3, 3] + g[:, :3, :3] @ t) @ R.T + base[:3, 3] - m, axis=1).mean())
+        return (f"the rows fit {better} times better than the stated noise: state less, to see more",)
+    return ()
 
 
 def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:

@@ -110,9 +110,10 @@ def _made(columns: dict[str, Array]) -> Measurements:
 def read_measurements(path: str | os.PathLike[str], arm: Arm, *, counts: bool = False) -> Measurements:
     """Read measurements from CSV. The first line names the columns, in any order.
 
-    The joints' names [rad, m], or with `counts` those of the motors, in each drive's own unit; x, y, z and qx, qy, qz, qw; point, plane, wire and length; noise. A unit may follow in
-    brackets, as `elbow [deg]` or `x [mm]`. An empty cell is not measured. Lines with # are comments. Raises InputError
-    with the line for an unknown, missing or invalid column or cell.
+    The joints' names [rad, m], or with `counts` those of the motors, in each drive's own unit; x, y, z and qx, qy, qz,
+    qw; point, plane, wire and length; noise. A unit may follow in brackets, as `elbow [deg]` or `x [mm]`. An empty cell
+    is not measured. Lines with # are comments. Raises InputError with the line for an unknown, missing or invalid
+    column or cell.
     """
     units = {name: UNITS[unit] for name, unit in zip(require_arm(arm).joint_names, arm.units, strict=True)}
     if as_flag(counts, "counts"):

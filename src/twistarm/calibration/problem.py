@@ -37,7 +37,9 @@ class Problem:
     """Measurements of a geometry, with known distances {(point, point): m} between resting points.
 
     `usual` (P,) is one over the standard deviation of each parameter before the log, 0 where nothing is known.
-    `contradiction` (k, k) maps readings of motors that share a joint to how far they contradict each other [σ]. A vector of unknowns q is the geometry's parameters, then 3 numbers for each of `places` (kind, name): a point, an
+    `contradiction` (k, k) maps readings of motors that share a joint to how far they contradict each other [σ].
+
+    A vector of unknowns q is the geometry's parameters, then 3 numbers for each of `places` (kind, name): a point, an
     anchor, or a plane (two tilts of the normal, and its distance from the origin). The columns of `normals` (3, 3) are
     the axes of each plane, the last one its first normal.
     """
@@ -231,8 +233,8 @@ def observable(A: Array, usual: Array, most: Array) -> Bools:
 def descend(problem: Problem, q: Array, free: Bools, *, robust: bool = True) -> tuple[Array, Array]:
     """The unknowns near q with the least squares in the `free` ones, and the rows' weights (K,).
 
-    Levenberg–Marquardt with columns of length 1. With `robust`, weights are Cauchy's 1/(1 + (r/3s)²), where s is the median noise
-    found, at least what was stated.
+    Levenberg–Marquardt with columns of length 1. With `robust`, weights are Cauchy's 1/(1 + (r/3s)²), where s is the
+    median noise found, at least what was stated.
     """
     weights, damping = np.ones(len(problem.log.theta)), LEAST_DAMPING
     r = problem.residual(q, weights)
@@ -246,7 +248,7 @@ def descend(problem: Problem, q: Array, free: Bools, *, robust: bool = True) -> 
         size[size == 0] = np.inf
         A = A / size
         before = float(r @ r)
-        for tries in range(TRIES):
+        for _ in range(TRIES):
             step = -np.linalg.solve(A.T @ A + damping * np.eye(A.shape[1]), A.T @ r)
             tried = q.copy()
             tried[free] += step / size
@@ -255,7 +257,7 @@ def descend(problem: Problem, q: Array, free: Bools, *, robust: bool = True) -> 
                 q, r, damping = tried, after, max(damping / 10, LEAST_DAMPING)
                 break
             damping *= 10
-        if tries == TRIES - 1 or float(np.sum((A @ step) ** 2)) < SETTLED * before / len(r):
+        if float(r @ r) == before or float(np.sum((A @ step) ** 2)) < SETTLED * before / len(r):
             break
     return q, weights
 

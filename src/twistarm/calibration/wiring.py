@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
@@ -11,15 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arm.arm import Arm, require_arm
+from ..arm.arm import Arm
 from ..limits.actuators import Actuators
-from ..support.checks import Array, as_not_negative, as_positive, as_theta, require
-from ..support.errors import InputError
+from ..support.checks import Array
 from ..theory.rotations import log_of
 from ..theory.screws import exp
 from .geometry import Geometry
-from .log_checks import require_metres
-from .measurements import Bools, Measurements, read_measurements
+from .measurements import Bools, Measurements
 from .problem import Problem, descend
 
 
@@ -144,9 +141,13 @@ class Wiring:
         """Numbers beyond the parameters of all motors, at least 1."""
         return max(self.problems[()].numbers - 2 * self.k, 1)
 
+    def scale(self, total: float) -> float:
+        """The variance of the best fit's residual, at least 1. What is no noise at all does not count as noise."""
+        return float(np.clip(total / self.freedom, 1.0, UNEXPLAINED))
+
     def explains(self, account: Account) -> bool:
         """Whether what is left is no more than noise."""
-        return account.total <= UNEXPLAINED * max(self.freedom, 1)
+        return account.total <= UNEXPLAINED * self.freedom
 
     def free(self, kinds: Sequence[str]) -> Bools:
         """The unknowns (Q,) that these kinds fit."""
@@ -157,6 +158,7 @@ class Wiring:
     def fit(self, kinds: tuple[str, ...], swap: Swap, near: Array) -> Account:
         """The account by these kinds, fitted from the unknowns (Q,) near it."""
         q, free = near.copy(), self.free(kinds)
+        q[:6] = 0.0  # a wrong account drags the base far away, and from there the right one is not found
         q[12:] *= free[12:]
         for i, kind in enumerate(kinds):
             q[12 + self.k + i] += 0.0 if KINDS[kind].scale else KINDS[kind].sign - 1.0
@@ -184,6 +186,7 @@ class Wiring:
     def starts(self, account: Account, i: int) -> tuple[Array, Array]:
         """The unknowns (M, Q) of the account with each of `STARTS` for motor i, and their sums of squares (M,)."""
         starts = np.tile(account.q, (len(STARTS), 1))
+        starts[:, :6] = 0.0
         starts[:, 12 + self.k + i], starts[:, 12 + i] = STARTS[:, 0] - 1.0, STARTS[:, 1] * self.unit[i]
         return starts, self.squares(account.swap, starts)
 
@@ -253,7 +256,7 @@ def search(wiring: Wiring, most: float = MOST_CLAIMS) -> Found:
     free = min((wiring.fit((ANYTHING,) * wiring.k, (), q) for q in _patterns(wiring)), key=lambda one: one.total)
     if not wiring.explains(free):
         return found
-    scale = max(1.0, free.total / wiring.freedom)
+    scale = wiring.scale(free.total)
     for i in range(wiring.k):
         simpler = [wiring.fit(free.with_kind(i, kind), (), free.q) for kind in KINDS]
         free = min(simpler, key=Found(wiring, free, (), scale).cost)
@@ -283,24 +286,20 @@ def climbed(wiring: Wiring, account: Account, most: float = MOST_CLAIMS) -> Foun
     """
     while True:
         loose = wiring.fit((ANYTHING,) * wiring.k, account.swap, account.q)
-        least, others = min(loose.total, account.total), list[Account]()
-        wanting = account.total - loose.total > CLEAR * max(1.0, least / wiring.freedom) or not wiring.explains(account)
+        found = Found(wiring, account, (), wiring.scale(min(loose.total, account.total)))
+        wanting = account.total - loose.total > CLEAR * found.scale or not found.explained
         # Whether a log shows a swap matters even where none is claimed.
-        others += [fit() for _, fit in wiring.with_swaps(account)] if not wanting else []
-        candidates = list(wiring.with_swaps(account)) if wanting else []
+        others = [] if wanting else [fit() for _, fit in wiring.with_swaps(account)]
+        candidates = list(wiring.with_swaps(account) if wanting else wiring.with_other_motors(account))
         for i, kind in enumerate(account.kinds):
             candidates += wiring.with_kinds(account, i, [name for name in KINDS if name != kind])
-        if not wanting:
-            candidates += wiring.with_other_motors(account)
         best, allowed = account, most if wanting else account.claims
         for claims, fit in sorted(candidates, key=lambda one: one[0]):
-            scale = max(1.0, least / wiring.freedom)
-            hopeless = claims > best.claims and least / scale + CLEAR * (claims - best.claims) > best.total / scale
-            if claims <= allowed and not hopeless:
+            least = wiring.freedom + CLEAR * claims
+            if claims <= allowed and (claims <= best.claims or least < found.cost(best)):
                 others.append(fit())
-                least = min(least, others[-1].total)
-                best = min([best, others[-1]], key=Found(wiring, account, (), scale).cost)
-        found = Found(wiring, account, tuple(others), max(1.0, least / wiring.freedom))
+                best = min([best, others[-1]], key=found.cost)
+        found = Found(wiring, account, tuple(others), wiring.scale(min(one.total for one in (loose, account, *others))))
         best = min([account, *others], key=found.cost)
         if found.cost(best) > found.cost(account) - 1e-6:
             return found

@@ -3,22 +3,31 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 
 from ..arm.arm import Arm
-from ..support.checks import Array, as_not_negative, as_positive, as_theta, require
+from ..support.checks import Array, as_not_negative, as_positive, as_theta
 from ..support.errors import InputError, listed
 from ..theory.screws import exp, inverse_of
 from .log_checks import LITTLE_ANGLE, LITTLE_LENGTH, require_metres
 from .measurements import Measurements, read_measurements, require_motors
 from .problem import LOUD
 from .wiring import (
-    ANYTHING, CLEAR, KINDS, MOST_CLAIMS, MOST_ROWS, USUAL_BASE, Account, Found, Wiring, climbed, search, sign_patterns,
+    ANYTHING,
+    CLEAR,
+    KINDS,
+    MOST_CLAIMS,
+    MOST_ROWS,
+    USUAL_BASE,
+    Account,
+    Found,
+    Wiring,
+    climbed,
+    search,
+    sign_patterns,
 )  # fmt: skip
 from .wiring_report import MotorVerdict, Residual, WiringReport
 
@@ -94,14 +103,11 @@ def check_wiring(
     everything = replace(found.wiring, log=whole)
     q, swap = found.account.q, found.account.swap
     loud = everything.problems[swap].loudness(q)
-    verdict, what, each = evidence.judged(
-        int(loud.argmax()), float(loud.max()) > LOUD * max(1.0, float(np.median(loud)))
-    )
+    worst = int(loud.argmax())
+    verdict, what, each = evidence.judged((worst + 1) * bool(loud[worst] > LOUD * max(1.0, float(np.median(loud)))))
     before, after = _residual(everything, (), np.zeros(len(q))), _residual(everything, swap, q)
     base = inverse_of(exp(q[:6])) if q[:6].any() else None
-    return WiringReport(
-        arm.name, verdict, what, each, len(whole.theta), before, after, int(loud.argmax()) + 1, base
-    )  # fmt: skip
+    return WiringReport(arm.name, verdict, what, each, len(whole.theta), before, after, worst + 1, base)
 
 
 def _searched(exact: Wiring, doubted: Wiring) -> tuple[Found, Found | None]:
@@ -251,84 +257,70 @@ class Evidence:
         others = [one for one in found.others if one.kinds == account.kinds and one.swap and one.swap != account.swap]
         return [one.swap for one in others if found.as_good(one) and any(_moved(found.wiring, i) for i in one.swap)]
 
-    def judged(self, row: int, loud: bool) -> tuple[str, str, tuple[MotorVerdict, ...]]:
-        """The verdict, its words, and the motors' verdicts. `row` fits least, and may be `loud`."""
+    def judged(self, row: int) -> tuple[str, str, tuple[MotorVerdict, ...]]:
+        """The verdict, its words, and the motors' verdicts. `row`, from 1, fits least; 0: none is loud."""
         wiring, names = self.found.wiring, self.found.wiring.motors.names
         if not any(_moved(wiring, i) for i in range(wiring.k)):
-            each = tuple(
-                MotorVerdict(name, what="it was not moved", remedy=self._advice(i)) for i, name in enumerate(names)
-            )
-            return "cannot tell", "no motor was moved, so the log does not show the sign, ratio or zero of any", each
+            each = [MotorVerdict(name, what="it was not moved", remedy=self._advice(i)) for i, name in enumerate(names)]
+            return "cannot tell", "no motor was moved, so the log shows nothing of any", tuple(each)
         if not self.found.explained:
-            why = f"row {row + 1} fits least: measure it again, or leave it out; else " if loud else ""
-            why += (
-                f"check that the tool was measured in the axes of {wiring.arm.base} and at {wiring.arm.tip}, while the "
-                "arm stood still, the lengths of the arm, and --position-noise"
+            odd = f"row {row} fits least: measure it again, or leave it out" if row else "check --position-noise"
+            where = f"in the axes of {wiring.arm.base} and at {wiring.arm.tip}, while the arm stood still"
+            what = (
+                f"no sign, ratio or zero of single motors explains the log; {odd}; else check that you measured {where}"
             )
-            return (
-                "unexplained",
-                f"no sign, ratio or zero of single motors explains the log; {why}",
-                tuple(map(MotorVerdict, names)),
-            )
-        each = tuple(self._verdict(i) for i in range(wiring.k))
-        certain, possible, hidden = (
+            return "unexplained", what, tuple(map(MotorVerdict, names))
+        each = [self._verdict(i) for i in range(wiring.k)]
+        wrong, possible, hidden = (
             [motor.name for motor in each if motor.verdict == verdict]
             for verdict in ("fault", "possible fault", "cannot tell")
         )
-        parts = [f"the log shows what is wrong with {listed(certain)}"] if certain else []
-        if possible or self.suspects:
-            base = " or the base" if any(self.of_base(i) for i in self.suspects) else ""
-            parts.append(f"the log does not tell which is wrong of {listed(possible)}{base}")
+        base = " or the base" * any(self.of_base(i) for i in self.suspects)
+        parts = [f"the log shows what is wrong with {listed(wrong)}"] if wrong else []
+        parts += [f"the log does not show which is wrong of {listed(possible)}{base}"] if possible else []
         if parts:
-            return "fault", "; ".join(parts), each
+            return "fault", "; ".join(parts), tuple(each)
         if hidden:
-            return "cannot tell", f"the log does not show all of {listed(hidden)}; what it does show is sound", each
-        return "sound", "signs, ratios and zeros fit the log", each
+            return "cannot tell", f"the log does not show all of {listed(hidden)}; the rest is sound", tuple(each)
+        return "sound", "signs, ratios and zeros fit the log", tuple(each)
 
     def _verdict(self, i: int) -> MotorVerdict:
         found, motors, k = self.found, self.found.wiring.motors, self.found.wiring.k
-        blamed = [group[i] for group in self.suspects.values() if i in group]
-        accounts = [one for group in blamed for one in group] or [found.account]
-        account = found.account if self.faults[i] else accounts[0]
+        groups = [group for group in self.suspects.values() if i in group]
+        accounts = [one for group in groups for one in group[i]]
+        account = found.account if self.faults[i] or not accounts else accounts[0]
         s, e = float(1.0 + account.q[12 + k + i]), float(account.q[12 + i])
         swaps = [motors.names[j] for pair in self.unseen_swaps if i in pair for j in pair if j != i]
         unseen = (*self.unseen[i], *(f"swapped with {name}" for name in swaps))
-        hidden = f"the log does not show its {', '.join(self.unseen[i])}" if self.unseen[i] else ""
-        hidden += (
-            f"{' nor ' if hidden else 'the log does not show '}whether it is swapped with {listed(swaps)}"
-            if swaps
-            else ""
-        )
-        verdict, what, remedy = "sound", "sign, ratio and zero fit the log", ""
-        ratio: dict[str, float] | None = {
-            joint: float(g / s) for joint, g in zip(motors.joint_names, motors.G[i], strict=True) if g
-        }
-        zero: float | None = float(motors.offset[i] - e / s)
-        if blamed:
-            others = {motors.names[j] for group in self.suspects.values() if i in group for j in group if j != i}
-            said = dict.fromkeys(self._in_words(one, i) for one in (found.account, *accounts) if self.named(one, i))
-            said |= dict.fromkeys(f"a fault of {name!r}" for name in sorted(others))
-            of_base = any(self.of_base(j) for j, group in self.suspects.items() if i in group)
-            what = f"{', or '.join([*said, *['a base that stands elsewhere'] * of_base])}: the log does not tell which"
-            verdict, remedy, ratio, zero = "possible fault", BASE_KNOWN if of_base else self._advice(i), None, None
-        elif self.faults[i]:
-            verdict, what = "fault", "; ".join(filter(None, [self._in_words(found.account, i), hidden]))
-            swapped = "swap their plugs, or their names in the arm.toml; " if i in account.swap else ""
-            entries = ", ".join(f"{joint} = {value:.7g}" for joint, value in (ratio or {}).items())
-            alone = self.faults[i] == ("swapped",)
-            remedy = swapped + (
-                ""
-                if alone
-                else f"as wired, [actuators.{motors.names[i]}] has ratio = {{ {entries} }}, offset = {zero:.7g}"
-            )
-        elif unseen:
-            verdict, what = "cannot tell", hidden
-            remedy = BASE_KNOWN if self.unseen[i] == ["zero"] and found.account.q[:6].any() else self._advice(i)
-        return MotorVerdict(
-            name=motors.names[i], verdict=verdict, faults=self.named(account, i), unseen=unseen, scale=s,
+        motor = MotorVerdict(
+            name=motors.names[i], verdict="sound", faults=self.named(account, i), unseen=unseen, scale=s,
             scale_std=float(self.std[k + i]), offset=e, offset_std=float(self.std[i]),
-            joint_offset=self._joint_offset(account, i), ratio=ratio, zero=zero, what=what, remedy=remedy,
+            joint_offset=self._joint_offset(account, i), what="sign, ratio and zero fit the log",
         )  # fmt: skip
+        hidden = f"the log does not show: {', '.join(unseen)}"
+        if groups:
+            of_base = any(self.of_base(j) for j, group in self.suspects.items() if i in group)
+            others = sorted({motors.names[j] for group in groups for j in group if j != i})
+            said = [self._in_words(one, i) for one in (found.account, *accounts) if self.named(one, i)]
+            said += [f"a fault of {name!r}" for name in others] + ["a base that stands elsewhere"] * of_base
+            what = f"{', or '.join(dict.fromkeys(said))}: the log does not show which"
+            remedy = BASE_KNOWN if of_base else self._advice(i)
+            return replace(motor, verdict="possible fault", what=what, remedy=remedy)
+        ratio = {joint: float(g / s) for joint, g in zip(motors.joint_names, motors.G[i], strict=True) if g}
+        motor = replace(motor, ratio=ratio, zero=float(motors.offset[i] - e / s))
+        if self.faults[i]:
+            entries = ", ".join(f"{joint} = {value:.7g}" for joint, value in ratio.items())
+            remedies = ["swap their plugs, or their names in the arm.toml"] if i in account.swap else []
+            if self.faults[i] != ("swapped",):
+                table = f"[actuators.{motor.name}]"
+                remedies.append(f"as wired, {table} has ratio = {{ {entries} }}, offset = {motor.zero:.7g}")
+            what = "; ".join([self._in_words(account, i), *[hidden] * bool(unseen)])
+            return replace(motor, verdict="fault", what=what, remedy="; ".join(remedies))
+        if unseen:
+            of_base = unseen == ("zero",) and bool(found.account.q[:6].any())
+            remedy = BASE_KNOWN if of_base else self._advice(i)
+            return replace(motor, verdict="cannot tell", what=hidden, remedy=remedy)
+        return motor
 
     def _joint_offset(self, account: Account, i: int) -> dict[str, float]:
         """What the zero of motor i adds to the joints [rad or m]."""

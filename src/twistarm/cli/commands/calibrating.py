@@ -11,7 +11,7 @@ import numpy as np
 import typer
 
 from ...arm.arm import Arm
-from ...calibration import Calibration, Estimate, corrected_urdf, plot_of
+from ...calibration import Calibration, Estimate, corrected_urdf
 from ...calibration import calibrate as fit
 from ...support.errors import InputError
 from ...viewer import Viewer
@@ -19,7 +19,7 @@ from ..avoiding import Avoid, avoided
 from ..expression import LENGTH, evaluated
 from ..options import Json, takes_arm
 from ..output import console, joint_heads, number, print_json, say, shown, table
-from ..outputs import Force, Outputs, outputs_of, repeated
+from ..outputs import Outputs, outputs_of, repeated
 from ..quantities import quantity, whole
 from .viewing import show_address
 from .wiring import OrientationNoise
@@ -41,15 +41,16 @@ Next = Annotated[int, whole(0, 1000, "Name N configurations to measure next.", "
 Written = Annotated[
     list[str] | None,
     repeated(
-        "The corrected description (*.urdf), the motors' offsets for arm.toml (*.toml), or a plot (*.png). "
+        "The corrected description (*.urdf), or the motors' offsets for arm.toml (*.toml). "
         "With a toml the zeros are not in the urdf"
     ),
 ]
 
+Anyway = Annotated[
+    bool,
+    typer.Option("--force", help="Replace files that are there; write what is confirmed only where the log was taken."),
+]
 View = Annotated[bool, typer.Option("--view", help="Show the residuals in the browser, magnified, until Ctrl-C.")]
-
-ELSEWHERE = 5.0
-"""An expected error so many times that of rows left out shows that the log is from few places."""
 
 
 @takes_arm
@@ -67,12 +68,12 @@ def calibrate(
     next_postures: Next = 0,
     avoid: Avoid = None,
     output: Written = None,
-    force: Force = False,
+    force: Anyway = False,
     json: Json = False,
     view: View = False,
 ) -> int:
     """Fit the arm's axes and zeros to measured positions of its tool, and write the corrected URDF."""
-    kinds = {"urdf": (".urdf",), "toml": (".toml",), "png": (".png",)}
+    kinds = {"urdf": (".urdf",), "toml": (".toml",)}
     outputs = outputs_of(output, kinds, force=force, json=json)
     apart = any(kind == "toml" for kind, _ in outputs.files)
     found = fit(
@@ -94,9 +95,8 @@ def calibrate(
     else:
         _print(found, arm, more, outputs)
     contents: dict[str, Callable[[], str | bytes]] = {
-        "urdf": lambda: corrected_urdf(found, zeros=not apart),
-        "toml": lambda: _toml(found),
-        "png": lambda: plot_of(found),
+        "urdf": lambda: corrected_urdf(found, zeros=not apart, here=force),
+        "toml": lambda: _toml(found.require(here=force)),
     }
     try:
         outputs.say(outputs.write(contents))
@@ -141,10 +141,11 @@ def _print(found: Calibration, arm: Arm, more: Any, outputs: Outputs) -> None:
     for warning in found.warnings:
         if warning not in found.faults:
             say(f"warning: {warning}", file=outputs.words)
-    if found.confirmed and found.expected > ELSEWHERE * found.held_out:
+    if found.confirmed_here and found.expected > 2.0 * found.held_out:
         said = f"elsewhere in reach expect {1000 * found.expected:.2g} mm"
         say(f"warning: {said}: measure at other configurations, as --next names them", file=outputs.words)
-    say("confirmed" if found.confirmed else f"not confirmed: {found.why_not}", file=outputs.words)
+    here = "confirmed only where the log was taken (--force writes it)" if found.confirmed_here else "not confirmed"
+    say("confirmed" if found.confirmed else f"{here}: {found.why_not}", file=outputs.words)
 
 
 def _tables(found: Calibration, arm: Arm, more: Any) -> Iterator[Any]:
@@ -178,14 +179,14 @@ def _amounts(estimate: Estimate) -> tuple[str, str, str]:
 
 
 def _toml(found: Calibration) -> str:
-    found.require()
     offsets = found.motor_offsets().items()
     return "\n".join(f"[actuators.{name}]\noffset = {offset!r}\n" for name, offset in offsets)
 
 
 def _as_json(found: Calibration) -> dict[str, Any]:
     names = [
-        "base", "tool", "expected", "held_out", "held_out_before", "block", "block_before", "confirmed", "outliers"
+        "base", "tool", "expected", "held_out", "held_out_before", "block", "block_before", "confirmed",
+        "confirmed_here", "outliers",
     ]  # fmt: skip
     estimates = [
         {"owner": one.parameter.owner, "what": one.parameter.what, "unit": one.parameter.unit, "value": one.value,

@@ -12,7 +12,7 @@ import typer
 from ...arm.arm import Arm
 from ...calibration import Residual, WiringReport, check_wiring
 from ..options import Json, takes_arm
-from ..output import console, number, print_json, progress_bar, say, table
+from ..output import console, number, print_json, say, table
 from ..quantities import quantity
 
 Log = Annotated[
@@ -40,16 +40,14 @@ def wiring(
     json: Json = False,
 ) -> int:
     """Check signs, ratios and zeros of the motors against logged counts and measured tool positions."""
-    with progress_bar("wiring") as progress:
-        report = check_wiring(
-            arm,
-            log,
-            position_noise=position_noise,
-            orientation_noise=orientation_noise,
-            base_position_noise=base_position_noise,
-            base_orientation_noise=base_orientation_noise,
-            progress=progress,
-        )
+    report = check_wiring(
+        arm,
+        log,
+        position_noise=position_noise,
+        orientation_noise=orientation_noise,
+        base_position_noise=base_position_noise,
+        base_orientation_noise=base_orientation_noise,
+    )
     if json:
         print_json(asdict(report) | {"ok": report.ok})
     else:
