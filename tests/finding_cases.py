@@ -1,4 +1,4 @@
-"""For every code of a finding one small input that it is said about: files by name, and how they are loaded."""
+"""For every code of a finding the smallest inputs that raise it: files by name, and how they are loaded."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def xacro(body: str, *, files: Mapping[str, str] | None = None, **load: Any) -> 
 
 def mjcf(scenery: str, more: str = "") -> Case:
     """A two-joint arm on a floor, in MuJoCo's format."""
-    arm = '<body name="tool0" pos="0 0 1"><joint name="b" axis="1 0 0"/></body>'
-    arm = f'<body name="upper"><joint name="a" axis="0 1 0" range="-1 1"/>{arm}</body>'
+    arm = '<body name="tool0" pos="0 0 1"><joint name="b" axis="1 0 0"/><geom size="0.1"/></body>'
+    arm = f'<body name="upper"><joint name="a" axis="0 1 0" range="-1 1"/><geom size="0.1"/>{arm}</body>'
     return Case({"arm.xml": f"<mujoco><worldbody>{scenery}{arm}</worldbody>{more}</mujoco>"})
 
 
@@ -125,62 +125,63 @@ CASES: dict[str, Case] = {
     # the file
     "file-not-found": Case({"arm.toml": 'source = "gone.urdf"'}),
     "file-unreadable": xacro('<xacro:include filename="folder/."/>', files={"folder/x.txt": ""}),
-    "arm-file-unusable": toml("speed = 3"),
+    "companion-unusable: arm.toml": toml("speed = 3"),
     "xml-malformed": urdf("<robot><link></robot>"),
-    "document-type-refused": urdf('<!DOCTYPE robot [<!ENTITY x "y">]><robot name="r"/>'),
+    "xml-malformed: a document type": urdf('<!DOCTYPE robot [<!ENTITY x "y">]><robot name="r"/>'),
     "no-robot": urdf('<robot name="empty"/>'),
     # MJCF
     "mjcf-unusable": mjcf('<include file="lost.xml"/>'),
     "mjcf-scenery-left-out": mjcf('<geom type="plane" size="1 1 1"/>'),
-    "mjcf-part-not-read": mjcf('<replicate count="2"/>'),
+    "mjcf-part-not-read": mjcf('<composite prefix="rope" type="cable" count="3 1 1"/>'),
+    "mjcf-gravity": mjcf("", '<option gravity="0 -9.81 0"/>'),
     "mjcf-loop-open": mjcf("", '<equality><connect body1="upper" body2="tool0" anchor="0 0 0"/></equality>'),
     # the tree
-    "version-unknown": urdf(two_joints().replace('<robot ', '<robot version="3.0" ')),
-    "name-missing": urdf(two_joints().replace('<link name="upper"/>', '<link name="upper"/><link/>')),
-    "name-duplicate": urdf(robot(joint("a", "base_link", "upper"), joint("a", "upper", "tool0"))),
-    "end-missing": urdf(two_joints().replace('<child link="upper"/>', "")),
+    "word-unread: a version": urdf(two_joints().replace('<robot ', '<robot version="3.0" ')),
+    "name-unusable: none": urdf(two_joints().replace('<link name="upper"/>', '<link name="upper"/><link/>')),
+    "name-unusable: twice": urdf(robot(joint("a", "base_link", "upper"), joint("a", "upper", "tool0"))),
+    "link-undefined: none": urdf(two_joints().replace('<child link="upper"/>', "")),
     "link-undefined": urdf(robot(joint("a", "base_link", "uper"), LOOSE)),
-    "two-parents": urdf(robot(joint("a", "base_link", "tool0"), LOOSE, joint("c", "base_link", "upper"))),
-    "several-roots": urdf(robot(joint("a", "base_link", "upper"))),
-    "cycle": urdf(
+    "not-a-tree: two parents": urdf(robot(joint("a", "base_link", "tool0"), LOOSE, joint("c", "base_link", "upper"))),
+    "not-a-tree: two roots": urdf(robot(joint("a", "base_link", "upper"))),
+    "not-a-tree: a circle": urdf(
         robot(joint("a", "base_link", "upper"), joint("b", "x", "y"), joint("c", "y", "x"),
               links=("base_link", "upper", "x", "y"))
     ),
-    "too-deep": urdf(chain(*["0 0 1"] * 1200)),
-    "too-many-parts": urdf(robot(links=("a",) * 4001)),
-    "name-too-long": urdf(robot(links=("a" * 501,))),
-    "too-many-joints": urdf(chain(*["0 0 1"] * 260)),
+    "too-large: deep": urdf(chain(*["0 0 1"] * 1200)),
+    "too-large: links": urdf(robot(links=("a",) * 4001)),
+    "name-unusable: long": urdf(robot(links=("a" * 501,))),
+    "too-large: joints": urdf(chain(*["0 0 1"] * 260)),
     # joints
     "joint-type-unknown": urdf(two_joints(kind="rotary")),
-    "origin-malformed": urdf(two_joints(xyz="0 0")),
-    "axis-malformed": urdf(two_joints(inside='<axis xyz="0 z 1"/>')),
+    "number-malformed: origin": urdf(two_joints(xyz="0 0")),
+    "number-malformed: axis": urdf(two_joints(inside='<axis xyz="0 z 1"/>')),
     "axis-zero": urdf(two_joints(inside='<axis xyz="0 0 0"/>')),
     "word-unread": urdf(two_joints(inside='<mimic joint="b" multiplyer="-2"/>')),
-    "origin-looks-like-degrees": urdf(two_joints(rpy="90 0 0")),
-    "robot-unnamed": urdf(two_joints().replace(' name="tiny"', "")),
+    "unit-doubtful: rpy": urdf(two_joints(rpy="90 0 0")),
+    "word-unread: no name": urdf(two_joints().replace(' name="tiny"', "")),
     "axis-not-unit": urdf(two_joints(inside='<axis xyz="0 0 2"/>')),
-    "limit-malformed": urdf(two_joints(inside='<limit lower="pi" upper="1" velocity="1" effort="1"/>')),
+    "number-malformed: limit": urdf(two_joints(inside='<limit lower="pi" upper="1" velocity="1" effort="1"/>')),
     "limits-swapped": limited("1", "-1"),
     "limit-incomplete": urdf(two_joints(inside='<limit lower="-1" velocity="1" effort="1"/>')),
-    "soft-limits": urdf(two_joints(inside=SOFT.format(-0.5, 0.5))),
-    "soft-limits-unusable": urdf(two_joints(inside=SOFT.format(2, 3))),
+    "limits-adjusted: soft": urdf(two_joints(inside=SOFT.format(-0.5, 0.5))),
+    "outside-limits: soft": urdf(two_joints(inside=SOFT.format(2, 3))),
     "limit-zero-range": limited("0.5", "0.5"),
-    "velocity-not-given": limited("-1", "1", velocity="0"),
-    "effort-not-given": urdf(two_joints(inside='<limit lower="-1" upper="1" velocity="1" effort="-1"/>')),
-    "mimic-malformed": urdf(follower('<mimic joint="a" multiplier="half"/>')),
-    "mimic-master-missing": urdf(follower('<mimic joint="aa"/>')),
-    "mimic-master-unusable": urdf(robot(PLANAR, joint("b", "upper", "tool0", inside='<mimic joint="p"/>'))),
-    "planar-mimics": urdf(
+    "rate-not-given: velocity": limited("-1", "1", velocity="0"),
+    "rate-not-given: effort": urdf(two_joints(inside='<limit lower="-1" upper="1" velocity="1" effort="-1"/>')),
+    "number-malformed: mimic": urdf(follower('<mimic joint="a" multiplier="half"/>')),
+    "mimic-unusable: no master": urdf(follower('<mimic joint="aa"/>')),
+    "mimic-unusable: a planar master": urdf(robot(PLANAR, joint("b", "upper", "tool0", inside='<mimic joint="p"/>'))),
+    "mimic-unusable: a planar follower": urdf(
         robot(joint("p", "base_link", "upper", kind="planar", inside='<mimic joint="b"/>'), LOOSE)
     ),
-    "planar-limits-ignored": urdf(robot(PLANAR, LOOSE)),
-    "mimic-circle": urdf(
+    "limits-adjusted: planar": urdf(robot(PLANAR, LOOSE)),
+    "mimic-unusable: a circle": urdf(
         robot(joint("a", "base_link", "upper", inside='<mimic joint="b"/>'),
               joint("b", "upper", "tool0", inside='<mimic joint="a"/>'))
     ),
-    "mimic-narrows-limits": urdf(follower(MIMIC.format(2))),
-    "mimic-outside-limits": urdf(follower(MIMIC.format(1), '<limit lower="0" upper="0" velocity="1" effort="1"/>')),
-    "locked-outside-limits": urdf(two_joints(), locked_joints={"a": 2.0}),
+    "limits-adjusted: narrowed": urdf(follower(MIMIC.format(2))),
+    "outside-limits: follower": urdf(follower(MIMIC.format(1), '<limit lower="0" upper="0" velocity="1" effort="1"/>')),
+    "outside-limits: locked": urdf(two_joints(), locked_joints={"a": 2.0}),
     # the chain
     "no-tip": urdf(
         robot(
@@ -188,46 +189,50 @@ CASES: dict[str, Case] = {
             links=("base_link", "upper", "gripper", "probe"),
         )
     ),
-    "base-not-above-tip": urdf(two_joints(), base="tool0", tip="upper"),
-    "nothing-moves": urdf(two_joints(), tip="base_link"),
-    "floating-in-chain": urdf(two_joints(kind="floating")),
-    "tool-name-taken": toml('[tool]\nname = "upper"\n'),
-    "pose-unusable": toml("[poses.ready]\na = 0.0\n"),
-    "limits-unusable": beside("limits.yaml", "{", limits="limits.yaml"),
+    "no-chain: base below tip": urdf(two_joints(), base="tool0", tip="upper"),
+    "no-chain: nothing moves": urdf(two_joints(), tip="base_link"),
+    "no-chain: floating": urdf(two_joints(kind="floating")),
+    "companion-unusable: tool": toml('[tool]\nname = "upper"\n'),
+    "companion-unusable: pose": toml("[poses.ready]\na = 0.0\n"),
+    "companion-unusable: limits": beside("limits.yaml", "{", limits="limits.yaml"),
     "pose-left-out": toml("[locked_joints]\na = 0.5\n[poses.ready]\na = 0.0\nb = 0.0\n"),
-    "actuator-left-out": toml("[actuators.m]\nratio = { b = 2.0 }\n", tip="upper"),
+    "off-the-chain: motor": toml("[actuators.m]\nratio = { b = 2.0 }\n", tip="upper"),
     # what stands beside
     "srdf-found": beside("arm.srdf", srdf('<group name="g"><chain base_link="base_link" tip_link="tool0"/></group>')),
-    "srdf-ambiguous": Case({"arm.urdf": two_joints(), "one.srdf": srdf(), "two.srdf": srdf()}),
-    "srdf-ignored": beside("arm.srdf", "<robot"),
-    "srdf-unusable": beside("arm.srdf", "<robots/>", srdf="arm.srdf"),
+    "companion-not-used: SRDF, several": Case({"arm.urdf": two_joints(), "one.srdf": srdf(), "two.srdf": srdf()}),
+    "companion-doubtful: SRDF, broken": beside("arm.srdf", "<robot"),
+    "companion-unusable: SRDF": beside("arm.srdf", "<robots/>", srdf="arm.srdf"),
     "ready-named": beside(
         "arm.srdf",
         srdf(STATES.replace('"s"', '"Home"') + '<joint name="a" value="0"/><joint name="b" value="0"/></group_state>'),
     ),
-    "srdf-other-robot": beside("arm.srdf", srdf(name="other"), srdf="arm.srdf"),
-    "srdf-unknown-name": beside("arm.srdf", srdf('<group name="g"><joint name="zz"/></group>'), srdf="arm.srdf"),
-    "state-incomplete": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0"/></group_state>')),
-    "state-unusable": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0,5"/></group_state>')),
-    "state-outside-limits": beside(
+    "companion-doubtful: SRDF, other robot": beside("arm.srdf", srdf(name="other"), srdf="arm.srdf"),
+    "companion-doubtful: SRDF, unknown name": beside(
+        "arm.srdf", srdf('<group name="g"><joint name="zz"/></group>'), srdf="arm.srdf"
+    ),
+    "companion-not-used: SRDF, state": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0"/></group_state>')),
+    "companion-doubtful: SRDF, state": beside("arm.srdf", srdf(f'{STATES}<joint name="a" value="0,5"/></group_state>')),
+    "outside-limits: state": beside(
         "arm.srdf", srdf(f'{STATES}<joint name="a" value="3"/><joint name="b" value="0"/></group_state>')
     ),
-    "limits-unknown-joint": beside(
+    "companion-doubtful: limits, joint": beside(
         "limits.yaml",
         limits_file("{a: {max_velocity: 1.0}, zz: {max_velocity: 1.0}}").replace("\n  {", " {"),
         limits="limits.yaml",
     ),
-    "limits-of-others": beside(
+    "off-the-chain: limits": beside(
         "limits.yaml",
         limits_file("{a: {max_velocity: 1.0}, b: {max_velocity: 1.0}}").replace("\n  {", " {"),
         limits="limits.yaml",
         tip="upper",
     ),
-    "limits-empty": beside("limits.yaml", limits_file("a: {has_velocity_limits: false}"), limits="limits.yaml"),
-    "limits-not-scaled": beside(
+    "companion-not-used: limits, none": beside(
+        "limits.yaml", limits_file("a: {has_velocity_limits: false}"), limits="limits.yaml"
+    ),
+    "companion-not-used: limits, scaling": beside(
         "limits.yaml", limits_file(extra="default_velocity_scaling_factor: 0.1"), limits="limits.yaml"
     ),
-    "limits-entry-unknown": beside(
+    "companion-doubtful: limits": beside(
         "limits.yaml", limits_file("a: {max_velocity: 1.0, max_speed: 2.0}"), limits="limits.yaml"
     ),
     # what hangs on the links
@@ -237,8 +242,8 @@ CASES: dict[str, Case] = {
             '<link name="upper"/>', '<link name="upper"><visual><geometry><sphere/></geometry></visual></link>'
         )
     ),
-    "material-twice": urdf(coloured('name="m"', "1 0 0 1", "0 0 1 1")),
-    "bad-colour": urdf(coloured('name="m"', "255 128 0 1")),
+    "bad-geometry: two colours": urdf(coloured('name="m"', "1 0 0 1", "0 0 1 1")),
+    "bad-geometry: colour": urdf(coloured('name="m"', "255 128 0 1")),
     "inertial-unusable": with_body(mass="1kg"),
     # packages and xacro
     "package-not-found": xacro('<gazebo file="$(find nowhere)/x"/>'),
@@ -247,23 +252,23 @@ CASES: dict[str, Case] = {
     "package-left-out": xacro(CAMERA, ignore_packages=["camera"]),
     "package-not-used": urdf(two_joints(), ignore_packages=["camera"]),
     "package-needed-not-found": xacro('<xacro:include filename="$(find nowhere)/x.xacro"/>'),
-    "xacro-argument-missing": xacro('<xacro:property name="h" value="$(arg height)"/><gazebo h="${h}"/>'),
-    "xacro-argument-unknown": urdf(two_joints(), xacro_args={"colour": "red"}),
+    "xacro-arguments: missing": xacro('<xacro:property name="h" value="$(arg height)"/><gazebo h="${h}"/>'),
+    "xacro-arguments: unknown": urdf(two_joints(), xacro_args={"colour": "red"}),
     "xacro-failed": xacro('<gazebo h="${height}"/>'),
-    "xacro-recursion": xacro('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>'),
+    "xacro-failed: recursion": xacro('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>'),
     "xacro-expression-refused": xacro('<gazebo h="${().__class__}"/>'),
-    "xacro-too-large": xacro('<gazebo h="${9**9**9}"/>'),
-    "include-pattern-refused": xacro('<xacro:include filename="*/parts.xacro"/>'),
+    "xacro-failed: too large": xacro('<gazebo h="${9**9**9}"/>'),
+    "file-outside-packages: wildcards": xacro('<xacro:include filename="*/parts.xacro"/>'),
     "file-outside-packages": xacro('<xacro:include filename="file:///etc/hostname"/>'),
-    "file-too-large": Case(
+    "file-unreadable: too large": Case(
         xacro('<xacro:include filename="big.xacro"/>').files, sizes={"big.xacro": 30_000_000}
     ),
     # limits
-    "limits-look-like-degrees": limited("-170", "170"),
-    "limits-look-like-millimetres": limited("0", "400", kind="prismatic"),
-    "limit-range-tiny": limited("-0.001", "0.001"),
-    "velocity-implausible": limited("-1", "1", velocity="180"),
-    "reach-implausible": urdf(chain("0 0 1", "0 1 0", xyz="300 0 0")),
+    "unit-doubtful: degrees": limited("-170", "170"),
+    "unit-doubtful: millimetres": limited("0", "400", kind="prismatic"),
+    "limit-zero-range: nearly": limited("-0.001", "0.001"),
+    "unit-doubtful: velocity": limited("-1", "1", velocity="180"),
+    "unit-doubtful: reach": urdf(chain("0 0 1", "0 1 0", xyz="300 0 0")),
     # postures
     "zero-outside-limits": limited("0.5", "1"),
     "home-singular": urdf(chain("0 1 0", "0 1 0", "0 1 0")),
@@ -278,7 +283,6 @@ CASES: dict[str, Case] = {
     "cannot-move": urdf(chain("0 0 1", "0 0 1", xyz="0.5 0 0")),
     "cannot-turn": urdf(chain("0 0 1", "0 0 1", xyz="0.5 0 0")),
     "cannot-turn-in-place": urdf(FOUR),
-    "joints-redundant": urdf(chain("0 0 1", "0 0 1", "0 0 1", "0 0 1", xyz="0.5 0 0")),
     "joint-without-effect": urdf(
         robot(
             joint("a", "base_link", "upper", xyz="0 0 0"),
@@ -287,7 +291,7 @@ CASES: dict[str, Case] = {
             links=("base_link", "upper", "fore", "tool0"),
         )
     ),
-    "joint-off-the-chain": urdf(
+    "off-the-chain: joint": urdf(
         robot(
             joint("a", "base_link", "tool0"), joint("finger", "tool0", "jaw"),
             links=("base_link", "tool0", "jaw"),
@@ -306,23 +310,23 @@ CASES: dict[str, Case] = {
     ),
     # bodies
     "mass-missing": urdf(with_balls("0 0 0", "0 0 0.2", "0 0 0.2")),
-    "mass-tiny": with_body(mass="1e-9"),
-    "mass-implausible": with_body(mass="1500"),
-    "inertia-impossible": with_body(ixx="0.03"),
+    "mass-missing: tiny": with_body(mass="1e-9"),
+    "inertia-implausible: mass": with_body(mass="1500"),
+    "inertia-implausible: moments": with_body(ixx="0.03"),
     "inertia-implausible": with_body(mass="0.0001"),
-    "inertia-placeholder": urdf(
+    "mass-missing: all the same": urdf(
         two_joints().replace('"/><link', f'">{PLACEHOLDER}</link><link').replace(
             'name="tool0"/>', f'name="tool0">{PLACEHOLDER}</link>', 1
         )
     ),
-    "centre-of-mass-far": with_body(com="0 0 250"),
+    "inertia-implausible: centre": with_body(com="0 0 250"),
     # meshes
-    "mesh-too-large": with_mesh(triangle(300.0)),
-    "mesh-too-small": with_mesh(triangle(0.3), scale="0.001 0.001 0.001"),
-    "mesh-lfs-pointer": with_mesh(POINTER),
+    "unit-doubtful: large mesh": with_mesh(triangle(300.0)),
+    "unit-doubtful: small mesh": with_mesh(triangle(0.3), scale="0.001 0.001 0.001"),
+    "mesh-unreadable: LFS pointer": with_mesh(POINTER),
     "mesh-unreadable": with_mesh("solid nothing\nendsolid nothing\n"),
 }  # fmt: skip
-"""`engine-refuses` and `engines-disagree` have no input: they tell of a fault, ours or Pinocchio's. Nor has
-`mesh-not-looked-at` and `not-compared`: they tell of what is missing here."""
+"""By the code, and a word where several inputs raise it."""
 
-FAULTS = ("engine-refuses", "engines-disagree", "mesh-not-looked-at", "not-compared")
+FAULTS = ("engines-disagree", "not-compared")
+"""No input raises these: they are about a fault, ours or Pinocchio's, or about what is missing here."""

@@ -112,7 +112,7 @@ def test_limits_are_taken(rover: Arm, tmp_path: Path) -> None:
     assert list(slower.named_states) == list(rover.named_states)
     narrow = load_arm(path, limits={"upper": {"elbow": 1.0}})
     assert list(narrow.named_states) == ["reach"]
-    assert [finding.code for finding in narrow.findings] == ["state-outside-limits"] * 2
+    assert [finding.code for finding in narrow.findings] == ["outside-limits"] * 2
     assert narrow.limits.contains(narrow.ready)
     every = load_arm(path, limits=JointLimits.unbounded(5))
     assert np.isinf(every.limits.upper).all()

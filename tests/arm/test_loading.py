@@ -131,7 +131,7 @@ def test_bad_arm_toml_in_one_line(case: str, tmp_path: Path) -> None:
 def test_a_tool_turned_by_degrees_is_a_finding(tmp_path: Path) -> None:
     write(tmp_path, two_joints())
     arm = load_arm(write(tmp_path, 'source = "arm.urdf"\n[tool]\nname = "pen"\nrpy = [0, 90, 0]\n', "arm.toml"))
-    assert [finding.code for finding in arm.findings] == ["origin-looks-like-degrees"]
+    assert [finding.code for finding in arm.findings] == ["unit-doubtful"]
     assert "tool.rpy" in arm.findings[0].what
 
 
@@ -165,7 +165,7 @@ def test_a_locked_joint_stands_still(tmp_path: Path) -> None:
 
 def test_what_is_locked_outside_its_limits_is_said(tmp_path: Path) -> None:
     arm = load_arm(write(tmp_path, two_joints()), locked_joints={"a": 50})
-    assert [finding.code for finding in arm.findings] == ["locked-outside-limits"]
+    assert [finding.code for finding in arm.findings] == ["outside-limits"]
     with pytest.raises(InputError, match=r"locked_joints\['a'\] must be finite"):
         load_arm(tmp_path / "arm.urdf", locked_joints={"a": np.inf})
     with pytest.raises(InputError, match=r"locked_joints\['a'\] must be one number"):
@@ -195,11 +195,11 @@ def test_a_follower_keeps_its_master_inside_its_own_limits(tmp_path: Path) -> No
     )
     arm = load_arm(write(tmp_path, robot(*parts)))
     assert np.allclose([arm.limits.lower[0], arm.limits.upper[0]], [-0.4, 0.6])
-    assert [finding.code for finding in arm.findings] == ["mimic-narrows-limits"]
+    assert [finding.code for finding in arm.findings] == ["limits-adjusted"]
     text = robot(*parts).replace('lower="-1" upper="1" velocity="1"', 'lower="0" upper="0" velocity="1"')
     arm = load_arm(write(tmp_path, text))
     assert [arm.limits.lower[0], arm.limits.upper[0]] == [-1, 1]
-    assert "mimic-outside-limits" in [finding.code for finding in arm.findings]
+    assert "outside-limits" in [finding.code for finding in arm.findings]
 
 
 WRONG_TYPES = {

@@ -77,7 +77,7 @@ def test_another_chain_than_the_files_takes_what_fits(toml: Path) -> None:
     assert (arm.joint_names, arm.limits.velocity.tolist()) == (("a",), [1.5])
     assert arm.ready.tolist() == [0.1]
     assert arm.actuators is None
-    assert codes(arm) == ["actuator-left-out", "actuator-left-out"]
+    assert codes(arm) == ["off-the-chain", "off-the-chain"]
     assert "it drives 'b' outside the chain asked for; it is left out" in arm.findings[0].what
     # The same tip by name is the same chain, and nothing is forgiven.
     assert load_arm(toml, tip="tool0").actuators is not None
@@ -133,7 +133,7 @@ def test_bad_motors_in_one_line(case: str, tmp_path: Path) -> None:
     assert message in str(caught.value)
     assert str(caught.value).startswith(f"{tmp_path}/arm.toml: ")
     assert "\n" not in str(caught.value)
-    assert [finding.code for finding in caught.value.findings] == ["arm-file-unusable"]
+    assert [finding.code for finding in caught.value.findings] == ["companion-unusable"]
 
 
 def state(name: str, group: str, **values: float) -> str:
@@ -161,9 +161,9 @@ def test_states_that_give_every_coordinate_are_named_states(tmp_path: Path) -> N
     }  # fmt: skip
     assert arm.ready.tolist() == [0.3, -0.4]
     said = {finding.code: str(finding) for finding in arm.findings}
-    assert "group_state 'half': it says nothing of 'b'; it is left out" in said["state-incomplete"]
-    assert "group_state 'beyond': b = 1.2 lies outside its limits [-1, 1]; it is left" in said["state-outside-limits"]
-    assert said["state-outside-limits"].startswith("warning: ")
+    assert "group_state 'half': it says nothing of 'b'; it is left out" in said["companion-not-used"]
+    assert "group_state 'beyond': b = 1.2 lies outside its limits [-1, 1]; it is left" in said["outside-limits"]
+    assert said["outside-limits"].startswith("warning: ")
     assert "gives 2 named poses" in said["srdf-found"]
 
 

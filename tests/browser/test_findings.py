@@ -117,9 +117,9 @@ def test_every_finding_is_there_in_words_and_nothing_in_it_is_markup(live: Any, 
 @pytest.mark.parametrize(
     ("code", "node"),
     [
-        ("limits-look-like-degrees", "/screws/screw:0"),
+        ("unit-doubtful", "/screws/screw:0"),
         ("axis-not-unit", "/screws/screw:0"),
-        ("joint-off-the-chain", "/arm/link:left"),  # nothing is drawn of it: an arrow alone
+        ("off-the-chain", "/arm/link:left"),  # nothing is drawn of it: an arrow alone
     ],
 )
 def test_a_click_points_and_another_takes_it_back(live: Any, code: str, node: str) -> None:
@@ -134,7 +134,7 @@ def test_a_click_points_and_another_takes_it_back(live: Any, code: str, node: st
 
 
 def test_a_link_stands_out_where_the_arm_has_it_and_moves_with_it(live: Any, arm: Arm, viewer: Viewer) -> None:
-    about(live, "mass-implausible").click()
+    about(live, "inertia-implausible").click()
     assert pointed_at(live, live.evaluate("(name) => twistarm.state.hello.links[name]", HEAVY))
     for theta in ([0.5, 0.3], [-1.0, 1.0]):
         viewer.show(theta)
@@ -146,7 +146,7 @@ def test_a_link_stands_out_where_the_arm_has_it_and_moves_with_it(live: Any, arm
 def test_an_axis_is_thickened_about_itself_also_where_screws_are_not_shown(live: Any) -> None:
     live.get_by_label("Screws", exact=True).uncheck()
     until(live, "!twistarm.view.node('/screws').visible")
-    about(live, "limits-look-like-degrees").click()
+    about(live, "unit-doubtful").click()
     columns = [np.reshape(copy["matrix"], (4, 4)).T[:3, :3] for copy in live.evaluate(COPIES)]
     assert len(columns) == 2  # shaft and head
     for scaled in columns:
@@ -177,7 +177,7 @@ def test_by_keyboard_enter_chooses_and_escape_takes_it_back(live: Any) -> None:
 def test_what_is_chosen_is_seen_and_leaves_no_trace(live: Any) -> None:
     draw(live)
     before = live.evaluate(PICTURE)
-    about(live, "mass-implausible").click()
+    about(live, "inertia-implausible").click()
     assert live.evaluate(PICTURE) != before
     live.keyboard.press("Escape")
     assert live.evaluate(PICTURE) == before

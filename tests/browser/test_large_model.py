@@ -14,9 +14,10 @@ from numpy.testing import assert_allclose
 
 import schema_samples as samples
 from twistarm import load_arm
-from twistarm.description.meshes import MeshReader
+from twistarm.description.meshes import Mesh, read_mesh
 from twistarm.viewer import Viewer
 from twistarm.viewer.protocol.messages import LARGEST_VALUE, SCHEMA
+from twistarm.viewer.scene import links
 from waiting import WAIT, settled, until
 
 pytestmark = pytest.mark.browser
@@ -31,13 +32,13 @@ class Gate:
     """Lets one mesh be read for each time it is opened."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.leave, parts = threading.Semaphore(0), MeshReader.parts
+        self.leave = threading.Semaphore(0)
 
-        def wait_and_read(reader: MeshReader, path: Path, most: float) -> Any:
+        def wait_and_read(path: Path) -> Mesh:
             assert self.leave.acquire(timeout=WAIT)
-            return parts(reader, path, most)
+            return read_mesh(path)
 
-        monkeypatch.setattr(MeshReader, "parts", wait_and_read)
+        monkeypatch.setattr(links, "read_mesh", wait_and_read)
 
     def open(self, times: int) -> None:
         for _ in range(times):

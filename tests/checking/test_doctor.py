@@ -40,7 +40,7 @@ def test_arguments_raise_where_arm_toml_is_diagnosed(tmp_path: Path) -> None:
         diagnose(path, tip="tool")
     write(tmp_path, 'source = "arm.urdf"\ntip = "tool"\n', "arm.toml")
     (said,) = [one for one in diagnose(tmp_path / "arm.toml") if one.severity == "error"]
-    assert said.code == "arm-file-unusable"
+    assert said.code == "companion-unusable"
     assert "closest: 'tool0'" in said.what
 
 
@@ -76,12 +76,12 @@ REAL = {
     ),
     "robojackets_walliiarmv3/urc_gazebo/urdf/WalliiArmV3.urdf": (
         {},
-        {"mesh-missing", "velocity-not-given", "effort-not-given", "mimic-outside-limits", "tool-frame-missing"},
+        {"mesh-missing", "rate-not-given", "outside-limits", "tool-frame-missing"},
     ),
     "robojackets_walli_v2_block/urdf/walli_arm_v2_block/robot.urdf": (
-        {}, {"limit-incomplete", "mass-tiny", "axes-almost-exact", "home-singular", "cannot-turn-in-place"}
+        {}, {"limit-incomplete", "mass-missing", "axes-almost-exact", "home-singular", "cannot-turn-in-place"}
     ),
-    "so101/so101_new_calib.urdf": ({}, {"mesh-missing", "cannot-turn-in-place", "joint-off-the-chain", "several-tips"}),
+    "so101/so101_new_calib.urdf": ({}, {"mesh-missing", "cannot-turn-in-place", "off-the-chain", "several-tips"}),
     "kortex_description/robots/gen3.xacro": ({"xacro_args": {"dof": 7}}, {"mesh-missing", "axes-almost-exact"}),
     "robojackets_walliiarmv3/urc_arm_moveit_config/config/WalliiArmV3.urdf.xacro": ({}, {"package-without-manifest"}),
     "kortex_description/robots/kinova.urdf.xacro": (
@@ -95,7 +95,7 @@ REAL = {
 REFUSED = {
     "kortex_description/robots/gen3_lite_gen3_lite_2f.xacro": ({}, "xacro-failed", 'Invalid parameter "gripper"'),
     "kortex_description/robots/gen3.xacro": ({}, "xacro-failed", "arms/gen3/dof/"),
-    "annin_ar4_description/urdf/ar.urdf.xacro": ({}, "xacro-argument-missing", "uses ar_model, which has no default"),
+    "annin_ar4_description/urdf/ar.urdf.xacro": ({}, "xacro-arguments", "uses ar_model, which has no default"),
     "annin_ar4_description/urdf/ar_gazebo.urdf.xacro": (
         {"xacro_args": {"ar_model": "mk3"}}, "package-needed-not-found", "annin_ar4_driver"
     ),

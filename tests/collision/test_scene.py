@@ -213,7 +213,7 @@ def test_links_without_shapes_get_capsules_and_meshes_their_hulls(tmp_path: Path
     twice = bare.read_text().replace(link("arm"), link("arm", '<mesh filename="ring.stl"/>'))
     bare.write_text(twice.replace(link("base"), link("base", '<mesh filename="none.stl"/>')))
     scene = Scene(load_arm(bare, tip="tip"))
-    warned = [finding.what for finding in scene.findings if finding.code == "collision-mesh-unreadable"]
+    warned = [finding.what for finding in scene.findings if finding.code == "mesh-unreadable"]
     assert [("'base'" in what, "'arm', 'tip'" in what) for what in warned] == [(True, False), (False, True)]
     assert {body.name: body.kind for body in scene.links} == {"base": "capsule", "arm": "capsule"}
 

@@ -56,7 +56,7 @@ def test_of_several_none_is_used_and_that_is_said(urdf: Path) -> None:
     first, second = srdf(urdf.parent), srdf(urdf.parents[1] / "config", state="stowed", file="old.srdf")
     arm = load_arm(urdf)
     assert dict(arm.named_states) == {}
-    assert codes(arm) == ["srdf-ambiguous"]
+    assert codes(arm) == ["companion-not-used"]
     assert "'arm.srdf', '../config/old.srdf'; none is used" in arm.findings[0].what
     assert list(load_arm(urdf, srdf=second).named_states) == ["stowed"]
     assert list(load_arm(urdf, srdf=str(first)).named_states) == ["home"]
@@ -65,7 +65,7 @@ def test_of_several_none_is_used_and_that_is_said(urdf: Path) -> None:
 def test_a_broken_one_is_a_warning_beside_and_an_error_by_name(urdf: Path) -> None:
     broken = write(urdf.parent, "<robot name='tiny'><group/></robot>", "arm.srdf")
     arm = load_arm(urdf)
-    assert codes(arm) == ["srdf-ignored"]
+    assert codes(arm) == ["companion-doubtful"]
     assert "group: it has no name=" in arm.findings[0].what
     with pytest.raises(DescriptionError, match="arm.srdf:1: group: it has no name="):
         load_arm(urdf, srdf=broken)
@@ -83,7 +83,7 @@ def test_one_that_is_named_wins_and_may_be_another_robots(urdf: Path) -> None:
     other = srdf(urdf.parents[2] / "elsewhere", name="other", state="stowed")
     arm = load_arm(urdf, srdf=other)
     assert list(arm.named_states) == ["stowed"]
-    assert codes(arm) == ["srdf-other-robot", "srdf-found", "ready-named"]
+    assert codes(arm) == ["companion-doubtful", "srdf-found", "ready-named"]
     assert "it is for a robot 'other', the description is of 'tiny'; it is used" in arm.findings[0].what
     toml = write(urdf.parent, 'source = "arm.urdf"\nsrdf = "../../elsewhere/arm.srdf"', "arm.toml")
     assert list(load_arm(toml).named_states) == ["stowed"]
@@ -108,6 +108,6 @@ def test_names_that_are_not_there_are_one_warning(urdf: Path) -> None:
     )
     arm = load_arm(urdf, srdf=write(urdf.parent, text, "arm.srdf"))
     assert arm.disabled_collisions == {("base_link", "upper")}
-    (finding,) = [finding for finding in arm.findings if finding.code == "srdf-unknown-name"]
+    (finding,) = [finding for finding in arm.findings if finding.code == "companion-doubtful"]
     assert finding.severity == "warning"
     assert "tiny has no joint or link 'elbow', 'hand'; their entries are not used" in finding.what

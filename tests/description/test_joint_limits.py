@@ -50,7 +50,7 @@ def test_what_the_file_gives_replaces_and_what_it_switches_off_does_not(tmp_path
     assert limits.effort.tolist() == [3.0, 7.0]
     assert np.allclose(limits.lower, [-1.0, np.radians(-30)])
     assert np.allclose(limits.upper, [1.0, np.radians(45)])
-    assert codes(arm) == ["limits-not-scaled", "limits-unknown-joint"]
+    assert codes(arm) == ["companion-not-used", "companion-doubtful"]
     assert "it has limits for 'finger', and no joint has that name" in arm.findings[1].what
     assert "default_velocity_scaling_factor 0.1 and default_acceleration_scaling_factor 0.1" in arm.findings[0].what
 
@@ -87,11 +87,11 @@ def test_a_deceleration_limits_the_acceleration_too(slowing: float, tmp_path: Pa
 
 
 SOFT_RANGES = {
-    "soft_lower_limit: -0.5, soft_upper_limit: 0.25": ((-0.5, 0.25), ["soft-limits"]),
-    "soft_lower_limit: -5, soft_upper_limit: 0.25": ((-1.0, 0.25), ["soft-limits"]),
-    "min_position: -0.3, soft_lower_limit: -0.5": ((-0.3, 1.0), ["soft-limits"]),
-    "soft_lower_limit: 2, soft_upper_limit: 3": ((-1.0, 1.0), ["soft-limits-unusable"]),
-    "has_soft_limits: false, soft_lower_limit: 0": ((-1.0, 1.0), ["limits-empty"]),
+    "soft_lower_limit: -0.5, soft_upper_limit: 0.25": ((-0.5, 0.25), ["limits-adjusted"]),
+    "soft_lower_limit: -5, soft_upper_limit: 0.25": ((-1.0, 0.25), ["limits-adjusted"]),
+    "min_position: -0.3, soft_lower_limit: -0.5": ((-0.3, 1.0), ["limits-adjusted"]),
+    "soft_lower_limit: 2, soft_upper_limit: 3": ((-1.0, 1.0), ["outside-limits"]),
+    "has_soft_limits: false, soft_lower_limit: 0": ((-1.0, 1.0), ["companion-not-used"]),
 }
 
 
@@ -124,9 +124,9 @@ def test_zero_means_not_given_and_an_unknown_entry_is_said(tmp_path: Path) -> No
     path = write(tmp_path, two_joints())
     arm = load_arm(path, limits=write(tmp_path, "joint_limits: {a: {max_velocity: 0, max_effort: 0.0}}", "l.yaml"))
     assert arm.limits.velocity.tolist() == [2.0, 2.0]
-    assert codes(arm) == ["limits-empty"]
+    assert codes(arm) == ["companion-not-used"]
     arm = load_arm(path, limits=write(tmp_path, "joint_limits: {a: {max_velocty: 1}}", "l.yaml"))
-    assert codes(arm) == ["limits-entry-unknown", "limits-empty"]
+    assert codes(arm) == ["companion-doubtful", "companion-not-used"]
     assert "unknown and left out; closest: 'max_velocity'" in str(arm.findings[0])
 
 
@@ -151,7 +151,7 @@ def test_refused_in_one_line(case: str, tmp_path: Path) -> None:
     assert message in str(caught.value)
     assert "joint_limits.yaml: " in str(caught.value)
     assert "\n" not in str(caught.value)
-    assert caught.value.findings[-1].code == "limits-unusable"
+    assert caught.value.findings[-1].code == "companion-unusable"
 
 
 def test_files_that_are_none(tmp_path: Path) -> None:
@@ -192,9 +192,9 @@ def test_the_narrower_of_soft_and_hard_limits_counts(given: str, kind: str, tmp_
     arm = arm_with(tmp_path, given, kind=kind)
     assert (arm.limits.lower[0], arm.limits.upper[0]) == RANGES[given]
     assert (arm.limits.lower[1], arm.limits.upper[1]) == (-1.0, 1.0)
-    told = [one.what for one in arm.findings if one.code == "soft-limits"]
+    told = [one.what for one in arm.findings if one.code == "limits-adjusted"]
     assert len(told) == (RANGES[given] != (-1.0, 1.0))
-    assert ("soft-limits-unusable" in [one.code for one in arm.findings]) == ('"2" soft_upper_limit="3"' in given)
+    assert ("outside-limits" in [one.code for one in arm.findings]) == ('"2" soft_upper_limit="3"' in given)
     assert crosscheck(arm, 5).ok  # Pinocchio as written knows the hard ones
 
 

@@ -64,7 +64,7 @@ def test_it_is_unbounded_and_nothing_is_missing(tmp_path: Path) -> None:
 def test_limits_of_a_planar_joint_are_ignored_and_said(tmp_path: Path) -> None:
     arm = chain(tmp_path, '<axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="2"/>')
     assert np.isinf(arm.limits.upper[:3]).all()
-    assert [finding.code for finding in arm.findings] == ["planar-limits-ignored"]
+    assert [finding.code for finding in arm.findings] == ["limits-adjusted"]
 
 
 def test_its_coordinates_take_limits_and_locks(tmp_path: Path) -> None:

@@ -45,7 +45,7 @@ def test_a_name_means_its_first_colour(case: str, tmp_path: Path) -> None:
     ours = [shape.colour for link in description.links.values() for shape in link.visuals]
     np.testing.assert_allclose(ours, [one.meshColor for one in drawn])
     twice = len({RED, BLUE} & {rgba for rgba in (RED, BLUE) if rgba in NAMED[case]}) == 2 and case != "no name"
-    assert [one.code for one in description.findings if one.code == "material-twice"] == ["material-twice"] * twice
+    assert [one.code for one in description.findings if one.code == "bad-geometry"] == ["bad-geometry"] * twice
 
 
 def test_a_name_that_is_given_later_colours_nothing_before(tmp_path: Path) -> None:
@@ -65,7 +65,7 @@ COLOURS = {
 def test_a_colour_that_is_none_is_told(rgba: str, tmp_path: Path) -> None:
     text = drawing("x").replace("x</visual>", f'<material name=""><color rgba="{rgba}"/></material></visual>')
     description = read_description(write(tmp_path, text))
-    (what,) = (one.what for one in description.findings if one.code == "bad-colour")
+    (what,) = (one.what for one in description.findings if one.code == "bad-geometry")
     colour, told = COLOURS[rgba]
     assert told in what
     drawn = description.links["base_link"].visuals[0].colour

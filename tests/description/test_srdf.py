@@ -99,7 +99,7 @@ def test_of_a_bad_number_only_that_state_is_lost_and_named(tmp_path: Path) -> No
     assert {name: theta.tolist() for name, theta in arm.named_states.items()} == {
         "home": [0.5, 0.0], "stowed": [-0.5, 0.0],
     }  # fmt: skip
-    (noted,) = [finding for finding in arm.findings if finding.code == "state-unusable"]
+    (noted,) = [finding for finding in arm.findings if finding.code == "companion-doubtful"]
     assert (noted.place.line, noted.place.name) == (3, "up")
 
 
@@ -109,8 +109,8 @@ def test_refused_with_its_line(case: str, tmp_path: Path) -> None:
     with pytest.raises(DescriptionError) as caught:
         read_srdf(write(tmp_path, text, "arm.srdf"))
     assert message in str(caught.value)
-    codes = {"a document type": "document-type-refused", "too large": "file-too-large"}
-    assert [finding.code for finding in caught.value.findings] == [codes.get(case, "srdf-unusable")]
+    codes = {"a document type": "xml-malformed", "too large": "file-unreadable"}
+    assert [finding.code for finding in caught.value.findings] == [codes.get(case, "companion-unusable")]
 
 
 @pytest.mark.parametrize("name", ["xarm7", "panda"])

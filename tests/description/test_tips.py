@@ -142,7 +142,7 @@ def test_what_is_equal_is_asked(case: str, tmp_path: Path) -> None:
 def test_without_a_moving_joint_there_is_nothing_to_ask(tmp_path: Path) -> None:
     with pytest.raises(DescriptionError) as caught:
         choose_ends(described("base [-> a | -> b]", tmp_path))
-    assert [one.code for one in caught.value.findings] == ["nothing-moves"]
+    assert [one.code for one in caught.value.findings] == ["no-chain"]
 
 
 def test_what_does_not_turn_against_each_other_is_no_pair_of_fingers(tmp_path: Path) -> None:

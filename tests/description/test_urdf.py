@@ -58,7 +58,7 @@ def test_refused_in_one_line(case: str, tmp_path: Path) -> None:
 
 MESHES = "".join(f'<visual><geometry><mesh filename="package://no/{i}.stl"/></geometry></visual>' for i in (1, 2))
 SAID = {
-    "origin-looks-like-degrees": (two_joints(rpy="90 0 -45"), 'write rpy="1.5708 0 -0.785398"'),
+    "unit-doubtful": (two_joints(rpy="90 0 -45"), 'write rpy="1.5708 0 -0.785398"'),
     "mesh-missing": (
         two_joints().replace('name="upper"/>', f'name="upper">{MESHES}</link>'),
         "2 mesh files not found: 'package://no/1.stl', 'package://no/2.stl'",

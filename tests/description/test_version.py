@@ -96,7 +96,7 @@ def test_a_version_that_nobody_knows_is_told_and_read(version: str, tmp_path: Pa
     text = robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0"))
     path = write(tmp_path, text.replace("<robot ", f'<robot version="{version}" '))
     assert load_arm(path).joint_names == ("a", "b")
-    (what,) = told(path, "version-unknown")
+    (what,) = told(path, "word-unread")
     assert repr(version) in what
     with pytest.raises(ValueError, match="valid URDF"):
         pinocchio.buildModelFromXML(path.read_text())

@@ -48,6 +48,6 @@ def test_refused_in_one_line(case: str) -> None:
         parse_yaml(text, FILE)
     assert "\n" not in str(caught.value)
     (finding,) = caught.value.findings
-    assert finding.code == "limits-unusable"
+    assert finding.code == "companion-unusable"
     assert line is None or finding.place.line == line
     assert (case == "a tab") == ("TAB" in finding.what)

@@ -37,7 +37,7 @@ STEP = 1e-4
 WIDEST = 1e3
 """A follower that turns faster, or starts further off, leaves a difference quotient too few digits."""
 
-UNBOUNDED = 1e300
+UNBOUNDED = 1e9
 """Bounds beyond this are read as none."""
 
 

@@ -16,10 +16,10 @@ import pytest
 from twistarm import Arm, arm_from_screws, diagnose, joints, load_arm
 from twistarm.checking.doctor import Diagnosis
 from twistarm.description.findings import Finding, Place, finding
-from twistarm.description.meshes import MeshReader
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.parts import findings as module
 from twistarm.viewer.parts.findings import MAX_FINDINGS, PENDING, examined, loaded, node_of
+from twistarm.viewer.scene import links
 from twistarm.viewer.server import server as server_module
 from viewer_page import Page, stored, until, visit
 
@@ -66,7 +66,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 def visits(monkeypatch: pytest.MonkeyPatch) -> list[Arm]:
     """The arms that the doctor has begun to look at."""
     seen: list[Arm] = []
-    monkeypatch.setattr(module, "examine_arm", lambda arm, reader: (seen.append(arm), Diagnosis(()))[1])
+    monkeypatch.setattr(module, "examine_arm", lambda arm: (seen.append(arm), Diagnosis(()))[1])
     return seen
 
 
@@ -127,7 +127,7 @@ def test_what_the_loading_noted_is_sorted_and_the_doctor_is_announced(arm: Arm) 
 
 
 def test_an_arm_without_a_description_has_its_notes_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "examine_arm", lambda arm, reader: pytest.fail("there is nothing to look at"))
+    monkeypatch.setattr(module, "examine_arm", lambda arm: pytest.fail("there is nothing to look at"))
     bare = arm_from_screws(joints.revolute([0, 0, 1], [0, 0, 0]), np.eye(4), joints=["turn"])
     assert examined(bare) == loaded(bare) == {"type": "findings", "findings": [], "counts": {}, "note": ""}
     assert node_of(bare, Place("bare", None, "joint", "turn")) == "/screws/screw:0"
@@ -155,7 +155,7 @@ def test_without_a_page_nobody_diagnoses(viewer: Viewer, visits: list[Arm]) -> N
 def test_the_page_lives_while_the_doctor_is_slow(arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
     done = threading.Event()
     late = Diagnosis((note("axis-zero", Place("late")),))
-    monkeypatch.setattr(module, "examine_arm", lambda arm, reader: done.wait(10) and late)
+    monkeypatch.setattr(module, "examine_arm", lambda arm: done.wait(10) and late)
     viewer.show(arm.random_theta(np.random.default_rng(0)))
     with Page(viewer) as page:
         assert page.latest["findings"] == loaded(arm)
@@ -170,7 +170,7 @@ def test_the_page_lives_while_the_doctor_is_slow(arm: Arm, viewer: Viewer, monke
 def test_a_doctor_who_fails_is_told_and_the_page_lives(
     arm: Arm, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(arm: Arm, reader: MeshReader) -> None:
+    def fail(arm: Arm) -> None:
         raise RuntimeError(f"{SCRIPT}\nat a loss")
 
     monkeypatch.setattr(module, "examine_arm", fail)
@@ -200,7 +200,7 @@ def test_while_meshes_are_read_the_doctor_waits(
     mesh = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
     (tmp_path / "arm.urdf").write_text(URDF.replace('<link name="tool0"/>', f'<link name="tool0">{mesh}</link>'))
     leave = threading.Event()
-    monkeypatch.setattr(MeshReader, "parts", lambda self, path, most: leave.wait(10) and [])
+    monkeypatch.setattr(links, "read_mesh", lambda path: leave.wait(10) and 1 / 0)
     with Viewer(load_arm(tmp_path / "arm.urdf", tip="tool0"), open_browser=False) as viewer, Page(viewer) as page:
         time.sleep(0.1)
         assert visits == []
@@ -213,7 +213,7 @@ def test_while_meshes_are_read_the_doctor_waits(
 
 def test_closing_does_not_wait_for_ever_for_the_doctor(arm: Arm, monkeypatch: pytest.MonkeyPatch) -> None:
     done = threading.Event()
-    monkeypatch.setattr(module, "examine_arm", lambda arm, reader: (done.wait(10), Diagnosis(()))[1])
+    monkeypatch.setattr(module, "examine_arm", lambda arm: (done.wait(10), Diagnosis(()))[1])
     monkeypatch.setattr(server_module, "STOP_TIME", 0.5)
     with Viewer(arm, open_browser=False) as viewer:
         with Page(viewer):

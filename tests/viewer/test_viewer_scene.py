@@ -13,9 +13,7 @@ import umsgpack
 from numpy.testing import assert_allclose, assert_array_equal
 
 from twistarm import Arm, arm_from_screws, available_arms, joints, load_arm, poe
-from twistarm.description.meshes import MeshReader, Part
-from twistarm.description.meshes.loading import pieces_of
-from twistarm.description.meshes.mesh_file import mesh_file
+from twistarm.description.meshes import Part, read_mesh
 from twistarm.limits.joint_limits import usual_half
 from twistarm.support.errors import DescriptionError
 from twistarm.viewer import Viewer
@@ -172,8 +170,7 @@ def arm_of(folder: Path, base: str, tip: str = "") -> Arm:
 
 
 def load_parts(path: Path) -> list[Part]:
-    with MeshReader() as reader:
-        return reader.parts(path)
+    return read_mesh(path).parts()
 
 
 def test_a_collada_file_in_millimetres_is_drawn_in_metres(tmp_path: Path) -> None:
@@ -274,10 +271,7 @@ def test_whatever_ails_one_mesh_the_others_are_drawn(
     mesh = '<visual><geometry><mesh filename="{}.stl"/></geometry></visual>'
     arm = arm_of(tmp_path, mesh.format("bad") + mesh.format("good"), mesh.format("bad"))
     if place == "reading":
-        parts = MeshReader.parts
-        monkeypatch.setattr(
-            MeshReader, "parts", lambda self, path, most: parts(self, path) if path.stem == "good" else 1 / 0
-        )
+        monkeypatch.setattr(links, "read_mesh", lambda path: read_mesh(path) if path.stem == "good" else 1 / 0)
     else:
         draw = links._mesh
         monkeypatch.setattr(links, "_mesh", lambda node, *rest: 1 / 0 if "0" in node else draw(node, *rest))
@@ -295,6 +289,6 @@ def test_a_mesh_whose_colour_cannot_be_told_is_drawn_without(tmp_path: Path, mon
     box.visual = trimesh.visual.TextureVisuals(material=trimesh.visual.material.MultiMaterial())
     monkeypatch.setattr(trimesh, "load_scene", lambda file, **kind: trimesh.Scene(box))
     (tmp_path / "box.obj").write_text("o box")
-    ((corners, colour),) = pieces_of(mesh_file(tmp_path / "box.obj"))
+    ((corners, colour),) = read_mesh(tmp_path / "box.obj").pieces
     assert colour is None
     assert len(corners) == 12

@@ -17,7 +17,6 @@ from numpy.testing import assert_array_equal
 from tornado.httpclient import HTTPClientError
 
 from twistarm import Arm
-from twistarm.description.meshes import MeshReader
 from twistarm.support.errors import InputError, MissingExtraError
 from twistarm.viewer import Viewer, save_html
 from twistarm.viewer.server import server
@@ -192,9 +191,6 @@ def test_without_meshcat_the_error_says_what_to_install(
     for view in (lambda: Viewer(arm, open_browser=False), lambda: save_html(arm, tmp_path / "view.html")):
         with pytest.raises(MissingExtraError, match=r"the viewer needs meshcat, .*: pip install 'twistarm\[view\]'"):
             view()
-    monkeypatch.setitem(sys.modules, "trimesh", None)
-    with pytest.raises(MissingExtraError, match=r"drawing a mesh needs trimesh"):
-        MeshReader().parts(tmp_path / "x.stl")
 
 
 def test_importing_the_viewer_imports_no_extra() -> None:

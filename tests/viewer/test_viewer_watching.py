@@ -16,9 +16,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from twistarm import Arm, load_arm, plan_joint
-from twistarm.description.meshes import MeshReader
+from twistarm.description.meshes import read_mesh
 from twistarm.support.errors import DescriptionError, InputError
 from twistarm.viewer import Viewer
+from twistarm.viewer.scene import links
 from twistarm.viewer.scene.arm_scene import Scene
 from twistarm.viewer.server.watching import loaded
 from viewer_page import ARM, THETA, WAIT, Page, matrix, until, visit
@@ -239,8 +240,7 @@ def test_a_mesh_that_has_not_changed_is_not_read_again(tmp_path: Path, monkeypat
     (tmp_path / "arm.xacro").write_text(XACRO)
     first = Scene(load_arm(tmp_path / "arm.xacro")).whole()
     read: list[str] = []
-    parts = MeshReader.parts
-    monkeypatch.setattr(MeshReader, "parts", lambda self, path, most: read.append(path.name) or parts(self, path, most))
+    monkeypatch.setattr(links, "read_mesh", lambda path: read.append(path.name) or read_mesh(path))
     (tmp_path / "arm.xacro").write_text(XACRO.replace("0 0 0.4", "0 0 0.5"))
     second = first.successor(load_arm(tmp_path / "arm.xacro"))
     assert second.left == 2

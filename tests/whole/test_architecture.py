@@ -44,7 +44,7 @@ ALLOWED = {
     "trimesh": ("description/meshes",),
     "collada": ("description/meshes",),
     "yourdfpy": ("checking/other_readers.py",),
-    "mujoco": ("checking/mujoco_reader.py",),
+    "mujoco": ("description/mjcf/compilation.py",),
     "ompl": ("planning/free_path.py",),
     "scipy": ("planning", "guide/exercises"),
     "matplotlib": ("guide", "support/pictures.py"),

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from ..description.coupling import Affine
 from ..description.findings import Finding
-from ..description.tree import Description
+from ..description.tree import GRAVITY, Description
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits, slides, unit_of, usual_half
 from ..support.checks import (
@@ -382,7 +382,7 @@ class Arm:
         self,
         theta: ArrayLike,
         *,
-        gravity: ArrayLike = (0.0, 0.0, -9.81),
+        gravity: ArrayLike | None = None,
         payload: float = 0.0,
         payload_com: ArrayLike = (0.0, 0.0, 0.0),
     ) -> Array:
@@ -390,7 +390,7 @@ class Arm:
 
         Args:
             theta: Configurations (..., n) [rad, m].
-            gravity: Acceleration of free fall (3,) [m/s²], in base axes.
+            gravity: Acceleration of free fall (3,) [m/s²], in base axes; None is `self.gravity`.
             payload: Mass carried by the tool [kg].
             payload_com: The payload's centre of mass (3,) [m], in tool axes.
 
@@ -407,7 +407,7 @@ class Arm:
         theta_ddot: ArrayLike | None = None,
         *,
         payload: float | tuple[ArrayLike, ArrayLike] = 0.0,
-        gravity: ArrayLike = (0.0, 0.0, -9.81),
+        gravity: ArrayLike | None = None,
     ) -> Array:
         """τ = M(θ) θ̈ + C(θ, θ̇) θ̇ + N(θ), (..., n) [N m or N]: the inverse dynamics, with the base at rest.
 
@@ -420,7 +420,7 @@ class Arm:
             theta_dot: Velocities (..., n) [rad/s, m/s]; None is at rest.
             theta_ddot: Accelerations (..., n) [rad/s², m/s²]; None is none.
             payload: A point mass at the tool [kg], or the mass and its place (3,) in tool axes [m].
-            gravity: Acceleration of free fall (3,) [m/s²], in base axes.
+            gravity: Acceleration of free fall (3,) [m/s²], in base axes; None is `self.gravity`.
 
         Raises:
             InputError: An argument has another shape, or the payload is negative.
@@ -444,9 +444,20 @@ class Arm:
         load = mass, self.tool[:3, :3] @ require_one(offset, "the payload's place", 1) + self.tool[:3, 3]
         at = np.broadcast_arrays(*motion)
         rows = [x.reshape(-1, self.n) for x in at]
-        fall = require_one(as_vector(gravity, "gravity"), "gravity", 1)
+        fall = require_one(as_vector(self.gravity if gravity is None else gravity, "gravity"), "gravity", 1)
         efforts = self.pinocchio.torques(rows, self.base, fall, self.tip_link, load)
         return efforts.reshape(at[0].shape)
+
+    @property
+    def gravity(self) -> Array:
+        """The acceleration of free fall (3,) [m/s²] in base axes: (0, 0, −9.81) unless an MJCF gives another.
+
+        An MJCF gives it in the world. The base then stands as with all joints at 0.
+        """
+        if self.description is None or self.description.gravity is None:
+            return np.array(GRAVITY)
+        R = self.description.link_poses({})[self.base][:3, :3]
+        return np.asarray(R.T @ self.description.gravity)
 
     # -- configurations ------------------------------------------------------------------------------------------
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..description.meshes import MeshReader
+from ..description.meshes import extreme_points, read_mesh
 from ..description.tree import Description, Geometry, Link
 from ..support.checks import Array
 from ..support.errors import InputError, TwistarmError
@@ -62,19 +62,16 @@ class Body:
 
 
 class Shapes:
-    """Makes shapes of the collision library, and reads each mesh file once. A context manager."""
+    """Makes shapes of the collision library, and each mesh file's once.
 
-    def __init__(self, coal: Any, *, exact: bool = False) -> None:
-        self._coal, self._exact = coal, exact
-        self._reader = MeshReader()
+    A mesh becomes its convex hull. With `exact` it stays as it is. With `rough` it becomes the hull of its outermost
+    points, which takes no other library; then formats other than STL count as unreadable.
+    """
+
+    def __init__(self, coal: Any, *, exact: bool = False, rough: bool = False) -> None:
+        self._coal, self._exact, self._rough = coal, exact, rough
         self._read: dict[tuple[Path, tuple[float, ...]], Any] = {}
         self.unreadable: dict[str, list[str]] = {}  # why a mesh is left out, and of which links
-
-    def __enter__(self) -> Shapes:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._reader.close()
 
     def of_links(self, description: Description, reach: float) -> Iterator[Body]:
         """The bodies of all links: collision shapes, else visuals, else capsules to the joints that a link carries."""
@@ -93,16 +90,14 @@ class Shapes:
         return self._coal.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0)
 
     def mesh(self, path: Path, scale: tuple[float, ...]) -> Any:
-        """The convex hull of a mesh file, or its triangles if shapes are exact.
-
-        Raises TwistarmError (UnreadableMeshError, MissingExtraError) if it cannot be read.
-        """
+        """The convex hull of a mesh file, or its triangles if shapes are exact. UnreadableMeshError for no mesh."""
         if (path, scale) not in self._read:
-            parts = self._reader.parts(path, MOST_TRIANGLES if self._exact else MOST_OF_A_HULL)
-            firsts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
-            faces = np.concatenate([part.faces + first for part, first in zip(parts, firsts, strict=True)])
-            points = np.concatenate([part.vertices for part in parts])
-            self._read[path, scale] = self.solid(Triangles(points, faces), scale)
+            if self._rough:
+                shape = self._hull(extreme_points(path) * scale)
+            else:
+                mesh = read_mesh(path).solid(MOST_TRIANGLES if self._exact else MOST_OF_A_HULL)
+                shape = self.solid(Triangles(*mesh), scale)
+            self._read[path, scale] = shape
         return self._read[path, scale]
 
     def solid(self, mesh: Triangles, scale: tuple[float, ...]) -> Any:

@@ -188,11 +188,11 @@ def _build(description: Description) -> Any:
     count = sum(joint.moving for joint in description.joints.values())
     if count > MAX_MOVING_JOINTS:
         what = f"{count} moving joints; at most {MAX_MOVING_JOINTS}"
-        raise refusal("too-many-joints", description.place(), what, "is it a whole scene?")
+        raise refusal("too-large", description.place(), what, "is it a whole scene?")
     model, complaint = model_of(description.repaired)
     if complaint:
         raise refusal(
-            "engine-refuses", description.place(), f"Pinocchio refuses it: {complaint}", "correct what it names"
+            "engines-disagree", description.place(), f"Pinocchio refuses it: {complaint}", "correct what it names"
         )
     return model
 

@@ -228,12 +228,12 @@ class Obstacles:
         sizes = tuple(as_positive(number, what) for number in numbers.tolist())
         if max(sizes, default=0.0) > LARGEST:
             raise InputError(f"{what} must be at most {LARGEST:g} m; got {max(sizes):g}: lengths are in metres")
-        with Shapes(import_pinocchio().coal, exact=self.exact) as shapes:
-            if kind == "plane":
-                return shapes.half_space(), sizes
-            if isinstance(mesh, Triangles):
-                return shapes.solid(mesh, sizes), sizes
-            return (shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)), sizes
+        shapes = Shapes(import_pinocchio().coal, exact=self.exact)
+        if kind == "plane":
+            return shapes.half_space(), sizes
+        if isinstance(mesh, Triangles):
+            return shapes.solid(mesh, sizes), sizes
+        return (shapes.primitive(kind, sizes) if mesh is None else shapes.mesh(mesh, sizes)), sizes
 
     def _hold(self, name: str, carrier: str, pose: Array, touching: Iterable[str]) -> None:
         """Put an obstacle on a link, at `pose` (4, 4) in its frame."""

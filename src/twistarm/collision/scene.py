@@ -83,9 +83,9 @@ class Scene(Obstacles):
         self._shape = (arm.n,)
         self._margin = _margins(margin)
         self._progress = require_callback(progress, "progress", "(fraction)")
-        with Shapes(import_pinocchio().coal, exact=self.exact) as shapes:
-            self._links = tuple(shapes.of_links(self._description, arm.reach))
-            self._unreadable: Mapping[str, list[str]] = shapes.unreadable
+        shapes = Shapes(import_pinocchio().coal, exact=self.exact)
+        self._links = tuple(shapes.of_links(self._description, arm.reach))
+        self._unreadable: Mapping[str, list[str]] = shapes.unreadable
         self._loaded = SceneFile("", ())
         self.file: Path | None = None
 
@@ -208,7 +208,7 @@ class Scene(Obstacles):
             found.append(finding("collision-shapes", place, what, "write collision shapes into the description"))
         for why, names in self._unreadable.items():
             remedy = "mend the file, or give the link a box or cylinder as collision shape"
-            found.append(finding("collision-mesh-unreadable", place, f"{why}; left out of {listed(names)}", remedy))
+            found.append(finding("mesh-unreadable", place, f"{why}; left out of {listed(names)}", remedy))
         return tuple(found)
 
     @property

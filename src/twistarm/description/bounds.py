@@ -17,8 +17,8 @@ AXIS_TOL = 1e-3
 SNAP = 2e-12
 """An axis so near to x, y or z is rounded to it. Pinocchio's parser rounds too, at 1e-12."""
 
-WIDE = 1e300
-"""The number for "no limit" in the text for Pinocchio, which refuses infinity. Read as infinity, like any more."""
+WIDE = 1e9
+"""The number for "no limit" in a URDF, whose readers refuse infinity. Read as infinity, like any more."""
 
 LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
 LATER_NAMES = ("acceleration", "deceleration", "jerk")
@@ -39,7 +39,7 @@ def read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, 
     try:
         vector = np.array(floats(axis.get("xyz", "1 0 0"), 3))
     except ValueError as error:
-        raise reading.error(element, "axis-malformed", f"its <axis> is malformed: {error}") from error
+        raise reading.error(element, "number-malformed", f"its <axis> is malformed: {error}") from error
     norm = float(np.linalg.norm(vector))
     if norm < 1e-9:
         remedy = "give the axis it moves along or about"
@@ -74,7 +74,7 @@ def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], read
     lower, upper = given.get("lower", -np.inf if both else 0.0), given.get("upper", np.inf if both else 0.0)
     if lower >= WIDE or upper <= -WIDE:
         what = f"its limits lower {lower:g}, upper {upper:g} leave no place to stand"
-        raise reading.error(element, "limit-malformed", what, "give finite bounds")
+        raise reading.error(element, "number-malformed", what, "give finite bounds")
     if lower > upper:
         unwritten = f"; {missing[0]} is not written, which is 0" if missing else ""
         what = f"its limits are swapped: lower {lower:g} > upper {upper:g}{unwritten}"
@@ -100,7 +100,7 @@ def softened(element: ET.Element, kind: str, hard: Bounds, reading: Reading) -> 
     if lower < upper or (lower == upper == hard[0] == hard[1]):
         return lower, upper
     what = f"its soft limits [{soft_lower:g}, {soft_upper:g}] leave no room in [{hard[0]:g}, {hard[1]:g}]; not kept"
-    reading.note("soft-limits-unusable", element, what, "correct its <safety_controller>, or take it out")
+    reading.note("outside-limits", element, what, "correct its <safety_controller>, or take it out")
     return hard
 
 
@@ -111,7 +111,7 @@ def note_softened(joints: Iterable[Joint], reading: Reading) -> None:
         shown = [f"{one.name} [{one.lower:g}, {one.upper:g}]" for one in narrower[:MOST_SHOWN]]
         more = f" and {len(narrower) - MOST_SHOWN} more" if len(narrower) > MOST_SHOWN else ""
         what = f"the soft limits of <safety_controller> are kept, inside those of <limit>: {', '.join(shown)}{more}"
-        reading.note("soft-limits", None, what, "give lower and upper in arm.toml for other limits")
+        reading.note("limits-adjusted", None, what, "give lower and upper in arm.toml for other limits")
 
 
 def rate(value: float | None) -> float:
@@ -132,5 +132,5 @@ def _number(joint: ET.Element, name: str, text: str, reading: Reading) -> float:
         value = float("nan")
     if np.isnan(value):
         what = f"its limit {name}={text[:60]!r} is not a number"
-        raise reading.error(joint, "limit-malformed", what, "write it in digits, with a point")
+        raise reading.error(joint, "number-malformed", what, "write it in digits, with a point")
     return value

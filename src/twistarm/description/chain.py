@@ -49,14 +49,14 @@ def walk_chain(description: Description, base: str, tip: str, tool: Array, locke
         if joint.type == "floating":
             what = f"between {base!r} and {tip!r} it is floating: its motion is not one number per joint"
             remedy = Text("choose a {base} beyond it", base=Argument("base"))
-            raise refusal("floating-in-chain", description.place(joint), what, remedy)
+            raise refusal("no-chain", description.place(joint), what, remedy)
     couplings = resolve_couplings(description, locked_joints)
     moving = tuple(joint.name for joint in joints if joint.moving)
     coordinates = tuple(dict.fromkeys(m for name in moving if (m := couplings[name].master) is not None))
     if not coordinates:
         what = f"no joint moves between base {base!r} and tip {tip!r}"
         remedy = Text("choose another {base} or {tip}", base=Argument("base"), tip=Argument("tip"))
-        raise refusal("nothing-moves", description.place(), what, remedy)
+        raise refusal("no-chain", description.place(), what, remedy)
     A, b = coupling_matrix(couplings, moving, coordinates)
     screws, home, points = _walk(joints, dict(zip(moving, b, strict=True)))
     masters = [description.joints[name] for name in coordinates]
@@ -111,7 +111,7 @@ def _narrowed(
         return limits, []
     usable = bool(lower < upper)
     noted = finding(
-        "mimic-narrows-limits" if usable else "mimic-outside-limits",
+        "limits-adjusted" if usable else "outside-limits",
         description.place(follower),
         f"it follows {affine.master} beyond its own limits [{follower.lower:g}, {follower.upper:g}]; "
         + (f"{affine.master} is kept in [{lower:.4g}, {upper:.4g}]" if usable else "its limits are not kept"),
@@ -127,7 +127,7 @@ def _narrowed(
 def _locked_outside(description: Description, locked_joints: Mapping[str, float]) -> list[Finding]:
     return [
         finding(
-            "locked-outside-limits",
+            "outside-limits",
             description.place(joint),
             Text(
                 "it is locked at {value}, outside its limits {lower} … {upper}",

@@ -68,11 +68,11 @@ def _follow(description: Description, name: str, locked_joints: Mapping[str, flo
             if not joint.scalar:
                 place = description.place(description.joints[next(iter(behind), name)])
                 what = f"it mimics {name!r}, which is {joint.type}: its motion is not one number"
-                raise refusal("mimic-master-unusable", place, what, "let it mimic another joint")
+                raise refusal("mimic-unusable", place, what, "let it mimic another joint")
             return Affine(name, multiplier, offset)
         if name in behind:
             what = f"joints mimic each other in a circle: {', '.join(behind)}"
-            raise refusal("mimic-circle", description.place(joint), what, "let one of them move by itself")
+            raise refusal("mimic-unusable", description.place(joint), what, "let one of them move by itself")
         behind[name] = None
         offset += multiplier * joint.mimic.offset
         multiplier *= joint.mimic.multiplier
@@ -80,4 +80,4 @@ def _follow(description: Description, name: str, locked_joints: Mapping[str, flo
         if name not in description.joints:
             remedy = f"correct the name{closest(name, description.joints)}"
             what = f"it mimics {name!r}, which does not exist"
-            raise refusal("mimic-master-missing", description.place(joint), what, remedy)
+            raise refusal("mimic-unusable", description.place(joint), what, remedy)

@@ -139,7 +139,7 @@ def read_text(path: Path, most: int = MAX_BYTES) -> str:
         told, place = str(getattr(error, "strerror", None) or error), Place(str(path))
         number = getattr(error, "errno", None)
         if number == errno.EFBIG:
-            raise refusal("file-too-large", place, told, "is it the right file?") from error
+            raise refusal("file-unreadable", place, told, "is it the right file?") from error
         if number == errno.EINVAL:
             raise refusal("file-unreadable", place, told, "give a file") from error
         remedy = "is the path right?" if number == errno.ENOENT else "check the disk and the file's permissions"
@@ -190,7 +190,7 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
     def refuse(name: str, *_: object) -> None:
         place = replace(reading.whole, line=parser.CurrentLineNumber)
         what = f"a document type (<!DOCTYPE {name}>) is not allowed"
-        raise refusal("document-type-refused", place, what, "remove it")
+        raise refusal("xml-malformed", place, what, "remove it")
 
     parser.StartElementHandler = start
     parser.EndElementHandler = end
@@ -210,4 +210,4 @@ def parse_xml(text: str, reading: Reading) -> ET.Element:
 
 def _too_many(reading: Reading) -> DescriptionError:
     what = f"it has more than {MAX_PARTS:,} elements and attributes"
-    return refusal("file-too-large", reading.whole, what, "leave out what the arm does not need")
+    return refusal("file-unreadable", reading.whole, what, "leave out what the arm does not need")

@@ -59,10 +59,10 @@ class Materials:
             names = listed(self._twice, 3)
             what = f"{len(self._twice)} material{'s' * (len(self._twice) > 1)} with several colours: {names}"
             remedy = "give each colour a name of its own"
-            self._reading.note("material-twice", None, f"{what}; the first colour of a name counts", remedy)
+            self._reading.note("bad-geometry", None, f"{what}; the first colour of a name counts", remedy)
         for rgba, drawn in self._odd:
             what = f"the colour rgba={rgba[:60]!r} is not four numbers from 0 to 1; {drawn}"
-            self._reading.note("bad-colour", None, what, 'write rgba="RED GREEN BLUE ALPHA"', repaired=True)
+            self._reading.note("bad-geometry", None, what, 'write rgba="RED GREEN BLUE ALPHA"', repaired=True)
 
     def _own(self, material: ET.Element) -> Colour | None:
         element = material.find("color")

@@ -13,7 +13,7 @@ from urllib.parse import unquote
 from ..support.errors import closest
 from ..support.files import is_file
 from ..support.messages import Text, package_folder
-from .meshes.mesh_file import FORMATS
+from .meshes.reading import FORMATS
 from .packages import PackageIndex
 
 _IN_PACKAGE = re.compile(r"(?:(?:package|model)://([^/\\]*)|\$\(find\s+([^)\s]+)\))[/\\]*")

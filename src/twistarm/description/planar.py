@@ -61,7 +61,7 @@ def _coordinates(joint: ET.Element, taken: set[str], reading: Reading) -> tuple[
     for name in names:
         if name in taken:
             what = f"its coordinates are named {', '.join(names)}, and there is a joint {name!r} already"
-            raise reading.error(joint, "name-duplicate", what, "rename one")
+            raise reading.error(joint, "name-unusable", what, "rename one")
     taken.discard(joint.get("name", ""))
     taken.update(names)
     return names
@@ -99,7 +99,7 @@ def _note_limits(joint: ET.Element, reading: Reading) -> None:
     if given:
         names = ", ".join(coordinate_names(joint.get("name", "")))
         what = f"its <limit> gives {', '.join(given)}, one number for slides and turn alike; taken as unbounded"
-        reading.note("planar-limits-ignored", joint, what, f"give limits of {names} in arm.toml")
+        reading.note("limits-adjusted", joint, what, f"give limits of {names} in arm.toml")
 
 
 def _refuse_mimics(robot: ET.Element, planar: set[str], reading: Reading) -> None:
@@ -108,8 +108,8 @@ def _refuse_mimics(robot: ET.Element, planar: set[str], reading: Reading) -> Non
         master = mimic.get("joint", "")
         if joint.get("type") == "planar":
             what = f"it is planar and mimics {master!r}: its motion is not one number"
-            raise reading.error(joint, "planar-mimics", what, "remove its <mimic>")
+            raise reading.error(joint, "mimic-unusable", what, "remove its <mimic>")
         if master in planar and joint.get("type") not in ("fixed", "floating"):
             what = f"it mimics {master!r}, which is planar: its motion is not one number"
             remedy = f"let it mimic another joint, or one of {', '.join(coordinate_names(master))}"
-            raise reading.error(joint, "mimic-master-unusable", what, remedy)
+            raise reading.error(joint, "mimic-unusable", what, remedy)

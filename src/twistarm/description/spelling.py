@@ -113,5 +113,5 @@ def _version(written: str, reading: Reading) -> tuple[int, int]:
         return version
     known = ", ".join("{}.{}".format(*one) for one in KNOWN)
     what = f"URDF version {written!r} is not known here; it is read as the newest, and other readers refuse it"
-    reading.note("version-unknown", None, what, f"write one of {known}")
+    reading.note("word-unread", None, what, f"write one of {known}")
     return KNOWN[-1]

@@ -48,28 +48,28 @@ def _check_counts(robot: ET.Element, reading: Reading) -> None:
     for tag, most in MAX_PARTS.items():
         if counts[tag] > most:
             what = f"it has {counts[tag]:,} elements <{tag}>; at most {most:,} are read"
-            raise refusal("too-many-parts", reading.whole, what, "is it a whole scene? leave out all but the robot")
+            raise refusal("too-large", reading.whole, what, "is it a whole scene? leave out all but the robot")
 
 
 def _check_names(elements: list[ET.Element], reading: Reading) -> None:
     for element in elements:
         if not element.get("name"):
-            reading.note("name-missing", element, "it has no name", "every link and joint needs one")
+            reading.note("name-unusable", element, "it has no name", "every link and joint needs one")
         elif len(element.get("name", "")) > MAX_NAME:
             what = f"its name has {len(element.get('name', '')):,} characters; at most {MAX_NAME} are read"
-            reading.note("name-too-long", element, what, "shorten it")
+            reading.note("name-unusable", element, what, "shorten it")
     counts = Counter(element.get("name") for element in elements)
     last = {element.get("name"): element for element in elements}
     for name, count in counts.items():
         if name and count > 1:
-            reading.note("name-duplicate", last[name], f"the name is used by {count} {last[name].tag}s", "rename one")
+            reading.note("name-unusable", last[name], f"the name is used by {count} {last[name].tag}s", "rename one")
 
 
 def _check_end(joint: ET.Element, end: str, names: set[str], reading: Reading) -> None:
     element = joint.find(end)
     link = None if element is None else element.get("link")
     if not link:
-        reading.note("end-missing", joint, f"it has no <{end} link=…>", f"name its {end} link")
+        reading.note("link-undefined", joint, f"it has no <{end} link=…>", f"name its {end} link")
     elif link not in names:
         hint = closest(link, names) if len(reading.findings.kept) < MOST_HINTS else ""
         remedy = f"define it, or correct the name{hint}"
@@ -82,7 +82,7 @@ def _check_parents(joints: list[ET.Element], reading: Reading) -> None:
         child = end_of(joint, "child")
         if child in first:
             what = f"link {child!r} has two parents: joint {first[child].get('name')!r} moves it too"
-            reading.note("two-parents", joint, what, "remove one joint")
+            reading.note("not-a-tree", joint, what, "remove one joint")
         first[child] = joint
 
 
@@ -102,7 +102,7 @@ def _check_connected(robot: ET.Element, reading: Reading) -> None:
     roots = root_links(robot)
     if len(roots) > 1:
         what = f"{len(roots)} root links: {listed(roots)}"
-        raise refusal("several-roots", reading.whole, what, "a robot has one: join them with fixed joints")
+        raise refusal("not-a-tree", reading.whole, what, "a robot has one: join them with fixed joints")
     children: dict[str, list[str]] = {}
     for joint in robot.findall("joint"):
         children.setdefault(end_of(joint, "parent"), []).append(end_of(joint, "child"))
@@ -113,10 +113,10 @@ def _check_connected(robot: ET.Element, reading: Reading) -> None:
         depth += 1
         if depth > MAX_LINKS_DEEP:
             what = f"a chain of more than {MAX_LINKS_DEEP} links"
-            raise refusal("too-deep", reading.whole, what, "is it generated?")
+            raise refusal("too-large", reading.whole, what, "is it generated?")
         reached.update(level)
         level = [child for link in level for child in children.get(link, [])]
     cyclic = [link.get("name", "") for link in robot.findall("link") if link.get("name") not in reached]
     if cyclic:
         what = f"the joints of {listed(cyclic)} form a cycle"
-        raise refusal("cycle", reading.whole, what, "a URDF is a tree: remove one of its joints")
+        raise refusal("not-a-tree", reading.whole, what, "a URDF is a tree: remove one of its joints")

@@ -20,6 +20,9 @@ from .semantics import Semantics
 JointType = Literal["revolute", "continuous", "prismatic", "fixed", "planar", "floating"]
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 
+GRAVITY = (0.0, 0.0, -9.81)
+"""The usual acceleration of free fall [m/s²], in axes of a base that stands upright."""
+
 
 @dataclass(frozen=True)
 class Geometry:
@@ -104,8 +107,8 @@ class Description:
     """Links and joints after all repairs, with the findings of the reading.
 
     `text` is the expanded description as written, for the engines of the crosscheck. `repaired` is the kinematic part
-    of it with all repairs, for Pinocchio. An MJCF has its own text with includes in `mjcf`, and says more in
-    `semantics`.
+    of it with all repairs, for Pinocchio. An MJCF says more, in `semantics` and in `gravity`: the acceleration of free
+    fall (3,) [m/s²] in axes of the root.
     """
 
     name: str
@@ -116,8 +119,8 @@ class Description:
     text: str = field(repr=False)
     repaired: str = field(repr=False)
     findings: tuple[Finding, ...] = ()
-    mjcf: str = field(default="", repr=False)
     semantics: Semantics | None = field(default=None, repr=False)
+    gravity: tuple[float, float, float] | None = None
 
     def __repr__(self) -> str:
         source = f" from {self.path.name}" if self.path else ""
@@ -155,7 +158,7 @@ class Description:
                 above = [joint.parent for joint in path]
                 what = f"base {base!r} is no ancestor of tip {tip!r}"
                 remedy = f"a base must be one of {listed(above) if above else 'no link: the tip is the root'}"
-                raise refusal("base-not-above-tip", self.place(), what, remedy)
+                raise refusal("no-chain", self.place(), what, remedy)
             path.append(joint)
             link = joint.parent
         return tuple(reversed(path))

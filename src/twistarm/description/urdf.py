@@ -67,7 +67,7 @@ def read_description(
         reading = Reading(file, packages, show_lines=False)
     elif xacro_args:
         what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
-        raise refusal("xacro-argument-unknown", Place(str(file)), what, "leave them out")
+        raise refusal("xacro-arguments", Place(str(file)), what, "leave them out")
     else:
         noted = tuple(not_used(package, file, ()) for package in ignore_packages)
         text, reading = read_text(file), Reading(file, packages)
@@ -87,9 +87,9 @@ def _of_mjcf(root: ET.Element, reading: Reading) -> Description:
     """The tree of an MJCF, read as the URDF that it is translated to."""
     from .mjcf.translation import translated  # most programs read none
 
-    urdf, mjcf, semantics = translated(root, reading)
+    urdf, semantics, gravity = translated(root, reading)
     description = build_description(urdf, replace(reading, show_lines=False, lines={}))
-    return replace(description, mjcf=mjcf, semantics=semantics)
+    return replace(description, semantics=semantics, gravity=gravity)
 
 
 def _require_links(text: str, file: Path) -> None:
@@ -150,7 +150,7 @@ def _name_robot(robot: ET.Element, reading: Reading) -> None:
     if not robot.get("name"):
         robot.set("name", reading.path.stem)
         what = f"the <robot> has no name; called {reading.path.stem!r} after the file"
-        reading.note("robot-unnamed", None, what, 'write <robot name="…">', repaired=True)
+        reading.note("word-unread", None, what, 'write <robot name="…">', repaired=True)
 
 
 def _read_link(element: ET.Element, geometries: Geometries, reading: Reading) -> Link:
@@ -187,7 +187,7 @@ def _read_joint(element: ET.Element, reading: Reading, rates: Rates) -> Joint:
     except ValueError as error:
         what = f"its <origin> is malformed: {error}"
         remedy = "give xyz and rpy as three numbers each, or in the place of rpy quat_xyzw as four"
-        raise reading.error(element, "origin-malformed", what, remedy) from error
+        raise reading.error(element, "number-malformed", what, remedy) from error
     _note_degrees(element, reading)
     axis, axis_length = read_axis(element, kind, reading)
     numbers = limit_numbers(element, reading)
@@ -223,7 +223,7 @@ def _note_degrees(element: ET.Element, reading: Reading) -> None:
         radians = " ".join(f"{np.radians(angle):.6g}" for angle in angles)
         typed = " ".join(f"{angle:g}" for angle in angles)
         what = f'its rpy="{typed}" rad goes beyond a whole turn; it looks like degrees'
-        reading.note("origin-looks-like-degrees", element, what, f'if so, write rpy="{radians}"')
+        reading.note("unit-doubtful", element, what, f'if so, write rpy="{radians}"')
 
 
 def _read_mimic(element: ET.Element, reading: Reading) -> Mimic | None:
@@ -235,7 +235,7 @@ def _read_mimic(element: ET.Element, reading: Reading) -> Mimic | None:
         (offset,) = floats(mimic.get("offset", "0"), 1)
     except ValueError as error:
         what, remedy = f"its <mimic> is malformed: {error}", "give multiplier and offset as one number each"
-        raise reading.error(element, "mimic-malformed", what, remedy) from error
+        raise reading.error(element, "number-malformed", what, remedy) from error
     return Mimic(mimic.get("joint", ""), multiplier, offset)
 
 
@@ -243,12 +243,14 @@ def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading)
     """Add a finding for each kind of rate, with the joints that do not give it and the value there."""
     moving = [joint.name for joint in joints if joint.scalar and joint.mimic is None]
     for kind in ("velocity", "effort"):
-        absent = {name: given[name].get(kind, 0.0) for name in moving if given[name].get(kind, 0.0) <= 0}
+        absent = [name for name in moving if not 0 < given[name].get(kind, 0.0) < WIDE]
+        absent = [name for name in absent if given[name].get(kind) != np.inf]  # said to have none
         if absent:
-            worst = min(absent.values())
-            what = f"{kind} limit {f'{worst:g}' if worst else 'absent or 0'} on {', '.join(absent)}: taken as not given"
+            worst = min(given[name].get(kind, 0.0) for name in absent)
+            shown = f"{worst:g}" if worst < 0 else "absent or 0"
+            what = f"{kind} limit {shown} on {', '.join(absent)}: taken as not given"
             remedy = f"give {kind} in arm.toml, or in a URDF" + (", before planning" if kind == "velocity" else "")
-            reading.note(f"{kind}-not-given", None, what, remedy, repaired=True)
+            reading.note("rate-not-given", None, what, remedy, repaired=True)
 
 
 def _make_loadable(element: ET.Element, axis: Array, bounds: tuple[float, float]) -> None:

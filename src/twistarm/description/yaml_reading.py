@@ -21,7 +21,7 @@ _EXPONENT = re.compile(r"[-+]?[0-9][0-9_]*[eE][-+]?[0-9]+")
 def parse_yaml(text: str, file: Path) -> Any:
     """Mappings, lists, texts and numbers of one YAML document, in which no mapping has a key twice.
 
-    DescriptionError `limits-unusable`, with the line, for anything else.
+    DescriptionError `companion-unusable`, with the line, for anything else.
     """
     import yaml
 
@@ -52,6 +52,6 @@ def parse_yaml(text: str, file: Path) -> Any:
         if "\t" in line[: len(line) - len(line.lstrip())]:
             what = "a TAB indents the line; indent with spaces"
         place = Place(str(file), mark.line + 1 if mark else None)
-        raise refusal("limits-unusable", place, f"not usable YAML: {what}") from error
+        raise refusal("companion-unusable", place, f"not usable YAML: {what}") from error
     except (RecursionError, ValueError, OverflowError) as error:
-        raise refusal("limits-unusable", Place(str(file)), f"not usable YAML: {error}") from error
+        raise refusal("companion-unusable", Place(str(file)), f"not usable YAML: {error}") from error

@@ -45,3 +45,31 @@ def end_by(sent: Sequence[int]) -> None:
     for number in sent[:1]:
         signal.signal(number, signal.SIG_DFL)
         signal.raise_signal(number)
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Raise a KeyboardInterrupt again at the end of a block that caught it and went on, as some libraries do.
+
+    Outside the main thread this does nothing, because no signal comes there.
+    """
+    caught: list[KeyboardInterrupt] = []
+    here = threading.current_thread() is threading.main_thread()
+    handlers = {int(each): handler for each in SIGNALS if here and callable(handler := signal.getsignal(each))}
+
+    def note(number: int, frame: FrameType | None) -> None:
+        try:
+            handlers[number](number, frame)
+        except KeyboardInterrupt as interruption:
+            caught.append(interruption)
+            raise
+
+    for number in handlers:
+        signal.signal(number, note)
+    try:
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        if caught:
+            raise caught[0]

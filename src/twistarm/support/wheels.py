@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import re
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
@@ -30,7 +32,8 @@ class Wheel:
 def load(wheel: Wheel) -> Any:
     """The module. MissingExtraError if it is not installed; TwistarmError with its file and the remedy if unusable."""
     try:
-        module = import_module(wheel.module)
+        with _installed_modules():
+            module = import_module(wheel.module)
     except Exception as error:  # a foreign package may raise whatever it likes
         if isinstance(error, ModuleNotFoundError) and error.name == wheel.module:
             raise MissingExtraError(f"{wheel.module} is not installed; {_install(wheel)}") from error
@@ -41,6 +44,17 @@ def load(wheel: Wheel) -> Any:
     if fault:
         raise _unfit(wheel, getattr(module, "__file__", None), fault)
     return module
+
+
+@contextmanager
+def _installed_modules() -> Iterator[None]:
+    """Leave the current folder out of the module path: a stranger's archive may hold modules."""
+    before, here = sys.path[:], os.path.realpath(".")
+    sys.path[:] = [folder for folder in before if os.path.realpath(folder) != here]
+    try:
+        yield
+    finally:
+        sys.path[:] = before
 
 
 def _fault(module: Any, wheel: Wheel) -> str:

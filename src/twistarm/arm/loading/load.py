@@ -158,7 +158,7 @@ def _within(arm: Arm, file: str) -> Arm:
     states = {name: theta for name, theta in arm.named_states.items() if arm.limits.contains(theta)}
     what, remedy = "it lies outside the limits that were given; it is left out", "correct them, where the arm needs it"
     places = [Place(file, None, "named_states", name) for name in arm.named_states if name not in states]
-    left_out = [finding("state-outside-limits", place, what, remedy) for place in places]
+    left_out = [finding("outside-limits", place, what, remedy) for place in places]
     return replace(arm, named_states=states, findings=(*arm.findings, *left_out))
 
 
@@ -288,7 +288,7 @@ def assemble(description: Description, specification: ArmSpecification, changes:
     tool = specification.tool or Tool(tip, np.eye(4))
     if specification.tool and tool.name in description.links:
         what = f"tool.name {tool.name!r} is a link already"
-        raise refusal("tool-name-taken", Place(specification.source), what, "name it otherwise")
+        raise refusal("companion-unusable", Place(specification.source), what, "name it otherwise")
     chain = walk_chain(description, base, tip, tool.g_tip_tool, specification.locked_joints)
     limits, limiting = fitted_limits(chain.limits, chain.coordinates, specification, changes, description.joints)
     arm = Arm(
@@ -316,7 +316,7 @@ def _semantics(
     description: Description, specification: ArmSpecification
 ) -> tuple[Semantics | None, tuple[Finding, ...]]:
     """The named SRDF or the one beside the description, and the findings about it."""
-    if specification.srdf is None and description.mjcf:
+    if specification.srdf is None and description.gravity is not None:  # an MJCF
         return description.semantics, ()
     if specification.srdf is None:
         semantics, noted = srdf_beside(description)

@@ -50,7 +50,7 @@ def fitted_limits(
     try:
         limits = limits.with_(by_field(own), names)
     except (ValueError, LookupError) as error:
-        raise refusal("limits-unusable", Place(specification.source), str(error)) from error
+        raise refusal("companion-unusable", Place(specification.source), str(error)) from error
     if isinstance(changes, (str, os.PathLike)):
         limits, more = read_joint_limits(changes).onto(limits, names, joints)
         return limits, (*noted, *more)
@@ -86,9 +86,9 @@ def _pose(arm: Arm, name: str, values: Mapping[str, float], specification: ArmSp
     try:
         theta = arm.theta_from({joint: value for joint, value in values.items() if joint not in skipped})
     except (ValueError, LookupError) as error:
-        raise refusal("pose-unusable", place, f"poses.{name}: {error}") from error
+        raise refusal("companion-unusable", place, f"poses.{name}: {error}") from error
     if outside := _outside(arm, theta, 0.0):
-        raise refusal("pose-unusable", place, f"poses.{name}: {outside}", "correct it or the limits")
+        raise refusal("companion-unusable", place, f"poses.{name}: {outside}", "correct it or the limits")
     return theta
 
 
@@ -142,12 +142,12 @@ def _unfit(arm: Arm, state: GroupState, locked_joints: Mapping[str, float]) -> t
     """Code and reason why a state does not fit this arm; empty if it does."""
     missing = [name for name in arm.joint_names if name not in state.values]
     if missing:
-        return "state-incomplete", f"it says nothing of {listed(missing)}"
+        return "companion-not-used", f"it says nothing of {listed(missing)}"
     contradiction = _contradiction(state.values, locked_joints)
     if contradiction:
         return "pose-left-out", contradiction
     outside = _outside(arm, _theta(arm, state), STATE_TOL)
-    return ("state-outside-limits", outside) if outside else ("", "")
+    return ("outside-limits", outside) if outside else ("", "")
 
 
 def _theta(arm: Arm, state: GroupState) -> Array:
@@ -169,12 +169,12 @@ def fitted_actuators(arm: Arm, specification: ArmSpecification) -> tuple[Actuato
         elif specification.other_chain and set(beyond) <= set(arm.couplings):
             place = Place(specification.source, None, "actuator", motor.name)
             what = f"it drives {listed(beyond)} outside the chain asked for; it is left out"
-            noted.append(finding("actuator-left-out", place, what, "nothing, where that is meant"))
+            noted.append(finding("off-the-chain", place, what, "nothing, where that is meant"))
         else:
             joint, names = beyond[0], arm.joint_names
             what = f"actuators.{motor.name}.ratio: no joint {joint!r} in {arm.name}{closest(joint, names)}"
             remedy = f"its joints, base to tip: {listed(names)}"
-            raise refusal("arm-file-unusable", Place(specification.source), what, remedy)
+            raise refusal("companion-unusable", Place(specification.source), what, remedy)
     return _actuators(motors, arm, specification) if motors else None, noted
 
 
@@ -191,7 +191,7 @@ def _actuators(motors: list[Motor], arm: Arm, specification: ArmSpecification) -
             limits=JointLimits.unbounded(len(motors)).with_(by_field({m.name: m.limits for m in motors}), names),
         )
     except InputError as error:
-        raise refusal("arm-file-unusable", Place(specification.source), str(error)) from error
+        raise refusal("companion-unusable", Place(specification.source), str(error)) from error
 
 
 def _affine(joint: str, arm: Arm) -> Affine | None:

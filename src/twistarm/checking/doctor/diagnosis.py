@@ -11,7 +11,6 @@ from ...arm.arm import Arm
 from ...arm.loading.load import assemble, proven, read, specify
 from ...description.coupling import resolve_couplings
 from ...description.findings import Finding, Place, finding
-from ...description.meshes import MeshReader
 from ...description.tree import Description
 from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ...support.files import as_path
@@ -20,7 +19,7 @@ from .axes import check_axes, check_closed_form
 from .collisions import check_collisions
 from .inertia import check_inertias
 from .limits import check_limits, check_mimics, check_reach, check_zero
-from .meshes import check_meshes, has_meshes
+from .meshes import check_meshes
 from .postures import check_postures
 from .statements import check_abilities
 from .tool import check_off_the_chain, check_tool, check_without_effect
@@ -94,8 +93,7 @@ def examine(source: str | os.PathLike[str] | Arm, **load: Any) -> Diagnosis:
     else:
         return examine_arm(arm)
     known = [one for one in description.findings if one not in refused]
-    with MeshReader() as reader:
-        return Diagnosis(_in_order([*refused, *known, *_of_description(description, None, reader)]), description)
+    return Diagnosis(_in_order([*refused, *known, *_of_description(description, None)]), description)
 
 
 def _of_arm_file(
@@ -104,39 +102,34 @@ def _of_arm_file(
     """A wrong name or value in an arm.toml as a finding; the caller's is raised again."""
     if any(load.values()) or not str(source).endswith(".toml"):
         raise error
-    return finding("arm-file-unusable", Place(str(source)), str(error), "correct it there")
+    return finding("companion-unusable", Place(str(source)), str(error), "correct it there")
 
 
 def _told_by(error: DescriptionError, place: Place) -> list[Finding]:
     """The error's own findings; an error without any becomes one."""
-    return list(error.findings) or [finding("arm-file-unusable", place, str(error), "correct it")]
+    return list(error.findings) or [finding("companion-unusable", place, str(error), "correct it")]
 
 
-def examine_arm(arm: Arm, reader: MeshReader | None = None) -> Diagnosis:
-    """`examine` for an arm; `reader` reads its meshes."""
-    if reader is None:
-        with MeshReader() as own:
-            if has_meshes(arm.description):
-                own.begin()
-            return examine_arm(arm, own)
+def examine_arm(arm: Arm) -> Diagnosis:
+    """`examine` for an arm."""
     able = abilities_of(arm)
     found = [*arm.findings, *check_zero(arm), *check_reach(arm), *check_postures(arm, able.rank)]
     found += [*check_abilities(arm, able), *check_without_effect(arm, able), *check_axes(arm)]
     found += check_closed_form(arm)
     if arm.description is not None:
-        found += _of_description(arm.description, arm, reader)
+        found += _of_description(arm.description, arm)
         found += [*check_tool(arm, arm.description), *check_off_the_chain(arm, arm.description)]
         found += check_collisions(arm)
     return Diagnosis(_in_order(found), arm.description, arm, able)
 
 
-def _of_description(description: Description, arm: Arm | None, reader: MeshReader) -> Iterator[Finding]:
+def _of_description(description: Description, arm: Arm | None) -> Iterator[Finding]:
     """What needs no tip."""
     yield from check_limits(description, arm)
     couplings, chain = (arm.couplings, arm.moving_names) if arm else (_couplings(description), ())
     yield from check_mimics(description, couplings, chain)
     yield from check_inertias(description)
-    yield from check_meshes(description, reader)
+    yield from check_meshes(description)
 
 
 def _couplings(description: Description) -> Any:

@@ -49,11 +49,11 @@ def check_inertias(description: Description) -> Iterator[Finding]:
     far = {name: body for name, body in solid.items() if np.linalg.norm(body.centre) > FARTHEST_CENTRE}
     weightless = "a mass of only {mass:g} kg: gravity torques ignore it"
     troubles = (
-        ("mass-tiny", tiny, weightless, _NO_BODY),
-        ("mass-implausible", heavy, "a mass of {mass:g} kg: grams?", _REMEDY),
-        ("inertia-impossible", impossible, "no body has the principal moments {moments} kg m²", _REMEDY),
+        ("mass-missing", tiny, weightless, _NO_BODY),
+        ("inertia-implausible", heavy, "a mass of {mass:g} kg: grams?", _REMEDY),
+        ("inertia-implausible", impossible, "no body has the principal moments {moments} kg m²", _REMEDY),
         ("inertia-implausible", wide, "mass and inertia mean a radius of gyration of {gyration:.3g} m: mm²?", _REMEDY),
-        ("centre-of-mass-far", far, "a centre of mass {centre:.4g} m off the link's frame: millimetres?", _REMEDY),
+        ("inertia-implausible", far, "a centre of mass {centre:.4g} m off the link's frame: millimetres?", _REMEDY),
     )
     for code, found, what, remedy in troubles:
         if found:
@@ -100,4 +100,4 @@ def _placeholders(description: Description, solid: dict[str, Body]) -> Iterator[
         return
     if all(body.mass == first.mass and (_moments(body) == _moments(first)).all() for body in solid.values()):
         what = f"all have the mass {first.mass:g} kg and the same inertia: placeholders; gravity torques mean nothing"
-        yield grouped("inertia-placeholder", description, [description.links[name] for name in solid], what, _REMEDY)
+        yield grouped("mass-missing", description, [description.links[name] for name in solid], what, _REMEDY)

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ...description.findings import Finding, finding
-from ...description.meshes import MeshReader, UnreadableMeshError
+from ...description.meshes import UnreadableMeshError, read_mesh
 from ...description.tree import Description
 from ...support.checks import Array
-from ...support.errors import MissingExtraError, TwistarmError, listed
+from ...support.errors import listed
 from ...support.files import is_file, open_regular
-from .limits import LONGEST_REACH, UNITS
+from .limits import LONGEST_REACH
 
 TOO_LARGE = 20.0
 """Times the arm's own size: no link is as long."""
@@ -35,12 +35,7 @@ class Use(NamedTuple):
     scale: tuple[float, ...]
 
 
-def has_meshes(description: Description | None) -> bool:
-    """Whether there is any that can be read."""
-    return description is not None and bool(_uses(description))
-
-
-def check_meshes(description: Description, reader: MeshReader) -> Iterator[Finding]:
+def check_meshes(description: Description) -> Iterator[Finding]:
     """Every mesh file once: its first bytes, then the size of what it holds."""
     uses = _uses(description)
     paths = list(dict.fromkeys(use.path for use in uses))
@@ -48,33 +43,25 @@ def check_meshes(description: Description, reader: MeshReader) -> Iterator[Findi
     if pointers:
         what = "Git LFS pointers, not meshes; they are not drawn"
         remedy = "run git lfs pull in the repository they come from"
-        yield _mesh_finding("mesh-lfs-pointer", description, pointers, what, remedy)
-    yield from _sizes(description, [path for path in paths if path not in pointers], uses, reader)
+        yield _mesh_finding("mesh-unreadable", description, pointers, what, remedy)
+    yield from _sizes(description, [path for path in paths if path not in pointers], uses)
 
 
-def _sizes(description: Description, paths: list[Path], uses: list[Use], reader: MeshReader) -> Iterator[Finding]:
-    try:
-        found = {path: _length(path, reader) for path in paths}
-    except MissingExtraError:
-        what = f"{len(paths)} mesh files of unknown size: reading them needs trimesh"
-        yield finding("mesh-not-looked-at", description.place(), what, "pip install 'twistarm[view]'")
-        return
-    except TwistarmError as error:
-        yield _mesh_finding(
-            "mesh-not-looked-at", description, paths, str(error), "look at them where it can be started"
-        )
-        return
-    lengths = {path: length for path, length in found.items() if not isinstance(length, UnreadableMeshError)}
+def _sizes(description: Description, paths: list[Path], uses: list[Use]) -> Iterator[Finding]:
+    lengths: dict[Path, float] = {}
     broken: dict[tuple[str, str], list[Path]] = {}
-    for path, why in found.items():
-        if isinstance(why, UnreadableMeshError):
-            broken.setdefault((why.reason, why.remedy), []).append(path)
+    for path in paths:
+        found = _length(path)
+        if isinstance(found, UnreadableMeshError):
+            broken.setdefault((found.reason, found.remedy), []).append(path)
+        else:
+            lengths[path] = found
     for (reason, remedy), files in broken.items():
         yield _mesh_finding("mesh-unreadable", description, files, f"{reason}; simple shapes are drawn instead", remedy)
     flat = [use.path for use in uses if not all(use.scale)]
     if flat:
         remedy = 'write scale="1 1 1" in <mesh>, or what makes metres of the unit it was exported in'
-        yield _mesh_finding("mesh-too-small", description, flat, "a scale of 0 leaves nothing of it to see", remedy)
+        yield _mesh_finding("unit-doubtful", description, flat, "a scale of 0 leaves nothing of it to see", remedy)
     sized = {
         use: length * max(map(abs, use.scale)) for use in uses if all(use.scale) and (length := lengths.get(use.path))
     }
@@ -86,31 +73,17 @@ def _out_of_scale(description: Description, lengths: dict[Use, float]) -> Iterat
     size = _size(description)
     large = {use: length for use, length in lengths.items() if length > TOO_LARGE * size}
     if large:
-        longest = max(large.values())
-        unit, others = _likely_unit(longest, size)
-        check = f"; check the unit of the export: it may be {others} too" if others else ""
-        what = f"{longest:.4g} m long, on an arm of {size:.3g} m: likely in {unit}"
-        remedy = _rescaled(list(large), UNITS[unit]) + check
-        yield _mesh_finding("mesh-too-large", description, [use.path for use in large], what, remedy)
-    elif lengths and max(lengths.values()) < TOO_SMALL * size:
-        odd = size > LONGEST_REACH
+        what = f"{max(large.values()):.4g} m long, on an arm of {size:.3g} m: likely in millimetres"
+        yield _mesh_finding("unit-doubtful", description, [use.path for use in large], what, _rescaled(large, 1e-3))
+    elif lengths and max(lengths.values()) < TOO_SMALL * size and size < LONGEST_REACH:
+        longest = max(lengths, key=lambda use: lengths[use])
+        what = f"{lengths[longest]:.2g} m long at most, on an arm of {size:.3g} m: scaled down twice"
         yield _mesh_finding(
-            "mesh-too-small",
-            description,
-            [use.path for use in lengths],
-            f"{max(lengths.values()):.2g} m long at most, on an arm of {size:.3g} m: "
-            + ("the arm's own lengths are in another unit" if odd else "scaled down twice"),
-            "write those in metres first" if odd else _rescaled([max(lengths, key=lambda use: lengths[use])], 1e3),
+            "unit-doubtful", description, [use.path for use in lengths], what, _rescaled([longest], 1e3)
         )
 
 
-def _likely_unit(length: float, size: float) -> tuple[str, str]:
-    """The largest unit in which the longest mesh is no longer than the arm, and the smaller ones."""
-    fitting = [unit for unit, metres in UNITS.items() if length * metres <= size] or list(UNITS)[-1:]
-    return fitting[0], " or ".join(fitting[1:])
-
-
-def _rescaled(uses: Sequence[Use], factor: float) -> str:
+def _rescaled(uses: Iterable[Use], factor: float) -> str:
     """The scale to write for meshes with one scale, or the factor for several."""
     scales = {use.scale for use in uses}
     if len(scales) > 1:
@@ -119,9 +92,9 @@ def _rescaled(uses: Sequence[Use], factor: float) -> str:
     return f'write scale="{numbers}" in <mesh>'
 
 
-def _length(path: Path, reader: MeshReader) -> float | UnreadableMeshError:
+def _length(path: Path) -> float | UnreadableMeshError:
     try:
-        return reader.length(path)
+        return read_mesh(path).length
     except UnreadableMeshError as error:
         return error
 

@@ -38,11 +38,6 @@ def check_abilities(arm: Arm, able: Abilities) -> Iterator[Finding]:
         yield finding("cannot-turn", place, cannot_turn(able), remedy)
     if able.turning + len(able.unturned) < 3:
         yield finding("cannot-turn-in-place", place, cannot_turn_in_place(able), _instead(able, arm.tool_axis))
-    if able.rank < min(arm.n, 6):
-        what = (
-            f"its {arm.n} joints move the tool in {able.rank} directions only: {arm.n - able.rank} to spare everywhere"
-        )
-        yield finding("joints-redundant", place, what, "nothing; many configurations meet one target")
 
 
 def cannot_move(able: Abilities) -> str:

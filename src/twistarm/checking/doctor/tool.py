@@ -38,7 +38,7 @@ def check_off_the_chain(arm: Arm, description: Description) -> Iterator[Finding]
             f"{'do' if len(idle) > 1 else 'does'} not move the tool"
         )
         remedy = Text("nothing, if that is meant; else pass {tip}", tip=Argument("tip"))
-        yield grouped("joint-off-the-chain", description, idle, what, remedy)
+        yield grouped("off-the-chain", description, idle, what, remedy)
 
 
 def check_without_effect(arm: Arm, able: Abilities) -> Iterator[Finding]:

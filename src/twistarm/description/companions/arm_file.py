@@ -231,4 +231,4 @@ def _degrees(content: Mapping[str, Any], path: Path) -> Iterator[Finding]:
     for name, table in {"tool": content.get("tool", {}), "dh.base": content.get("dh", {}).get("base", {})}.items():
         if hint := angle_hint(np.array(table.get("rpy", ()))):
             place, what = Place(str(path)), f"{name}.rpy {shown(table['rpy'])}: {hint}"
-            yield finding("origin-looks-like-degrees", place, what, "write radians: 90 degrees are 1.5707963")
+            yield finding("unit-doubtful", place, what, "write radians: 90 degrees are 1.5707963")

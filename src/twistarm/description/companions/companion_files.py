@@ -50,13 +50,13 @@ def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Findi
         if left < 0:
             what = f"{len(every)} SRDFs are beside the description; {len(every) - i} of them are not looked at"
             remedy = Text("name the right one as {srdf}", srdf=Argument("srdf"))
-            noted.append(finding("srdf-ignored", Place(path.name), what, remedy))
+            noted.append(finding("companion-doubtful", Place(path.name), what, remedy))
             break
         try:
             semantics = read_srdf(path)
         except DescriptionError as error:
             remedy = Text("correct it, or name another as {srdf}", srdf=Argument("srdf"))
-            noted.append(finding("srdf-ignored", Place(path.name), error.message, remedy))
+            noted.append(finding("companion-doubtful", Place(path.name), error.message, remedy))
             continue
         if semantics.name == description.name:
             matching.append(semantics)
@@ -65,7 +65,7 @@ def srdf_beside(description: Description) -> tuple[Semantics | None, tuple[Findi
     files = listed(path_from(description, semantics.path) for semantics in matching)
     what = f"several SRDFs are for a robot {description.name!r}: {files}; none is used"
     remedy = Text("name one as {srdf}", srdf=Argument("srdf"))
-    return None, (*noted, finding("srdf-ambiguous", description.place(), what, remedy))
+    return None, (*noted, finding("companion-not-used", description.place(), what, remedy))
 
 
 def path_from(description: Description, file: Path) -> str:

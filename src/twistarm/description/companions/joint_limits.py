@@ -75,13 +75,13 @@ class LimitsFile:
         strangers = [joint for joint in others if joint in set(every)]
         for joint in (joint for joint in others if joint not in strangers):
             what = f"it has limits for {joint!r}, and no joint has that name; they are not kept"
-            noted.append(finding("limits-unknown-joint", place, what, f"correct the name{closest(joint, names)}"))
+            noted.append(finding("companion-doubtful", place, what, f"correct the name{closest(joint, names)}"))
         if strangers:
             what = f"it has limits for {listed(strangers)}, which are no coordinates of this arm"
-            noted.append(finding("limits-of-others", place, what, "nothing, if they are a gripper's"))
+            noted.append(finding("off-the-chain", place, what, "nothing, if they are a gripper's"))
         if not any(ours.values()):
             what = "it gives no limit for this arm: every has_…_limits is false, or the values are 0"
-            noted.append(finding("limits-empty", place, what, "set has_velocity_limits: true and max_velocity"))
+            noted.append(finding("companion-not-used", place, what, "set has_velocity_limits: true and max_velocity"))
         hard = {joint: {k: v for k, v in its.items() if not k.startswith("soft")} for joint, its in ours.items()}
         try:
             limits = limits.with_(by_field(hard), names)
@@ -95,11 +95,11 @@ class LimitsFile:
             at = Place(self.path.name, None, "joint", joint)
             if not lower < upper:
                 what = f"its soft limits leave no room in [{limits.lower[i]:g}, {limits.upper[i]:g}]; not kept"
-                noted.append(finding("soft-limits-unusable", at, what, "correct them, or set has_soft_limits: false"))
+                noted.append(finding("outside-limits", at, what, "correct them, or set has_soft_limits: false"))
                 continue
             limits = limits.with_({"lower": {joint: lower}, "upper": {joint: upper}}, names)
             what = f"its soft limits are kept: [{lower:g}, {upper:g}]"
-            noted.append(finding("soft-limits", at, what, "set has_soft_limits: false for its whole range"))
+            noted.append(finding("limits-adjusted", at, what, "set has_soft_limits: false for its whole range"))
         return limits, tuple(noted)
 
 
@@ -123,7 +123,7 @@ def read_joint_limits(path: str | os.PathLike[str]) -> LimitsFile:
     noted: list[Finding] = []
     if factors := [f"{key} {value}" for key, value in around.items() if str(key).startswith("default_")]:
         what = f"{' and '.join(factors)}: MoveIt plans with limits scaled so; here they are taken as they are"
-        noted.append(finding("limits-not-scaled", Place(file.name), what, "lower limits that should hold here too"))
+        noted.append(finding("companion-not-used", Place(file.name), what, "lower limits that should hold here too"))
     try:
         table = table_of(table_of(anything))(around["joint_limits"], "joint_limits")
         joints = {joint: _joint(joint, entries, file, noted) for joint, entries in table.items()}
@@ -147,7 +147,7 @@ def _joint(joint: str, entries: Mapping[str, Any], file: Path, noted: list[Findi
     """The limits of a joint by meaning, without those that are switched off."""
     for key in entries.keys() - FORMAT.keys():
         what = f"its entry {key!r} is unknown and left out{closest(key, FORMAT)}"
-        noted.append(finding("limits-entry-unknown", Place(file.name, None, "joint", joint), what, "correct it"))
+        noted.append(finding("companion-doubtful", Place(file.name, None, "joint", joint), what, "correct it"))
     given = fields({key: entries[key] for key in FORMAT if key in entries}, f"joint {joint!r}", {}, FORMAT)
     limits: dict[str, float] = {}
     for entry, (switch, meaning, _) in ENTRIES.items():
@@ -161,4 +161,4 @@ def _joint(joint: str, entries: Mapping[str, Any], file: Path, noted: list[Findi
 
 
 def _unusable(file: Path, what: str, remedy: str = "") -> DescriptionError:
-    return refusal("limits-unusable", Place(str(file)), what, remedy)
+    return refusal("companion-unusable", Place(str(file)), what, remedy)

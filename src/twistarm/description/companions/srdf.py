@@ -54,7 +54,7 @@ def note_names(semantics: Semantics, description: Description) -> tuple[Finding,
     place = Place(semantics.path.name)
     if semantics.name != description.name:
         what = f"it is for a robot {semantics.name!r}, the description is of {description.name!r}; it is used"
-        noted.append(finding("srdf-other-robot", place, what, "give both one name, if they belong together"))
+        noted.append(finding("companion-doubtful", place, what, "give both one name, if they belong together"))
     groups = semantics.groups.values()
     joints = [*semantics.passive_joints, *(name for group in groups for name in group.joints)]
     joints += [name for state in semantics.states for name in state.values]
@@ -67,7 +67,7 @@ def note_names(semantics: Semantics, description: Description) -> tuple[Finding,
     if missing:
         names = listed(dict.fromkeys(missing))
         what = f"{description.name} has no joint or link {names}; their entries are not used"
-        noted.append(finding("srdf-unknown-name", place, what, "correct the names; is it of an older description?"))
+        noted.append(finding("companion-doubtful", place, what, "correct the names; is it of an older description?"))
     return tuple(noted)
 
 
@@ -75,11 +75,11 @@ def _semantics(text: str, reading: Reading) -> Semantics:
     robot = parse_xml(text, reading)
     if robot.tag != "robot" or robot.find("link") is not None:
         what = "it holds links, as a URDF does" if robot.tag == "robot" else f"its root element is <{robot.tag}>"
-        raise refusal("srdf-unusable", reading.whole, what, "is it an SRDF file?")
+        raise refusal("companion-unusable", reading.whole, what, "is it an SRDF file?")
     for tag in ("group", "group_state", "end_effector", "disable_default_collisions"):
         if len(robot.findall(tag)) > MAX_GROUPS:
             what = f"it has {len(robot.findall(tag))} elements <{tag}>; allowed are {MAX_GROUPS}"
-            raise refusal("srdf-unusable", reading.whole, what, "is it an SRDF file?")
+            raise refusal("companion-unusable", reading.whole, what, "is it an SRDF file?")
 
     def names(parent: ET.Element, tag: str, attribute: str = "name") -> tuple[str, ...]:
         return tuple(_attribute(element, attribute, reading) for element in parent.findall(tag))
@@ -91,7 +91,7 @@ def _semantics(text: str, reading: Reading) -> Semantics:
     for element in robot.findall("group"):
         name = _attribute(element, "name", reading)
         if name in groups:
-            raise reading.error(element, "srdf-unusable", "a group of this name stands above", "rename one of them")
+            raise reading.error(element, "companion-unusable", "a group of this name stands above", "rename one")
         chains = pairs(element, "chain", "base_link", "tip_link")
         groups[name] = Group(name, chains, *(names(element, tag) for tag in ("joint", "link", "group")))
     effectors = []
@@ -122,7 +122,7 @@ def _state(element: ET.Element, reading: Reading) -> GroupState | None:
         try:
             numbers = [number_in(word, f"value of joint {moved!r}", unit="rad or m") for word in written.split()]
         except InputError as error:
-            reading.note("state-unusable", element, f"{error}; it is left out", "correct it, where the arm needs it")
+            reading.note("companion-doubtful", element, f"{error}; it is left out", "correct it if the arm needs it")
             return None
         if len(numbers) == 1:
             values[moved] = numbers[0]
@@ -132,5 +132,5 @@ def _state(element: ET.Element, reading: Reading) -> GroupState | None:
 def _attribute(element: ET.Element, name: str, reading: Reading) -> str:
     value = element.get(name, "").strip()
     if not value:
-        raise reading.error(element, "srdf-unusable", f"it has no {name}=", f"add {name}=")
+        raise reading.error(element, "companion-unusable", f"it has no {name}=", f"add {name}=")
     return value

@@ -18,7 +18,7 @@ MAX_BYTES, MAX_LINE = 64_000, 2_000
 
 def unusable(path: Path, what: str, remedy: str = "") -> DescriptionError:
     """The error for an unusable file or entry."""
-    return refusal("arm-file-unusable", Place(str(path)), what, remedy)
+    return refusal("companion-unusable", Place(str(path)), what, remedy)
 
 
 def parse_toml(path: Path, what: str = "an arm.toml") -> dict[str, Any]:

@@ -51,7 +51,7 @@ class Confinement:
         except ValueError:
             raise Refused(OUTSIDE, f"{name!a} is no path", "write a path or $(find package)/…") from None
         except OSError as error:
-            codes = {errno.EINVAL: "file-unreadable", errno.EFBIG: "file-too-large"}
+            codes = {errno.EINVAL: "file-unreadable", errno.EFBIG: "file-unreadable"}
             if error.errno not in codes:
                 raise
             remedy = "include regular files of a description"

@@ -30,7 +30,7 @@ def explain(error: Exception, expansion: Expansion, place: Place) -> Description
             return refusal(cause.code, place, _shortened(cause.what) + where, cause.remedy)
     if any(isinstance(cause, RecursionError) for cause in chain):
         what = "a macro, a property or an included file refers to itself without end"
-        return refusal("xacro-recursion", place, what)
+        return refusal("xacro-failed", place, what)
     undefined = re.search(r"Undefined substitution argument (\S+)", text)
     if undefined:
         return missing_argument(undefined.group(1), expansion)
@@ -123,7 +123,7 @@ def missing_argument(undefined: str, expansion: Expansion) -> DescriptionError:
         what += ", which has no default"
         if others:
             what += f"; the others have values: {', '.join(f'{name} ({value!r})' for name, value in others.items())}"
-    return refusal("xacro-argument-missing", Place(str(expansion.path)), _shortened(what), _shortened(_pass(missing)))
+    return refusal("xacro-arguments", Place(str(expansion.path)), _shortened(what), _shortened(_pass(missing)))
 
 
 def _pass(arguments: Mapping[str, str | EllipsisType]) -> str:

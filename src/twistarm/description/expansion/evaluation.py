@@ -126,7 +126,7 @@ class Evaluation:
             return yaml.load(stream, Loader=bounded_loader(charge, units, number))
         except (RecursionError, yaml.YAMLError) as error:
             if is_deep(error):
-                raise Refused("xacro-too-large", "the YAML is nested too deeply", "write it flatter") from None
+                raise Refused("xacro-failed", "the YAML is nested too deeply", "write it flatter") from None
             raise
 
     def text(self, text: str, symbols: Any) -> Any:

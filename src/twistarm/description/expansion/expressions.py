@@ -17,7 +17,7 @@ from typing import Any
 
 from .work import CHARACTERS_PER_UNIT, Refused, Work
 
-REFUSED, TOO_LARGE = "xacro-expression-refused", "xacro-too-large"
+REFUSED, TOO_LARGE = "xacro-expression-refused", "xacro-failed"
 
 MAX_LENGTH = 10_000
 """Longest expression. Python's parser recurses over longer ones."""

@@ -141,7 +141,7 @@ class Expansion:
         if not os.path.isdir(folder):
             if _WILDCARD.search(folder):
                 what = f"wildcards in the folder of {pattern!r} are not allowed"
-                raise Refused("include-pattern-refused", what, "use them in the file's name, or name each file")
+                raise Refused("file-outside-packages", what, "use them in the file's name, or name each file")
             return []
         names = self._confinement.entries(folder)
         self.work.charge(len(names))
@@ -176,7 +176,7 @@ class Expansion:
         """The real path and the text of a file that may be read. XacroException if there is none."""
         if len(self._xacro.filestack) > MAX_INCLUDES:
             what = f"an included file refers to itself without end: {MAX_INCLUDES} files are open"
-            raise Refused("xacro-recursion", what, "take out the include that comes back")
+            raise Refused("xacro-failed", what, "take out the include that comes back")
         self.work.charge(FILE_COST)
         try:
             if name.startswith(MISSING_PACKAGE):

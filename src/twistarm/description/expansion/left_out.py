@@ -22,8 +22,8 @@ NEEDED = (
 
 
 MAY_LACK = (
-    *("xacro-failed", "xacro-argument-missing", "no-robot", "link-undefined", "several-roots", "mimic-master-missing"),
-    *("nothing-moves", "no-tip", "base-not-above-tip"),
+    *("xacro-failed", "xacro-arguments", "no-robot", "link-undefined", "not-a-tree", "mimic-unusable"),
+    *("no-chain", "no-tip"),
 )
 """Errors that a part left out may cause."""
 

@@ -37,7 +37,7 @@ class Work:
         self.left -= units
         if self.left < 0:
             what = "expanding it takes more work than any robot's description needs"
-            raise Refused("xacro-too-large", what, "look for a macro, a list or a text that multiplies itself")
+            raise Refused("xacro-failed", what, "look for a macro, a list or a text that multiplies itself")
 
     def charge_text(self, characters: int) -> None:
         """Take the units of so many characters."""

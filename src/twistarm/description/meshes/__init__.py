@@ -1,6 +1,6 @@
-"""Mesh files as triangles, read by a separate process within limits of time and memory."""
+"""Mesh files as triangles, read once for drawing and for collisions."""
 
-from .mesh_file import REMEDY, Part, UnreadableMeshError, size_of
-from .reader import MeshReader
+from .mesh import REMEDY, Mesh, Part, UnreadableMeshError
+from .reading import extreme_points, read_mesh, size_of
 
-__all__ = ["REMEDY", "MeshReader", "Part", "UnreadableMeshError", "size_of"]
+__all__ = ["REMEDY", "Mesh", "Part", "UnreadableMeshError", "extreme_points", "read_mesh", "size_of"]

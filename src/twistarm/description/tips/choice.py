@@ -199,7 +199,7 @@ def _unclear(
     description: Description, found: Sequence[Body], ends: Sequence[Body], groups: Iterable[str]
 ) -> DescriptionError:
     if len(found) == 1:
-        return refusal("nothing-moves", description.place(), "no joint moves", "is it the description of an arm?")
+        return refusal("no-chain", description.place(), "no joint moves", "is it the description of an arm?")
     links = _candidates(description, found, ends)
     likely = [link for link, body in links.items() if body in ends]
     if len(likely) < 2:

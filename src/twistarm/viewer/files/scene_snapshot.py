@@ -110,7 +110,7 @@ class SceneSnapshot:
             "drawings": self.drawings,
             "notes": scene.notes,
             "theory": sampled_theory(self.arm, self.theta, None if at is None else at.trajectory),
-            "findings": examined(self.arm, scene.reader) if self.findings is None else self.findings,
+            "findings": examined(self.arm) if self.findings is None else self.findings,
         }
 
     def _poses(self) -> dict[str, list[float]]:

@@ -9,7 +9,6 @@ from typing import Any, get_args
 from ...arm.arm import Arm
 from ...checking.doctor import examine_arm
 from ...description.findings import Finding, Place, Severity
-from ...description.meshes import MeshReader
 from ...support.errors import one_line
 from ...support.path_redaction import without_places
 from ..protocol.messages import LONGEST_NAME, Message
@@ -26,15 +25,12 @@ def loaded(arm: Arm) -> Message:
     return _message(arm, arm.findings, PENDING if arm.description is not None else "")
 
 
-def examined(arm: Arm, reader: MeshReader | None = None) -> Message:
-    """The doctor's findings, or those of loading without a description or if the doctor fails.
-
-    reader: the reader of the arm's meshes.
-    """
+def examined(arm: Arm) -> Message:
+    """The doctor's findings, or those of loading without a description or if the doctor fails."""
     if arm.description is None:
         return _message(arm, arm.findings, "")
     try:
-        found = examine_arm(arm, reader).findings
+        found = examine_arm(arm).findings
     except Exception as error:  # whatever ails the doctor, the page lives, and says so
         reason = str(error) or type(error).__name__
         failed = one_line(f"From the loading alone: the doctor failed: {reason}")

@@ -9,7 +9,6 @@ from itertools import chain
 from typing import Any
 
 from ...arm.arm import Arm
-from ...description.meshes import MeshReader
 from . import drawing
 from .axes import arm_size, draw_rods, draw_screws
 from .links import Drawn, Source, count_meshes, draw_meshes, draw_plain, lost_meshes
@@ -24,8 +23,7 @@ class Scene:
 
     Everything that moves has a node. So a configuration is one matrix per node, {path: (4, 4) by columns}. `draw`
     appends to `objects`, from any thread. The first `plain` objects are not meshes, and replaced ones are empty. Meshes
-    with more triangles than a screen shows are simplified unless `exact`. `simplified`: whether any was. `reader`: the
-    reader of the meshes, which knows their lengths.
+    with more triangles than a screen shows are simplified unless `exact`. `simplified`: whether any was.
 
     `live` are the objects of a second arm `beside`, below its node. Saved pages leave them out.
 
@@ -49,7 +47,6 @@ class Scene:
         self._pieces: dict[str, Drawn] = {}  # by node
         self._places: dict[str, range] = {}  # in `objects`, of each mesh drawn
         self._meshes: Iterator[Drawn]
-        self.reader = self._reading = MeshReader()
         self._turn, self._lock = threading.Lock(), threading.Lock()
         if arm.description is not None:
             self.links = {name: link_path(name) for name in arm.description.links}
@@ -61,16 +58,14 @@ class Scene:
         self._begin()
 
     def _begin(self) -> None:
-        self.left, self._meshes, self.reader = 0, iter(()), MeshReader()
+        self.left, self._meshes = 0, iter(())
         if self._description is not None:
             self.left = count_meshes(self._description)
-            self._meshes = draw_meshes(self._description, self._size, self.exact, self._known, self.reader)
+            self._meshes = draw_meshes(self._description, self._size, self.exact, self._known)
         if self._beside is not None and (other := self._beside.description) is not None:
             self.left += count_meshes(other)
-            pieces = draw_meshes(other, arm_size(self._beside), self.exact, {}, self.reader)
+            pieces = draw_meshes(other, arm_size(self._beside), self.exact, {})
             self._meshes = chain(self._meshes, map(_below, pieces))
-        if self.left:
-            self.reader.begin()
 
     def successor(self, arm: Arm) -> Scene:
         """The scene of another arm. Unchanged files are not read again."""
@@ -89,7 +84,7 @@ class Scene:
         """Draw the next mesh; False where none is left."""
         with self._turn:  # one reads at a time
             with self._lock:
-                meshes, self._reading = self._meshes, self.reader
+                meshes = self._meshes
             piece = next(meshes, None)
             with self._lock:
                 anew = meshes is not self._meshes
@@ -115,11 +110,9 @@ class Scene:
         self.live |= {*drawn}
 
     def close(self) -> None:
-        """Stop drawing, and stop reading the current mesh. From any thread."""
+        """Draw no further mesh. From any thread."""
         with self._lock:
-            readers = {self.reader, self._reading}
-        for each in readers:
-            each.close()
+            self.left, self._meshes = 0, iter(())
 
     def _replace(self, piece: Drawn) -> None:
         if piece.node in self._places and not piece.drawn:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...description.meshes import REMEDY, MeshReader, Part, size_of
+from ...description.meshes import REMEDY, Part, read_mesh, size_of
 from ...description.tree import Description, Geometry, Link
 from ...support.checks import Array
 from ...support.errors import TwistarmError, listed, one_line
@@ -72,9 +72,7 @@ def lost_meshes(description: Description) -> tuple[str, ...]:
     return (f"drawn as simple shapes, the mesh was not found: {listed(dict.fromkeys(lost))}",) if lost else ()
 
 
-def draw_meshes(
-    description: Description, size: float, exact: bool, known: Mapping[Source, Drawn], reader: MeshReader
-) -> Iterator[Drawn]:
+def draw_meshes(description: Description, size: float, exact: bool, known: Mapping[Source, Drawn]) -> Iterator[Drawn]:
     """Draw each mesh in its link's node.
 
     Each file is read once, and its fault reported once. Meshes in `known`, drawn from the same source, are not read.
@@ -94,7 +92,7 @@ def draw_meshes(
                 yield known[source]
                 continue
             if path not in read:
-                read[path] = _parts_or_reason(reader, path, most.get(path, inf))
+                read[path] = _parts_or_reason(path, most.get(path, inf))
             parts = read[path]
             objects, note = _mesh_or_reason(node, visual, path, parts)
             drawn = bool(objects)
@@ -128,9 +126,9 @@ def _shares(description: Description) -> Mapping[Path, int]:
     return {path: max(ceil(TRIANGLES * size / whole), FEWEST) for path, size in sizes.items()}
 
 
-def _parts_or_reason(reader: MeshReader, path: Path, most: float) -> list[Part] | str:
+def _parts_or_reason(path: Path, most: float) -> list[Part] | str:
     try:
-        return reader.parts(path, most)
+        return read_mesh(path).parts(most)
     except Exception as error:  # a fault of one mesh does not stop the others
         return _reason(path, error)
 

@@ -135,9 +135,9 @@ class Server:
 
     def examine(self) -> None:
         """Have the doctor examine the arm in a thread."""
-        stage, reader = self.stage, self.scene.reader
+        stage = self.stage
         show = partial(setattr, stage, "findings")
-        self._workers.submit(Job("doctor", "examining the arm", lambda progress: examined(stage.arm, reader), show))
+        self._workers.submit(Job("doctor", "examining the arm", lambda progress: examined(stage.arm), show))
 
     def _deliver(self, action: Callable[[], None]) -> None:
         """Finish a job: run `action` in the loop at once, then update the pages."""

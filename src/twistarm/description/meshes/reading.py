@@ -1,0 +1,172 @@
+"""`read_mesh` reads the file of a mesh by its format, and keeps the meshes read last."""
+
+from __future__ import annotations
+
+import functools
+import io
+import threading
+from collections import OrderedDict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...support.checks import Array
+from ...support.errors import TwistarmError, one_line
+from ...support.files import read_bounded, stamp
+from ...support.interrupts import interruptible
+from ...support.wheels import Wheel, load
+from .collada import collada_pieces
+from .mesh import Colour, Mesh, Piece, RefusedError, UnreadableMeshError
+from .resolver import Resolver, Stamps, as_utf8
+from .stl import stl_corners
+
+LARGEST_FILE = 100_000_000
+"""Bytes of a mesh file, and of all that it refers to. The largest of some hundred arms has 5 MB."""
+
+FORMATS = ("stl", "obj", "dae", "ply", "glb", "gltf")
+"""Plain formats that exporters write. Archives unpack to any size, so they are not read. CAD formats are not either."""
+
+COMPRESSED = (b"KHR_draco_mesh_compression", b"EXT_meshopt_compression", b"KHR_meshopt_compression")
+"""Extensions of glTF whose buffers are packed."""
+
+MOST_KEPT = 2_000_000
+"""Triangles of all meshes that are kept: 140 MB."""
+
+# 4.6 is the first with load_scene, which takes an opened file and asks our resolver for what that refers to.
+_TRIMESH = Wheel("trimesh", "trimesh", has="load_scene", oldest="4.6")
+
+SAMPLE = 3_000
+"""Vertices of a mesh that its outermost points are taken from."""
+
+_LOCK = threading.RLock()
+_kept: OrderedDict[Path, tuple[Mesh, Stamps]] = OrderedDict()
+
+
+def read_mesh(path: Path) -> Mesh:
+    """The triangles of the mesh file at `path`. An unchanged file is read once for drawing and for collisions.
+
+    Raises UnreadableMeshError for a file that is no mesh of these `FORMATS`, or larger than `LARGEST_FILE`.
+    """
+    with _LOCK:
+        mesh, files = _kept.pop(path, (None, {}))
+        if mesh is None or any(stamp(file) != before for file, before in files.items()):
+            files = {path: stamp(path)}
+            mesh = _read(path, files)
+        _kept[path] = mesh, files
+        while len(_kept) > 1 and sum(each.triangles for each, _ in _kept.values()) > MOST_KEPT:
+            _kept.popitem(last=False)
+        return mesh
+
+
+def extreme_points(path: Path) -> Array:
+    """The outermost points (N, 3) of an STL in some 100 directions, without another library.
+
+    They are taken from `SAMPLE` vertices, evenly spread over the file, in a hundredth of the time for all of them.
+    Raises UnreadableMeshError for another format, and as `read_mesh`.
+    """
+    with _named(path):
+        if path.suffix.lower() != ".stl":
+            raise RefusedError("its outermost points are taken from STL only")
+        corners = stl_corners(read_bounded(path, LARGEST_FILE))
+        points = corners[:: 1 + 3 * len(corners) // SAMPLE].reshape(-1, 3).astype(np.float64)
+        if not len(points) or not np.isfinite(points).all():
+            raise RefusedError("it has no points, or some that are no finite numbers")
+    along = _directions() @ points.T
+    return points[np.unique([along.argmax(axis=1), along.argmin(axis=1)])]
+
+
+@functools.cache
+def _directions() -> Array:
+    """Along the axes, between two or three of them, and between those: 49 directions, each for both of its ends."""
+    grid = np.array(list(np.ndindex(5, 5, 5)), dtype=np.float64) - 2.0
+    return grid[np.abs(grid).max(axis=1) == 2.0][:49]
+
+
+def size_of(path: Path) -> int:
+    """The bytes of the file, 0 if there is none."""
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
+
+
+def _read(path: Path, files: Stamps) -> Mesh:
+    """The mesh. The files that it refers to are added to `files`."""
+    kind = path.suffix.lower().removeprefix(".")
+    with _named(path):
+        if kind not in FORMATS:
+            raise RefusedError(f"{f'.{kind} files are' if kind else 'a file without an ending is'} not read here")
+        data = read_bounded(path, LARGEST_FILE)
+        if not data.strip():
+            raise RefusedError("it is empty")
+        return Mesh(_pieces(kind, data, path, files))
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """Raise any error of a reader as UnreadableMeshError."""
+    try:
+        yield
+        return
+    except TwistarmError as error:
+        raise UnreadableMeshError(path, str(error), "install it") from error
+    except RefusedError as error:
+        reason = str(error)
+    except OSError as error:
+        reason = error.strerror or str(error)
+    except (RecursionError, MemoryError) as error:
+        reason = "it is nested too deeply" if isinstance(error, RecursionError) else "it does not fit into memory"
+    except Exception as error:  # a reader raises whatever a file makes it stumble over, and quotes what it likes
+        reason = f"its contents are malformed ({type(error).__name__})"
+    raise UnreadableMeshError(path, one_line(reason, 300))
+
+
+def _pieces(kind: str, data: bytes, path: Path, files: Stamps) -> list[Piece]:
+    if kind == "stl":
+        return [Piece(stl_corners(data).astype(np.float64), None)]
+    if kind == "dae":
+        return collada_pieces(data)
+    return _by_trimesh(kind, data, path, files)
+
+
+def _by_trimesh(kind: str, data: bytes, path: Path, files: Stamps) -> list[Piece]:
+    """The pieces of an OBJ, PLY or glTF. Materials and buffers in other files come from the mesh's package."""
+    trimesh = load(_TRIMESH)
+    if kind in ("gltf", "glb") and any(word in data for word in COMPRESSED):
+        raise RefusedError("it is compressed by Draco or meshopt, which is not read here")
+    if kind == "obj":
+        data = as_utf8(data)
+    resolver: Any = Resolver(kind, path, LARGEST_FILE - len(data), files)
+    with interruptible():  # trimesh catches a Ctrl-C here and there, and goes on
+        # `shaded` welds what trimesh would merge.
+        scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=resolver, process=False)
+        if resolver.refused:
+            raise resolver.refused
+        placed = [(scene.geometry[name], g) for g, name in (scene.graph[node] for node in scene.graph.nodes_geometry)]
+        return [Piece(_corners(mesh, g), _colour(mesh)) for mesh, g in placed if isinstance(mesh, trimesh.Trimesh)]
+
+
+def _corners(mesh: Any, g: Array) -> Array:
+    """The triangles (F, 3, 3) of `mesh` at the pose `g`. A mirroring pose reverses their order of corners."""
+    vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
+    if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
+        raise RefusedError("its triangles name vertices that it does not have")
+    if not np.array_equal(g, np.eye(4)):
+        with np.errstate(all="ignore"):  # `Mesh` refuses what is not finite
+            vertices = vertices @ g[:3, :3].T + g[:3, 3]
+            faces = faces[:, ::-1] if np.linalg.det(g[:3, :3]) < 0 else faces
+    corners: Array = vertices[faces]
+    return corners
+
+
+def _colour(mesh: Any) -> Colour | None:
+    if mesh.visual.kind is None:
+        return None
+    paint = mesh.visual.material if mesh.visual.kind == "texture" else mesh.visual
+    if paint.main_color is None:  # of several materials, none of which has one
+        return None
+    red, green, blue, alpha = np.clip(np.ravel(paint.main_color)[:4] / 255.0, 0.0, 1.0).tolist()
+    return red, green, blue, alpha

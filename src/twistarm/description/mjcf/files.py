@@ -1,0 +1,200 @@
+"""The files of an MJCF for MuJoCo, which gets texts and bytes of them and never a path."""
+
+from __future__ import annotations
+
+import os
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ...support.errors import DescriptionError
+from ...support.files import read_bounded
+from ..document import MAX_NESTING, MAX_PARTS, Reading, parse_xml
+from ..expansion.confinement import Confinement
+from ..expansion.work import Refused
+from ..findings import refusal
+from ..mesh_paths import resolve_uri
+
+UNUSED = ("size", "statistic", "visual", "sensor", "custom", "extension", "texture", "hfield", "skin", "layer", "pair")
+"""What kinematics, masses and shapes without pictures do not need. A `<size>` can ask for any amount of memory."""
+
+NOT_READ = ("composite", "flexcomp", "plugin", "deformable", "flex", "flexvert", "flexstrain")
+
+FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath", "fusestatic", "discardvisual")
+"""Settings of `<compiler>` that have no effect any more, or lose bodies and shapes."""
+
+MOST_ELEMENTS = 20_000
+"""Elements with all copies of `replicate` and `attach`. A whole humanoid has some 2,000."""
+
+MOST_BYTES = 200_000_000
+"""All meshes that MuJoCo weighs, together."""
+
+
+@dataclass
+class Mjcf:
+    """One MJCF: its root with includes in place, and the other files that MuJoCo may ask for.
+
+    `models` are the texts of attached models, and `meshes` the paths of meshes as written, both by the names that
+    MuJoCo gets. `keys` are the keyframes of the main model. `notes` are parts left out, by the code of their finding.
+    """
+
+    root: ET.Element
+    readings: list[Reading]
+    models: dict[str, bytes] = field(default_factory=dict)
+    meshes: dict[str, str] = field(default_factory=dict)
+    keys: list[ET.Element] = field(default_factory=list)
+    notes: dict[str, dict[str, None]] = field(default_factory=dict)
+    _sizes: dict[str, int] = field(default_factory=dict)
+    _bytes: int = 0
+
+    def __post_init__(self) -> None:
+        self._confinement = Confinement(self.readings[0].path, self.readings[0].packages)
+        self._prepare(self.root, self.readings[0], ())
+        self.text, self.lines = _numbered(self.root)
+
+    def note(self, code: str, part: str) -> None:
+        """Note a part that is left out, once."""
+        self.notes.setdefault(code, {})[part] = None
+
+    def error(self, element: ET.Element, what: str, remedy: str = "correct it there") -> DescriptionError:
+        """The error for an unusable element, with its file and line."""
+        reading = next((each for each in self.readings if element in each.lines), self.readings[0])
+        return refusal("mjcf-unusable", reading.place(element), what, remedy)
+
+    def mesh_bytes(self, name: str) -> bytes | None:
+        """The content of a mesh's file. None if there is none inside the folders, or none small enough."""
+        path = resolve_uri(self.meshes[name], self.readings[0].packages)
+        try:
+            if path is None:
+                return None
+            self._confinement.require_inside(path)
+            data = read_bounded(path, MOST_BYTES - self._bytes)
+        except (OSError, Refused):
+            return None
+        self._bytes += len(data)
+        return data
+
+    def _prepare(self, root: ET.Element, reading: Reading, around: tuple[Path, ...]) -> None:
+        """Make one model ready for MuJoCo, inside the files `around` that attach it."""
+        self._place_includes(root, reading)
+        compiler: dict[str, str] = {}
+        for element in root.findall("compiler"):
+            compiler |= element.attrib
+            for word in FOLDERS:
+                element.attrib.pop(word, None)
+        if not around:  # MuJoCo refuses the whole file for a key of another length
+            self.keys = [key for section in root.findall("keyframe") for key in section]
+            root[:] = [section for section in root if section.tag != "keyframe"]
+        for parent in list(root.iter()):
+            parent[:] = [part for part in parent if self._is_used(part, parent)]
+            parent.attrib.pop("texture", None)
+            parent.attrib.pop("hfield", None)
+        for asset in root.findall("asset"):
+            for element in asset.findall("mesh"):
+                self._rename_mesh(element, compiler, reading)
+            for element in asset.findall("model"):
+                self._attach(element, reading, (*around, reading.path))
+        if self._size(root) > MOST_ELEMENTS:
+            what = f"with all its copies it has more than {MOST_ELEMENTS:,} elements"
+            raise refusal("too-large", reading.whole, what, "leave out what the arm does not need")
+
+    def _is_used(self, element: ET.Element, parent: ET.Element) -> bool:
+        """Whether an element stays. What the arm may miss is noted."""
+        if element.tag in UNUSED or parent.tag == "default":
+            return element.tag not in UNUSED
+        if element.tag in NOT_READ or element.get("type") == "sdf" or element.find("plugin") is not None:
+            self.note("mjcf-part-not-read", titled(element))
+            return False
+        if element.get("hfield") or element.get("type") == "hfield":
+            self.note("mjcf-scenery-left-out", "a shape of type hfield")
+            return False
+        return True
+
+    def _place_includes(self, parent: ET.Element, reading: Reading, deep: int = 1) -> None:
+        if deep > MAX_NESTING:
+            raise self.error(parent, f"elements are nested more than {MAX_NESTING} deep")
+        waiting, parent[:] = list(reversed(parent)), []
+        while waiting:
+            element = waiting.pop()
+            if element.tag == "include":
+                root, _ = self._opened(element, reading, once=True)
+                waiting += reversed(root)
+            else:
+                parent.append(element)
+                self._place_includes(element, reading, deep + 1)
+
+    def _opened(self, element: ET.Element, main: Reading, *, once: bool) -> tuple[ET.Element, Reading]:
+        """The root of the file that an element names. It stands beside the main file or beside the element's own."""
+        name, file = element.get("file", "").strip()[:200], main.path
+        beside = next((each.path for each in self.readings if element in each.lines), file).parent / name
+        try:
+            path, text = self._confinement.read(str(file.parent / name if (file.parent / name).is_file() else beside))
+        except Refused as refused:
+            raise refusal(refused.code, main.place(element), refused.what, refused.remedy) from refused
+        except OSError as error:
+            why = f"its file {name!r} cannot be read: {error.strerror}"
+            raise self.error(element, why, "correct the path") from error
+        if once and any(path == each.path for each in self.readings):
+            raise self.error(element, f"its file {name!r} is included already", "include each file once")
+        self.readings.append(Reading(path, main.packages))
+        root = parse_xml(text, self.readings[-1])
+        if sum(len(each.lines) for each in self.readings) > MAX_PARTS:
+            what = f"with its other files it has more than {MAX_PARTS:,} elements"
+            raise refusal("file-unreadable", self.readings[0].whole, what, "leave out what the arm does not need")
+        return root, self.readings[-1]
+
+    def _rename_mesh(self, mesh: ET.Element, compiler: dict[str, str], reading: Reading) -> None:
+        """Give a mesh the name that it has by default, and its file a name without a folder."""
+        file = mesh.attrib.pop("file", "")
+        if not file:
+            return
+        last = re.split(r"[/\\]", file)[-1]
+        mesh.set("name", mesh.get("name") or last.rpartition(".")[0] or last)
+        file = last if compiler.get("strippath") == "true" else file
+        own = os.path.relpath(reading.path.parent, self.readings[0].path.parent)
+        path = os.path.join("" if own == "." else own, compiler.get("meshdir") or compiler.get("assetdir", ""), file)
+        name = f"{len(self.meshes)}{Path(last).suffix}"
+        mesh.set("file", name)
+        self.meshes[name] = path
+
+    def _attach(self, element: ET.Element, reading: Reading, around: tuple[Path, ...]) -> None:
+        """Prepare the model of an `<asset>` and put its text among the models."""
+        root, own = self._opened(element, reading, once=False)
+        if own.path in around:
+            raise self.error(element, "the model attaches itself", "attach another model")
+        self._prepare(root, own, around)
+        name = f"{len(self.models)}.xml"
+        self.models[name] = ET.tostring(root)
+        element.set("file", name)
+        self._sizes[element.get("name") or root.get("model") or ""] = self._size(root)
+
+    def _size(self, element: ET.Element) -> int:
+        """The number of elements, with the copies that MuJoCo makes."""
+        size = 1 + sum(map(self._size, element))
+        if element.tag == "attach":
+            return size + self._sizes.get(element.get("model", ""), 0)
+        if element.tag == "replicate":
+            words = re.findall(r"\d+", element.get("count", "1"))
+            return size * int(words[0][:9] if words else 1)
+        return size
+
+
+def titled(element: ET.Element) -> str:
+    """The tag of an element and its name."""
+    return " ".join(filter(None, (f"<{element.tag}>", element.get("name") or element.get("prefix"))))
+
+
+def _numbered(root: ET.Element) -> tuple[str, list[ET.Element]]:
+    """The text with one tag in each line, and the element of each line."""
+    lines: list[ET.Element] = []
+
+    def lay(element: ET.Element) -> None:
+        lines.append(element)
+        element.text, element.tail = "\n" if len(element) else None, "\n"
+        for child in element:
+            lay(child)
+        lines.extend([element] if len(element) else [])
+
+    lay(root)
+    return ET.tostring(root, "unicode"), lines
