@@ -46,12 +46,12 @@ class Measurements(Brief):
     theta: Array
     position: Array = field(default_factory=_none)
     rotation: Array = field(default_factory=_none)
-    point: Sequence[str] = ()
-    plane: Sequence[str] = ()
-    wire: Sequence[str] = ()
+    point: Sequence[str] = field(default=(), repr=False)
+    plane: Sequence[str] = field(default=(), repr=False)
+    wire: Sequence[str] = field(default=(), repr=False)
     length: Array = field(default_factory=_none)
     noise: Array = field(default_factory=_none)
-    label: Sequence[str] = ()
+    label: Sequence[str] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
         theta = as_reals(self.theta, "theta")
