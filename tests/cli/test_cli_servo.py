@@ -239,7 +239,7 @@ def test_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
         return stream(arm, source, sink, feedback, **{**options, "duration": 0.05})
 
     monkeypatch.setattr("twistarm.cli.commands.servo.run", noted)
-    options = "--velocity-mode --command-timeout 0.5 --feedback-timeout 300 ms --tolerance 18/pi deg --margin 0.02 "
+    options = "--velocity-mode --command-timeout 0.5 --feedback-timeout 300 ms --tolerance 0.1 rad --margin 0.02 "
     options += "--on-unreachable stop"
     udp = ("--udp", "127.0.0.1:9", "--listen", "127.0.0.1:0")
     assert run(["servo", "rr_planar", *options.split(), *udp, "--no-browser"]) == 1  # no robot is there

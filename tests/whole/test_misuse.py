@@ -72,7 +72,6 @@ NONSENSE: dict[str, Any] = {
     "many rows": np.zeros((2, 3, 4)),
     "no rows": np.zeros((0, 5)),
     "a set": {1, 2},
-    "a class": twistarm.Arm,
     "an object": object(),
     "one without words": Nameless(),
     "a solution": SOLUTION,
@@ -217,10 +216,11 @@ OBJECTS: dict[type, Any] = {
 """An object of each class whose methods are called."""
 
 UNCHECKED = {
+    "Arm", "AllSolutionsBatch", "IKBatch", "Roots", "screws.Screw",
     "ServoOutput.of", "rotations.cross", "rotations.split", "rotations.log_of", "screws.adjoint_of",
     "screws.inverse_of", "poe.columns", "poe.motions",
 }  # fmt: skip
-"""For inner loops, whose callers have checked."""
+"""Results, which functions make, and calls for inner loops, whose callers have checked."""
 
 SLOW = {"save_png", "Viewer.save_png", "Viewer"}
 """A browser or a server for each call."""
@@ -291,47 +291,6 @@ def test_nonsense_is_answered_in_our_words(name: str, tmp_path: Path, monkeypatc
     arguments = arguments_of(name, CALLS[name])
     answers = [(each, what, said(CALLS[name], {**arguments, each: value})) for each, value, what in tried(arguments)]
     assert [answer for answer in answers if answer[-1] is not None] == []
-
-
-class Answers:
-    """A source or the joints, which always answer this."""
-
-    def __init__(self, answer: Any) -> None:
-        self.answer = answer
-
-    def read(self, *_: Any) -> Any:
-        return self.answer
-
-
-def cycles(source: Any, feedback: Any) -> None:
-    streaming = stream.Streaming(ARM, source, stream.SimulatedJoints(ARM, ARM.ready), feedback)
-    for k in range(3):
-        streaming.cycle(0.01 * k)
-
-
-SIDEWAYS = twistarm.TwistCommand([0.1, 0.1, 0.1, 0.0, 0.0, 0.0], hold="orientation")
-
-USES: dict[str, Callable[[Any], Any]] = {
-    "ServoState": lambda made: twistarm.servo_step(ARM, made, SIDEWAYS, 0.01),
-    "Reading": lambda made: cycles(Answers(made), Answers(stream.Measured(ARM.ready, 0.0))),
-    "Measured": lambda made: cycles(Says(None), Answers(made)),
-    "Trajectory": lambda made: made.to_motors(),
-}
-"""Who looks at the fields of what a caller made by hand."""
-
-FILLED: dict[str, dict[str, Any]] = {
-    "ServoState": {"held": G, "holding": SIDEWAYS.flags},
-    "Reading": {"age": 0.0, "reason": ""},
-    "Measured": {"time": 0.0, "reason": ""},
-}
-
-
-@pytest.mark.parametrize("name", USES)
-def test_what_is_made_of_nonsense_is_refused_where_it_is_used(name: str) -> None:
-    arguments = {**arguments_of(name, CALLS[name]), **FILLED.get(name, {})}
-    for each, value, what in tried(arguments):
-        use = said(lambda each=each, value=value: USES[name](CALLS[name](**{**arguments, each: value})), {})
-        assert use is None, (each, what)
 
 
 def test_a_view_answers_in_our_words_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -27,17 +27,15 @@ from ..support.checks import (
     as_theta,
     as_twist,
     as_vector,
-    called_from_outside,
     frozen,
-    made_by,
     require,
     require_broadcast,
     require_mapping,
     require_one,
-    warn_caller,
 )
 from ..support.display import in_brief, told
-from ..support.errors import InputError, TwistarmError, UnitsWarning, listed, shown, unknown_name
+from ..support.errors import InputError, TwistarmError, UnitsWarning, listed, shown, unknown_name, warn
+from ..support.messages import plural
 from ..support.unit_hints import theta_hint
 from ..theory.lower_pairs import lower_pairs
 from ..theory.manipulability import Manipulability, manipulability_of
@@ -70,7 +68,6 @@ class Proof(NamedTuple):
     samples: int
 
 
-@made_by("load_arm, ArmBuilder or arm_from_screws")
 @dataclass(frozen=True, eq=False, repr=False)
 class Arm:
     """A robot arm with n independent joint coordinates `theta` (..., n) [rad or m], base to tip.
@@ -132,7 +129,7 @@ class Arm:
 
     @property
     def _summary(self) -> str:
-        return f"{self.n} joint{'s' * (self.n != 1)} from {self.base} to {self.tip}, reach {self.reach:.3g} m"
+        return f"{plural(self.n, 'joint')} from {self.base} to {self.tip}, reach {self.reach:.3g} m"
 
     # -- what it is ----------------------------------------------------------------------------------------------
 
@@ -439,8 +436,8 @@ class Arm:
         mass, offset = as_number(pair[0], "payload"), as_vector(pair[1], "the payload's place")
         if mass < 0:
             raise InputError(f"payload must not be negative, in kg; got {mass:g}")
-        if not self.pinocchio.moved_mass and called_from_outside(__name__):
-            warn_caller(f"no link that {self.name} moves has a mass: its own weight counts as 0", UserWarning)
+        if not self.pinocchio.moved_mass:
+            warn(f"no link that {self.name} moves has a mass: its own weight counts as 0", UserWarning)
         load = mass, self.tool[:3, :3] @ require_one(offset, "the payload's place", 1) + self.tool[:3, 3]
         at = np.broadcast_arrays(*motion)
         rows = [x.reshape(-1, self.n) for x in at]
@@ -521,12 +518,13 @@ class Arm:
         theta = self._theta_of(values, numbers, require(name, str, "name", "an argument's"))
         hint = theta_hint(theta, self.units, self.limits.lower, self.limits.upper)
         if hint and numbers is None and not isinstance(values, str | Mapping):
-            warn_caller(f"{name}: {hint}; twistarm takes radians: numpy.radians converts them", UnitsWarning)
+            warn(f"{name}: {hint}; twistarm takes radians: numpy.radians converts them", UnitsWarning)
         return theta
 
     def _asked_at(self, theta: ArrayLike) -> Array:
-        """theta (..., n) that kinematics are asked for; of what twistarm itself asks nobody typed the units."""
-        return self.theta_from(theta) if called_from_outside(__name__) else self._theta_of(theta)
+        """theta (..., n) that kinematics are asked for. Nobody typed the units of an array of many configurations."""
+        many = isinstance(theta, np.ndarray) and theta.ndim > 1
+        return self._theta_of(theta) if many else self.theta_from(theta)
 
     def _theta_of(
         self, values: ArrayLike | Mapping[str, float] | Sequence[str], numbers: ArrayLike | None = None,

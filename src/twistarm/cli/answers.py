@@ -8,6 +8,7 @@ from ..arm.arm import Arm
 from ..ik import AllSolutions, IKBatch, IKResult, StopReason
 from ..ik.solution import missed_by_rounding
 from ..support.csv_lines import csv_text
+from ..support.messages import plural
 from .csv_rows import ROWS_SHOWN, Sheet, few
 from .grid import Grid
 from .output import console, joint_heads, print_json, say, shown, table, theta_typed, units
@@ -102,7 +103,7 @@ def _all_table(solutions: AllSolutions, radians: bool) -> Grid:
     ]
     heads = [f"{name} {unit}" for name, unit in zip(arm.joint_names, units(arm, radians), strict=True)]
     more = f", the {ROWS_SHOWN} nearest of them (-o FILE.csv has all)" if count > ROWS_SHOWN else ", nearest first"
-    title = f"{arm.name}: {count} configuration{'s' * (count != 1)}{more if count > 1 else ''}"
+    title = f"{arm.name}: {plural(count, 'configuration')}{more if count > 1 else ''}"
     last = ["may go on moving"] * moving + ["collides"] * bool(hits.any())
     return table(title, ["", *heads, *last], rows, text=last)
 

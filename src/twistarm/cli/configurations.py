@@ -38,9 +38,9 @@ def configurations_in(arm: Arm, sheet: Sheet) -> Array:
     if others:
         note(f"{', '.join(others)} as in the pose ready")
     theta = np.tile(arm.ready, (len(sheet.rows), 1))
-    theta[:, [arm.joint_names.index(name) for name in columns]] = sheet.each(
-        lambda row: sheet.numbers(row, list(columns.values()))
-    )
+    theta[:, [arm.joint_names.index(name) for name in columns]] = [
+        sheet.numbers(row, list(columns.values())) for row in sheet.rows
+    ]
     outside = [row.line for row, inside in zip(sheet.rows, arm.limits.contains(theta), strict=True) if not inside]
     if outside:
         advice = f"angles are rad unless the header says so, as in '{arm.joint_names[-1]} [deg]'"

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 import numpy as np
 import typer
 
 from ..support.checks import Array
-from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_comment, is_number, lines_in
+from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_number, lines_in
 from ..support.errors import InputError, listed, shown
-from ..support.units import UNITS, column
+from ..support.fields import inside
+from ..support.units import column, factor
 from .output import note
 
 Columns = Annotated[
@@ -28,11 +29,6 @@ STDIN = "-"
 
 ROWS_SHOWN = 20
 """The most rows of answers and line numbers to show."""
-
-OURS = re.compile(r"(line|answer|position_error|orientation_error|time|.*\.velocity|.*\.acceleration)( \[.*\])?$")
-"""Further columns of the files that twistarm writes. It does not read them."""
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -56,45 +52,27 @@ class Sheet:
 
         A unit may follow a name; the default is SI. Unknown columns are ignored with a note.
         """
-        assert self.header is not None, "a sheet without one was refused, or got its names"
         found: dict[str, Column] = {}
-        passed_over: list[str] = []
-        for index, cell in enumerate(self.header):
+        others: list[str] = []
+        for index, cell in enumerate(self.header or ()):
             name, unit = column(cell, known)
             if name is None:
-                passed_over += [] if OURS.match(cell) else [cell.strip()]
+                others.append(cell)
                 continue
-            factors = UNITS[units[name]]
-            if unit.casefold() not in ("", *factors):
-                raise InputError(f"{self.file}: {name} is a column in {listed(factors)}; its header says {unit!r}")
             if name in found:
-                raise InputError(f"{self.file}: two columns hold {name}: {listed(self.header)}")
-            found[name] = Column(index, factors.get(unit.casefold(), 1.0))
-        if found and passed_over:
-            note(f"{self.file}: not used: {', '.join(passed_over)}")
+                raise InputError(f"{self.file}: two columns hold {name}: {listed(self.header or ())}")
+            with inside(self.file, f"column {name}"):
+                found[name] = Column(index, factor(unit, units[name]))
+        if found and others:
+            note(f"{self.file}: not used: {', '.join(others)}")
         return found
 
     def numbers(self, row: Row, columns: Sequence[Column]) -> Array:
         """The row's values of `columns`, in SI. Raises InputError for a cell that is missing or not a number."""
-        values = row.numbers([column.index for column in columns], len(self.header or self.rows[0].cells))
-        return np.multiply(values, [column.factor for column in columns])
-
-    def each(self, make: Callable[[Row], T]) -> list[T]:
-        """The results of `make` for every row. Raises InputError with the numbers of all lines that fail."""
-        made = [_attempt(make, row) for row in self.rows]
-        bad = [(row.line, one) for row, one in zip(self.rows, made, strict=True) if isinstance(one, InputError)]
-        if bad:
-            (line, why), *others = bad
-            more = f"; also bad: line {few([other for other, _ in others])}" if others else ""
-            raise InputError(f"{self.file}, line {line}: {why}{more}")
-        return [one for one in made if not isinstance(one, InputError)]
-
-
-def _attempt(make: Callable[[Row], T], row: Row) -> T | InputError:
-    try:
-        return make(row)
-    except InputError as error:
-        return error
+        width = len(self.header or self.rows[0].cells)
+        return np.multiply(
+            row.numbers([each.index for each in columns], width, self.file), [each.factor for each in columns]
+        )
 
 
 def few(lines: Sequence[int]) -> str:
@@ -106,43 +84,25 @@ def few(lines: Sequence[int]) -> str:
 def read_sheet(path: str, names: str | None) -> Sheet:
     """The sheet in a file, or on standard input for -. `names` [a,b,c] replace its header.
 
-    Lines with # are comments, except a header of as many columns before the first row.
+    Lines with # are comments. The first other line is the header where it holds no numbers.
     """
     file = "standard input" if path == STDIN else path
     if path == STDIN and sys.stdin is None:
         raise InputError(f"there is no {file}: it is closed")
-    lines = list(lines_in(sys.stdin.buffer, file, BOUNDS) if path == STDIN else csv_lines(path, BOUNDS))
+    lines = lines_in(sys.stdin.buffer, file, BOUNDS) if path == STDIN else csv_lines(path, BOUNDS)
     rows = list(csv_rows(lines, file))
+    numeric = [is_number(cell.replace(",", ".")) for cell in rows[0].cells] if rows else []
+    if any(numeric) and not all(numeric):
+        raise InputError(f"{file}, line {rows[0].line}: neither a header nor a row of numbers: {shown(rows[0].cells)}")
+    header = None if all(numeric) else tuple(cell.strip() for cell in rows[0].cells)
+    rows = rows if header is None else rows[1:]
     if not rows:
         raise InputError(f"{file} holds no rows of numbers")
-    header = None if all(map(_is_number, rows[0].cells)) else tuple(cell.strip() for cell in rows[0].cells)
-    if header and any(map(_is_number, header)):
-        said = shown(", ".join(header))
-        raise InputError(f"{file}, line {rows[0].line}: neither a header nor a row of numbers: {said}")
-    rows = rows[1:] if header else rows
     if names is not None:
         header = tuple(name.strip() for name in re.split(r"[,;]", names))
-        if rows and len(header) != len(rows[0].cells):
+        if len(header) != len(rows[0].cells):
             raise InputError(f"--columns names {len(header)} columns; {file} has {len(rows[0].cells)}")
-    elif header is None and rows:
-        header = _commented_header(lines[: rows[0].line - 1], len(rows[0].cells))
-    if not rows:
-        raise InputError(f"{file} holds a header and no rows of numbers")
     return Sheet(file, header, tuple(rows))
-
-
-def _commented_header(before: Sequence[str], width: int) -> tuple[str, ...] | None:
-    """The header that NumPy and others write as a comment."""
-    for comment in reversed([line.lstrip("# ") for line in before if is_comment(line)]):
-        for row in csv_rows([comment], "a comment"):
-            if len(row.cells) == width and not any(map(_is_number, row.cells)):
-                return tuple(cell.strip() for cell in row.cells)
-    return None
-
-
-def _is_number(cell: str) -> bool:
-    """Whether a cell is a number, also with a decimal comma, which is refused later."""
-    return is_number(cell.replace(",", "."))
 
 
 def no_column(sheet: Sheet, wanted: str) -> InputError:

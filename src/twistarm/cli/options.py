@@ -17,7 +17,7 @@ from ..arm.loading.load import load_arm
 from ..description.catalog import model_arms, own_arms
 from ..limits.joint_limits import slides
 from ..support.errors import InputError
-from .expression import ANGLE, LENGTH, SUCH_AS, evaluated
+from .quantities import ANGLE, LENGTH, SUCH_AS, typed_number
 from .typed import VALUES
 
 ENDINGS = (".urdf", ".xacro", ".xml", ".toml", ".json", ".csv")
@@ -190,7 +190,7 @@ def _locked(arm: Arm, pairs: list[str], radians: bool) -> dict[str, float]:
         name, _, text = pair.rpartition("=")
         joint = joints.get(name.strip())
         unit = LENGTH if joint is not None and slides(joint.type) else ANGLE
-        value = evaluated(text, unit, radians=radians)
+        value = typed_number(text, unit, radians=radians)
         if not name.strip() or not np.isfinite(value):
             raise InputError(f"--locked-joint takes JOINT=VALUE with a value such as {SUCH_AS[unit]}; got {pair!r}")
         locked_joints[name.strip()] = value

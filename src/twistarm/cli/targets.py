@@ -11,6 +11,7 @@ import typer
 from ..ik import Approach, Pose, Position
 from ..support.checks import Array, as_positive
 from ..support.errors import InputError
+from ..support.fields import inside
 from ..support.unit_hints import TURN, angle_hint
 from .csv_rows import Sheet, no_column
 from .quantities import quantity
@@ -167,7 +168,12 @@ def targets_in(sheet: Sheet, orientation: Orientation) -> list[Target]:
     if len(kinds) > 1 or (kinds and orientation.is_given):
         raise InputError(f"{sheet.file}: its columns and the options turn the tool in more than one way; keep one")
     places = [columns[name] for name in needed]
-    return sheet.each(lambda row: _target(sheet.numbers(row, places), kinds[0] if kinds else (), orientation))
+    targets = []
+    for row in sheet.rows:
+        values = sheet.numbers(row, places)
+        with inside(sheet.file, f"line {row.line}"):
+            targets.append(_target(values, kinds[0] if kinds else (), orientation))
+    return targets
 
 
 def _target(values: Array, kind: tuple[str, ...], orientation: Orientation) -> Target:

@@ -12,9 +12,8 @@ from typer.core import TyperCommand, TyperGroup
 from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.errors import InputError, listed
-from .expression import ANGLE, SUCH_AS, UNIT, evaluated, is_part, separate
 from .output import as_written, note
-from .quantities import METAVARS
+from .quantities import ANGLE, METAVARS, SUCH_AS, UNIT, is_part, separate, typed_number
 
 VALUES = "VALUES"
 POSE = "POSE"
@@ -146,7 +145,7 @@ def _of_joints(arm: Arm, names: Sequence[str], values: Sequence[str], radians: b
 
 def joint_value(joint: str, text: str, unit: str, radians: bool) -> float:
     """A joint's typed value [rad, m]."""
-    value = evaluated(text, unit, radians=radians)
+    value = typed_number(text, unit, radians=radians)
     if not np.isfinite(value):
         raise InputError(f"{joint} takes a number such as {SUCH_AS[unit]}; got {text!r}")
     return value
@@ -170,7 +169,7 @@ def _pairs(text: str, otherwise: str) -> tuple[list[str], list[str]]:
 def parse_numbers(text: str, units: str, name: str, radians: bool = False) -> Array:
     """Numbers [rad, m] separated by spaces or commas, one for each of `units`, such as 'm m rad'."""
     typed, quantities = separate(text), units.split()
-    numbers = [evaluated(*each, radians=radians) for each in zip(typed, quantities, strict=False)]
+    numbers = [typed_number(*each, radians=radians) for each in zip(typed, quantities, strict=False)]
     wrong = [each.strip() for each, number in zip(typed, numbers, strict=False) if not np.isfinite(number)]
     if len(typed) != len(quantities) or wrong:
         zeros = " ".join("0" for _ in quantities)

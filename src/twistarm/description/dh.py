@@ -14,7 +14,6 @@ import numpy as np
 
 from ..support.checks import (
     Array,
-    Rechecked,
     as_floats,
     as_number,
     as_pose,
@@ -60,7 +59,7 @@ BOUNDS = Bounds(bytes=1_000_000, lines=1_000)
 
 
 @dataclass(frozen=True, eq=False)
-class DhTable(Rechecked):
+class DhTable:
     """Denavit–Hartenberg parameters of an arm: `rows` (n, 4) are a [m], α [rad], d [m], θ [rad] of each joint.
 
     The joint's coordinate is added to θ, or to d where its type is prismatic. `base` (4, 4) is frame 0 seen from the

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..support.checks import Array
 from ..support.errors import listed
+from ..support.messages import plural
 from ..support.path_redaction import without_places
 from ..theory.rotations import from_rpy, from_xyzw
 from .document import Reading, floats, number
@@ -57,7 +58,7 @@ class Materials:
         """Add a finding for all names with two colours, and one for each malformed colour."""
         if self._twice:
             names = listed(self._twice, 3)
-            what = f"{len(self._twice)} material{'s' * (len(self._twice) > 1)} with several colours: {names}"
+            what = f"{plural(len(self._twice), 'material')} with several colours: {names}"
             remedy = "give each colour a name of its own"
             self._reading.note("bad-geometry", None, f"{what}; the first colour of a name counts", remedy)
         for rgba, drawn in self._odd:
@@ -109,7 +110,7 @@ class Geometries:
             causes.setdefault(cause, []).append(without_places(uri, Path(uri.removeprefix("file://"))))
         for (why, remedy), names in causes.items():
             what = (
-                f"{len(names)} mesh file{'s' * (len(names) > 1)} not found: {listed(names, 2)}; {why}; "
+                f"{plural(len(names), 'mesh file')} not found: {listed(names, 2)}; {why}; "
                 "the kinematics is not affected"
             )
             self._reading.note("mesh-missing", None, what, f"{remedy}; simple shapes are drawn instead")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..arm.arm import Arm
 from ..support.checks import Array, frozen
 from ..support.errors import printable
+from ..support.messages import plural
 from .closed_form.methods import Method
 from .explain import reached, why_not
 from .ranges import holding, joint_ranges
@@ -182,7 +183,7 @@ class AllSolutions:
         if not count and self.complete:
             return f"no configuration inside the limits{outside}: that is certain"
         late = "; the time was up before everything had been tried" * self.timed_out
-        what = f"{count} configuration{'s' * (count != 1)} inside the limits"
+        what = f"{plural(count, 'configuration')} inside the limits"
         hits = int(self.colliding.sum())
         collide = "" if self._colliding is None else f", {hits or 'none'} of them in collision"
         return f"{what}{collide}{self._families(count)}{outside}; {all_}{sampled}{late}"

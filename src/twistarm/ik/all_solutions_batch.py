@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, Rechecked, as_flag, as_whole, made_by
+from ..support.checks import Array, RealArray, as_flag, as_whole
 from .all_solutions import AllAnswers, AllSolutions
 from .batch import MAX_THREADS, targets_for
 from .certainty import is_exact
@@ -23,9 +23,8 @@ from .targets import AnyTarget, Approach, Pose, TargetLike
 from .task_space import Tolerances
 
 
-@made_by("solve_ik_all_batch")
 @dataclass(frozen=True, eq=False, repr=False)
-class AllSolutionsBatch(Rechecked):
+class AllSolutionsBatch:
     """Every configuration of N targets, read-only arrays with a row for each. `batch[i]` is one as an `AllSolutions`.
 
     count (N,): configurations inside the limits; outside_count (N,): beyond them.

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arm import engine
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, RealArray, Rechecked, as_positive, as_whole, frozen, made_by, require_callback
+from ..support.checks import Array, RealArray, as_positive, as_whole, frozen, require_callback
 from ..support.errors import InputError, shown
 from .answer import FIELDS, NOT_FINISHED, STOPS, Records, StopReason, answer_in, write_answer
 from .certainty import settled
@@ -33,9 +33,8 @@ Progress = Callable[[float], object]
 MAX_THREADS = 256
 
 
-@made_by("solve_ik_batch")
 @dataclass(frozen=True, eq=False, repr=False)
-class IKBatch(Rechecked):
+class IKBatch:
     """The answers to N targets, read-only arrays with a row for each. `batch[i]` is one of them as an `IKResult`.
 
     A target not finished in time has its start as theta, and infinite errors.

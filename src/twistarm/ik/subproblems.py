@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..support.checks import Array, as_direction, as_number, as_twist, as_vector, frozen, made_by
+from ..support.checks import Array, as_direction, as_number, as_twist, as_vector, frozen
 from ..support.errors import InputError
 from .closed_form.joint_axis import JointAxis, Point, across, along, axis_of, product, settle
 from .ranges import Mask
@@ -45,7 +45,6 @@ WELL_CONDITIONED = 1e-3
 """Above this ratio of singular values a pair (cos x, sin x) is solved for as two numbers."""
 
 
-@made_by("a subproblem")
 @dataclass(frozen=True, eq=False)
 class Roots:
     """The values of one subproblem.

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..support.checks import Array, Rechecked, as_floats, as_reals, as_theta, frozen, require, require_names
+from ..support.checks import Array, as_floats, as_reals, as_theta, frozen, require, require_names
 from ..support.display import told
 from ..support.errors import InputError, listed
 from .joint_limits import JointLimits
@@ -29,7 +29,7 @@ NOT_GIVEN = JointLimits.unbounded(0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Actuators(Rechecked):
+class Actuators:
     """k motors that drive n joints: motor = G theta + o, in rad, or m for slides.
 
     `G` (k, n) holds motor rad per joint rad (rad per m for a slide). `offset` (k,) holds the motors at theta = 0. A

@@ -9,17 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..support.checks import (
-    LARGEST_ARRAY,
-    Array,
-    Rechecked,
-    as_number,
-    as_reals,
-    as_theta,
-    as_whole,
-    frozen,
-    require_names,
-)
+from ..support.checks import LARGEST_ARRAY, Array, as_number, as_reals, as_theta, as_whole, frozen, require_names
 from ..support.display import told
 from ..support.errors import InputError, shown, unknown_name
 
@@ -34,7 +24,7 @@ AS_GOOD_AS_UNBOUNDED = 1e4
 
 
 @dataclass(frozen=True, repr=False)
-class JointLimits(Rechecked):
+class JointLimits:
     """Limits of n degrees of freedom: arrays (n,) in rad or m, their rates, N m or N.
 
     `lower`, `upper` are ∓inf where not given. `velocity`, `acceleration`, `jerk`, `effort` are inf where not given. A
@@ -74,6 +64,9 @@ class JointLimits(Rechecked):
         """Return limits that limit nothing."""
         inf = np.full(as_whole(n, "n", 0, LARGEST_ARRAY), np.inf)
         return cls(-inf, inf, inf, inf, inf, inf)
+
+    def __reduce__(self) -> tuple[type[JointLimits], tuple[Array, ...]]:
+        return type(self), tuple(getattr(self, name) for name in FIELDS)  # pickled arrays would be writeable
 
     def contains(self, theta: ArrayLike, tol: float = 0.0) -> np.ndarray[Any, np.dtype[np.bool_]]:
         """Tell whether theta (..., n) is inside the position limits, or beyond by at most `tol` [rad, m].

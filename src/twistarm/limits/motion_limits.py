@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..support.checks import Array, Rechecked, frozen
+from ..support.checks import Array, frozen
 from ..support.display import Brief
 from ..support.errors import InputError
 from .joint_limits import JointLimits
@@ -32,7 +32,7 @@ class Allowed(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MotionLimits(Rechecked, Brief):
+class MotionLimits(Brief):
     """Limits of x = C theta + c, one row per motor or joint: C (r, n), c (r,) [rad or m].
 
     A motion is safe if the arm can stop straight on, all joints slowing in proportion. That takes the time T = max |ẋ|

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from ..arm.arm import Arm
 from ..limits.actuators import Actuators
 from ..limits.joint_limits import JointLimits
-from ..support.checks import Array, as_floats, as_number, frozen, made_by, require
+from ..support.checks import Array, as_floats, as_number, frozen, require, require_names
 from ..support.display import in_brief, told
 from ..support.errors import InputError, listed, shown
 from ..support.files import writable, write_whole
@@ -48,7 +48,6 @@ class Samples(NamedTuple):
         return told("Samples", self._asdict())
 
 
-@made_by("plan, plan_joint or load_trajectory")
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """theta(t) of n joints, a polynomial on each of s pieces. The motion begins and ends at rest.
@@ -74,10 +73,14 @@ class Trajectory:
     limits: JointLimits | None = None
 
     def __post_init__(self) -> None:
+        for name in ("joint_names", "units"):
+            object.__setattr__(self, name, require_names(getattr(self, name), name))
         for name in ("waypoints", "times", "breakpoints", "coefficients"):
             object.__setattr__(self, name, frozen(as_floats(getattr(self, name), name)))
-        n, k, s = len(self.joint_names), len(self.times), len(self.breakpoints) - 1
-        if self.waypoints.shape != (k, n) or self.coefficients.shape[1:] != (s, n) or len(self.units) != n:
+        n, k, s = len(self.joint_names), self.times.size, self.breakpoints.size - 1
+        shapes = {"waypoints": (k, n), "times": (k,), "breakpoints": (s + 1,)}
+        wrong = any(getattr(self, name).shape != shape for name, shape in shapes.items())
+        if wrong or self.coefficients.shape[1:] != (s, n) or len(self.units) != n:
             raise InputError(
                 f"a trajectory of {n} joints with {k} times and {s + 1} breakpoints needs waypoints {(k, n)} and "
                 f"coefficients (degree + 1, {s}, {n}); got {self.waypoints.shape} and {self.coefficients.shape}"

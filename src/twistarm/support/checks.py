@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import sys
-import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
-from functools import wraps
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import SHOWN, InputError, RoundedPoseWarning, TwistarmError, closest, one_line, shown
+from .errors import SHOWN, InputError, RoundedPoseWarning, closest, one_line, shown, warn
 
 Array = NDArray[np.float64]
 
@@ -234,8 +231,8 @@ def as_rotation(value: ArrayLike, name: str = "rotation") -> Array:
     if off <= CLEAN_TOL:
         return R
     if off > ROUNDED_TOL:
-        said = f"{name} is {off:.1g} away from a rotation, as rounded numbers are: the nearest rotation is taken"
-        warn_caller(said, RoundedPoseWarning)
+        what = f"{name} is {off:.1g} away from a rotation, as rounded numbers are: the nearest rotation is taken"
+        warn(what, RoundedPoseWarning)
     return nearest_rotation(R)[0]
 
 
@@ -248,22 +245,6 @@ def nearest_rotation(A: Array) -> tuple[Array, Array]:
     # One step toward RᵀR = I takes the rounding of the decomposition away.
     R = 1.5 * R - 0.5 * R @ (np.swapaxes(R, -1, -2) @ R)
     return R, sigma[..., 1] + sense * sigma[..., 2]
-
-
-def warn_caller(said: str, kind: type[Warning]) -> None:
-    """Warn, and point at the caller's own line."""
-    depth, frame = 1, sys._getframe(0)
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").split(".")[0] == __name__.split(".")[0]:
-        depth, frame = depth + 1, frame.f_back
-    warnings.warn(said, kind, stacklevel=depth)
-
-
-def called_from_outside(module: str) -> bool:
-    """Whether the function of `module` that is at work was called from outside the package."""
-    frame = sys._getframe(1)
-    while frame.f_back is not None and frame.f_globals.get("__name__") == module:
-        frame = frame.f_back
-    return bool(frame.f_globals.get("__name__", "").split(".")[0] != __name__.split(".")[0])
 
 
 def as_pose(value: Given, name: str = "pose") -> Array:
@@ -313,39 +294,6 @@ def require_broadcast(**leading: tuple[int, ...]) -> None:
     except ValueError as error:
         shapes = " and ".join(f"{name} {shape}" for name, shape in leading.items())
         raise InputError(f"leading axes do not match: {shapes}; they must be equal, 1 or missing") from error
-
-
-def made_by(calls: str) -> Callable[[type[T]], type[T]]:
-    """Decorate a class: its constructor raises InputError for bad fields and names the `calls` that make objects."""
-
-    def worded(kind: type[T]) -> type[T]:
-        construct = kind.__init__
-
-        @wraps(construct)
-        def checked(self: T, *fields: Any, **named: Any) -> None:
-            try:
-                construct(self, *fields, **named)
-            except TwistarmError:
-                raise
-            except Exception as error:  # what NumPy says of a field
-                why = one_line(str(error), SHOWN)
-                raise InputError(f"these fields make no {kind.__name__} ({why}); take one from {calls}") from error
-
-        setattr(kind, "__init__", checked)  # noqa: B010
-        return kind
-
-    return worded
-
-
-class Rechecked:
-    """A dataclass that is checked anew after a pickle, whose arrays are writeable again when they come out of it."""
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self.__post_init__()
-
-    def __post_init__(self) -> None:
-        """Check the fields."""
 
 
 def frozen(array: ArrayLike) -> Array:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import sys
+import warnings
 from collections.abc import Iterable
 from difflib import get_close_matches
 from reprlib import Repr
 from typing import Any
 
 from .messages import Text
+
+PACKAGE = os.path.dirname(os.path.dirname(__file__))
+"""The folder of this package."""
 
 SHOWN = 80
 """Characters of a value that a message repeats: it is the caller's own, and names or the first numbers are enough."""
@@ -83,6 +89,14 @@ class UnitsWarning(UserWarning):
 
 class ComparisonError(TwistarmError):
     """Two accounts of the same arm disagree."""
+
+
+def warn(message: str, kind: type[Warning]) -> None:
+    """Warn, and point at the line outside this package if Python can: from 3.12 on."""
+    if sys.version_info >= (3, 12):
+        warnings.warn(message, kind, skip_file_prefixes=(PACKAGE,))
+    else:
+        warnings.warn(message, kind, stacklevel=3)
 
 
 def printable(text: str) -> str:

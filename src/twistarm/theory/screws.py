@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..support.checks import Array, as_floats, as_pose, as_twist, frozen, made_by, require_broadcast, require_choice
+from ..support.checks import Array, as_floats, as_pose, as_twist, frozen, require_broadcast, require_choice
 from ..support.display import Brief
 from ..support.errors import InputError
 from . import rotations
@@ -242,7 +242,6 @@ def _rotated(g: Array, halves: Array) -> tuple[Array, Array]:
 # screws -----------------------------------------------------------------------------------------------
 
 
-@made_by("screws.to_screw")
 @dataclass(frozen=True, eq=False, repr=False)
 class Screw(Brief):
     """The geometry of a twist: turning about a line while sliding along it (Chasles). MLS §2.3.3.

@@ -28,7 +28,7 @@ from ...limits.joint_limits import JointLimits
 from ...support.checks import frozen, require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
-from ...support.messages import Argument, Text
+from ...support.messages import Argument, Text, plural
 from ..arm import Arm, Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
 from ..configurations import named_ready
@@ -358,8 +358,8 @@ def _with_what_is_said(
         states, stating = fitted_states(arm, semantics, group.name if group else "", specification.locked_joints)
         pairs = semantics.disabled_collisions(arm.description.links)
         taken = [f"the tip {group.tip!r} (group {group.name!r})"] if group and not specification.tip else []
-        taken += [f"{len(states)} named pose{'s' * (len(states) > 1)}"] if states else []
-        taken += [f"{len(pairs)} pair{'s' * (len(pairs) > 1)} of links that need no collision check"] if pairs else []
+        taken += [plural(len(states), "named pose")] if states else []
+        taken += [f"{plural(len(pairs), 'pair')} of links that need no collision check"] if pairs else []
         what = f"{path_from(arm.description, semantics.path)} gives {', '.join(taken) or 'nothing that the arm uses'}"
         given = {name: Argument(name, None) for name in ("tip", "srdf")}
         remedy = Text("{tip}, an arm.toml or another {srdf} win over it", **given)

@@ -10,6 +10,7 @@ from ...arm.arm import Arm
 from ...description.findings import Finding, finding
 from ...support.checks import Array
 from ...support.directions import axis_in_words, direction_in_words
+from ...support.messages import plural
 from .abilities import TOL, Abilities
 from .wording import place_of
 
@@ -24,7 +25,7 @@ def summary(arm: Arm, able: Abilities) -> str:
     spare = arm.n - able.rank
     turns = "its orientation follows from its position" if not able.turning else f"{able.turning} of 3 rotations there"
     text = f"moves its tool in {able.rank} of 6 directions: {able.position} of 3 for the position, {turns}"
-    return f"{text}; {spare} joint{'s' * (spare > 1)} to spare" if spare else text
+    return f"{text}; {plural(spare, 'joint')} to spare" if spare else text
 
 
 def check_abilities(arm: Arm, able: Abilities) -> Iterator[Finding]:

@@ -16,11 +16,10 @@ from ...calibration import calibrate as fit
 from ...support.errors import InputError
 from ...viewer import Viewer
 from ..avoiding import Avoid, avoided
-from ..expression import LENGTH, evaluated
 from ..options import Json, takes_arm
 from ..output import console, joint_heads, number, print_json, say, shown, table
 from ..outputs import Outputs, outputs_of, repeated
-from ..quantities import quantity, whole
+from ..quantities import LENGTH, quantity, typed_number, whole
 from .viewing import show_address
 from .wiring import OrientationNoise
 
@@ -115,7 +114,7 @@ def _show(found: Calibration, arm: Arm, out: TextIO) -> None:
 
 def _distance(said: str) -> tuple[tuple[str, str], float]:
     a, b, length, *more = [*said.split("="), "", ""]
-    value = evaluated(length, LENGTH)
+    value = typed_number(length, LENGTH)
     if len(more) != 2 or not np.isfinite(value):
         raise InputError(f"--distance takes A=B=LENGTH, as in left=right=0.05 or left=right=50mm; got {said!r}")
     return (a, b), value

@@ -15,6 +15,7 @@ from ...checking.doctor.wording import codes_page
 from ...description.findings import CODES, Finding
 from ...description.findings import refused as refusal_of
 from ...support.errors import InputError
+from ...support.messages import plural
 from ...support.path_redaction import without_places
 from ..options import Json, takes_source
 from ..output import console, finding_json, literal, print_json, say
@@ -93,7 +94,7 @@ def _abilities(diagnosis: Diagnosis) -> str:
     arm, able = diagnosis.arm, diagnosis.able
     if arm is None or able is None:
         return "no arm until the errors below are mended"
-    return f"{arm.n} joint{'s' * (arm.n > 1)} from {arm.base} to {arm.tip}; {summary(arm, able)}"
+    return f"{plural(arm.n, 'joint')} from {arm.base} to {arm.tip}; {summary(arm, able)}"
 
 
 def _page(diagnosis: Diagnosis) -> Table:
@@ -114,7 +115,7 @@ def counted(findings: tuple[Finding, ...]) -> str:
     """`1 warning, 3 remarks`."""
     words = {"error": "error", "warning": "warning", "info": "remark"}
     numbers = {word: sum(one.severity == severity for one in findings) for severity, word in words.items()}
-    return ", ".join(f"{n} {word}{'s' * (n > 1)}" for word, n in numbers.items() if n) or "nothing to remark"
+    return ", ".join(plural(n, word) for word, n in numbers.items() if n) or "nothing to remark"
 
 
 def _print_repair(output: str | None, made: Repair | None, words: TextIO) -> None:
@@ -129,7 +130,7 @@ def _print_repair(output: str | None, made: Repair | None, words: TextIO) -> Non
     reads = complaint if made.complaint else "Pinocchio's own parser reads it"
     same = "the same links, joints, limits and poses"
     n = len(made.changes)
-    repairs = f"{n} repair{'s' * (n > 1)}" if n else "nothing to repair"
+    repairs = plural(n, "repair") if n else "nothing to repair"
     say(f"written: {output} ({repairs}; {same}; {reads})", file=words)
 
 

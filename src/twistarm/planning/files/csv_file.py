@@ -14,9 +14,10 @@ from ...arm.arm import Arm
 from ...limits.actuators import Actuators
 from ...limits.joint_limits import JointLimits
 from ...support.checks import Array, as_flag
-from ...support.csv_lines import Bounds, Row, csv_lines, csv_rows, is_number
+from ...support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ...support.csv_lines import csv_text as lines_of
 from ...support.errors import InputError, closest, listed
+from ...support.fields import number_in
 from .motor_values import motor_values, motors_of, require_motors
 from .points import Points
 
@@ -136,10 +137,11 @@ def _limits(arm: Arm, header: list[str], row: Row, file: str) -> JointLimits | N
     found = {}
     for rate, names in zip(LIMITS, _columns(LIMITS, arm.joint_names, arm.units), strict=True):
         if _has_columns([names], header) and len(row.cells) == len(header):
-            cells = [row.cells[header.index(name)] for name in names]
-            if not all(is_number(cell) and float(cell) > 0.0 for cell in cells):
-                raise InputError(f"{file}, line {row.line}: a limit must be a positive number or inf")
-            found[rate.removesuffix("_limit")] = list(map(float, cells))
+            place = f"{file}, line {row.line}"
+            values = [number_in(row.cells[header.index(name)], f"{place}: {name}", 0.0, np.inf) for name in names]
+            if 0.0 in values:
+                raise InputError(f"{place}: {names[values.index(0.0)]} must be above 0, or inf")
+            found[rate.removesuffix("_limit")] = values
     return arm.limits.with_(found, arm.joint_names) if found else None
 
 
