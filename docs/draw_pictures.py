@@ -12,7 +12,6 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from twistarm import Approach, Arm, FreeMove, LineMove, Scene, Trajectory, Viewer, load_arm, plan, reach_map, save_png
-from twistarm.cli.application import run
 from twistarm.viewer.files.headless import find_browser
 
 DOCS = Path(__file__).parent
@@ -148,9 +147,6 @@ def main() -> None:
     motion = task(arm)
     save_png(arm, PICTURES / "motion.png", trajectory=motion, size=(720, 480))
     gallery()
-    run(["payload", "rover_arm_6dof", "-o", str(PICTURES / "payload.png"), "--force"])
-    file = str(DOCS.parent / "examples" / "urc_panel.toml")
-    run(["panel", "rover_arm", file, "-o", str(PICTURES / "panel.png"), "--force"])
     reach(load_arm("rover_arm_6dof"))
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_browser(), args=list(FLAGS))

@@ -56,7 +56,7 @@ def test_info_tells_what_was_loaded(capsys: Capture) -> None:
         "slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll",
     ]  # fmt: skip
     assert content["joints"][0] | {"effort": 0} == {
-        "name": "slide", "type": "prismatic", "unit": "m", "lower": -0.5, "upper": 0.5,
+        "name": "slide", "type": "prismatic", "lower": -0.5, "upper": 0.5,
         "velocity": 0.5, "acceleration": content["joints"][0]["acceleration"], "jerk": None, "effort": 0,
     }  # fmt: skip
     assert content["joints"][4]["lower"] is None
@@ -268,7 +268,7 @@ BAD: dict[str, tuple[list[str], str]] = {
         "give one --direction for all positions, or one for each: 2 go with 3 --xyz",
     ),
     "no goal": (["plan", "rover_arm"], "give poses by --to"),
-    "a pose outside": ([*SERVO, "--theta", "0 200 0 0"], "joint_2 = 200 ° lies outside its limits -148.969 "),
+    "a pose outside": ([*SERVO, "--theta", "0 200 0 0"], "joint_2 = 200 ° lies outside its limits -148.97 "),
     "a margin below 0": ([*SERVO, "--margin", "-0.1"], "--margin': it takes a number of 0 or more such as"),
     "no such way on": ([*SERVO, "--on-unreachable", "jump"], "--on-unreachable must be 'slide' or 'stop'; got 'jump'"),
     "no command holds": ([*SERVO, "--command-timeout", "-1"], "--command-timeout': it takes a number above 0 such as"),

@@ -24,8 +24,8 @@ def test_payload_at_a_configuration(capsys: Capture, rover: twistarm.Arm) -> Non
     found = payload(rover, "ready")
     assert np.isclose(content["payload"], found.mass)
     assert content["limited_by"] == "wrist_pitch"
-    assert np.allclose(content["needs"]["effort"], found.needs(2.0).effort)
-    assert content["needs"]["limit"] == rover.limits.effort.tolist()
+    assert np.allclose([row["effort"] for row in content["needs"]], found.needs(2.0).effort)
+    assert [row["limit"] for row in content["needs"]] == rover.limits.effort.tolist()
     printed(capsys, "payload", "rover_arm", "--theta", "ready", "--mass", "20", code=1)
 
 
@@ -42,25 +42,23 @@ def test_payload_anywhere_fits_a_terminal(capsys: Capture, monkeypatch: pytest.M
 def test_payload_of_a_motion_in_files(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     printed(capsys, "plan", "rover_arm", "--to", "stowed", "-o", "motion.csv")
-    content = answer(capsys, "payload", "rover_arm", "--motion", "motion.csv", "-o", "held.csv", "-o", "held.png")
+    content = answer(capsys, "payload", "rover_arm", "--motion", "motion.csv", "-o", "held.csv")
     with open("held.csv", newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == content["configurations"]
     assert min(float(row["payload [kg]"]) for row in rows) == content["payload"]
     assert float(rows[-1]["time [s]"]) > 0.0
-    assert Path("held.png").read_bytes().startswith(b"\x89PNG")
-    assert content["needs"]["speed"][1] > 0.1
+    assert content["needs"][1]["speed"] > 0.1
 
 
 def test_payload_over_space(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(designing, "SAMPLES", 5000)
-    content = answer(capsys, "payload", "rover_arm", "--voxel", "0.2", "-o", "held.csv", "-o", "held.png")
+    content = answer(capsys, "payload", "rover_arm", "--voxel", "0.2", "-o", "held.csv")
     with open("held.csv", newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert sum(int(row["configurations"]) for row in rows) == 5000
     assert min(float(row["least payload [kg]"]) for row in rows) == content["payload"]
-    assert Path("held.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_an_unknown_payload_is_no_good_answer(capsys: Capture, tmp_path: Path) -> None:
@@ -84,20 +82,12 @@ def test_an_unknown_payload_is_no_good_answer(capsys: Capture, tmp_path: Path) -
 
 def test_designs(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    content = answer(capsys, "designs", "rover_arm", "rover_arm_6dof", "-o", "d.csv", "-o", "d.png")
-    with open("d.csv", newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    assert [float(row["volume [m³]"]) for row in rows] == [each["volume"] for each in content["designs"]]
-    image = pytest.importorskip("PIL.Image").open("d.png").convert("RGB")
-    colours = [image.getpixel((x, y)) for x in range(image.width // 3, image.width) for y in range(image.height)]
-    first, second = (31, 119, 180), (255, 127, 14)  # matplotlib's C0 and C1
-    assert min(colours.count(first), colours.count(second)) > 200, "both outlines"
+    content = answer(capsys, "designs", "rover_arm", "rover_arm_6dof")
     ours, other = content["designs"]
     assert f"reaches out {100 * (other['farthest'] / ours['farthest'] - 1):.2g} % more" in content["against"][0]
     shown = printed(capsys, "designs", "rover_arm", "rover_arm_6dof")
     assert content["against"][0] in shown
     assert "-0.5 … 0.5 m" in shown
-    assert "-90 … 90 °" in shown
 
 
 PANEL = """
@@ -123,15 +113,14 @@ def test_a_panel_as_table_json_and_files(capsys: Capture, tmp_path: Path, monkey
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
     Path("panel.toml").write_text(PANEL, "utf-8")
-    shown = printed(capsys, "panel", "rover_arm", "panel.toml", "-o", "p.png", "-o", "p.csv", code=1)
-    *table, why, sentence, png, motion = shown.splitlines()
+    shown = printed(capsys, "panel", "rover_arm", "panel.toml", "-o", "p.csv", code=1)
+    *table, why, sentence, motion = shown.splitlines()
     assert max(map(len, table)) <= 80
     (row,) = (line.split() for line in table if line.startswith("key "))
     assert row[:3] == ["key", "press", "done"]
     assert why.startswith("far knob, out_of_reach: in front of it: ")
     assert sentence.startswith("1 of 2 tasks")
-    assert (png, motion) == ("written: p.png", "written: p.csv")
-    assert Path("p.png").read_bytes().startswith(b"\x89PNG")
+    assert motion == "written: p.csv"
     moved = twistarm.load_trajectory(twistarm.load_arm("rover_arm"), "p.csv")
     place = sentence.split('"')[1]
     assert run(["panel", "rover_arm", "panel.toml", "--base-pose", place, "--json"]) == 1
@@ -151,21 +140,16 @@ def test_a_panel_as_table_json_and_files(capsys: Capture, tmp_path: Path, monkey
     assert np.isclose(reached + float(place.split()[0]), 0.954, atol=2e-4)
 
 
-def test_a_picture_outlives_a_motion_that_fails(
+def test_the_answer_outlives_a_motion_that_fails(
     capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("panel.toml").write_text(PANEL, "utf-8")
-    place = ["--base-pose", "0 0 0", "--dt", "1e-12"]
-    asked = ["panel", "rover_arm", "panel.toml", *place, "-o", "p.csv", "-o", "p.png"]
+    asked = ["panel", "rover_arm", "panel.toml", "--base-pose", "0 0 0", "--dt", "1e-12", "-o", "p.csv", "--json"]
     assert run(asked) == 2
-    said = capsys.readouterr()
-    assert "1e-12" in said.err
-    assert said.out.endswith("written: p.png\n")
-    assert run([*asked, "--json", "--force"]) == 2
     answer = json.loads(capsys.readouterr().out)
-    assert (len(answer["tasks"]), answer["written"]) == (2, ["p.png"])
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["p.png", "panel.toml"]
+    assert (len(answer["tasks"]), answer["written"]) == (2, [])
+    assert [path.name for path in tmp_path.iterdir()] == ["panel.toml"]
 
 
 def test_reach_as_a_table_with_units_and_every_file(
@@ -185,11 +169,11 @@ def test_reach_as_a_table_with_units_and_every_file(
 def test_no_task_done_writes_no_motion(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("panel.toml").write_text(PANEL.replace("0.95, 0.0, 0.8", "5.0, 0.0, 0.8"), "utf-8")
-    assert run(["panel", "rover_arm", "panel.toml", "-o", "p.csv", "-o", "p.png"]) == 1
+    assert run(["panel", "rover_arm", "panel.toml", "-o", "p.csv"]) == 1
     out, err = capsys.readouterr()
     assert "0 of 2 tasks" in out
     assert "no motion is written" in err
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["p.png", "panel.toml"]
+    assert [path.name for path in tmp_path.iterdir()] == ["panel.toml"]
 
 
 @pytest.mark.parametrize(
@@ -200,15 +184,17 @@ def test_no_task_done_writes_no_motion(capsys: Capture, tmp_path: Path, monkeypa
         (["payload", "rover_arm", "--theta", "ready", "--voxel", "0.2"], "--voxel maps random configurations"),
         (["payload", "rover_arm", "--voxel", "0"], "'--voxel': it takes a number above 0"),
         (["payload", "rover_arm", "--voxel", "100", "-o", "x.csv"], "lengths are in metres"),
-        (["payload", "rover_arm", "--voxel", "1e-6", "-o", "x.png"], "lengths are in metres"),
-        (["payload", "rover_arm", "-o", "x.pdf"], "-o takes *.csv or *.png"),
+        (["payload", "rover_arm", "--voxel", "1e-6", "-o", "x.csv"], "lengths are in metres"),
         (["reach", "rover_arm", "--directions", "up"], "down, position, 26 or three numbers"),
         (["designs", "rover_arm"], "Missing argument"),
         (["panel", "rover_arm", "nowhere.toml", "--linear-speed", "nan"], "it takes a number above 0 such as 0.1 or"),
         (["panel", "rover_arm", "nowhere.toml"], "nowhere.toml"),
-        (["panel", "rover_arm", "nowhere.toml", "-o", "x.pdf"], "-o takes *.png or *.csv"),
+        (["panel", "rover_arm", "nowhere.toml", "-o", "x.pdf"], "-o takes *.csv or *.json"),
         (["designs", "rover_arm", "ur5", "--xyz", "0.5 0 0.5"], "give two or more, or none"),
     ],
 )
-def test_wrong_options(words: list[str], message: str, capsys: Capture) -> None:
+def test_wrong_options(
+    words: list[str], message: str, capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     assert message in error_of(capsys, *words)

@@ -112,7 +112,7 @@ def take_terminal(terminal: int) -> None:
 
 
 def test_ctrl_c_ends_it_at_rest(capsys: Capture, file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("twistarm.cli.commands.following.obey", lambda *told: os.kill(os.getpid(), signal.SIGINT))
+    monkeypatch.setattr("twistarm.cli.commands.driving.obey", lambda *told: os.kill(os.getpid(), signal.SIGINT))
     assert run(follow(file)) == 1
     out, err = capsys.readouterr()
     assert err == ""

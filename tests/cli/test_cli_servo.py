@@ -225,7 +225,7 @@ def test_what_cannot_be_is_refused_before_anything_is_opened(typed: list[str], m
     def opened(*arguments: Any, **options: Any) -> None:
         raise AssertionError("opened")
 
-    monkeypatch.setattr("twistarm.cli.commands.servo.Viewer", opened)
+    monkeypatch.setattr("twistarm.cli.commands.driving.Viewer", opened)
     for name in ("UdpSink", "UdpFeedback", "SimulatedJoints"):
         monkeypatch.setattr(f"twistarm.cli.robot.{name}", opened)
     assert run(["servo", "scara", "--no-browser", *typed]) == 2
@@ -238,7 +238,7 @@ def test_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
         given.update(options, source=source)
         return stream(arm, source, sink, feedback, **{**options, "duration": 0.05})
 
-    monkeypatch.setattr("twistarm.cli.commands.servo.run", noted)
+    monkeypatch.setattr("twistarm.cli.commands.driving.run", noted)
     options = "--velocity-mode --command-timeout 0.5 --feedback-timeout 300 ms --tolerance 0.1 rad --margin 0.02 "
     options += "--on-unreachable stop"
     udp = ("--udp", "127.0.0.1:9", "--listen", "127.0.0.1:0")

@@ -1,4 +1,4 @@
-"""What is refused at the door, in which words, and what is let in."""
+"""What is refused at the door, by argument and value, and what is let in."""
 
 from __future__ import annotations
 
@@ -23,28 +23,28 @@ def tilted(R, amount):
     return R + amount * np.sign(np.sin(1 + np.arange(9.0).reshape(3, 3)))
 
 
-# shapes and finite numbers ------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("value", [[1, 2, 3], (1.0, 2, 3), np.arange(3, dtype=np.float32), np.arange(3)])
 def test_numbers_of_any_kind_become_float64(value):
     assert checks.as_floats(value, "x").dtype == np.float64
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    ("value", "quoted"),
     [
-        ("abc", r"x must be an array of real numbers; got 'abc' \(text\)"),
-        ([[1, 2], [3]], r"x must be an array of real numbers; got \[\[1, 2\], \[3\]\] \("),
-        ([1 + 2j], r"x must be an array of real numbers; got \[\(1\+2j\)\] \(complex numbers\)"),
-        ("y" * 500, r"got .{,80}\.\.\."),
-        ([1.0, np.nan], r"x must be finite; it holds nan at index \[1\]"),
-        ([[0.0, 1.0], [np.inf, 0.0]], r"x must be finite; it holds inf at index \[1, 0\]"),
+        ("abc", "'abc'"),
+        ([[1, 2], [3]], "[[1, 2], [3]]"),
+        ([1 + 2j], "complex"),
+        ("y" * 500, "..."),
+        ([1.0, np.nan], "nan at index [1]"),
+        ([[0.0, 1.0], [np.inf, 0.0]], "inf at index [1, 0]"),
     ],
 )
-def test_what_is_no_array_of_finite_numbers_is_refused(value, text):
-    with pytest.raises(InputError, match=text):
+def test_no_array_of_finite_numbers(value, quoted):
+    with pytest.raises(InputError) as refusal:
         checks.as_floats(value, "x")
+    assert str(refusal.value).startswith("x ")
+    assert quoted in str(refusal.value)
+    assert len(str(refusal.value)) < 200
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_what_is_no_array_of_finite_numbers_is_refused(value, text):
     [(checks.as_vector, ()), (checks.as_vector, (3, 4)), (checks.as_twist, (3,)), (checks.as_twist, (6, 7))],
 )
 def test_vectors_have_three_components_and_twists_six(check, shape):
-    with pytest.raises(InputError, match=r"x must have shape \(\.\.\., [36]\); got "):
+    with pytest.raises(InputError, match="^x "):
         check(np.ones(shape), "x")
 
 
@@ -65,25 +65,24 @@ def test_batches_pass(batch):
 
 
 def test_theta_names_its_joints():
-    with pytest.raises(InputError, match=r"theta must have shape \(\.\.\., 2\): shoulder, elbow; got \(3,\)"):
+    with pytest.raises(InputError, match=r"theta.*shoulder, elbow.*\(3,\)"):
         checks.as_theta([1, 2, 3], 2, names=("shoulder", "elbow"))
-    with pytest.raises(InputError, match=r"theta must have shape \(\.\.\., 1\); got \(\)"):
+    with pytest.raises(InputError, match="^theta "):
         checks.as_theta(1.0, 1)
 
 
 def test_directions_are_made_unit_vectors():
     np.testing.assert_allclose(checks.as_direction([[0, 0, 2], [3, 4, 0]], "a"), [[0, 0, 1], [0.6, 0.8, 0]])
-    with pytest.raises(InputError, match="a must not be the zero vector: it has no direction"):
+    with pytest.raises(InputError, match="^a "):
         checks.as_direction([[1, 0, 0], [0, 0, 0]], "a")
 
 
-# rotations and poses ----------------------------------------------------------------------------------
-
-
 @given(st.data())
-def test_rotations_of_rounding_quality_pass_unchanged(data):
+def test_rotations_and_poses_of_rounding_quality_pass_unchanged(data):
     R = data.draw(rotations(data.draw(batches)))
     assert np.abs(checks.as_rotation(R) - R).max(initial=0.0) <= CLEAN
+    g = data.draw(poses(data.draw(batches)))
+    assert np.abs(checks.as_pose(g) - g).max(initial=0.0) <= CLEAN
 
 
 @pytest.mark.parametrize("amount", [1e-13, 2e-7])
@@ -97,53 +96,32 @@ def test_a_slightly_wrong_rotation_is_replaced_by_the_nearest(amount):
     assert np.abs(remainder - remainder.T).max() <= CLEAN
 
 
-@pytest.mark.parametrize("amount", [4e-3, 0.1])
-def test_a_wrong_rotation_is_refused(amount):
-    R = Rotation.random(random_state=1).as_matrix()
-    with pytest.raises(InputError, match=r"R is not in SO\(3\): its columns are .*rotations.nearest"):
-        checks.as_rotation(tilted(R, amount), "R")
-
-
 @pytest.mark.parametrize("decimals", [3, 5])
-def test_a_printed_rotation_is_made_one_and_said(decimals):
+def test_a_printed_rotation_is_made_one_with_a_warning(decimals):
     """From three decimals on every one passes: half of RᵀR − I is then √3 · 5e-4 at most."""
     R = Rotation.random(200, random_state=3).as_matrix()
-    with pytest.warns(RoundedPoseWarning, match=r"R is \S+ away from a rotation, as rounded numbers are") as caught:
+    with pytest.warns(RoundedPoseWarning, match="^R "):
         clean = checks.as_rotation(np.round(R, decimals), "R")
-    assert caught[0].filename == __file__
     assert np.abs(np.swapaxes(clean, 1, 2) @ clean - np.eye(3)).max() <= CLEAN
     assert np.abs(clean - R).max() <= 2 * 10.0**-decimals
-
-
-def test_a_rotation_printed_with_seven_digits_is_not_worth_a_word():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        checks.as_rotation(np.round(Rotation.random(200, random_state=3).as_matrix(), 7))
-
-
-def test_a_reflection_is_refused():
-    with pytest.raises(InputError, match="its determinant is −1, a reflection; swap or negate one axis"):
-        checks.as_rotation(np.diag([1.0, 1.0, -1.0]))
-
-
-@given(st.data())
-def test_poses_pass(data):
-    g = data.draw(poses(data.draw(batches)))
-    assert np.abs(checks.as_pose(g) - g).max(initial=0.0) <= CLEAN
+        checks.as_rotation(np.round(R, 7))
 
 
 @pytest.mark.parametrize(
-    ("g", "text"),
-    [
-        (np.eye(3), r"pose must have shape \(\.\.\., 4, 4\); got \(3, 3\)"),
-        (np.zeros((4, 4)), r"pose is not in SE\(3\): its last row must be 0 0 0 1; got"),
-        (np.diag([2.0, 2.0, 2.0, 1.0]), r"rotation of the pose is not in SO\(3\)"),
-        (np.diag([1.0, 1.0, -1.0, 1.0]), "a reflection"),
-        (np.full((4, 4), np.nan), r"pose must be finite; it holds nan at index \[0, 0\]"),
-    ],
+    "R", [tilted(np.eye(3), 4e-3), tilted(np.eye(3), 0.1), np.diag([1.0, 1.0, -1.0])], ids=["bent", "wrong", "mirror"]
 )
-def test_what_is_no_pose_is_refused(g, text):
-    with pytest.raises(InputError, match=text):
+def test_no_rotation(R):
+    with pytest.raises(InputError, match="^R "):
+        checks.as_rotation(R, "R")
+
+
+@pytest.mark.parametrize(
+    "g", [np.eye(3), np.zeros((4, 4)), np.diag([2.0, 2, 2, 1]), np.diag([1.0, 1, -1, 1]), np.full((4, 4), np.nan)]
+)
+def test_no_pose(g):
+    with pytest.raises(InputError, match="pose"):
         checks.as_pose(g)
 
 
@@ -159,7 +137,7 @@ def test_frozen_arrays_are_read_only_copies():
 @pytest.mark.parametrize(
     "value", [0.0, -1, float("nan"), float("inf"), "fast", None, [1.0], 10**400], ids=lambda each: repr(each)[:9]
 )
-def test_what_is_no_positive_number(value):
-    with pytest.raises(InputError, match="rate must be a positive number; got "):
+def test_no_positive_number(value):
+    with pytest.raises(InputError, match="^rate "):
         checks.as_positive(value, "rate")
     assert checks.as_positive(np.float32(0.5), "rate") == 0.5

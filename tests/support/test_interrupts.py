@@ -75,9 +75,9 @@ def test_a_signal_ends_it_without_a_word_from_its_first_line_on(module: str, sen
 SENT_WHILE_IT_DRAWS = """
 import os, signal, sys
 from twistarm.cli import application
-from twistarm.cli.commands import doctor
-doctor.examine = lambda *_, **__: os.kill(os.getpid(), signal.{sent})
-sys.argv = ["twistarm", "doctor", "."]
+from twistarm.cli.commands import checking
+checking.crosscheck = lambda *_, **__: os.kill(os.getpid(), signal.{sent})
+sys.argv = ["twistarm", "check", "rr_planar"]
 application.program()
 """
 
@@ -85,7 +85,6 @@ application.program()
 @pytest.mark.usefixtures("hangups")
 @pytest.mark.parametrize("sent", ["SIGINT", "SIGHUP"])
 def test_the_cursor_comes_back_whatever_ends_it(sent: str, tmp_path: Path) -> None:
-    (tmp_path / "arm.urdf").write_text("<robot/>")
     ours, terminal = os.openpty()
     program = SENT_WHILE_IT_DRAWS.format(sent=sent)
     env = {**os.environ, "TERM": "xterm-256color"}

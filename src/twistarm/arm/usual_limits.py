@@ -10,6 +10,7 @@ import numpy as np
 
 from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED, JointLimits
 from ..support.checks import Array
+from ..support.messages import Quantity, Text, joined
 from .arm import Arm
 
 DEFAULTS = {"velocity": {"rad": 1.0, "m": 0.25}, "acceleration": {"rad": 3.0, "m": 1.0}}
@@ -40,10 +41,11 @@ def usually_limited(arm: Arm) -> Arm:
 def defaults_line(arm: Arm, limits: JointLimits | None = None) -> str:
     """A line about the limits that are missing and their defaults, "" if there are none."""
     parts = [
-        f"{name} {DEFAULTS[name][unit]:g} {unit}/{POWERS[name]} for {', '.join(joints)}"
+        Text("{limit} {usual} for {joints}", limit=name, usual=usual, joints=", ".join(joints))
         for name, unit, joints in _missing(arm, arm.limits if limits is None else limits)
+        for usual in [Quantity(DEFAULTS[name][unit], f"{unit}/{POWERS[name]}")]
     ]
-    return f"no limits given, used instead: {'; '.join(parts)}" if parts else ""
+    return Text("no limits given, used instead: {limits}", limits=joined("; ", parts)) if parts else ""
 
 
 def _missing(arm: Arm, limits: JointLimits) -> Iterator[tuple[str, str, list[str]]]:

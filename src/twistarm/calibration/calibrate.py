@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, as_flag, as_positive, as_theta, require, require_callback, require_choice
+from ..support.checks import Array, as_flag, as_positive, as_theta, require, require_choice
 from ..support.errors import InputError, listed
 from ..support.errors import shown as brief
 from ..theory.screws import exp
@@ -41,7 +41,6 @@ def calibrate(
     scales: bool = False,
     eccentricity: bool = False,
     robust: bool = True,
-    foreseen: Callable[[tuple[Estimate, ...]], object] | None = None,
 ) -> Calibration:
     """Fit an arm's axes and joint zeros to measurements of its tool, with base and tool beside them.
 
@@ -64,7 +63,6 @@ def calibrate(
         scales: Fit a scale of each joint's drive too.
         eccentricity: Fit sine and cosine of each joint's angle too, as an eccentric gear gives.
         robust: Weigh outliers down (Cauchy's loss).
-        foreseen: Called before the fit with all parameters: which of them this log shows, and their deviations.
 
     Returns:
         The `Calibration`.
@@ -73,7 +71,6 @@ def calibrate(
         InputError: The log is unusable: too few rows, angles in degrees, positions in millimetres.
     """
     require_arm(arm)
-    require_callback(foreseen, "foreseen", "(estimates)")
     for choice, name in ((base, "base"), (tool, "tool")):
         require_choice(choice, ("fit", "held"), name)
     log = _read(arm, measurements)
@@ -85,10 +82,7 @@ def calibrate(
     fitted = _fitted(problem, base == "fit", tool == "fit")
     said = refuse_unusable(problem, fitted)
     problem, q = started(problem, bool(fitted[:6].any()), fitted[6:12])
-    weights = np.ones(len(log.theta))
     seen = _shown(problem, q, fitted)
-    if foreseen is not None:
-        foreseen(_estimates(problem, q, seen, _covariance(problem, q, seen, weights)))
     frames = seen.copy()
     frames[12 : problem.P] = False
     first = descend(problem, q, frames, robust=as_flag(robust, "robust"))[0]

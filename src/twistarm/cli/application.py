@@ -6,65 +6,68 @@ import io
 import os
 import signal
 import sys
-from collections.abc import Sequence
-from typing import Annotated
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any
 
 import typer
 
 from ..planning import PathError
 from ..support.errors import NotConvergedError, TwistarmError
 from ..support.interrupts import end_by, ended_like_ctrl_c
+from .command import Command, Group
 from .commands import (
+    arms,
     baking,
     calibrating,
     checking,
-    collisions,
-    demonstration,
     designing,
     dh,
-    doctor,
-    following,
+    driving,
     guide,
     init,
-    inspection,
     inverse,
     kinematics,
     motion,
-    parking,
-    reaching,
-    servo,
+    panel,
+    reach,
     viewing,
     wiring,
 )
+from .options import ArmCommand
 from .output import say
-from .typed import Command, Group
 from .wording import words_of
 
 BAD_ANSWER, BAD_INPUT, BUG, INTERRUPTED = 1, 2, 70, 130
 """Exit codes: a bad answer, unusable input, a fault of twistarm, Ctrl-C."""
+
+COMMANDS: dict[str, tuple[Callable[..., Any], ...]] = {
+    "An arm": (viewing.demo, arms.arms, arms.info, init.init, checking.doctor, checking.check, checking.freeze,
+               checking.collisions, baking.bake, dh.dh),
+    "Kinematics": (kinematics.fk, kinematics.jacobian, inverse.ik, reach.reach),
+    "Motion": (motion.plan, viewing.view, driving.servo, driving.follow),
+    "Design": (designing.payload, designing.designs, panel.panel),
+    "Hardware": (wiring.wiring, calibrating.calibrate),
+}  # fmt: skip
+"""The commands in the sections of the help."""
 
 app = typer.Typer(
     name="twistarm",
     cls=Group,
     help="Kinematics of robot arms in the language of screws. ARM is a URDF, xacro or MJCF file, an arm.toml, a "
     "Denavit–Hartenberg table, or a name that `twistarm arms` lists.",
+    rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-for command in (
-    demonstration.demo, inspection.arms, inspection.info,
-    init.init, checking.check, checking.freeze, doctor.doctor, baking.bake,
-    collisions.collisions, wiring.wiring, calibrating.calibrate,
-    kinematics.fk, kinematics.jacobian, dh.dh, inverse.ik, motion.plan,
-    reaching.reach, designing.payload, designing.designs, parking.panel,
-    viewing.view, servo.servo, following.follow,
-):  # fmt: skip
-    app.command(cls=Command)(command)
-app.add_typer(guide.guide)
+for section, functions in COMMANDS.items():
+    for function in functions:
+        without_arm = function in (viewing.demo, arms.arms)
+        app.command(cls=Command if without_arm else ArmCommand, rich_help_panel=section)(function)
+app.add_typer(guide.guide, rich_help_panel="Course")
 
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        say(f"twistarm {inspection.version()}")
+        say(f"twistarm {arms.version()}")
         raise typer.Exit
 
 

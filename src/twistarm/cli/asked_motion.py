@@ -19,7 +19,7 @@ from ..planning.segments import Segment
 from ..planning.spans import Progress
 from ..support.checks import Array, as_positive
 from ..support.errors import InputError
-from .avoiding import avoided
+from .options import avoided
 from .output import progress_bar
 from .quantities import OfJoints, of_joints
 from .targets import Target, typed_orientation

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -13,8 +12,9 @@ from ..support.csv_lines import csv_text
 from ..support.errors import InputError, listed
 from ..theory.rotations import to_xyzw
 from .csv_rows import ROWS_SHOWN, Sheet, few, no_column
-from .output import console, note, number, pose_json, print_json, say, table, warn
+from .output import note, warn
 from .outputs import Outputs
+from .tables import Column, Table, pose_entries
 
 
 def configurations_in(arm: Arm, sheet: Sheet) -> Array:
@@ -48,20 +48,21 @@ def configurations_in(arm: Arm, sheet: Sheet) -> Array:
     return theta
 
 
-def tell_poses(arm: Arm, sheet: Sheet, theta: Array, frame: str, outputs: Outputs, *, json: bool) -> None:
+def tell_poses(arm: Arm, sheet: Sheet, theta: Array, frame: str, out: Outputs) -> None:
     """Write and say the poses of a frame at every theta (N, n)."""
     g, lines = arm.pose(theta, frame), [row.line for row in sheet.rows]
-    written = outputs.write({"csv": lambda: poses_csv(lines, g)})
-    if json:
-        poses = [{"line": line, "theta": x, **pose_json(one)} for line, x, one in zip(lines, theta, g, strict=True)]
-        about = {"arm": arm.name, "joint_names": arm.joint_names, "base": arm.base, "frame": frame}
-        print_json({**about, "poses": poses, "written": written})
-        return
-    if not written:
-        console().print(_table(f"{frame} seen from {arm.base}", lines, g))
-        if len(lines) > ROWS_SHOWN:
-            say(f"{ROWS_SHOWN} of {len(lines)} poses (-o FILE.csv has them all)")
-    outputs.say(written)
+    poses = [{"line": line, "theta": x, **pose_entries(one)} for line, x, one in zip(lines, theta, g, strict=True)]
+    heads = (Column(name, values, digits=6) for name, values in zip(COLUMNS, _numbers(g).T, strict=True))
+    few = range(min(len(lines), ROWS_SHOWN))
+    table = Table(f"{frame} seen from {arm.base}", [Column("line", lines), *heads], rows=few)
+    parts: list[Table | str] = [] if out.files else [table]
+    if len(lines) > ROWS_SHOWN and not out.files:
+        parts.append(f"{ROWS_SHOWN} of {len(lines)} poses (-o FILE.csv has them all)")
+    out.show(
+        {"arm": arm, "joint_names": arm.joint_names, "base": arm.base, "frame": frame, "poses": poses},
+        *parts,
+        files={"csv": lambda: poses_csv(lines, g)},
+    )
 
 
 COLUMNS = ("x [m]", "y [m]", "z [m]", "qx", "qy", "qz", "qw")
@@ -70,11 +71,6 @@ COLUMNS = ("x [m]", "y [m]", "z [m]", "qx", "qy", "qz", "qw")
 def _numbers(g: Array) -> Array:
     """Position and quaternion (N, 7) of poses (N, 4, 4)."""
     return np.concatenate([g[:, :3, 3], to_xyzw(g[:, :3, :3])], axis=-1)
-
-
-def _table(title: str, lines: list[int], g: Array) -> Any:
-    rows = [[line, *(number(x, 6) for x in row)] for line, row in zip(lines[:ROWS_SHOWN], _numbers(g), strict=False)]
-    return table(title, ["line", *COLUMNS], rows)
 
 
 def poses_csv(lines: list[int], g: Array) -> str:

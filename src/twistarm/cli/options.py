@@ -1,84 +1,30 @@
-"""Options that commands share: which arm, and how it is loaded."""
+"""Options that commands share: the arm and how it is loaded, its scene, units and JSON."""
 
 from __future__ import annotations
 
-import functools
-import inspect
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from typer.main import get_command
 
 from ..arm.arm import Arm
-from ..arm.loading.load import load_arm
+from ..arm.loading.load import load_arm, read, specify
 from ..description.catalog import model_arms, own_arms
 from ..limits.joint_limits import slides
 from ..support.errors import InputError
+from .command import VALUES, Command, Group
+from .output import progress_bar
 from .quantities import ANGLE, LENGTH, SUCH_AS, typed_number
-from .typed import VALUES
+from .wording import OPTIONS
 
-ENDINGS = (".urdf", ".xacro", ".xml", ".toml", ".json", ".csv")
-"""Of files that may be an ARM."""
+if TYPE_CHECKING:
+    from ..collision import Scene
 
-
-def arms_like(typed: str) -> list[str]:
-    """Completions of ARM: names of the catalogue and descriptions here; none lets the shell complete."""
-    names = [name for name in (*own_arms(), *model_arms()) if name.startswith(typed)]
-    files = [path.name for path in Path().glob("*") if _fits(path.name, typed)]
-    return names + files if names else []
-
-
-def _fits(name: str, typed: str) -> bool:
-    return name.startswith(typed) and name.endswith(ENDINGS) and name.isprintable()
-
-
-ARM = typer.Argument(
-    metavar="ARM",
-    help="URDF, xacro, MJCF, arm.toml, arm.json, DH table (CSV), or catalogue name.",
-    autocompletion=arms_like,
-)
-Source = Annotated[str, ARM]
-ArmOption = Annotated[
-    str | None,
-    typer.Option("--arm", metavar="ARM", help="Your arm; the bundled rover arm without it.", autocompletion=arms_like),
-]
-Base = Annotated[str | None, typer.Option(metavar="LINK", help="Base link, instead of the root.")]
-Tip = Annotated[str | None, typer.Option(metavar="LINK", help="Tip link, instead of the one found by its name.")]
-PackageDir = Annotated[
-    list[Path] | None, typer.Option(metavar="DIR", help="A folder that holds packages; may be repeated.")
-]
-Xacro = Annotated[
-    list[str] | None, typer.Option("--xacro", metavar="NAME:=VALUE", help="A xacro argument; may be repeated.")
-]
-Without = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--ignore-package", metavar="PACKAGE", help="Leave out what a missing package would bring; may be repeated."
-    ),
-]
-Env = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--env", metavar="NAME", help="An environment variable that the xacro file may know; may be repeated."
-    ),
-]
-Srdf = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="SRDF: groups, named states; else the one beside the description.")
-]
-Limits = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="joint_limits.yaml of MoveIt or ros2_control: wins over the URDF.")
-]
-Locked = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--locked-joint",
-        metavar="JOINT=VALUE",
-        help="A joint that stands still (degrees, metres for a slide); may be repeated.",
-    ),
-]
 Json = Annotated[bool, typer.Option("--json", help="Print the answer as JSON, in SI units.")]
 Radians = Annotated[bool, typer.Option("--rad", help="Angles are typed and shown in radians, not degrees.")]
 CONFIGURATION = typer.Option(
@@ -90,111 +36,112 @@ Theta = Annotated[str, CONFIGURATION]
 SceneFile = Annotated[
     Path | None, typer.Option("--scene", "--avoid", metavar="FILE", help="Obstacles: a scene.toml, or MoveIt's scene.")
 ]
+SELF = "self"
+Avoid = Annotated[
+    str | None,
+    typer.Option(
+        "--avoid",
+        "--scene",
+        metavar="SCENE",
+        help=f"Collide with nothing: a scene.toml or MoveIt's scene, or {SELF} for the robot alone.",
+    ),
+]
 
 
-def replaced(
-    command: Callable[..., Any],
-    names: Sequence[str],
-    options: Mapping[str, inspect.Parameter],
-    make: Callable[[dict[str, Any], bool], tuple[Any, ...]],
-) -> Callable[..., Any]:
-    """`command` with `options` instead of the parameters `names`, which `make(typed, radians)` returns."""
+def avoided(arm: Arm, typed: str | None) -> Scene | None:
+    """The scene of `--avoid`, None if it was not typed."""
+    if typed is None:
+        return None
+    from ..collision import Scene
 
-    @functools.wraps(command)
-    def run(**arguments: Any) -> Any:
-        typed = {name: arguments.pop(name) for name in options}
-        made = make(typed, bool(arguments.get("rad")))
-        return command(**dict(zip(names, made, strict=True)), **arguments)
-
-    parameters: list[inspect.Parameter] = []
-    for own in inspect.signature(command, eval_str=True).parameters.values():
-        parameters += options.values() if own.name == names[0] else [] if own.name in names else [own]
-    parameters = [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in parameters]
-    run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    run.__annotations__ = {each.name: each.annotation for each in parameters}
-    return run
+    with progress_bar("allowed pairs") as progress:
+        scene = Scene(arm, progress=progress) if typed == SELF else Scene.load(arm, typed, progress=progress)
+        scene.find_allowed_pairs()
+    return scene
 
 
-def takes_arm(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Replace a command's parameter `arm` by ARM and the options of `load_arm`."""
-    return _takes(command, ("arm",))
+@dataclass
+class Source:
+    """A typed ARM. `ArmCommand` fills in the typed options for loading it."""
+
+    name: str
+    keywords: dict[str, Any] = field(default_factory=dict)
+
+    def load(self) -> Arm:
+        """The arm."""
+        return load_arm(self.name, **self.keywords)
 
 
-def takes_arm_or_none(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The same where ARM may be left out: the command gets None then."""
-    return _takes(command, ("arm",), Annotated[str | None, ARM])
+def arms_like(typed: str) -> list[str]:
+    """Completions of ARM: names of the catalogue and descriptions here; none lets the shell complete."""
+    endings = (".urdf", ".xacro", ".xml", ".toml", ".json", ".csv")
+    names = [name for name in (*own_arms(), *model_arms()) if name.startswith(typed)]
+    here = [path.name for path in Path().glob("*")]
+    files = [name for name in here if name.startswith(typed) and name.endswith(endings) and name.isprintable()]
+    return names + files if names else []
 
 
-def takes_source(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The same for a command that loads the arm by `source` and `load` (keywords of `load_arm`)."""
-    return _takes(command, ("source", "load"))
+ARM = typer.Argument(
+    metavar="ARM",
+    parser=Source,
+    help="URDF, xacro, MJCF, arm.toml, arm.json, DH table (CSV), or catalogue name.",
+    autocompletion=arms_like,
+)
+ArmArgument = Annotated[Source, ARM]
+ArmOption = Annotated[
+    Source | None,
+    typer.Option(
+        "--arm",
+        metavar="ARM",
+        parser=Source,
+        help="Your arm; the bundled rover arm without it.",
+        autocompletion=arms_like,
+    ),
+]
 
 
-def takes_arm_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """As `takes_source`, with `--arm ARM` instead of ARM; `source` is None without it."""
-    return _takes(command, ("source", "load"), ArmOption)
+def _loading(name: str, told: str) -> Any:
+    option, metavar = OPTIONS[name]
+    return typer.Option(option, metavar=metavar, help=told, rich_help_panel="Loading the arm")
 
 
-def _takes(command: Callable[..., Any], names: Sequence[str], optional: Any = None) -> Callable[..., Any]:
-    """A command with the options of `load_arm`. `optional`: the annotation of an ARM that may be left out."""
-    options = {n: p for n, p in inspect.signature(load_keywords, eval_str=True).parameters.items() if n != "radians"}
-    if optional:
-        options["source"] = options["source"].replace(annotation=optional, default=None)
-
-    def make(typed: dict[str, Any], radians: bool) -> tuple[Any, ...]:
-        if typed["source"] is None and any(typed.values()):
-            raise InputError("give an ARM: the other options are about one")
-        source, load = load_keywords(**typed, radians=radians)
-        return (source, load) if names[0] == "source" else (source and load_arm(source, **load),)
-
-    return replaced(command, names, options, make)
-
-
-def load_keywords(
-    source: Source,
-    base: Base = None,
-    tip: Tip = None,
-    package_dir: PackageDir = None,
-    xacro: Xacro = None,
-    ignore_packages: Without = None,
-    env_vars: Env = None,
-    srdf: Srdf = None,
-    limits: Limits = None,
-    locked_joints: Locked = None,
-    *,
-    radians: bool = False,
-) -> tuple[str, dict[str, Any]]:
-    """What was typed, as the source and the keywords of `load_arm`."""
+def loading(
+    base: Annotated[str | None, _loading("base", "Base link, instead of the root.")] = None,
+    tip: Annotated[str | None, _loading("tip", "Tip link, instead of the one found by its name.")] = None,
+    package_dirs: Annotated[
+        list[Path] | None, _loading("package_dirs", "A folder that holds packages; may be repeated.")
+    ] = None,
+    xacro_args: Annotated[list[str] | None, _loading("xacro_args", "A xacro argument; may be repeated.")] = None,
+    ignore_packages: Annotated[
+        list[str] | None, _loading("ignore_packages", "Leave out what a missing package brings; may be repeated.")
+    ] = None,
+    env_vars: Annotated[
+        list[str] | None, _loading("env_vars", "An environment variable that xacro may read; may be repeated.")
+    ] = None,
+    srdf: Annotated[
+        Path | None, _loading("srdf", "SRDF with groups and poses, instead of the one beside the file.")
+    ] = None,
+    limits: Annotated[
+        Path | None, _loading("limits", "joint_limits.yaml of MoveIt or ros2_control; wins over the URDF.")
+    ] = None,
+    locked_joints: Annotated[
+        list[str] | None,
+        _loading("locked_joints", "A joint that stands still, in degrees, or metres for a slide; may be repeated."),
+    ] = None,
+) -> dict[str, Any]:
+    """What was typed, as keywords of `load_arm`."""
     keywords: dict[str, Any] = {
         "base": base,
         "tip": tip,
-        "package_dirs": package_dir or (),
-        "xacro_args": xacro_arguments(xacro or []),
+        "package_dirs": package_dirs or (),
+        "xacro_args": xacro_arguments(xacro_args or []),
         "srdf": srdf,
         "ignore_packages": ignore_packages or (),
         "env_vars": env_vars or (),
     }
     if limits is not None:
         keywords["limits"] = limits
-    if locked_joints:
-        # Degrees or metres: only the description knows, so that it is read before.
-        keywords["locked_joints"] = _locked(load_arm(source, **keywords), locked_joints, radians)
-    return source, keywords
-
-
-def _locked(arm: Arm, pairs: list[str], radians: bool) -> dict[str, float]:
-    """Typed JOINT=VALUE pairs in rad and m."""
-    joints = arm.description.joints if arm.description else {}
-    locked_joints: dict[str, float] = {}
-    for pair in pairs:
-        name, _, text = pair.rpartition("=")
-        joint = joints.get(name.strip())
-        unit = LENGTH if joint is not None and slides(joint.type) else ANGLE
-        value = typed_number(text, unit, radians=radians)
-        if not name.strip() or not np.isfinite(value):
-            raise InputError(f"--locked-joint takes JOINT=VALUE with a value such as {SUCH_AS[unit]}; got {pair!r}")
-        locked_joints[name.strip()] = value
-    return locked_joints
+    return keywords
 
 
 def xacro_arguments(pairs: list[str]) -> dict[str, str]:
@@ -208,3 +155,64 @@ def xacro_arguments(pairs: list[str]) -> dict[str, str]:
             raise InputError(f"--xacro takes NAME:=VALUE; got {pair!r}{meant}")
         arguments[name] = value
     return arguments
+
+
+def _locked(source: Source, pairs: list[str], radians: bool) -> dict[str, float]:
+    """Typed JOINT=VALUE pairs in rad and m. Only the description knows which of the two, so that it is read."""
+    joints = read(specify(source.name, **{k: v for k, v in source.keywords.items() if k != "limits"})).joints
+    locked_joints: dict[str, float] = {}
+    for pair in pairs:
+        name, _, text = pair.rpartition("=")
+        joint = joints.get(name.strip())
+        unit = LENGTH if joint is not None and slides(joint.type) else ANGLE
+        value = typed_number(text, unit, radians=radians)
+        if not name.strip() or not np.isfinite(value):
+            raise InputError(f"--locked-joint takes JOINT=VALUE with a value such as {SUCH_AS[unit]}; got {pair!r}")
+        locked_joints[name.strip()] = value
+    return locked_joints
+
+
+def _as_command(function: Callable[..., Any]) -> Any:
+    """The options of a function's parameters, as Typer makes them."""
+    program = typer.Typer(add_completion=False, rich_markup_mode=None)
+    program.command()(function)
+    return get_command(program)
+
+
+LOADING = _as_command(loading)
+
+
+class _Loading:
+    """A command with the options of `loading`, last in its help. They are for every ARM that is typed."""
+
+    params: list[Any]
+
+    def __init__(self, *args: Any, **keywords: Any) -> None:
+        super().__init__(*args, **keywords)
+        self.params.extend(LOADING.params)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Hand the typed options to each `Source`."""
+        typed = {option.name: ctx.params.pop(option.name) for option in LOADING.params}
+        sources = [each for value in ctx.params.values() for each in _sources(value)]
+        if any(typed.values()) and not sources:
+            raise InputError("give an ARM: the other options are about one")
+        pairs = typed.pop("locked_joints")
+        keywords = LOADING.callback(**typed)
+        for source in sources:
+            source.keywords = dict(keywords)
+            if pairs:
+                source.keywords["locked_joints"] = _locked(source, pairs, bool(ctx.params.get("rad")))
+        return super().invoke(ctx)  # type: ignore[misc]
+
+
+def _sources(value: Any) -> list[Source]:
+    return [each for each in (value if isinstance(value, (list, tuple)) else [value]) if isinstance(each, Source)]
+
+
+class ArmCommand(_Loading, Command):
+    """A command with one or more ARM."""
+
+
+class ArmGroup(_Loading, Group):
+    """A command with an ARM and commands of its own."""

@@ -1,4 +1,7 @@
-"""Output files of a command: `-o FILE`. The ending gives the kind, and `-` is standard output."""
+"""What a command answers: on standard output, as text or JSON, and in the files of `-o FILE`.
+
+The ending of a file gives its kind, and `-` is standard output.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,13 @@ from dataclasses import dataclass
 from typing import Annotated, Any, TextIO
 
 import typer
+from rich.console import RenderableType
 
 from ..support.errors import InputError
 from ..support.files import writable, write_whole
-from .output import say
+from .output import console, print_json, say
+from .tables import Table
+from .wording import words
 
 STDOUT = "-"
 
@@ -32,20 +38,53 @@ Force = Annotated[bool, typer.Option("--force", help="Replace files that are the
 Kinds = Mapping[str, tuple[str, ...]]
 """The kinds of files that a command can write, with their endings."""
 
+Contents = Mapping[str, Callable[[], str | bytes]]
+"""What makes the content of a file, by its kind."""
+
 
 @dataclass(frozen=True)
 class Outputs:
-    """The files that a command writes, as kind and name, checked before it begins."""
+    """How a command answers, and the files that it writes, as kind and name, checked before it begins."""
 
     files: tuple[tuple[str, str], ...] = ()
     over_description: bool = False
+    json: bool = False
+    radians: bool = False
 
     @property
     def words(self) -> TextIO:
-        """The stream for messages: stderr if standard output is one of the files."""
-        return sys.stderr if any(name == STDOUT for _, name in self.files) else sys.stdout
+        """The stream for people: stderr if standard output is JSON or one of the files."""
+        taken = self.json or any(name == STDOUT for _, name in self.files)
+        return sys.stderr if taken else sys.stdout
 
-    def write(self, contents: Mapping[str, Callable[[], str | bytes]]) -> list[str]:
+    def show(
+        self,
+        data: Mapping[str, Any],
+        *parts: Table | str | RenderableType,
+        files: Contents | None = None,
+        written: Sequence[str] | None = None,
+    ) -> None:
+        """Write the files, then print the answer: `data` and the tables as JSON, or the parts for people.
+
+        `written` names files that the command has written itself. JSON lists the names as "written".
+        """
+        names = written if files is None else self.write(files)
+        if self.json:
+            document = dict(data)
+            for each in parts:
+                document |= each.entries() if isinstance(each, Table) else {}
+            print_json(document if names is None else document | {"written": names})
+            return
+        for part in parts:
+            if isinstance(part, Table):
+                part.print_on(console(self.words), self.radians)
+            elif isinstance(part, str):
+                say(*(words(part, radians=self.radians).splitlines() or [""]), file=self.words)
+            else:
+                console(self.words).print(part)
+        self.say(names or ())
+
+    def write(self, contents: Contents) -> list[str]:
         """Write every file with the result of the function of its kind. Return the names."""
         made = [(name, contents[kind]()) for kind, name in self.files]
         for name, content in made:
@@ -77,6 +116,7 @@ def outputs_of(
     *,
     force: bool,
     json: bool = False,
+    radians: bool = False,
     over_description: bool = False,
 ) -> Outputs:
     """The outputs of a command as typed. InputError for one that cannot be written or would replace a file.
@@ -93,14 +133,15 @@ def outputs_of(
         target = None if name == STDOUT else writable(name, over_description=over_description)
         if target is not None and target.exists() and not force:
             raise InputError(f"{name} exists; --force replaces it, another name keeps it")
-    return Outputs(tuple((_kind(name, kinds, form), name) for name in names), over_description)
+    files = tuple((_kind(name, kinds, form), name) for name in names)
+    return Outputs(files, over_description, json, radians)
 
 
 def _kind(name: str, kinds: Kinds, form: str | None) -> str:
-    said = next((kind for kind, endings in kinds.items() if name.lower().endswith(endings)), None)
-    if said and form and said != form:
-        raise InputError(f"{name} is named like a file of kind {said}, and --format says {form}")
-    kind = said or form or (next(iter(kinds)) if name == STDOUT or len(kinds) == 1 else None)
+    named = next((kind for kind, endings in kinds.items() if name.lower().endswith(endings)), None)
+    if named and form and named != form:
+        raise InputError(f"{name} is named like a file of kind {named}, and --format says {form}")
+    kind = named or form or (next(iter(kinds)) if name == STDOUT or len(kinds) == 1 else None)
     if kind is None:
         endings = " or ".join(f"*{endings[0]}" for endings in kinds.values())
         option = f", or --format {'|'.join(kinds)}," if form is None else ""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -13,14 +12,12 @@ import typer
 
 from ..arm.arm import Arm
 from ..control.stream import Feedback, Recorder, SerialRobot, SimulatedJoints, Sink, UdpFeedback, UdpSink, read_key
-from ..control.stream.links.inbox import FEEDBACK_TIMEOUT
 from ..control.stream.links.serial_link import BAUDRATE
 from ..support.checks import Array
 from ..support.errors import InputError, LimitError
-from .options import replaced
-from .output import shown, units
-from .outputs import Force, outputs_of
+from .outputs import outputs_of
 from .quantities import quantity
+from .tables import shown, units
 
 Udp = Annotated[str | None, typer.Option(metavar="HOST:PORT", help="Send setpoints to a robot there; needs --listen.")]
 Listen = Annotated[
@@ -53,18 +50,18 @@ Tolerance = Annotated[
 
 @dataclass(frozen=True)
 class Robot:
-    """Options for the robot of a command and the links to it. `takes_robot` reads them."""
+    """The typed options for a robot, and the links to it."""
 
-    udp: Udp = None
-    listen: Listen = None
-    serial: Serial = None
-    units: Units = "joint"
-    senders: From = None
-    key: Key = None
-    velocity_mode: VelocityMode = False
-    feedback_timeout: FeedbackTimeout = FEEDBACK_TIMEOUT
-    record: Record = None
-    force: Force = False
+    udp: str | None
+    listen: str | None
+    serial: str | None
+    units: str
+    senders: list[str] | None
+    key: str | None
+    velocity_mode: bool
+    feedback_timeout: float
+    record: str | None
+    force: bool
 
     @property
     def authenticates(self) -> bool:
@@ -113,12 +110,6 @@ class Robot:
             return sink, lambda cycle: None
         recorder = stack.enter_context(Recorder(arm, self.record, sink))
         return recorder, recorder
-
-
-def takes_robot(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command with a parameter `robot` the options of `Robot` instead."""
-    options = inspect.signature(Robot, eval_str=True).parameters
-    return replaced(command, ("robot",), options, lambda typed, radians: (Robot(**typed),))
 
 
 def require_inside(arm: Arm, theta: Array, radians: bool) -> None:

@@ -13,9 +13,10 @@ from ..support.checks import Array, as_positive
 from ..support.errors import InputError
 from ..support.fields import inside
 from ..support.unit_hints import TURN, angle_hint
+from .command import AXIS, RPY, WXYZ, XYZ, XYZW
 from .csv_rows import Sheet, no_column
 from .quantities import quantity
-from .typed import AXIS, RPY, WXYZ, XYZ, XYZW, parse_numbers
+from .typed import parse_numbers
 
 Target = Pose | Approach | Position
 

@@ -3,87 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
-from typer.core import TyperCommand, TyperGroup
 
 from ..arm.arm import Arm
 from ..support.checks import Array
 from ..support.errors import InputError, listed
-from .output import as_written, note
-from .quantities import ANGLE, METAVARS, SUCH_AS, UNIT, is_part, separate, typed_number
-
-VALUES = "VALUES"
-POSE = "POSE"
-XYZ, PLACE = "'X Y Z'", "'X Y YAW'"
-RPY = "'R P Y'"
-WXYZ, XYZW = "'W X Y Z'", "'X Y Z W'"
-AXIS = "AXIS"
-NUMBERS = (VALUES, POSE, XYZ, PLACE, RPY, WXYZ, XYZW, AXIS, *METAVARS.values())
-"""The values in the help of options that take several words: numbers, and units after them."""
+from .output import note
+from .quantities import ANGLE, SUCH_AS, UNIT, is_part, separate, typed_number
 
 ROUNDING = 1e-6
 """A smaller distance outside a limit [rad, m] is rounding of a printed number."""
-
-
-class _Flags:
-    """Hides the value of a flag in the help. Typer 0.29 writes <bool>."""
-
-    def get_params(self, ctx: Any) -> list[Any]:
-        params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
-        for param in params:
-            if getattr(param, "is_flag", False) and param.metavar is None:
-                param.metavar = ""
-        return params
-
-
-class Group(_Flags, TyperGroup):
-    """The program, which holds the commands."""
-
-
-class Command(_Flags, TyperCommand):
-    """A command with options of several numbers without quotes: `--theta 0.1 -30 60`, `--xyz 0.8 -0.1 0.7`."""
-
-    def __init__(self, *args: Any, **keywords: Any) -> None:
-        """Escape brackets in the help, so that Rich does not read them as styles."""
-        super().__init__(*args, **keywords)
-        for param in self.params:
-            param.help = as_written(getattr(param, "help", None) or "")  # type: ignore[attr-defined]
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Join such numbers to one word for Click."""
-        several = [name for option in self.params if option.metavar in NUMBERS for name in option.opts]
-        return super().parse_args(ctx, joined(args, several))
-
-
-def joined(words: Sequence[str], options: Collection[str]) -> list[str]:
-    """`words`, with expressions or joint=value pairs after one of `options` joined to one word."""
-    made: list[str] = []
-    goes_on = False
-    for i, word in enumerate(words):
-        if word == "--":
-            return [*made, *words[i:]]
-        if goes_on and _is_part(word):
-            made[-1] += f" {word}"
-            continue
-        option, _, value = word.partition("=")
-        if made and made[-1] in options:
-            goes_on = not word.startswith("-") or _is_part(word)
-        else:
-            goes_on = option in options and _is_part(value)
-        made.append(word)
-    return made
-
-
-def _is_part(word: str) -> bool:
-    """Whether a typed word, such as -pi/2 or '12 in', is a part of expressions or joint=value, also if it is wrong."""
-    name, equals, value = word.rpartition("=")
-    if equals and not name.startswith("-"):
-        return value.isalpha() or is_part(value)
-    first, *rest = word.split() or [""]
-    return is_part("".join([first, *rest])) or (is_part(first) and "".join(rest).isalpha())
 
 
 def parse_theta(arm: Arm, text: str, radians: bool, rest: tuple[str, Array] | None = None) -> Array:

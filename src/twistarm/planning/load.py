@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..arm.arm import Arm, require_arm
 from ..support.errors import InputError, LimitError
 from ..support.files import as_path
-from ..support.messages import joined
+from ..support.messages import Quantity, Text, joined
 from .files.csv_file import read_csv
 from .files.joint_trajectory import read_json, read_yaml
 from .files.mcap_file import read_mcap
@@ -77,11 +77,11 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
     if len(points.t) == 0:
         raise InputError(f"{file} holds no point of a motion")
     _require_usual(points)
-    (k, j), beyond, _ = farthest_outside(points.theta, arm.limits)
-    if beyond > BEYOND_LIMIT:
-        unit, where = arm.units[j], f"joint {arm.joint_names[j]!r} at {points.theta[k, j]:g} {arm.units[j]}"
-        said = f"{points.place(k)}: {where} is {beyond:.3g} {unit} beyond its limit"
-        raise LimitError(f"{said}; record a motion within the limits")
+    (k, j), off, _ = farthest_outside(points.theta, arm.limits)
+    if off > BEYOND_LIMIT:
+        what = "{place}: joint {joint!r} at {value} is {beyond} beyond its limit; record a motion within the limits"
+        value, beyond = Quantity(points.theta[k, j], arm.units[j]), Quantity(off, arm.units[j], 3)
+        raise LimitError(Text(what, place=points.place(k), joint=arm.joint_names[j], value=value, beyond=beyond))
     t, theta = points.t - points.t[0], points.theta
     labels = tuple((time - float(points.t[0]), text) for time, text in points.labels)
     if len(t) == 1:

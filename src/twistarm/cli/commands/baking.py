@@ -5,20 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from ...arm.arm import Arm
 from ...arm.baking import SUFFIX, digest_of, text_of
 from ...export import limits_yaml, matlab, urdf
 from ...export.cpp_header import SUFFIXES, core_headers, cpp_header, namespace_of
-from ..options import Json, takes_arm
-from ..output import print_json, say
+from ..options import ArmArgument, Json
 from ..outputs import STDOUT, Force, Format, outputs_of, repeated
 
 Output = Annotated[list[str] | None, repeated("*.json, *.hpp, *.m, *.yaml or *.urdf, by default ARM.json")]
 
 
-@takes_arm
-def bake(arm: Arm, output: Output = None, form: Format = None, force: Force = False, json: Json = False) -> None:
+def bake(
+    source: ArmArgument, output: Output = None, form: Format = None, force: Force = False, json: Json = False
+) -> None:
     """Write the arm as numbers: arm.json, a C++17 header, a MATLAB function, joint limits, or a URDF."""
+    arm = source.load()
     kinds = {
         "json": (SUFFIX,),
         "hpp": SUFFIXES,
@@ -39,9 +39,7 @@ def bake(arm: Arm, output: Output = None, form: Format = None, force: Force = Fa
             "urdf": lambda: urdf.to_urdf(arm, folder),
         }
     )
-    if json:
-        print_json({"arm": arm.name, "digest": digest_of(arm), "written": written, "include": include and str(include)})
-        return
+    lines = []
     for kind, name in outputs.files:
         then = "" if name == STDOUT else f"; next: twistarm info {name}"
         described = {
@@ -52,4 +50,6 @@ def bake(arm: Arm, output: Output = None, form: Format = None, force: Force = Fa
             "yaml": f"joint limits of {arm.name}, for MoveIt, ros2_control and --limits",
             "urdf": f"{arm.name} as a description; the same arm is --base {arm.base} --tip {arm.tip}{then}",
         }
-        say(f"{name}: {described[kind]}", file=outputs.words)
+        lines.append(f"{name}: {described[kind]}")
+    data = {"arm": arm, "digest": digest_of(arm), "include": include and str(include)}
+    outputs.show(data | {"written": written}, *lines)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, TextIO
 
@@ -15,11 +16,10 @@ from ...calibration import Calibration, Estimate, corrected_urdf
 from ...calibration import calibrate as fit
 from ...support.errors import InputError
 from ...viewer import Viewer
-from ..avoiding import Avoid, avoided
-from ..options import Json, takes_arm
-from ..output import console, joint_heads, number, print_json, say, shown, table
-from ..outputs import Outputs, outputs_of, repeated
+from ..options import ArmArgument, Avoid, Json, avoided
+from ..outputs import outputs_of, repeated
 from ..quantities import LENGTH, quantity, typed_number, whole
+from ..tables import Column, Table
 from .viewing import show_address
 from .wiring import OrientationNoise
 
@@ -52,9 +52,8 @@ Anyway = Annotated[
 View = Annotated[bool, typer.Option("--view", help="Show the residuals in the browser, magnified, until Ctrl-C.")]
 
 
-@takes_arm
 def calibrate(
-    arm: Arm,
+    source: ArmArgument,
     logs: Logs,
     position_noise: Noise = 1e-4,
     orientation_noise: OrientationNoise = 0.06,
@@ -72,6 +71,7 @@ def calibrate(
     view: View = False,
 ) -> int:
     """Fit the arm's axes and zeros to measured positions of its tool, and write the corrected URDF."""
+    arm = source.load()
     kinds = {"urdf": (".urdf",), "toml": (".toml",)}
     outputs = outputs_of(output, kinds, force=force, json=json)
     apart = any(kind == "toml" for kind, _ in outputs.files)
@@ -86,13 +86,10 @@ def calibrate(
         distance_noise=distance_noise,
         scales=scales,
         eccentricity=eccentricity,
-        foreseen=None if json else lambda estimates: _print_unseen(estimates, outputs),
     )
     more = found.next_postures(next_postures, scene=avoided(arm, avoid)) if next_postures else np.empty((0, arm.n))
-    if json:
-        print_json(_as_json(found) | {"next": more})
-    else:
-        _print(found, arm, more, outputs)
+    answer = replace(outputs, files=())
+    answer.show(_as_json(found) | {"next": more}, *_parts(found, arm, more))
     contents: dict[str, Callable[[], str | bytes]] = {
         "urdf": lambda: corrected_urdf(found, zeros=not apart, here=force),
         "toml": lambda: _toml(found.require(here=force)),
@@ -120,61 +117,57 @@ def _distance(said: str) -> tuple[tuple[str, str], float]:
     return (a, b), value
 
 
-def _print_unseen(estimates: tuple[Estimate, ...], outputs: Outputs) -> None:
+def _parts(found: Calibration, arm: Arm, more: Any) -> Iterator[Table | str]:
+    """What people read."""
     unseen: dict[str, list[str]] = {}
-    for one in estimates:
+    for one in found.estimates:
         if one.of_joint and not one.seen:
             unseen.setdefault(one.parameter.owner, []).append(one.parameter.what)
-    said = f"this log shows {sum(one.seen for one in estimates)} of {len(estimates)} parameters"
-    held = "; ".join(f"{owner} {', '.join(what)}" for owner, what in unseen.items())
-    say(f"{said}; held at 0, because others explain them: {held}" if held else said, file=outputs.words)
-
-
-def _print(found: Calibration, arm: Arm, more: Any, outputs: Outputs) -> None:
+    held = "; ".join(f"{owner} {', '.join(what)}" for owner, what in unseen.items()) or "none"
+    yield f"held at 0, because others explain them in this log: {held}"
     if not found.faults:
-        for each in _tables(found, arm, more):
-            console(outputs.words).print(each)
+        yield from _tables(found, arm, more)
     if found.outliers:
-        labels = [found.problem.log.label[row - 1] for row in found.outliers]
-        say(f"rows that do not fit: {', '.join(labels)}", file=outputs.words)
+        yield f"rows that do not fit: {', '.join(found.problem.log.label[row - 1] for row in found.outliers)}"
     for warning in found.warnings:
         if warning not in found.faults:
-            say(f"warning: {warning}", file=outputs.words)
+            yield f"warning: {warning}"
     if found.confirmed_here and found.expected > 2.0 * found.held_out:
         said = f"elsewhere in reach expect {1000 * found.expected:.2g} mm"
-        say(f"warning: {said}: measure at other configurations, as --next names them", file=outputs.words)
+        yield f"warning: {said}: measure at other configurations, as --next names them"
     here = "confirmed only where the log was taken (--force writes it)" if found.confirmed_here else "not confirmed"
-    say("confirmed" if found.confirmed else f"{here}: {found.why_not}", file=outputs.words)
+    yield "confirmed" if found.confirmed else f"{here}: {found.why_not}"
 
 
-def _tables(found: Calibration, arm: Arm, more: Any) -> Iterator[Any]:
-    rows = [
-        [estimate.parameter.owner, estimate.parameter.what, *_amounts(estimate)]
-        for estimate in found.estimates
-        if estimate.of_joint and estimate.seen
+def _tables(found: Calibration, arm: Arm, more: Any) -> Iterator[Table]:
+    seen = [estimate for estimate in found.estimates if estimate.of_joint and estimate.seen]
+    amounts = [_amounts(estimate) for estimate in seen]
+    columns = [
+        Column("joint", [estimate.parameter.owner for estimate in seen]),
+        Column("what", [estimate.parameter.what for estimate in seen]),
+        *(Column(name, [each[i] for each in amounts], "") for i, name in enumerate(("value", "±", "unit"))),
     ]
-    title = f"{arm.name}: its corrections"
-    yield table(title, ["joint", "what", "value", "±", "unit"], rows, text=["what", "unit"])
-    thirds = [[name, *(number(1000 * error, 3) for error in errors)] for name, errors in found.by_joint().items()]
-    yield table("median error [mm] by thirds of each joint's range", ["joint", "lower", "middle", "upper"], thirds)
+    yield Table(f"{arm.name}: its corrections", columns)
+    names, thirds = found.by_joint().keys(), np.array(list(found.by_joint().values())).reshape(-1, 3)
+    parts = [Column(name, 1e3 * thirds[:, i], digits=3) for i, name in enumerate(("lower", "middle", "upper"))]
+    yield Table("median error [mm] by thirds of each joint's range", [Column("joint", list(names)), *parts])
     if len(more):
-        yield table(
-            "to measure next",
-            ["", *joint_heads(arm, radians=False)],
-            [[k + 1, *shown(arm, x, False, 2)] for k, x in enumerate(more)],
-        )
+        joints = (Column(*each) for each in zip(arm.joint_names, more.T, arm.units, strict=True))
+        yield Table("to measure next", [Column("", range(1, len(more) + 1)), *joints])
     errors = (
-        ("all rows", float(found.before.mean()), float(found.after.mean())),
+        ("all rows", found.before.mean(), found.after.mean()),
         ("rows left out", found.held_out_before, found.held_out),
         ("a fifth left out at one end", found.block_before, found.block),
     )
-    rows = [[name, number(1000 * before, 3), number(1000 * after, 3)] for name, before, after in errors]
-    yield table("mean error [mm]", ["", "base and tool alone", "corrected"], rows)
+    columns = [Column("", [name for name, _, _ in errors])]
+    for i, name in enumerate(("base and tool alone", "corrected"), 1):
+        columns.append(Column(name, [1e3 * float(each[i]) for each in errors], digits=3))
+    yield Table("mean error [mm]", columns)
 
 
-def _amounts(estimate: Estimate) -> tuple[str, str, str]:
+def _amounts(estimate: Estimate) -> tuple[float, float, str]:
     factor, unit = {"m": (1e3, "mm"), "rad": (float(np.degrees(1.0)), "°"), "1": (1.0, "")}[estimate.parameter.unit]
-    return number(factor * estimate.value), number(factor * estimate.std), unit
+    return factor * estimate.value, factor * estimate.std, unit
 
 
 def _toml(found: Calibration) -> str:

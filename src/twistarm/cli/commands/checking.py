@@ -1,53 +1,152 @@
-"""`check` and `freeze`: the regression for a team's own arm."""
+"""`doctor`, `check`, `freeze` and `collisions`: what is wrong with an arm, and what has changed."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.console import RenderableType
+from rich.padding import Padding
+from rich.text import Text
 
-from ...arm.arm import Arm
-from ...arm.loading.load import load_arm
 from ...checking.crosscheck import CrossCheck, crosscheck
-from ...checking.difference import Difference, compare
+from ...checking.difference import compare
+from ...checking.doctor import Diagnosis, examine
+from ...checking.doctor.repair import COPY, repair
+from ...checking.doctor.statements import summary
+from ...checking.doctor.wording import codes_page
 from ...checking.golden_file import NOT_COVERED, golden_text
-from ..avoiding import SELF, avoided
-from ..options import Json, takes_arm, takes_source
-from ..output import console, note, print_json, progress_bar, say, table
-from ..outputs import STDOUT, Force, Output, outputs_of
-from ..quantities import whole
+from ...collision import Scene
+from ...collision.survey import srdf_text, survey
+from ...description.findings import CODES, Finding
+from ...description.findings import refused as refusal_of
+from ...support.errors import InputError, printable
+from ...support.messages import plural
+from ...support.path_redaction import without_places
+from ..options import SELF, ArmArgument, Json, Radians, SceneFile, avoided
+from ..output import entries, note, plain, progress_bar, say
+from ..outputs import STDOUT, Force, Output, Outputs, outputs_of
+from ..quantities import quantity, whole
+from ..tables import Column, Table, joint_heads, theta_values
+from ..wording import words
 
+
+def _print_codes(wanted: bool) -> None:
+    if wanted:
+        say(*codes_page().splitlines())
+        raise typer.Exit
+
+
+Strict = Annotated[bool, typer.Option("--strict", help="Exit with 1 for warnings too.")]
+Fix = Annotated[
+    bool, typer.Option("--fix", help="Write a copy with the safe repairs made, to -o FILE.urdf; the original stays.")
+]
+Codes = Annotated[
+    bool,
+    typer.Option("--codes", is_eager=True, callback=_print_codes, help="List the codes of all findings, in Markdown."),
+]
+
+
+def doctor(
+    source: ArmArgument,
+    strict: Strict = False,
+    fix: Fix = False,
+    output: Output = None,
+    force: Force = False,
+    codes: Codes = False,
+    json: Json = False,
+) -> int:
+    """List faults of a description or an arm, their meaning and remedies."""
+    if fix != (output is not None):
+        raise InputError("--fix and -o FILE.urdf go together: the repaired copy gets that name")
+    diagnosis = examine(source.name, **source.keywords)
+    findings, arm, able = diagnosis.findings, diagnosis.arm, diagnosis.able
+    # A file that does not exist is the caller's error, not the doctor's business.
+    if any(one.code == "file-not-found" and one.place.file == source.name for one in findings):
+        raise refusal_of(findings)
+    out = outputs_of(output, {"urdf": (".urdf",)}, force=force, json=json, over_description=True)
+    known = arm or diagnosis.description
+    name = known.name if known else source.name
+    data: dict[str, Any] = {
+        "source": without_places(source.name, Path(source.name)),
+        "arm": name,
+        "n": arm and arm.n,
+        "directions": able and {"position": able.position, "rotation_in_place": able.turning},
+        "findings": [plain(one) | {"meaning": CODES[one.code].meaning} for one in findings],
+    }
+    parts: list[Any] = [f"{name}: {_abilities(diagnosis)}", *_paragraphs(findings), _counted(findings)]
+    files: dict[str, Callable[[], str]] | None = None
+    if output is not None and diagnosis.description is not None:
+        made = repair(diagnosis.description, COPY if output == STDOUT else output)
+        reads = f"does not read it: {made.complaint}" if made.complaint else "reads it"
+        parts += [f"repaired: {change}" for change in made.changes]
+        parts.append(f"the same links, joints, limits and poses; Pinocchio's own parser {reads}")
+        data |= {"repairs": made.changes, "pinocchio_complaint": made.complaint}
+        files = {"urdf": lambda: made.text}
+    elif output is not None:
+        parts.append(f"{output} not written: mend the errors above first")
+    out.show(data, *parts, files=files)
+    good = diagnosis.worst not in (("error", "warning") if strict else ("error",))
+    return 0 if good and (output is None or files is not None) else 1
+
+
+def _abilities(diagnosis: Diagnosis) -> str:
+    arm, able = diagnosis.arm, diagnosis.able
+    if arm is None or able is None:
+        return "no arm until the errors below are mended"
+    return f"{plural(arm.n, 'joint')} from {arm.base} to {arm.tip}; {summary(arm, able)}"
+
+
+def _paragraphs(findings: Sequence[Finding]) -> Iterator[RenderableType]:
+    """Severity, code and place of each finding, then what and the remedy."""
+    colours = {"error": "bold red", "warning": "yellow", "info": "cyan"}
+    for one in findings:
+        head = (one.severity, colours[one.severity]), f" {one.code}  ", (printable(str(one.place)), "dim")
+        yield Text.assemble(*head)
+        # A remedy may be lines of an arm.toml.
+        remedy = [f"→ {words(one.remedy)}"] if one.remedy else []
+        lines = "\n".join([words(one.what), *remedy]).split("\n")
+        yield Padding(Text("\n".join(map(printable, lines))), (0, 0, 0, 4), expand=False)
+
+
+def _counted(findings: Sequence[Finding]) -> str:
+    """`1 warning, 3 remarks`."""
+    words = {"error": "error", "warning": "warning", "info": "remark"}
+    numbers = {word: sum(one.severity == severity for one in findings) for severity, word in words.items()}
+    return ", ".join(plural(n, word) for word, n in numbers.items() if n) or "nothing to remark"
+
+
+Samples = Annotated[int, whole(1, 1_000_000, "Random configurations to look at.")]
 Against = Annotated[
     str | None,
     typer.Option(metavar="FILE", help="A golden file, a baked arm or another ARM: say what differs from it."),
 ]
-WORDS_SINCE = ("unchanged since", "CHANGED since", "changed")
-WORDS_AGAINST = ("the same as", "DIFFERENT from", "different")
-
-Samples = Annotated[int, whole(1, 1_000_000, "Random configurations to compare at.")]
 
 
-@takes_source
-def check(
-    source: str, load: dict[str, Any], samples: Samples = 1000, against: Against = None, json: Json = False
-) -> int:
+def check(source: ArmArgument, samples: Samples = 1000, against: Against = None, json: Json = False) -> int:
     """Compare product of exponentials, Pinocchio, yourdfpy and MuJoCo; --against lists changes."""
-    arm = load_arm(source, **load)
+    arm = source.load()
     difference = None if against is None else compare(arm, against)
     with progress_bar("cross-check") as progress:
         result = crosscheck(arm, samples, progress=progress)
-    if json:
-        print_json(_as_json(result, difference))
+    good = result.ok and (difference is None or difference.same)
+    data = {"arm": result.arm, "ok": good}
+    if difference is None:
+        lines = [verdict(result)]
     else:
-        _print(result, difference, against)
+        data |= {"unchanged": difference.same, "not_covered": NOT_COVERED}
+        data |= entries(difference, "changes notes pose_error jacobian_error")
+        # A .json is the arm as it was; anything else is another arm.
+        since = str(against).endswith(".json")
+        same, other = ("unchanged since", "CHANGED since") if since else ("the same as", "DIFFERENT from")
+        lines = [f"{verdict(result)}; {same if difference.same else other} {against}"]
+        lines += [f"{'changed' if since else 'different'}: {each}" for each in difference.changes]
+    Outputs(json=json).show(data, *lines, *comparisons(result))
     for each in difference.notes if difference else ():
         note(each)
-    return 0 if _good(result, difference) else 1
-
-
-def _good(result: CrossCheck, difference: Difference | None) -> bool:
-    return result.ok and (difference is None or difference.same)
+    return 0 if good else 1
 
 
 def verdict(result: CrossCheck) -> str:
@@ -57,17 +156,22 @@ def verdict(result: CrossCheck) -> str:
     return f"{result.arm}: {agree if result.ok else 'THE ENGINES DISAGREE'}"
 
 
-def _print(result: CrossCheck, difference: Difference | None, against: str | None) -> None:
-    """The verdict first, then what has changed, then the rows."""
-    if difference is None:
-        say(verdict(result))
-    else:
-        # A .json is the arm as it was; anything else is another arm.
-        same, other, change = WORDS_SINCE if str(against).endswith(".json") else WORDS_AGAINST
-        say(f"{verdict(result)}; {same if difference.same else other} {against}")
-        for words in difference.changes:
-            say(f"{change}: {words}")
-    console().print(check_table(result))
+def comparisons(result: CrossCheck) -> tuple[Table | str, ...]:
+    """The comparisons, and what could not be compared."""
+    rows = result.comparisons
+    columns = [
+        Column("quantity", [row.quantity for row in rows]),
+        Column("engines", [row.engines for row in rows]),
+        Column("worst", [row.worst for row in rows], text=[f"{row.worst:.1e}" for row in rows]),
+        Column("tolerance", [row.tolerance for row in rows], text=[f"{row.tolerance:.0e}" for row in rows]),
+        Column("samples", [row.samples for row in rows]),
+        Column("ok", [row.ok for row in rows], text=["ok" if row.ok else "WRONG" for row in rows]),
+        Column("not compared", [row.not_compared for row in rows], people=False),
+    ]
+    compared = [i for i, row in enumerate(rows) if not row.not_compared]
+    left_out = [row for row in rows if row.not_compared]
+    lines = (f"not compared: {row.quantity} ({', '.join(row.engines)}): {row.not_compared}" for row in left_out)
+    return Table("", columns, "comparisons", rows=compared), *lines
 
 
 Collisions = Annotated[
@@ -75,48 +179,58 @@ Collisions = Annotated[
 ]
 
 
-@takes_arm
-def freeze(arm: Arm, collisions: Collisions = False, output: Output = None, force: Force = False) -> None:
+def freeze(source: ArmArgument, collisions: Collisions = False, output: Output = None, force: Force = False) -> None:
     """Write a golden file: names, screws, home, limits, motors and masses; --collisions adds pairs of links."""
+    arm = source.load()
     scene = avoided(arm, SELF) if collisions else None
-    outputs = outputs_of(output or f"{Path(arm.name).name}.golden.json", {"json": (".json",)}, force=force)
-    for name in outputs.write({"json": lambda: golden_text(arm, scene)}):
+    out = outputs_of(output or f"{Path(arm.name).name}.golden.json", {"json": (".json",)}, force=force)
+    for name in out.write({"json": lambda: golden_text(arm, scene)}):
         if name != STDOUT:
             later = f"later, with the same ARM and options: twistarm check … --against {name}"
-            say(f"{name}: {arm.name} frozen; {later}", file=outputs.words)
-            say(f"not covered: {', '.join(NOT_COVERED)}", file=outputs.words)
+            say(f"{name}: {arm.name} frozen; {later}", f"not covered: {', '.join(NOT_COVERED)}")
 
 
-def check_table(result: CrossCheck) -> Any:
-    """The comparisons as a table."""
-    rows = [
-        [
-            row.quantity,
-            " / ".join(row.engines),
-            f"not compared: {row.not_compared}" if row.not_compared else f"{row.worst:.1e}",
-            "" if row.not_compared else f"{row.tolerance:.0e}",
-            "" if row.not_compared else str(row.samples),
-            "" if row.not_compared else "ok" if row.ok else "WRONG",
-        ]
-        for row in result.comparisons
-    ]
-    columns = ["quantity", "engines", "worst difference", "allowed", "configurations", ""]
-    return table("", columns, rows, text=columns)
+Margin = Annotated[float, quantity("m", "Distance below which a pair collides.", zero=True)]
 
 
-def _as_json(result: CrossCheck, difference: Difference | None) -> dict[str, Any]:
-    content: dict[str, Any] = {
-        "arm": result.arm,
-        "ok": _good(result, difference),
-        "comparisons": [vars(row) | {"ok": row.ok} for row in result.comparisons],
-    }
-    if difference is not None:
-        content |= {
-            "unchanged": difference.same,
-            "changes": difference.changes,
-            "notes": difference.notes,
-            "not_covered": NOT_COVERED,
-            "pose_error": difference.pose_error,
-            "jacobian_error": difference.jacobian_error,
-        }
-    return content
+def collisions(
+    source: ArmArgument,
+    scene: SceneFile = None,
+    margin: Margin = 0.0,
+    samples: Samples = 2000,
+    output: Output = None,
+    force: Force = False,
+    rad: Radians = False,
+    json: Json = False,
+) -> None:
+    """List which pairs of links are not checked and why, and which collide; -o ARM.srdf writes the former."""
+    arm = source.load()
+    out = outputs_of(output, {"srdf": (".srdf",)}, force=force, json=json, radians=rad, over_description=True)
+    with progress_bar("allowed pairs") as progress:
+        if scene is None:
+            made = Scene(arm, margin=margin, progress=progress)
+        else:
+            made = Scene.load(arm, scene, margin=margin or None, progress=progress)
+        made.find_allowed_pairs()
+    with progress_bar("configurations") as progress:
+        found = survey(made, samples, progress=progress)
+    allowed = [{"links": pair, "reason": reason} for pair, reason in made.allowed.items()]
+    lines = [f"{arm.name}: {len(allowed)} pairs of links are not checked"]
+    for reason in dict.fromkeys(made.allowed.values()):
+        pairs = [" – ".join(pair) for pair, why in made.allowed.items() if why == reason]
+        lines.append(f"{reason}: {', '.join(pairs)}")
+    lines.append(f"collides in {100.0 * found.share:.1f} % of {found.samples} random configurations")
+    columns = [
+        Column("links", [pair.links for pair in found.pairs]),
+        Column("share", [pair.share for pair in found.pairs], text=[f"{pair.share:.1%}" for pair in found.pairs]),
+        Column("theta", [pair.theta for pair in found.pairs],
+               text=[theta_values(arm, pair.theta, rad, digits=3) for pair in found.pairs]),
+    ]  # fmt: skip
+    order = f"examples as in --theta: {', '.join(joint_heads(arm, rad))}"
+    out.show(
+        {"arm": arm, "allowed": allowed, "samples": found.samples, "share": found.share, "findings": made.findings},
+        *lines,
+        Table("pairs that collide", columns, "colliding", order),
+        *(finding.text for finding in made.findings),
+        files={"srdf": lambda: srdf_text(made)},
+    )

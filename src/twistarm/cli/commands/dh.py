@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import typer
 
-from ...arm.arm import Arm
 from ...arm.loading.from_dh import PARALLEL, dh_csv, dh_rows, to_dh
-from ...description.dh import DhTable
-from ..options import Json, Radians, takes_arm
-from ..output import console, note, number, print_json, say, table
+from ..options import ArmArgument, Json, Radians
+from ..output import entries, note
 from ..outputs import Force, Output, outputs_of
+from ..tables import Column, Table
 from ..typed import parse_numbers
 
 FAR = 10.0
@@ -29,9 +28,8 @@ Parallel = Annotated[
 ]
 
 
-@takes_arm
 def dh(
-    arm: Arm,
+    source: ArmArgument,
     convention: Convention = "standard",
     parallel: Parallel = None,
     output: Output = None,
@@ -40,29 +38,25 @@ def dh(
     json: Json = False,
 ) -> None:
     """Show the arm's Denavit–Hartenberg table, or write it as a *.csv that is an ARM too."""
-    outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
+    arm = source.load()
+    out = outputs_of(output, {"csv": (".csv",)}, force=force, json=json, radians=rad)
     (angle,) = [PARALLEL] if parallel is None else parse_numbers(parallel, "rad", "--parallel", rad)
     found = to_dh(arm, convention, float(angle))
     if parallel is None and np.abs(found.rows[:, [0, 2]]).max() > FAR * arm.reach:
         note("axes that are nearly parallel meet far away; with --parallel 0.01deg they count as parallel")
-    written = outputs.write({"csv": lambda: dh_csv(found)})
-    if json:
-        told = {name: getattr(found, name) for name in ("convention", "base", "tool", "residual")}
-        print_json({"arm": arm.name, **told, "rows": dh_rows(found), "written": written})
-        return
-    console(outputs.words).print(_table(arm, found, rad))
-    say(f"the table differs from the arm by {found.residual:.1g} m or rad at most", file=outputs.words)
-    outputs.say(written)
-
-
-def _table(arm: Arm, found: DhTable, radians: bool) -> Any:
-    """The table, with base and tool as fixed rows."""
-    angle, of_rad = ("rad", 1.0) if radians else ("°", float(np.degrees(1.0)))
-    columns = {"a": 1.0, "alpha": of_rad, "d": 1.0, "theta": of_rad}
-    rows = [
-        [row["joint"], row["type"], *(number(row[name] * factor, 6) for name, factor in columns.items())]
-        for row in dh_rows(found)
+    rows = dh_rows(found)
+    columns = [
+        Column("joint", [row["joint"] for row in rows]),
+        Column("type", [row["type"] for row in rows]),
+        *(
+            Column(name, [float(row[name]) for row in rows], unit, digits=6, key=name)
+            for name, unit in {"a": "m", "alpha": "rad", "d": "m", "theta": "rad"}.items()
+        ),
     ]
-    heads = ["joint", "type", "a [m]", f"alpha [{angle}]", "d [m]", f"theta [{angle}]"]
     caption = f"a row is {ROWS[found.convention]}; a joint adds its coordinate to theta, or to d if it is prismatic"
-    return table(f"{arm.name}: {found.convention} convention", heads, rows, ["type"], caption)
+    out.show(
+        {"arm": arm, **entries(found, "convention base tool residual")},
+        Table(f"{arm.name}: {found.convention} convention", columns, "rows", caption),
+        f"the table differs from the arm by {found.residual:.1g} m or rad at most",
+        files={"csv": lambda: dh_csv(found)},
+    )

@@ -1,36 +1,45 @@
-"""`guide`: the course on an arm, served or printed, with its exercises as commands."""
+"""`guide`: the course on an arm, served or printed, and its exercises, written and graded."""
 
 from __future__ import annotations
 
 import hashlib
-import json
+import json as text_of_json
 import os
 import sys
 import webbrowser
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from ...arm.arm import Arm
 from ...guide.building.building import Built, as_keywords, build
 from ...guide.building.printing import pdf_of
 from ...guide.building.server import SiteServer
 from ...guide.course import lesson_named, lessons
+from ...guide.exercises import LESSONS, exercises_of
+from ...guide.exercises.files import HERE, write_exercises
+from ...guide.grading import check_file
+from ...guide.grading.progress import begun, folder_of, folder_with_progress, read_progress, save_report
+from ...guide.grading.verdict import SIGNS
+from ...guide.teaching.arm import arm as arm_of_the_lessons
 from ...support.errors import DescriptionError, InputError
-from ..options import takes_arm_option
+from ...support.files import as_path
+from ..command import Command
+from ..options import ArmCommand, ArmGroup, ArmOption, Json, Source
 from ..output import progress_bar, say, warn
-from ..outputs import Force, outputs_of
+from ..outputs import Force, Outputs, outputs_of
 from ..quantities import whole
-from ..typed import Command, Group
-from . import practising
+from ..tables import Column, Table
 from .viewing import Browser
 
 guide = typer.Typer(
     name="guide",
-    cls=Group,
+    cls=ArmGroup,
     help="The course in the kinematics of arms, on your own arm, and its exercises, graded.",
+    rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
 
@@ -52,14 +61,8 @@ Lesson = Annotated[str, typer.Argument(metavar="LESSON", help="A lesson by its n
 
 
 @guide.callback(invoke_without_command=True)
-@takes_arm_option
 def course(
-    source: str | None,
-    load: dict[str, Any],
-    context: typer.Context,
-    output: Folder = None,
-    port: Port = 0,
-    browser: Browser = True,
+    context: typer.Context, source: ArmOption = None, output: Folder = None, port: Port = 0, browser: Browser = True
 ) -> None:
     """Build the course on your arm and read it in the browser; served on this machine until Ctrl-C.
 
@@ -69,20 +72,18 @@ def course(
     if context.invoked_subcommand is not None:
         _require_no_options(context)
         return
-    built = _built(source, load, output)
+    built = _built(source, output)
     if output is not None:
         say(f"written: {built.start} (opens in a browser, offline)")
         raise typer.Exit(bool(built.failed))
     _serve(built, port, browser)
 
 
-@guide.command("print", cls=Command)
-@takes_arm_option
+@guide.command("print", cls=ArmCommand)
 def print_lesson(
-    source: str | None,
-    load: dict[str, Any],
     lesson: Lesson,
     output: Annotated[str, typer.Option("--output", "-o", metavar="FILE", help="Where to write it, *.pdf.")],
+    source: ArmOption = None,
     solutions: Annotated[
         bool, typer.Option("--solutions/--without-solutions", help="Whether the exercises have their solutions.")
     ] = True,
@@ -91,31 +92,109 @@ def print_lesson(
     """Print one lesson as a PDF, its answers unfolded; needs Chromium, Chrome or Edge."""
     outputs = outputs_of(output, {"pdf": (".pdf",)}, force=force)
     name = lesson_named(lesson)
-    built = _built(source, load, None, [name])
+    built = _built(source, None, [name])
     outputs.say(outputs.write({"pdf": lambda: pdf_of(built.folder, name, solutions)}))
     raise typer.Exit(bool(built.failed))
 
 
-for command in (practising.exercises, practising.check, practising.progress):
-    guide.command(cls=Command)(command)
+@guide.command(cls=ArmCommand)
+def exercises(
+    folder: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="The folder to write them into.")
+    ] = HERE,
+    source: ArmOption = None,
+) -> None:
+    """Write the files to fill in: Python for each lesson, and Octave and MATLAB. No file is replaced."""
+    written, stayed = write_exercises(folder, _arm(source))
+    begun(folder)
+    left = f", {len(stayed)} that were there left as they are" if stayed else ""
+    say(f"{folder}: {len(written)} files written{left}")
+    say(f"next: open {folder / LESSONS[0]}.py, fill it in, and twistarm guide check {folder / LESSONS[0]}.py")
+
+
+@guide.command(cls=ArmCommand)
+def check(
+    file: Annotated[str, typer.Argument(metavar="FILE", help="A Python file, or a results file of Octave or MATLAB.")],
+    source: ArmOption = None,
+    seed: Annotated[int, whole(0, 2**32, "Of the random instances.")] = 0,
+    json: Json = False,
+) -> int:
+    """Grade the exercises in FILE, on random instances and on the screws of the arm.
+
+    The exit code is 0 if all is right, 1 if something is wrong or missing, 2 if FILE cannot be used.
+    """
+    path = as_path(file)
+    report = check_file(path, _arm(source), seed)
+    trouble = save_report(folder_of(path), report)
+    data = {
+        "file": report.subject,
+        "ok": report.ok,
+        "problem": report.problem or None,
+        "excerpt": report.excerpt,
+        "exercises": [vars(each) | {"slip": each.slip or None} for each in report.verdicts],
+        "printed": report.printed,
+    }
+    Outputs(json=json).show(data, *report.told)
+    if trouble:
+        warn(trouble)
+    return report.code
+
+
+@guide.command(cls=Command)
+def progress(
+    folder: Annotated[str, typer.Argument(metavar="DIR", help="The folder of the exercises.")] = ".", json: Json = False
+) -> None:
+    """Show which exercises are done, and what was said of the others."""
+    found = read_progress(folder_with_progress(as_path(folder), HERE))
+    states = {lesson: _states(lesson, found) for lesson in LESSONS}
+    todo = []
+    for lesson in LESSONS:
+        tried = {name: each for name, each in states[lesson].items() if each["state"] != "right" and each["tries"]}
+        todo.append(", ".join(f"{name} ({each['slip']})" if each["slip"] else name for name, each in tried.items()))
+    right = [[each["state"] == "right" for each in states[lesson].values()] for lesson in LESSONS]
+    columns = [
+        Column("lesson", LESSONS),
+        Column("right", [f"{sum(each)} of {len(each)}" for each in right]),
+        Column("", ["".join(SIGNS[each["state"]] for each in states[lesson].values()) for lesson in LESSONS]),
+        Column("still to do", todo),
+    ]
+    count = f"{sum(map(sum, right))} of {sum(map(len, right))} exercises are right"
+    Outputs(json=json).show(states, Table("", columns), count)
+
+
+def _arm(source: Source | None) -> Arm:
+    return arm_of_the_lessons() if source is None else source.load()
+
+
+def _states(lesson: str, found: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+    """State, slip and tries of each exercise of a lesson."""
+    states = {}
+    for exercise in exercises_of(lesson):
+        kept_of_it = found.get(exercise.name, {})
+        state = kept_of_it.get("state")
+        states[exercise.name] = {
+            "state": state if state in SIGNS else "unwritten",
+            "slip": kept_of_it.get("slip"),
+            "tries": kept_of_it.get("tries", 0),
+        }
+    return states
 
 
 def _require_no_options(context: typer.Context) -> None:
     """Options of `guide` itself would say nothing to its commands, which have their own."""
-    sources = [context.get_parameter_source(name) for name in context.params]
-    if any(source is not None and source.name == "COMMANDLINE" for source in sources):
+    origins = [context.get_parameter_source(str(param.name)) for param in context.command.params]
+    if any(origin is not None and origin.name == "COMMANDLINE" for origin in origins):
         command = context.invoked_subcommand
         raise InputError(f"give the options after the command: twistarm guide {command} … --arm ARM")
 
 
-def _built(
-    source: str | None, load: Mapping[str, Any], folder: Path | None, names: Sequence[str] | None = None
-) -> Built:
+def _built(source: Source | None, folder: Path | None, names: Sequence[str] | None = None) -> Built:
     """The course on the typed arm, with its failures."""
-    arm = as_keywords(source or "rover_arm", load)
+    typed = source or Source("rover_arm")
+    arm = as_keywords(typed.name, typed.keywords)
     place = folder or _cache_folder(arm, names)
     try:
-        with progress_bar(f"the guide on {source or 'rover_arm'}") as progress:
+        with progress_bar(f"the guide on {typed.name}") as progress:
             built = build(place, arm, names, progress=progress)
     except DescriptionError as error:
         words = f"{error}; no page was written: twistarm doctor says all that is wrong with it"
@@ -125,12 +204,12 @@ def _built(
     return built
 
 
-def _cache_folder(arm: Mapping[str, Any], names: Sequence[str] | None) -> Path:
+def _cache_folder(arm: dict[str, Any], names: Sequence[str] | None) -> Path:
     """The cache folder for the course on this arm; printed lessons are separate."""
     given = os.environ.get("XDG_CACHE_HOME", "")
     home = Path.home() / ("Library/Caches" if sys.platform == "darwin" else ".cache")
     root = Path(given) if os.path.isabs(given) and sys.platform != "darwin" else home
-    digest = hashlib.sha256(json.dumps([arm, names], sort_keys=True).encode()).hexdigest()[:16]
+    digest = hashlib.sha256(text_of_json.dumps([arm, names], sort_keys=True).encode()).hexdigest()[:16]
     place = root / "twistarm" / "guide" / digest
     try:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)

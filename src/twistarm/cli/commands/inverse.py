@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 import typer
 
 from ...arm.arm import Arm
-from ...ik import POSTURES, IKResult, solve_ik, solve_ik_all, solve_ik_batch
+from ...ik import POSTURES, AllSolutions, IKBatch, IKResult, StopReason, solve_ik, solve_ik_all, solve_ik_batch
+from ...ik.solution import missed_by_rounding
+from ...support.csv_lines import csv_text
 from ...support.errors import InputError
-from ..answers import answers_csv, tell_all, tell_answers
-from ..avoiding import Avoid, avoided
-from ..csv_rows import Columns, read_sheet
-from ..options import Json, Radians, Theta, takes_arm
-from ..output import console, pose_json, print_json, progress_bar, say, shown, table, theta_typed, units
-from ..outputs import Force, Output, outputs_of
+from ...support.messages import plural
+from ..command import VALUES, XYZ
+from ..csv_rows import ROWS_SHOWN, Columns, Sheet, few, read_sheet
+from ..options import ArmArgument, Avoid, Json, Radians, Theta, avoided
+from ..output import entries, progress_bar
+from ..outputs import Force, Output, Outputs, outputs_of
 from ..quantities import quantity
+from ..tables import Column, Table, joint_heads, pose_entries, theta_typed
 from ..targets import (
     COLUMNS,
     Axis,
@@ -30,8 +34,7 @@ from ..targets import (
     typed_orientation,
     typed_tolerances,
 )
-from ..typed import VALUES, XYZ, parse_joints, parse_numbers, parse_theta
-from ..wording import words
+from ..typed import parse_joints, parse_numbers, parse_theta
 
 Xyz = Annotated[str | None, typer.Option(metavar=XYZ, help="Position of the tool in the base frame, in metres.")]
 Targets = Annotated[
@@ -60,26 +63,27 @@ FixedJoints = Annotated[
         "more joints than the target determines, some are else held at values over their range.",
     ),
 ]
-Copies = Annotated[
+Turns = Annotated[
     bool, typer.Option("--include-turns", help="With --all: what differs by whole turns of joints counts as different.")
 ]
 
+ERRORS = ("position_error", "orientation_error")
 
-@takes_arm
+
 def ik(
-    arm: Arm,
+    source: ArmArgument,
     xyz: Xyz = None,
     rpy: Rpy = None,
     quaternion: Quaternion = None,
     quaternion_xyzw: QuaternionXyzw = None,
     direction: Direction = None,
     axis: Axis = None,
-    targets: Targets = None,
-    columns: Columns = None,
     start: Theta = "ready",
     all_: All = False,
-    given: FixedJoints = None,
-    copies: Copies = False,
+    fixed_joints: FixedJoints = None,
+    include_turns: Turns = False,
+    targets: Targets = None,
+    columns: Columns = None,
     posture: Posture = None,
     position_tol: PositionTol = None,
     orientation_tol: OrientationTol = None,
@@ -91,75 +95,150 @@ def ik(
     json: Json = False,
 ) -> int:
     """Inverse kinematics: joint values for a position and orientation, all of them (--all), or for a CSV's rows."""
+    arm = source.load()
     if (xyz is None) == (targets is None):
         raise InputError("give one position by --xyz, or a file of targets by --targets")
     if columns is not None and targets is None:
         raise InputError("--columns names the columns of a file: it goes with --targets")
-    _require_fitting(
-        all_, {"--fixed-joint": given, "--include-turns": copies}, {"--posture": posture, "--targets": targets}
-    )
-    outputs = outputs_of(output, {"csv": (".csv",)}, force=force, json=json)
+    for option, value in {"--fixed-joint": fixed_joints, "--include-turns": include_turns}.items():
+        if value and not all_:
+            raise InputError(f"{option} is about all configurations: it goes with --all")
+    for option, value in {"--posture": posture, "--targets": targets}.items():
+        if value is not None and all_:
+            raise InputError(f"--all takes no {option}: it gives every configuration for the one target of --xyz")
+    out = outputs_of(output, {"csv": (".csv",)}, force=force, json=json, radians=rad)
     orientation = typed_orientation(rpy, quaternion, quaternion_xyzw, direction, axis, rad)
-    how = {"theta0": parse_theta(arm, start, rad), **typed_tolerances(position_tol, orientation_tol, rad)}
-    how["scene"] = avoided(arm, avoid)
+    how: dict[str, Any] = {
+        "theta0": parse_theta(arm, start, rad),
+        "scene": avoided(arm, avoid),
+        "max_time": max_time,
+        **typed_tolerances(position_tol, orientation_tol, rad),
+    }
     if all_:
-        stands = None if given is None else parse_joints(arm, given, "--fixed-joint", rad)
+        how["fixed_joints"] = None if fixed_joints is None else parse_joints(arm, fixed_joints, "--fixed-joint", rad)
         target = orientation.at(parse_numbers(str(xyz), "m m m", "--xyz"))
         with progress_bar("ik") as progress:
-            solutions = solve_ik_all(
-                arm, target, **how, fixed_joints=stands, include_turns=copies, max_time=max_time, progress=progress
-            )
-        return tell_all(solutions, outputs, radians=rad, json=json)
+            solutions = solve_ik_all(arm, target, **how, include_turns=include_turns, progress=progress)
+        _show_all(out, solutions)
+        return 0 if len(solutions) else 1
     how["posture"] = posture if posture in (None, *POSTURES) else parse_theta(arm, str(posture), rad)
-    how["max_time"] = max_time
     if targets is not None:
         sheet = read_sheet(targets, columns)
         asked = targets_in(sheet, orientation)
         with progress_bar("ik") as progress:
             batch = solve_ik_batch(arm, asked, **how, threads=os.cpu_count() or 1, progress=progress)
-        return tell_answers(sheet, batch, outputs, radians=rad, json=json)
+        _show_batch(out, sheet, batch)
+        return 0 if batch.converged.all() else 1
     solution = solve_ik(arm, orientation.at(parse_numbers(str(xyz), "m m m", "--xyz")), **how)
-    written = outputs.write({"csv": lambda: answers_csv(arm, [1], [solution])})
-    if json:
-        print_json(_as_json(arm, solution) | {"written": written})
-    else:
-        console(outputs.words).print(solution_table(arm, solution, rad))
-        say(
-            theta_typed(arm, solution.theta, rad),
-            *words(solution.explain(), radians=rad).splitlines(),
-            file=outputs.words,
-        )
-        outputs.say(written)
+    show_solution(out, arm, solution)
     return 0 if solution.converged else 1
 
 
-def _require_fitting(all_: bool, alone: dict[str, Any], never: dict[str, Any]) -> None:
-    """InputError for options that go with --all alone, or never with it."""
-    for option, value in alone.items():
-        if value and not all_:
-            raise InputError(f"{option} is about all configurations: it goes with --all")
-    for option, value in never.items():
-        if value is not None and all_:
-            raise InputError(f"--all takes no {option}: it gives every configuration for the one target of --xyz")
+def show_solution(out: Outputs, arm: Arm, solution: IKResult) -> None:
+    """The answer to one target, its joint values beside their limits."""
+    explanation = solution.explain()
+    columns = [
+        Column("joint", arm.joint_names, key="joint_names"),
+        Column("value", solution.theta, arm.units, key="theta"),
+        Column("lower", arm.limits.lower, arm.units, key=None),
+        Column("upper", arm.limits.upper, arm.units, key=None),
+    ]
+    out.show(
+        {
+            "arm": arm,
+            **entries(solution, "converged stop position_error orientation_error within_limits"),
+            **entries(solution, "iterations restarts method notes"),
+            "explanation": explanation,
+            "reached": pose_entries(arm.fk(solution.theta)),
+        },
+        Table(f"{arm.name}: {solution.stop.name}", columns, ""),
+        theta_typed(arm, solution.theta, out.radians),
+        explanation,
+        files={"csv": lambda: _answers_csv(arm, [1], [solution])},
+    )
 
 
-def solution_table(arm: Arm, solution: IKResult, radians: bool) -> Any:
-    """The solution's joint values with their limits."""
-    lower, upper = (shown(arm, bound, radians) for bound in (arm.limits.lower, arm.limits.upper))
-    values = shown(arm, solution.theta, radians)
-    rows = list(zip(arm.joint_names, values, units(arm, radians), lower, upper, strict=True))
-    return table(f"{arm.name}: {solution.stop.name}", ["joint", "value", "unit", "lower", "upper"], rows)
+def _show_batch(out: Outputs, sheet: Sheet, batch: IKBatch) -> None:
+    """The answers to a file's targets: those that people see can be typed."""
+    arm, lines, answers = batch.arm, [row.line for row in sheet.rows], list(batch)
+    names = "stop converged rounded theta position_error orientation_error"
+    records = [{"line": line, **entries(answer, names)} for line, answer in zip(lines, answers, strict=True)]
+    columns = [
+        Column("line", lines),
+        Column("answer", [answer.stop.name for answer in answers]),
+        Column("theta", [theta_typed(arm, answer.theta, out.radians) for answer in answers]),
+    ]
+    table = Table(arm.name, columns, rows=range(min(len(lines), ROWS_SHOWN)))
+    out.show(
+        {"arm": arm, "joint_names": arm.joint_names, "met": batch.converged.sum(), "answers": records},
+        *([] if out.files else [table]),
+        *_counted(sheet, lines, answers),
+        files={"csv": lambda: _answers_csv(arm, lines, answers)},
+    )
 
 
-def _as_json(arm: Arm, solution: IKResult) -> dict[str, Any]:
-    fields = ("position_error", "orientation_error", "within_limits", "iterations", "restarts", "method", "notes")
-    return {
-        "arm": arm.name,
-        "converged": solution.converged,
-        "stop": solution.stop.name,
-        "joint_names": arm.joint_names,
-        "theta": solution.theta,
-        **{field: getattr(solution, field) for field in fields},
-        "explanation": words(solution.explain(), radians=True),
-        "reached": pose_json(arm.fk(solution.theta)),
-    }
+def _counted(sheet: Sheet, lines: list[int], answers: list[IKResult]) -> list[str]:
+    """How many targets are met, and which are not, by reasons."""
+    by_reason: dict[StopReason, list[int]] = {}
+    for line, answer in zip(lines, answers, strict=True):
+        by_reason.setdefault(answer.stop, []).append(line)
+    met = len(by_reason.pop(StopReason.CONVERGED, ()))
+    count = f"{met} of {len(answers)} targets of {sheet.file} met"
+    if len(answers) > ROWS_SHOWN:
+        count += " (-o FILE.csv has them all)"
+    rounded = [line for line, answer in zip(lines, answers, strict=True) if answer.rounded]
+    if rounded:
+        worst = [max(getattr(answer, error) for answer in answers if answer.rounded) for error in ERRORS]
+        count += f"\nnote: line {few(rounded)}: {missed_by_rounding(*worst)}"
+    return [count, *(f"{reason.value}: line {few(numbers)}" for reason, numbers in by_reason.items())]
+
+
+def _answers_csv(arm: Arm, lines: Sequence[int], answers: Sequence[IKResult]) -> str:
+    """The answers as CSV: theta, whether and why not, and how far off."""
+    rows = (
+        [line, *answer.theta.tolist(), answer.stop.name, answer.position_error, answer.orientation_error]
+        for line, answer in zip(lines, answers, strict=True)
+    )
+    return csv_text(["line", *joint_heads(arm), "answer", "position_error [m]", "orientation_error [rad]"], rows)
+
+
+def _show_all(out: Outputs, solutions: AllSolutions) -> None:
+    """A row for each configuration, nearest first."""
+    arm, count, hits = solutions.arm, len(solutions), solutions.colliding
+    columns = [Column("", range(1, count + 1))]
+    for i, (name, unit) in enumerate(zip(arm.joint_names, arm.units, strict=True)):
+        columns.append(Column(name, solutions.theta[:, i], unit, digits=3))
+    if any(solutions.free):
+        columns.append(Column("may go on moving", solutions.free))
+    if hits.any():
+        columns.append(Column("collides", ["yes" if hit else "" for hit in hits]))
+    more = f", the {ROWS_SHOWN} nearest of them (-o FILE.csv has all)" if count > ROWS_SHOWN else ", nearest first"
+    title = f"{arm.name}: {plural(count, 'configuration')}{more if count > 1 else ''}"
+    explanation = solutions.explain()
+    names = "theta free colliding outside complete timed_out method family starts hits position_error orientation_error"
+    parts: list[Table | str] = []
+    if count:
+        table = Table(title, columns, rows=range(min(count, ROWS_SHOWN)))
+        parts = [table, theta_typed(arm, solutions[0], out.radians)]
+    out.show(
+        {"arm": arm, "joint_names": arm.joint_names, **entries(solutions, names), "explanation": explanation},
+        *parts,
+        explanation,
+        files={"csv": lambda: _all_csv(solutions)},
+    )
+
+
+def _all_csv(solutions: AllSolutions) -> str:
+    """All configurations as CSV, also those outside the limits: theta, joints free to move, within or not.
+
+    Members of one family have one number.
+    """
+    arm = solutions.arm
+    free = (*solutions.free, *((),) * len(solutions.outside))
+    families = (*solutions.members, *solutions.outside[:, None])
+    rows = (
+        [i + 1, *each.tolist(), " ".join(moving), "no" if i >= len(solutions) else "yes"]
+        for i, (members, moving) in enumerate(zip(families, free, strict=True))
+        for each in members
+    )
+    return csv_text(["number", *joint_heads(arm), "free", "within_limits"], rows)

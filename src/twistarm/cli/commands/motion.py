@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, replace
-from typing import Annotated, Any
+from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
 import typer
@@ -21,14 +21,13 @@ from ...planning.files.mcap_file import mcap_bytes
 from ...planning.joint_space import Kind
 from ...support.errors import InputError
 from ..asked_motion import Typed, capped, typed_targets
-from ..avoiding import Avoid, avoided
-from ..options import Json, Radians, takes_arm
-from ..output import console, note, number, print_json, progress_bar, say, shown, table, theta_values, units
-from ..outputs import STDOUT, Force, Format, Outputs, outputs_of, repeated
+from ..command import POSE, RPY, XYZ
+from ..options import ArmArgument, Avoid, Json, Radians, avoided
+from ..output import note, progress_bar
+from ..outputs import STDOUT, Contents, Force, Format, Outputs, outputs_of, repeated
 from ..quantities import OfJoints, quantity
+from ..tables import Column, Table, number, theta_values
 from ..targets import Axis, OrientationTol, PositionTol, typed_tolerances
-from ..typed import POSE, RPY, XYZ
-from ..wording import words
 
 MOST_STRETCHES = 8
 """So many rows of active limits are shown; --json has them all."""
@@ -122,9 +121,8 @@ Counts = Annotated[
 Step = Annotated[float, quantity("s", "Time step of the files.")]
 
 
-@takes_arm
 def plan(
-    arm: Arm,
+    source: ArmArgument,
     motion: Motion = None,
     to: Through = None,
     xyz: Positions = None,
@@ -132,17 +130,17 @@ def plan(
     direction: Directions = None,
     axis: Axis = None,
     line: Line = False,
-    blend: Blend = None,
-    linear_speed: ToolSpeed = None,
-    position_tol: PositionTol = None,
-    orientation_tol: OrientationTol = None,
     start: Start = None,
     kind: Annotated[Kind | None, TIMING] = None,
     velocity: Velocity = None,
     acceleration: Acceleration = None,
+    linear_speed: ToolSpeed = None,
     stop: Annotated[bool, typer.Option("--stop", help="Come to rest at every pose.")] = False,
-    unwrap: Unwrap = False,
+    blend: Blend = None,
     smooth: Smooth = None,
+    unwrap: Unwrap = False,
+    position_tol: PositionTol = None,
+    orientation_tol: OrientationTol = None,
     avoid: Avoid = None,
     max_time: MaxTime = 5.0,
     output: Output = None,
@@ -154,6 +152,7 @@ def plan(
     json: Json = False,
 ) -> None:
     """Plan the fastest motion through poses, targets or the segments of a file, within the limits."""
+    arm = source.load()
     if [motion is not None, bool(to), bool(xyz)].count(True) != 1:
         raise InputError("give poses by --to, positions by --xyz, or a motion.toml")
     if smooth is not None and (line or not to or avoid):
@@ -167,8 +166,8 @@ def plan(
     asked = replace(asked, scene=scene)
     given = capped(arm, {"velocity": velocity, "acceleration": acceleration}, {} if file is None else file.limits)
     limits = with_defaults(arm, given)
-    outputs = outputs_of(output, MOTION_KINDS, form, force=force, json=json)
-    if counts and any(kind not in COUNTED for kind, _ in outputs.files):
+    out = outputs_of(output, MOTION_KINDS, form, force=force, json=json, radians=rad)
+    if counts and any(kind not in COUNTED for kind, _ in out.files):
         raise InputError("--counts goes with *.csv and *.h: a JointTrajectory is in rad and m")
     with progress_bar("planning") as progress:
         if file is not None:
@@ -179,28 +178,34 @@ def plan(
             planned, segments = asked.by_waypoints(to, smooth, limits, progress)
     origin = asked.origin(file)
     if origin is None:
-        note(_start(arm, rad))
+        name = named_ready(arm.named_states)
+        which = "computed" if name is None else f"the pose named {name!r}"
+        note(f'starts at ready ({which}): --from "{theta_values(arm, arm.ready, rad)}"')
     for each in planned.notes:
         note(each, radians=rad)
-    written = outputs.write(motion_texts(arm, planned, outputs, dt, counts=counts))
-    active = active_limits(arm, planned, limits=limits, segments=segments)
+    assumed = defaults_line(arm, given)
     nearest = None if scene is None else scene.clearance(planned.breakpoints, planned.coefficients)
-    if json:
-        said = {"start": "ready" if origin is None else origin, "assumed": defaults_line(arm, given) or None}
-        said["nearest"] = nearest and vars(nearest)
-        print_json({**_as_json(arm, planned, written), **said, "active_limits": [asdict(each) for each in active]})
-        return
-    if assumed := defaults_line(arm, given):
-        say(f"{assumed} (--velocity, --acceleration)", file=outputs.words)
-    console(outputs.words).print(plan_table(arm, planned, rad, limits))
-    if active:
-        console(outputs.words).print(active_limits_table(active))
-    if nearest is not None:
-        say(f"nearest: {nearest}", file=outputs.words)
-    outputs.say(written)
+    data = {
+        "arm": arm,
+        "duration": planned.duration,
+        "times": planned.times,
+        "waypoints": planned.waypoints,
+        "start": "ready" if origin is None else origin,
+        "assumed": assumed or None,
+        "nearest": nearest,
+        "notes": planned.notes,
+    }
+    out.show(
+        data,
+        *([f"{assumed} (--velocity, --acceleration)"] if assumed else []),
+        *plan_tables(arm, planned, limits),
+        active_limits_table(active_limits(arm, planned, limits=limits, segments=segments)),
+        *([] if nearest is None else [f"nearest: {nearest}"]),
+        files=motion_texts(arm, planned, out, dt, counts=counts),
+    )
 
 
-def motion_texts(arm: Arm, planned: Trajectory, outputs: Outputs, dt: float, *, counts: bool = False) -> dict[str, Any]:
+def motion_texts(arm: Arm, planned: Trajectory, outputs: Outputs, dt: float, *, counts: bool = False) -> Contents:
     """What writes a motion of the arm, by the kind of file."""
     header = next((name for kind, name in outputs.files if kind == "header" and name != STDOUT), "motion.h")
     return {
@@ -212,52 +217,31 @@ def motion_texts(arm: Arm, planned: Trajectory, outputs: Outputs, dt: float, *, 
     }
 
 
-def _start(arm: Arm, radians: bool) -> str:
-    """The default start of a plan: the pose `ready` as one would type it."""
-    name = named_ready(arm.named_states)
-    which = "computed" if name is None else f"the pose named {name!r}"
-    return f'starts at ready ({which}): --from "{theta_values(arm, arm.ready, radians)}"'
-
-
-def plan_table(arm: Arm, planned: Trajectory, radians: bool, limits: JointLimits) -> Any:
+def plan_tables(arm: Arm, planned: Trajectory, limits: JointLimits) -> tuple[Table, Table]:
     """When each pose is passed, and the peaks beside the limits that were kept."""
-    columns = {
-        f"at {number(time, 3)}\N{NO-BREAK SPACE}s": shown(arm, pose, radians)
+    joints = Column("joint", planned.joint_names, key="joint_names")
+    poses = [
+        Column(f"at {number(time, 3)}\N{NO-BREAK SPACE}s", pose, arm.units)
         for time, pose in zip(planned.times, planned.waypoints, strict=True)
-    }
-    for order, per, word, limit in (
-        (1, "/s", "velocity", limits.velocity),
-        (2, "/s²", "acceleration", limits.acceleration),
-    ):
-        columns[f"peak {word} {per}"] = shown(arm, planned.peak(order), radians)
-        if np.isfinite(limit).any():
-            columns[f"{word} limit {per}"] = shown(arm, limit, radians)
-    rows = [list(row) for row in zip(arm.joint_names, units(arm, radians), *columns.values(), strict=True)]
-    title = f"{arm.name}: {number(planned.duration, 3)} s"
-    return table(title, ["joint", "unit", *columns], rows, text=["unit"])
-
-
-def active_limits_table(active: Sequence[ActiveLimit]) -> Any:
-    """The limit that each stretch of a motion uses most. Of many stretches the longest, in time order."""
-    longest = sorted(active, key=lambda each: each.begin - each.end)[:MOST_STRETCHES]
-    rows = [
-        [number(each.begin, 3), number(each.end, 3), each.describe(), f"{100.0 * each.share:.0f} %"]
-        for each in sorted(longest, key=lambda each: each.begin)
     ]
+    peaks = []
+    for order, per, word in ((1, "/s", "velocity"), (2, "/s²", "acceleration")):
+        limit = getattr(limits, word)
+        peaks.append(Column(f"peak {word}", planned.peak(order), arm.units, per))
+        peaks.append(Column(f"{word} limit", limit, arm.units, per, people=bool(np.isfinite(limit).any())))
+    return Table(f"{arm.name}: {number(planned.duration, 3)} s", [joints, *poses]), Table("", [joints, *peaks], "")
+
+
+def active_limits_table(active: Sequence[ActiveLimit]) -> Table:
+    """The limit that each stretch of a motion uses most. People see the longest stretches, in time order."""
+    longest = sorted(range(len(active)), key=lambda i: active[i].begin - active[i].end)[:MOST_STRETCHES]
     left = len(active) - len(longest)
+    columns = [
+        Column("begin", [each.begin for each in active], "s", digits=3),
+        Column("end", [each.end for each in active], "s", digits=3),
+        Column("rate", [each.rate for each in active], text=[each.describe() for each in active]),
+        *(Column(name, [getattr(each, name) for each in active], people=False) for name in ("owner", "name")),
+        Column("share", [each.share for each in active], text=[f"{each.share:.0%}" for each in active]),
+    ]
     title = "limits used most" + (f" ({left} shorter stretches are in --json)" if left else "")
-    return table(title, ["from [s]", "to [s]", "limit", "used"], rows, text=["limit"])
-
-
-def _as_json(arm: Arm, planned: Trajectory, written: list[str]) -> dict[str, Any]:
-    return {
-        "arm": arm.name,
-        "joint_names": planned.joint_names,
-        "duration": planned.duration,
-        "times": planned.times,
-        "waypoints": planned.waypoints,
-        "peak_velocity": planned.peak(1),
-        "peak_acceleration": planned.peak(2),
-        "notes": [words(each, radians=True) for each in planned.notes],
-        "written": written,
-    }
+    return Table(title, columns, "active_limits", rows=sorted(longest))

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import typer
 
 from ...arm.arm import Arm
 from ...calibration import Residual, WiringReport, check_wiring
-from ..options import Json, takes_arm
-from ..output import console, number, print_json, say, table
+from ..options import ArmArgument, Json
+from ..output import plain
+from ..outputs import Outputs
 from ..quantities import quantity
+from ..tables import Column, Table, number
 
 Log = Annotated[
     Path, typer.Argument(metavar="LOG", help="CSV: a column per motor, x, y, z [m], and qx, qy, qz, qw if measured.")
@@ -29,9 +30,8 @@ BaseOrientationNoise = Annotated[
 ]
 
 
-@takes_arm
 def wiring(
-    arm: Arm,
+    source: ArmArgument,
     log: Log,
     position_noise: PositionNoise = 0.002,
     orientation_noise: OrientationNoise = 1.0,
@@ -40,6 +40,7 @@ def wiring(
     json: Json = False,
 ) -> int:
     """Check signs, ratios and zeros of the motors against logged counts and measured tool positions."""
+    arm = source.load()
     report = check_wiring(
         arm,
         log,
@@ -48,41 +49,39 @@ def wiring(
         base_position_noise=base_position_noise,
         base_orientation_noise=base_orientation_noise,
     )
-    if json:
-        print_json(asdict(report) | {"ok": report.ok})
-    else:
-        _print(arm, report)
+    before, after = _residual(report.before), _residual(report.after)
+    rows = "1 row" if report.rows == 1 else f"{report.rows} rows"
+    faults = [each for each in report.motors if each.verdict != "sound" and each.what]
+    lines = [
+        f"{rows}; measured against computed: {before} as the arm.toml says, {after} as found here",
+        *(f"{motor.name}: {'; '.join(filter(None, (motor.what, motor.remedy)))}" for motor in faults),
+        f"{report.verdict}: {report.what}",
+    ]
+    Outputs(json=json).show(plain(report) | {"ok": report.ok}, _table(arm, report), *lines)
     return 0 if report.ok else 1
 
 
-def _print(arm: Arm, report: WiringReport) -> None:
-    console().print(_table(arm, report))
-    before, after = _residual(report.before), _residual(report.after)
-    rows = "1 row" if report.rows == 1 else f"{report.rows} rows"
-    say(f"{rows}; measured against computed: {before} as the arm.toml says, {after} as found here")
-    for motor in report.motors:
-        if motor.verdict != "sound" and motor.what:
-            say(f"{motor.name}: {motor.what}" + (f"; {motor.remedy}" if motor.remedy else ""))
-    say(f"{report.verdict}: {report.what}")
-
-
-def _table(arm: Arm, report: WiringReport) -> Any:
+def _table(arm: Arm, report: WiringReport) -> Table:
     assert arm.actuators is not None, "check_wiring has asked for them"
-    units = dict(zip(arm.joint_names, arm.units, strict=True))
-    counts = arm.actuators.to_counts(np.ones(len(report.motors)))
-    rows = [
-        [
-            motor.name,
-            # A question mark: the fault may be another motor's.
-            ", ".join(motor.faults) + "?" * (motor.verdict == "possible fault") or motor.verdict,
-            _with_deviation(motor.scale, motor.scale_std),
-            f"{_with_deviation(motor.offset * count, motor.offset_std * count)} {unit}",
-            ", ".join(f"{joint} {_amount(value, units[joint])}" for joint, value in motor.joint_offset.items()),
-        ]
-        for motor, count, unit in zip(report.motors, counts, arm.actuators.units, strict=True)
+    motors, units = report.motors, dict(zip(arm.joint_names, arm.units, strict=True))
+    counts = arm.actuators.to_counts(np.ones(len(motors)))
+    plus = [
+        f"{_with_deviation(motor.offset * count, motor.offset_std * count)} {unit}"
+        for motor, count, unit in zip(motors, counts, arm.actuators.units, strict=True)
     ]
-    columns = ["motor", "verdict", "readings times", "plus", "added to the joints"]
-    return table(f"{report.arm}: its motors, and what fits the log", columns, rows, text=["verdict", columns[-1]])
+    # A question mark: the fault may be another motor's.
+    doubt = ["?" if motor.verdict == "possible fault" else "" for motor in motors]
+    verdicts = [", ".join(motor.faults) + mark or motor.verdict for motor, mark in zip(motors, doubt, strict=True)]
+    offsets = [each.joint_offset.items() for each in motors]
+    added = [", ".join(f"{joint} {_amount(x, units[joint])}" for joint, x in each) for each in offsets]
+    columns = [
+        Column("motor", [motor.name for motor in motors]),
+        Column("verdict", verdicts),
+        Column("readings times", [_with_deviation(motor.scale, motor.scale_std) for motor in motors]),
+        Column("plus", plus),
+        Column("added to the joints", added),
+    ]
+    return Table(f"{report.arm}: its motors, and what fits the log", columns)
 
 
 def _with_deviation(value: float, deviation: float) -> str:

@@ -1,0 +1,180 @@
+"""`arms` and `info`: the arms of the catalogue, the loaded arm, and the installation."""
+
+from __future__ import annotations
+
+import platform
+import re
+from importlib import metadata
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+
+from ...arm import engine
+from ...arm.arm import Arm
+from ...description import catalog
+from ...description.companions.arm_file import MOTOR_LIMITS
+from ...ik import closed_form_of
+from ...limits.actuators import Actuators
+from ...support.path_redaction import without_places
+from ..options import ARM, Json, Radians, Source
+from ..output import entries
+from ..outputs import Outputs
+from ..tables import Column, Table, number
+
+
+def arms(json: Json = False) -> None:
+    """List the arms that can be loaded by name."""
+    own, models = catalog.own_arms(), catalog.model_arms()
+    installed = catalog.models_share() is not None
+    missing = "" if installed else "   (not installed: pip install 'twistarm[models]')"
+    Outputs(json=json).show(
+        {"own": own, "models": models, "models_installed": installed},
+        f"twistarm's own:      {', '.join(own)}",
+        f"example-robot-data:  {', '.join(models)}{missing}",
+    )
+
+
+def info(source: Annotated[Source | None, ARM] = None, rad: Radians = False, json: Json = False) -> None:
+    """Show the loaded arm: joints, limits, base, tip, poses, findings, proof; without ARM the installation."""
+    out = Outputs(json=json, radians=rad)
+    if source is None:
+        show_installation(out)
+    else:
+        show_arm(out, source.load())
+
+
+def show_arm(out: Outputs, arm: Arm) -> None:
+    """Everything about the arm."""
+    why_not, report = arm._why_not_compiled, closed_form_of(arm)
+    data = {
+        **entries(arm, "name base tip n joint_names reach screws home ready"),
+        "source": without_places(arm.source, Path(arm.source)),
+        "named_states": dict(arm.named_states),
+        "disabled_collisions": arm.disabled_collisions,
+        "actuators": arm.actuators
+        and entries(arm.actuators, "names joint_names G offset units ticks_per_turn limits joint_limits undriven"),
+        "frames": arm.frame_names,
+        "proof": arm.proof,
+        "engine": engine_of(arm),
+        "core": engine.instruction_set() or None,
+        "all_configurations": report,
+        "findings": arm.findings,
+    }
+    freedom = "1 degree" if arm.n == 1 else f"{arm.n} degrees"
+    head = f"{arm.name}: {freedom} of freedom from {arm.base} to {arm.tip}, reach {arm.reach:.3f} m ({arm.source})"
+    proof = arm.proof and (
+        f"proof at load: screws and Pinocchio agree within {arm.proof.pose_error:.1e} (pose) and "
+        f"{arm.proof.jacobian_error:.1e} (Jacobian) at {arm.proof.samples} random configurations"
+    )
+    article = "an" if report.target[0] in "AEIO" else "a"
+    parts = [
+        head, "", joints_table(arm), "", _poses(arm), "", proof,
+        f"engine: {engine_of(arm)}" + (f"; no compiled core: {why_not}" if why_not else ""),
+        f"all configurations of {article} {report.target} (ik --all): {report}",
+        *([] if arm.actuators is None else _motors(arm, arm.actuators)),
+        *(finding.text for finding in arm.findings),
+    ]  # fmt: skip
+    out.show(data, *(part for part in parts if part is not None))
+
+
+def engine_of(arm: Arm) -> str:
+    """The engine of this arm's kinematics."""
+    if arm._compiled is not None:
+        return f"compiled core ({arm._compiled.instruction_set})"
+    return "product of exponentials" if arm.description is None else "Pinocchio"
+
+
+def joints_table(arm: Arm) -> Table:
+    """The joints with their limits."""
+    limits = arm.limits
+    jerk = bool(np.isfinite(limits.jerk).any())
+    columns = [
+        Column("joint", arm.joint_names, key="name"),
+        Column("type", arm.joint_types),
+        Column("lower", limits.lower, arm.units),
+        Column("upper", limits.upper, arm.units),
+        Column("velocity", limits.velocity, arm.units, "/s"),
+        Column("acceleration", limits.acceleration, arm.units, "/s²"),
+        Column("jerk", limits.jerk, arm.units, "/s³", people=jerk),
+        Column("effort", limits.effort),
+    ]
+    return Table("joints, base to tip (− = not given)", columns, "joints")
+
+
+def _poses(arm: Arm) -> Table:
+    """A column for each pose, its name as it can be typed, and its condition number below."""
+    poses = {"ready": arm.ready, **arm.named_states}
+    columns = [Column("joint", (*arm.joint_names, "condition"))]
+    for name, theta in poses.items():
+        condition = float(arm.manipulability(theta).condition)
+        below = "singular" if np.isinf(condition) else number(condition, 1)
+        columns.append(Column(name, (*theta, below), (*arm.units, "")))
+    return Table("poses (typed by name: --theta ready)", columns)
+
+
+def _motors(arm: Arm, motors: Actuators) -> list[Table | str]:
+    """The motors with their limits, and the joint limits that follow from them."""
+    columns = [
+        Column("motor", motors.names),
+        *(Column(name, row, digits=6) for name, row in zip(motors.joint_names, motors.G.T, strict=True)),
+        Column("offset", motors.offset, digits=6),
+        Column("counts in", motors.units),
+        Column("ticks per turn", motors.ticks_per_turn),
+    ]
+    parts: list[Table | str] = ["", Table("motors = G theta + o (SI; rows of G)", columns)]
+    given = [name for name in MOTOR_LIMITS if np.isfinite(getattr(motors.limits, name)).any()]
+    if given:
+        own = [Column(name, getattr(motors.limits, name)) for name in given]
+        parts += ["", Table("limits of the motors, on their side (SI)", [Column("motor", motors.names), *own])]
+        alone = motors.joint_limits
+        theirs = [Column(name, getattr(alone, name), "" if name == "effort" else arm.units) for name in given]
+        title = "what they allow each joint, moving alone"
+        parts += ["", Table(title, [Column("joint", motors.joint_names), *theirs])]
+    return [*parts, ""]
+
+
+def version() -> str:
+    """twistarm's own."""
+    return metadata.version("twistarm")
+
+
+def show_installation(out: Outputs) -> None:
+    """The versions of twistarm and of what it needs. In JSON null means that a library is not installed."""
+    extras = _requirements()
+    libraries = {name: _version(name) for name in extras}
+    data = {
+        "twistarm": version(),
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "engine": f"compiled core ({engine.instruction_set()})" if engine.core() else "Pinocchio",
+        "core": engine.instruction_set() or None,
+        "why_no_core": engine.why_not() or None,
+        "libraries": libraries,
+    }
+    lines = [f"twistarm {data['twistarm']}, Python {data['python']}, {data['platform']}", f"engine: {data['engine']}"]
+    if data["why_no_core"]:
+        lines.append(f"no compiled core: {data['why_no_core']}")
+    for name, extra in extras.items():
+        missing = f"not installed: pip install 'twistarm[{extra}]'" if extra else "not installed"
+        lines.append(f"  {name:<20} {libraries[name] or missing}")
+    out.show(data, *lines, "an ARM's own: twistarm info ARM; the arms there are by name: twistarm arms")
+
+
+def _requirements() -> dict[str, str]:
+    """The requirements of the package by name, each with its extra, "" for the base install."""
+    pattern = re.compile(r"([\w.-]+)[^;]*(?:;.*extra == ['\"](\w+)['\"])?")
+    here = [text for text in metadata.requires("twistarm") or () if "python_version" not in text]
+    found = [match for text in here if (match := pattern.match(text))]
+    extras: dict[str, str] = {}
+    for match in found:
+        if match[1] != "twistarm" and match[2] not in ("dev", "all"):
+            extras.setdefault(match[1], match[2] or "")
+    return extras
+
+
+def _version(name: str) -> str | None:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None
