@@ -91,11 +91,12 @@ class Calibration:
         """Rows that were not fitted confirm the correction, also elsewhere in reach.
 
         Not so from one placement of points, a plane or a wire: its place is fitted too, so rows left out only show that
-        the tool stood still. Nor from positions so near each other that more than `ELSEWHERE` times their error is
-        expected elsewhere.
+        the tool stood still. Nor from positions so near each other that more than `ELSEWHERE` times their error, or
+        their noise, is expected elsewhere.
         """
         if self.problem.log.located.any():
-            return self.confirmed_here and self.expected <= ELSEWHERE * self.held_out
+            noise = float(np.median(self.problem.sigma))
+            return self.confirmed_here and self.expected <= ELSEWHERE * max(self.held_out, noise)
         return self.confirmed_here and len(np.unique(self.problem.placements)) > 1
 
     @property
