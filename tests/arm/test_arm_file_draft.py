@@ -71,13 +71,7 @@ def test_what_stands_in_it(tmp_path: Path) -> None:
     assert set(content) == {"name", "source", "base", "tip", "srdf", "limits", "poses"}
     arm = load_arm(tmp_path / "arm.urdf")
     assert content["poses"]["ready"] == dict(zip(("a", "b"), arm.ready.tolist(), strict=True))
-    for line in (
-        '# joint_limits = "config/joint_limits.yaml"',
-        "# a [rad]: lower 0, upper 0, effort 3",
-        "# a.velocity = ?",
-        "# [locked_joints]\n# a = 0.0",
-        '# From the SRDF: "home".',
-    ):
+    for line in ('# joint_limits = "config/joint_limits.yaml"', "# a.velocity = ?", "# [locked_joints]\n# a = 0.0"):
         assert line in text
     assert "# b.velocity" not in text
 
@@ -92,7 +86,7 @@ def test_its_examples_are_what_an_arm_toml_takes(tmp_path: Path) -> None:
     assert arm.tip == "pen"
     assert arm.limits.acceleration.tolist() == [2.5, 2.5]
     assert arm.actuators is not None
-    assert arm.actuators.names == ("left", "right")
+    assert arm.actuators.names == ("motor1", "motor2")
     assert arm.actuators.undriven == ()
     assert arm.actuators.limits.velocity.tolist() == [300.0, 300.0]
 
@@ -109,7 +103,6 @@ def test_xacro_arguments_with_defaults_and_the_required_ones(tmp_path: Path) -> 
     content = tomllib.loads(draft.text)
     assert content["xacro_args"] == {"model": "mk3", "needed": "x\\1"}
     assert '# side = "le\\"ft"' in draft.text
-    assert 'needed = "x\\\\1"  # required' in draft.text
     assert "mk3x\\1" in load_arm(write(tmp_path, draft.text, "arm.toml")).frame_names
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import twistarm
 from baked_arms import TOL, assert_same, bake, sealed
 from baked_arms import everything as everything
 from catalogue import load
@@ -86,14 +87,14 @@ def test_a_damaged_file_is_never_another_arm(everything: Arm, tmp_path: Path) ->
 
 def test_where_it_may_be_written(rover: Arm, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"a baked arm is named \*\.json; got .*arm\.txt"):
-        rover.bake(tmp_path / "arm.txt")
+        twistarm.bake(rover, tmp_path / "arm.txt")
     with pytest.raises(InputError, match="does not exist; create it first"):
-        rover.bake(tmp_path / "none" / "arm.json")
+        twistarm.bake(rover, tmp_path / "none" / "arm.json")
     description = write(tmp_path, "<robot/>")
     link = tmp_path / "link.json"
     link.symlink_to(description)
     with pytest.raises(InputError, match="a description stands there and would be lost"):
-        rover.bake(link)
+        twistarm.bake(rover, link)
     assert description.read_text() == "<robot/>"
 
 

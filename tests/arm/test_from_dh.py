@@ -113,7 +113,8 @@ def test_a_file_that_names_its_convention_is_an_arm(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("to", ["standard", "modified"])
 @pytest.mark.parametrize("convention", ["standard", "modified"])
-def test_an_arm_gives_a_table_that_moves_alike(convention: str, to: str) -> None:
+def test_an_arm_gives_a_table_that_moves_alike(convention: str, to: str, tmp_path: Path) -> None:
+    """Its file too, with base and tool as fixed rows."""
     rng = np.random.default_rng(1)
     for _ in range(15):
         table = random_table(rng, convention)
@@ -121,6 +122,9 @@ def test_an_arm_gives_a_table_that_moves_alike(convention: str, to: str) -> None
         again = to_dh(arm, to)
         assert again.residual < TOL
         require_same(arm, again)
+        (tmp_path / "table.csv").write_text(dh_csv(again))
+        theta = arm.random_theta(1, 5)
+        np.testing.assert_allclose(load_arm(tmp_path / "table.csv").fk(theta), arm.fk(theta), atol=TOL)
 
 
 @pytest.mark.parametrize("convention", ["standard", "modified"])
@@ -205,72 +209,62 @@ def test_an_arm_toml_may_hold_the_table(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "culprit"),
     [
-        ("rows = [[0, 0, 0]]", r"dh.rows\[0\]"),
-        ('rows = [{ a = "x" }]', "row 1: a must be a finite number"),
-        ("rows = [{ a = inf }]", "finite"),
-        ("rows = [{ a = true }]", "must be a finite number"),
+        ("rows = [[0, 0, 0]]", "dh.rows[0]"),
+        ('rows = [{ a = "x" }]', "row 1: a"),
+        ("rows = [{ a = inf }]", "row 1: a"),
+        ("rows = [{ a = true }]", "row 1: a"),
         ("", "rows of a, alpha, d, theta"),
         ("rows = [{ joint = 3 }]", "joints"),
-        ("rows = [{ phi = 3 }]", "unknown column 'phi'"),
-        ("rows = [{ alpha = 90 }]", "row 1: .* looks like degrees; name the column alpha_deg"),
-        ("rows = [{ a = 1, upper = 170 }]", "row 1: .* looks like degrees; name the column upper_deg"),
-        ("rows = [{ a = 1, a_mm = 1000 }]", "row 1 has two values of a"),
-        ('rows = [{ type = "prismatic", lower_deg = 3 }]', r"lower of this joint is in m, km, cm, mm, in; got \[deg\]"),
-        ('rows = [{ type = "ball" }]', "row 1: type must be revolute, prismatic or fixed; got 'ball'"),
+        ("rows = [{ phi = 3 }]", "'phi'"),
+        ("rows = [{ alpha = 90 }]", "alpha_deg"),
+        ("rows = [{ a = 1, upper = 170 }]", "upper_deg"),
+        ("rows = [{ a = 1, a_mm = 1000 }]", "row 1"),
+        ('rows = [{ type = "prismatic", lower_deg = 3 }]', "row 1: lower_deg"),
+        ('rows = [{ type = "ball" }]', "'ball'"),
         ('rows = [{ type = "fixed" }]', "rows of a, alpha, d, theta"),
-        ('rows = [{ a = 1 }, { type = "fixed" }, { a = 1 }]', "a fixed row stands before the first joint or behind"),
-        ('rows = [{ convention = "modified" }]', "the conventions 'modified', 'standard'"),
+        ('rows = [{ a = 1 }, { type = "fixed" }, { a = 1 }]', "fixed"),
+        ('rows = [{ convention = "modified" }]', "'modified', 'standard'"),
         ("rows = [{ a = 1, lower = 2, upper = 1 }]", "swapped"),
         ('table = "lost.csv"', "lost.csv"),
         ("table = 3", "dh.table"),
+        ('rows = [{ a = 1 }]\nconvention = "classic"', "'classic'"),
+        ("rows = [{ a = 1 }]\nconvention = [1]", "dh.convention"),
+        ("rows = [{ a = 1 }]\nconvention = ", "convention"),
     ],
 )
-def test_an_unusable_table_in_an_arm_toml_is_told(text: str, said: str, tmp_path: Path) -> None:
-    (tmp_path / "arm.toml").write_text(f'[dh]\nconvention = "standard"\n{text}')
-    with pytest.raises(DescriptionError, match=said):
+def test_an_unusable_table_in_an_arm_toml_names_the_culprit(text: str, culprit: str, tmp_path: Path) -> None:
+    convention = "" if "convention = " in text.partition("\n")[2] else 'convention = "standard"\n'
+    (tmp_path / "arm.toml").write_text(f"[dh]\n{convention}{text.removesuffix('convention = ')}")
+    with pytest.raises(DescriptionError) as caught:
         load_arm(tmp_path / "arm.toml")
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("[dh]\nrows = [{ a = 1 }]", "say the convention, standard .* or modified"),
-        ('[dh]\nrows = [{ a = 1 }]\nconvention = "classic"', "'standard' or 'modified'; got 'classic'"),
-        ("[dh]\nrows = [{ a = 1 }]\nconvention = [1]", "dh.convention"),
-        ('source = "a.urdf"\n[dh]\nrows = [{ a = 1 }]', "a source and a table"),
-    ],
-)
-def test_an_arm_toml_says_the_convention(text: str, said: str, tmp_path: Path) -> None:
-    (tmp_path / "arm.toml").write_text(text)
-    with pytest.raises(DescriptionError, match=said):
-        load_arm(tmp_path / "arm.toml")
+    assert culprit in str(caught.value)
 
 
 def test_a_table_is_of_one_convention() -> None:
-    with pytest.raises(InputError, match="say the convention"):
-        arm_from_dh(UR5)
-    with pytest.raises(InputError, match="the table is standard; got convention='modified'"):
-        arm_from_dh(DhTable(np.array(UR5), "standard"), "modified")
+    for table, convention in ((UR5, None), (DhTable(np.array(UR5), "standard"), "modified")):
+        with pytest.raises(InputError, match="convention"):
+            arm_from_dh(table, convention)
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "culprit"),
     [
         ("", "rows of a, alpha, d, theta"),
         ("a,alpha,d,theta", "rows of a, alpha, d, theta"),
-        ("1,2,3,4\n1,2,3,4", "unknown column '1'"),
-        ("a,alpha,d,phi\n1,2,3,4", "unknown column 'phi'"),
-        ("a,a\n1,2", "each column once"),
+        ("1,2,3,4\n1,2,3,4", "'1'"),
+        ("a,alpha,d,phi\n1,2,3,4", "'phi'"),
+        ("a,a\n1,2", "table.csv"),
         ("a,alpha\n1", "line 2"),
         ("a,alpha\n1,b", "row 1: alpha"),
-        ("a,type\n1,ball", "row 1: type must be revolute, prismatic or fixed; got 'ball'"),
-        ("a,joint\n1,x\n2,x", "different names"),
+        ("a,type\n1,ball", "row 1: type"),
+        ("a,joint\n1,x\n2,x", "joints"),
         ("a,lower\n1,nan", "row 1: lower"),
     ],
 )
-def test_an_unusable_csv_file_is_told(text: str, said: str, tmp_path: Path) -> None:
+def test_an_unusable_csv_file_names_the_culprit(text: str, culprit: str, tmp_path: Path) -> None:
     (tmp_path / "table.csv").write_text(text)
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError) as caught:
         arm_from_dh(tmp_path / "table.csv", "standard")
+    assert culprit in str(caught.value)

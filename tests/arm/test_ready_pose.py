@@ -67,6 +67,25 @@ def test_a_usual_name_is_taken_and_said(names: tuple[str, ...], taken: str | Non
     assert "[poses.ready]" in one.remedy
 
 
+def test_a_singular_home_is_not_where_programs_start(tmp_path: Path) -> None:
+    """Stretched arms are singular: `home` gives way to a regular `rest`, or to the computed pose. A `ready` stays."""
+    states = {"home": [0.0, 0.0], "rest": [0.0, 1.0]}
+    arm = replace(hinges((0, 0, 1), (0, 0, 1)), named_states={name: np.array(at) for name, at in states.items()})
+    assert arm.ready_name == "rest"
+    home = {"home": arm.named_states["home"]}
+    assert replace(arm, named_states=home).ready_name is None
+    assert replace(arm, named_states={**home, "Ready": home["home"]}).ready_name == "Ready"
+
+
+@pytest.mark.parametrize("bound", [0.02, 0.3])
+def test_it_is_regular_in_the_narrowest_limits(bound: float) -> None:
+    """A stretched arm whose elbow hardly bends: round numbers would be zero."""
+    arm = hinges((0, 0, 1), (0, 0, 1))
+    lower, upper = np.array([-1.0, -bound]), np.array([1.0, bound])
+    limited = replace(arm, limits=arm.limits.with_({"lower": lower, "upper": upper}, arm.joint_names))
+    assert abs(limited.ready[1]) >= 0.5 * bound
+
+
 def test_the_arm_tomls_own_ready_needs_no_word(tmp_path: Path) -> None:
     with_state(tmp_path, "ready")
     arm = load_arm(write(tmp_path, 'source = "arm.urdf"\n[poses.ready]\na = 0.5\nb = 0.5\n', "arm.toml"))

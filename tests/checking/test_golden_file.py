@@ -41,44 +41,46 @@ def golden(tmp_path: Path) -> Path:
 
 
 CHANGES = {
-    "the elbow moved": ({"elbow": {"xyz": "0.412 0 0"}}, ("joint elbow moved 12 mm along x",)),
-    "the elbow turned": ({"elbow": {"rpy": "0 0 0.01745329251994329577"}}, ("joint elbow turned by 1° about z",)),
-    "an axis points the other way": (
-        {"elbow": {"inside": '<axis xyz="0 -1 0"/>'}},
-        ("joint elbow is reversed: it turns or slides the other way",),
-    ),
-    "the tool turned": ({"mount": {"rpy": "1.5707963267948966 0 0"}}, ("tool tool0 turned by 90° about x",)),
+    "the elbow moved": ({"elbow": {"xyz": "0.412 0 0"}}, ["elbow 12 mm x"]),
+    "the elbow turned": ({"elbow": {"rpy": "0 0 0.01745329251994329577"}}, ["elbow 1° z"]),
+    "an axis points the other way": ({"elbow": {"inside": '<axis xyz="0 -1 0"/>'}}, ["elbow reversed"]),
+    "the tool turned": ({"mount": {"rpy": "1.5707963267948966 0 0"}}, ["tool0 90° x"]),
     "a limit narrowed": (
         {"wrist_roll": {"inside": '<axis xyz="1 0 0"/><limit lower="-0.5" upper="1" velocity="2" effort="3"/>'}},
-        ("limits of wrist_roll narrowed: [-1, 1] to [-0.5, 1] rad",),
+        ["wrist_roll narrowed [-1, [-0.5,"],
     ),
     "a limit widened and a rate lowered": (
         {"elbow": {"inside": '<axis xyz="0 1 0"/><limit lower="-2" upper="2" velocity="1" effort="0"/>'}},
-        (
-            "limits of elbow widened: [-1, 1] to [-2, 2] rad",
-            "velocity limit of elbow lowered: 2 to 1",
-            "effort limit of elbow raised: 3 to not given",
-        ),
+        ["elbow widened [-1, [-2,", "velocity elbow lowered 2 1", "effort elbow raised 3"],
     ),
     "a joint became continuous": (
         {"wrist_roll": {"kind": "continuous"}},
-        (
-            "joint wrist_roll was revolute, is continuous",
-            "limits of wrist_roll widened: [-1, 1] to [not given, not given] rad",
-            "velocity limit of wrist_roll raised: 2 to not given",
-            "effort limit of wrist_roll raised: 3 to not given",
-        ),
+        [
+            "wrist_roll revolute, continuous",
+            "wrist_roll widened",
+            "velocity wrist_roll raised",
+            "effort wrist_roll raised",
+        ],
     ),
-    "a joint became fixed": ({"wrist_roll": {"kind": "fixed", "inside": ""}}, ("joint wrist_roll is gone",)),
+    "a joint became fixed": ({"wrist_roll": {"kind": "fixed", "inside": ""}}, ["wrist_roll"]),
 }
+"""Words of each change: the culprit and the numbers."""
+
+
+def said(changes: tuple[str, ...], expected: list[str]) -> bool:
+    """Whether each change holds the words that are expected of it, and there are no others."""
+    return len(changes) == len(expected) and all(
+        set(words.split()) <= set(change.replace(":", "").split())
+        for change, words in zip(changes, expected, strict=True)
+    )
 
 
 @pytest.mark.parametrize("case", CHANGES)
-def test_a_changed_arm_is_told_in_words(case: str, golden: Path, tmp_path: Path) -> None:
+def test_a_changed_arm_is_described(case: str, golden: Path, tmp_path: Path) -> None:
     changes, expected = CHANGES[case]
     difference = compare(load_arm(build(tmp_path, **changes)), golden)
-    assert difference.changes == expected
-    with pytest.raises(ComparisonError, match="ours has changed: "):
+    assert said(difference.changes, expected), difference.changes
+    with pytest.raises(ComparisonError, match="ours"):
         difference.require()
 
 
@@ -222,14 +224,14 @@ ratio = {{ wrist_roll = 20.0 }}
 USUAL = {"shoulder": 40, "elbow": -2, "offset": 0.1, "unit": "tick", "ticks": 4096, "velocity": 300, "name": "roll"}
 
 MOTOR_CHANGES = {
-    "a ratio": ({"shoulder": 42}, ("ratio of motor lift to joint shoulder: 40 to 42",)),
-    "a sign": ({"elbow": 2}, ("ratio of motor lift to joint elbow reversed: -2 to 2",)),
-    "an offset": ({"offset": -0.1}, ("offset of motor lift: 0.1 to -0.1 rad",)),
-    "ticks": ({"ticks": 8192}, ("ticks per turn of motor lift: 4096 to 8192",)),
-    "what the drive counts": ({"unit": "turn"}, ("motor lift counted in tick, counts in turn",)),
-    "a limit": ({"velocity": 200}, ("velocity limit of motor lift lowered: 300 to 200",)),
-    "a name": ({"name": "twist"}, ("motor roll is gone", "motor twist is new")),
-    "nothing": ({}, ()),
+    "a ratio": ({"shoulder": 42}, ["lift shoulder 40 42"]),
+    "a sign": ({"elbow": 2}, ["lift elbow -2 2"]),
+    "an offset": ({"offset": -0.1}, ["lift offset 0.1 -0.1"]),
+    "ticks": ({"ticks": 8192}, ["lift ticks 4096 8192"]),
+    "what the drive counts": ({"unit": "turn"}, ["lift tick turn"]),
+    "a limit": ({"velocity": 200}, ["lift velocity 300 200"]),
+    "a name": ({"name": "twist"}, ["roll gone", "twist new"]),
+    "nothing": ({}, []),
 }
 
 
@@ -240,11 +242,12 @@ def driven(folder: Path, **changes: object) -> Arm:
 
 
 @pytest.mark.parametrize("case", MOTOR_CHANGES)
-def test_changed_motors_are_told_in_words(case: str, tmp_path: Path) -> None:
+def test_changed_motors_are_named(case: str, tmp_path: Path) -> None:
     changes, expected = MOTOR_CHANGES[case]
     freeze(driven(tmp_path), tmp_path / "g.json")
     difference = compare(driven(tmp_path, **changes), tmp_path / "g.json")
-    assert (difference.changes, difference.notes) == (expected, ())
+    assert said(difference.changes, expected), difference.changes
+    assert difference.notes == ()
 
 
 def test_two_designs_side_by_side(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -282,7 +285,7 @@ def test_a_shape_that_makes_a_pair_collide_is_a_change(tmp_path: Path) -> None:
     freeze(arm, tmp_path / "without.json")
     larger = with_a_camera(tmp_path, 0.17)
     (words,) = compare(larger, path).changes
-    found = re.match(r"base_link and tool0 collide in ([\d.]+) % of random configurations; it was 0 %", words)
+    found = re.match(r"links base_link and tool0 collide in ([\d.]+) %.* 0 %", words)
     share = 100 * 2 * np.arcsin(np.sqrt(0.22**2 - 0.2**2)) / np.pi
     assert found
     assert float(found[1]) == pytest.approx(share, abs=1.5)

@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 
 from catalogue import load
 from test_cpp_header import ARMS, reference
-from twistarm import arm_from_screws, load_arm
+from twistarm import arm_from_screws, bake, load_arm
 from twistarm.cli.application import run
 from twistarm.export.matlab import matlab_text
 from twistarm.support.errors import InputError
@@ -90,7 +90,7 @@ def test_limits_are_read_back_as_they_are(tmp_path: Path, monkeypatch: pytest.Mo
     """The URDF of another arm with the same joints: every limit comes from the file."""
     monkeypatch.chdir(tmp_path)
     arm = load_arm("rover_arm", limits={"jerk": {"elbow": 1e-5}, "upper": {"wrist_roll": 3.0}, "velocity": 1e5})
-    arm.bake("changed.json")
+    bake(arm, "changed.json")
     assert run(["bake", "changed.json", "-o", "joint_limits.yaml"]) == 0
     read = load_arm("rover_arm", limits="joint_limits.yaml")
     assert not [each for each in read.findings if each.code.startswith("limits-")]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pinocchio
 import pytest
 
-from twistarm import Arm, ArmBuilder, InputError, arm_from_dh, arm_from_screws, joints, load_arm, to_urdf
+from twistarm import Arm, ArmBuilder, InputError, arm_from_dh, arm_from_screws, bake, joints, load_arm, to_urdf
 from twistarm.description.tree import Geometry
 from twistarm.support.files import WRITTEN_XML, write_whole
 from urdf_text import two_joints, write
@@ -56,6 +57,24 @@ def test_an_mjcf_comes_back(path: Path, tmp_path: Path) -> None:
         assert [str(name) for name in model.names][1:] == list(arm.joint_names)
 
 
+def test_other_readers_get_all_shapes_and_no_standstill(tmp_path: Path) -> None:
+    """urdfdom drops all shapes of a file for one material without a name, and takes a velocity of 0 at its word."""
+    arms = (
+        load_arm(MJCF / "masses.xml"),
+        arm_from_dh([[0.3, 1.2, 0.1, 0.4]], "modified", limits={"upper": {"joint1": 1}}),
+    )
+    for arm in arms:
+        (tmp_path / "copy.urdf").write_text(text := to_urdf(arm, tmp_path))
+        model, shapes, _ = pinocchio.buildModelsFromUrdf(str(tmp_path / "copy.urdf"), str(tmp_path))
+        assert len(shapes.geometryObjects) == text.count("<collision")
+        assert (model.velocityLimit > 0).all()
+        for limit in re.findall(r"<limit[^>]*>", text):
+            assert 'velocity="0' not in limit
+            assert "1e+300" not in limit
+    assert text.count("<limit") == 1
+    assert to_urdf(arms[0]).count("<collision") > 3
+
+
 def holds(body: Geometry, points: np.ndarray) -> np.ndarray:
     """Whether each point (n, 3) in the link frame is inside a capsule, cylinder or sphere."""
     x, y, z = ((points - body.origin[:3, 3]) @ body.origin[:3, :3]).T
@@ -97,7 +116,7 @@ def test_screws_come_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["rover_arm", "rover_arm_6dof", "panda"])
 def test_a_baked_arm_comes_back(name: str, tmp_path: Path) -> None:
     arm = load_arm(name)
-    arm.bake(tmp_path / "arm.json")
+    bake(arm, tmp_path / "arm.json")
     baked = load_arm(tmp_path / "arm.json")
     require_same(arm, came_back(baked, tmp_path))
 

@@ -176,7 +176,7 @@ BY_CALL: dict[str, dict[str, Any]] = {
     "Trajectory.to_mcap": {"path": "new.mcap"},
     "Recorder": {"path": "new.mcap"},
     "Trajectory.to_header": {"path": "new.h"},
-    "Arm.bake": {"path": "new.json"},
+    "bake": {"arm": ARM, "path": "new.json"},
     "save_html": {"path": "new.html"},
     "save_png": {"path": "new.png"},
     "Viewer.save_html": {"path": "new.html"},

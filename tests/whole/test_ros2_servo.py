@@ -15,6 +15,7 @@ import pytest
 import yaml
 
 import ros_stand_ins as msg
+import twistarm
 from stream_stand_ins import FakeClock
 
 PACKAGE = Path(__file__).parents[2] / "examples" / "ros2" / "twistarm_servo"
@@ -108,7 +109,7 @@ class Drive:
 @pytest.fixture(scope="module")
 def baked(rover, tmp_path_factory):
     """The rover arm in a file that is read in no time."""
-    return str(rover.bake(tmp_path_factory.mktemp("baked") / "arm.json"))
+    return str(twistarm.bake(rover, tmp_path_factory.mktemp("baked") / "arm.json"))
 
 
 @pytest.fixture

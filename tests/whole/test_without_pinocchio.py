@@ -36,7 +36,7 @@ import json, sys
 import twistarm as t
 arm = t.load_arm("ur5")
 theta = json.loads(sys.argv[1])
-arm.bake(sys.argv[2])
+t.bake(arm, sys.argv[2])
 baked = t.load_arm(sys.argv[2])
 rows = t.crosscheck(arm, samples=10).comparisons
 print(json.dumps({

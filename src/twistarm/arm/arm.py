@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -42,11 +40,12 @@ from ..theory.manipulability import Manipulability, manipulability_of
 from ..theory.screws import adjoint, inverse
 from . import engine
 from .almost_exact import almost_exact, rounding_of
-from .baking import write_baked
-from .configurations import Configurations, named_ready, theta_by_joint
+from .configurations import Configurations, theta_by_joint, usual_ready
 from .kinematics import ByExponentials, ByPinocchio, walked_poses
 from .pinocchio_model import PinocchioModel, why_no_pinocchio
-from .ready_pose.search import computed_ready
+from .ready_pose.merit import RANK_SAMPLES, Mechanism
+from .ready_pose.overlaps import overlapping_links
+from .ready_pose.search import round_configuration
 from .roll_axis import roll_axis
 
 
@@ -78,7 +77,7 @@ class Arm:
 
     `actuators` are the motors that an arm.toml describes. `disabled_collisions` are the sorted pairs of links that an
     SRDF exempts from collision checks. `moving_names` are the moving joints of the chain, base to tip. There is one per
-    column of `screws`, and followers count.
+    column of `screws`, and followers count. `known_ready` is the ready pose of a baked arm.
 
     An arm is plain data and picklable. The compiled core computes `fk` and the Jacobians. Without the core Pinocchio
     does, and `poe` for an arm without a description.
@@ -105,6 +104,7 @@ class Arm:
     actuators: Actuators | None = field(default=None, repr=False)
     disabled_collisions: frozenset[tuple[str, str]] = field(default=frozenset(), repr=False)
     moving_names: tuple[str, ...] = field(default=(), repr=False)
+    known_ready: Array | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("screws", "home", "tool"):
@@ -115,6 +115,8 @@ class Arm:
         object.__setattr__(self, "coupling", Coupling(A, b))
         object.__setattr__(self, "tip_link", self.tip_link or self.tip)
         object.__setattr__(self, "moving_names", self.moving_names or self._moving_joints())
+        if self.known_ready is not None:
+            object.__setattr__(self, "known_ready", frozen(self.known_ready))
         states = {name: frozen(theta) for name, theta in self.named_states.items()}
         object.__setattr__(self, "named_states", MappingProxyType(states))
         object.__setattr__(self, "couplings", MappingProxyType(dict(self.couplings)))
@@ -168,13 +170,24 @@ class Arm:
         return Configurations(self.name, self.n, self.named_states, lambda: self.ready)
 
     @cached_property
-    def ready(self) -> Array:
-        """The configuration to start from, inside the limits, (n,): a named one, else `computed_ready`.
+    def ready_name(self) -> str | None:
+        """The named state that `ready` is, None if that is computed.
 
-        It has the first of these names that exists, in capitals or not: `ready`, `home`, `default`, `rest`, `stowed`.
+        It is the first of `ready`, `home`, `default`, `rest`, `stowed`, in capitals or not, that is not singular. The
+        first of them counts even if it is.
         """
-        name = named_ready(self.named_states)
-        return self.computed_ready if name is None else self.named_states[name]
+        for name in usual_ready(self.named_states):
+            samples = self.random_theta(0, RANK_SAMPLES)
+            if name.strip().casefold() == "ready" or self._mechanism.regular(self.named_states[name], samples):
+                return name
+        return None
+
+    @cached_property
+    def ready(self) -> Array:
+        """The configuration to start from, inside the limits, (n,): the one named `ready_name`, else computed."""
+        if self.known_ready is not None:
+            return self.known_ready
+        return self.computed_ready if self.ready_name is None else self.named_states[self.ready_name]
 
     @cached_property
     def computed_ready(self) -> Array:
@@ -182,7 +195,15 @@ class Arm:
 
         No two links of a description overlap in it.
         """
-        return frozen(computed_ready(self))
+        overlapping = None
+        if self.description is not None and not why_no_pinocchio():
+            places = self.pinocchio, self.description, self.base, self.moving_names[0], self.reach
+            overlapping = overlapping_links(*places, self.disabled_collisions)
+        return frozen(round_configuration(self._mechanism, self.limits, self.sampling_bounds, overlapping))
+
+    @property
+    def _mechanism(self) -> Mechanism:
+        return Mechanism(self.screws, self.coupling.A, self.home[:3, 3], self.units, self.reach)
 
     @cached_property
     def middle(self) -> Array:
@@ -560,15 +581,9 @@ class Arm:
         end = self.home[:3, 3]
         home = self.home @ g
         reach = self.reach + float(np.linalg.norm(home[:3, 3] - end))
-        return replace(self, tip=name, tip_link=self.tip_link, tool=self.tool @ g, home=home, reach=reach)
-
-    def bake(self, path: str | os.PathLike[str]) -> Path:
-        """Write the arm as numbers to an arm.json, which `load_arm` reads without Pinocchio and the description.
-
-        The file holds everything except `description` and `findings`. The same arm gives the same bytes. An error
-        leaves no partial file. Returns the path.
-        """
-        return write_baked(self, path)
+        return replace(
+            self, tip=name, tip_link=self.tip_link, tool=self.tool @ g, home=home, reach=reach, known_ready=None
+        )
 
     # -- inside --------------------------------------------------------------------------------------------------
 

@@ -7,7 +7,7 @@ import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,9 +18,7 @@ from ..support.checks import Array
 from ..support.errors import DescriptionError, InputError
 from ..support.files import writable, write_whole
 from ..support.strict_json import parsed
-
-if TYPE_CHECKING:
-    from .arm import Arm
+from .arm import Arm, require_arm
 
 SUFFIX = ".json"
 
@@ -45,11 +43,15 @@ _PROOF = ("pose_error", "jacobian_error", "samples")
 # -- writing -----------------------------------------------------------------------------------------------------
 
 
-def write_baked(arm: Arm, path: str | os.PathLike[str]) -> Path:
-    """Write an arm.json and return its path. An error leaves no partial file. The same arm gives the same bytes.
+def bake(arm: Arm, path: str | os.PathLike[str]) -> Path:
+    """Write the arm as numbers to an arm.json, which `load_arm` reads without Pinocchio and the description.
+
+    The file holds everything except `description` and `findings`. The same arm gives the same bytes. An error leaves no
+    partial file. Returns the path.
 
     Raises InputError for a name without the ending .json, and for the reasons of `write_whole`.
     """
+    require_arm(arm)
     target = writable(path)
     if target.suffix != SUFFIX:
         raise InputError(f"a baked arm is named *{SUFFIX}; got {os.fspath(path)}")
@@ -163,7 +165,7 @@ def unsealed(path: Path, *kinds: Kind) -> dict[str, Any]:
 
 
 def fields_of(content: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields of an `Arm` from its content, except `ready`; `coupling` and `proof` as tuples."""
+    """The fields of an `Arm` from its content; `coupling` and `proof` as tuples."""
     joints, proof = content["joints"], content["proof"]
     names = tuple(joint["name"] for joint in joints)
     return {
@@ -174,6 +176,7 @@ def fields_of(content: Mapping[str, Any]) -> dict[str, Any]:
         **{key: np.array(content[key]) for key in ("screws", "home", "tool")},
         "coupling": (np.array(content["coupling"]["A"]), np.array(content["coupling"]["b"])),
         "limits": _limits({field: [joint[field] for joint in joints] for field in FIELDS}),
+        "known_ready": np.array(content["ready"]),
         "named_states": {name: np.array(theta) for name, theta in content["named_states"].items()},
         "actuators": _actuators(content["actuators"], names),
         "disabled_collisions": frozenset(map(tuple, content["disabled_collisions"])),

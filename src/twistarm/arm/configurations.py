@@ -71,11 +71,7 @@ def theta_by_joint(arm: str, joints: tuple[str, ...], values: Any, numbers: Arra
     return as_theta([given[name] for name in joints], len(joints))
 
 
-def named_ready(names: Iterable[str]) -> str | None:
-    """The given name that comes first in `USUAL_NAMES`, or None. Case does not count, but exact case wins."""
-    given = sorted(names, key=lambda name: name not in USUAL_NAMES)
-    for usual in USUAL_NAMES:
-        for name in given:
-            if name.strip().casefold() == usual:
-                return name
-    return None
+def usual_ready(names: Iterable[str]) -> list[str]:
+    """The given names that are in `USUAL_NAMES`, in its order. Case does not count, but exact case comes first."""
+    known = [name for name in names if name.strip().casefold() in USUAL_NAMES]
+    return sorted(known, key=lambda name: (USUAL_NAMES.index(name.strip().casefold()), name not in USUAL_NAMES))

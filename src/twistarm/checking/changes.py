@@ -67,36 +67,31 @@ def _same_share(before: Array | float, after: Array | float, whole: float) -> bo
 
 
 def motor_changes(then: Actuators | None, now: Actuators | None) -> list[str]:
-    """Changes of an arm's motors: names, units, ratios, offsets and limits."""
+    """Changes of an arm's motors: names, units, ticks, ratios, offsets and limits."""
     before, after = (() if motors is None else motors.names for motors in (then, now))
     changes = name_changes("motor", before, after)
-    if then is not None and now is not None:
-        for i, name in enumerate(before):
-            if name in after:
-                changes += _one_motor(then, i, now, after.index(name))
+    if then is None or now is None:
+        return changes
+    for i, name in enumerate(before):
+        if name in after:
+            j = after.index(name)
+            old, new = _motor(then, i), _motor(now, j)
+            parts = [
+                f"{part} from {' to '.join(_pair(old.get(part, 0.0), new.get(part, 0.0)))}"
+                for part in {**old, **new}
+                if not _same_ratio(old.get(part, 0.0), new.get(part, 0.0))
+            ]
+            if then.units[i] != now.units[j]:
+                parts.append(f"unit from {then.units[i]} to {now.units[j]}")
+            changes += [f"motor {name} changed its {part}" for part in parts]
+            changes += limit_changes(f"motor {name}", now.motor_units[j], then.limits, i, now.limits, j)
     return changes
 
 
-def _one_motor(then: Actuators, i: int, now: Actuators, j: int) -> Iterator[str]:
-    name, unit = now.names[j], now.motor_units[j]
-    if then.units[i] != now.units[j]:
-        yield f"motor {name} counted in {then.units[i]}, counts in {now.units[j]}"
-    ticks = float(then.ticks_per_turn[i]), float(now.ticks_per_turn[j])
-    if not _same_ratio(*ticks):
-        yield f"ticks per turn of motor {name}: {' to '.join(_pair(*ticks))}"
-    before = dict(zip(then.joint_names, map(float, then.G[i]), strict=True))
-    after = dict(zip(now.joint_names, map(float, now.G[j]), strict=True))
-    for joint in {**before, **after}:
-        ratios = before.get(joint, 0.0), after.get(joint, 0.0)
-        if not _same_ratio(*ratios):
-            reversed_motor = ratios[0] == -ratios[1]
-            yield (
-                f"ratio of motor {name} to joint {joint}{' reversed' * reversed_motor}: {' to '.join(_pair(*ratios))}"
-            )
-    offsets = float(then.offset[i]), float(now.offset[j])
-    if not _same(*offsets):
-        yield f"offset of motor {name}: {' to '.join(_pair(*offsets))} {unit}"
-    yield from limit_changes(f"motor {name}", unit, then.limits, i, now.limits, j)
+def _motor(motors: Actuators, i: int) -> dict[str, float]:
+    """The numbers of one motor, by name."""
+    ratios = {f"ratio to joint {joint}": float(motors.G[i, k]) for k, joint in enumerate(motors.joint_names)}
+    return ratios | {"ticks per turn": float(motors.ticks_per_turn[i]), "offset": float(motors.offset[i])}
 
 
 def _same(a: float, b: float) -> bool:

@@ -14,10 +14,8 @@ from ..description.bounds import WIDE
 from ..support.checks import Array, as_whole, frozen, require_callback
 from ..support.display import Brief
 from ..support.errors import ComparisonError, InputError, MissingExtraError
-from ..theory.lower_pairs import lower_pairs
 from ..theory.screws import adjoint, inverse
-from .native_joints import native_kinematics
-from .other_readers import as_written, beyond_yourdfpy, most_configurations, yourdfpy_poses
+from .other_readers import as_written, beyond_yourdfpy, yourdfpy_poses
 
 POSE_TOL = 1e-12
 """Product of exponentials against Pinocchio: both in double precision, some ten multiplications long."""
@@ -30,6 +28,9 @@ WRITTEN_TOL, WRITTEN_SAMPLES = 1e-10, 100
 
 YOURDFPY_TOL = 1e-7
 """yourdfpy's scene graph takes a joint's pose within 1e-8 of the identity, or of the one before, for the same."""
+
+YOURDFPY_SAMPLES, YOURDFPY_LINKS = 100, 20
+"""It walks from each link to the base in Python: so many configurations of so many links, fewer of more."""
 
 DIFFERENCE_TOL = 1e-8
 """What a fourth-order difference quotient with step 1e-3 leaves: h⁴ and ε/h, both below 1e-11, and room for size."""
@@ -117,8 +118,7 @@ def crosscheck(
     """Compare the kinematics of independent engines at random configurations inside the limits.
 
     Pose, J^s and J^b of the product of exponentials are compared with Pinocchio's model of the description and with
-    the compiled core. They are also compared with a chain of Pinocchio's joint models, one per lower pair. An arm made
-    from screws has that chain too.
+    the compiled core. An arm made from screws has no model of Pinocchio.
 
     Further comparisons are J^s = Ad(g) J^b, J^b against fourth-order central differences of Pinocchio's pose, and every
     link's pose by our walk against Pinocchio. Pinocchio and yourdfpy also read the unrepaired text of the file, or
@@ -136,7 +136,7 @@ def crosscheck(
         progress: Called with the fraction done, in (0, 1], after each comparison; or None.
 
     Returns:
-        The `CrossCheck`: a `Comparison` for each quantity and pair of engines, with its worst difference [m, rad].
+        The `CrossCheck`: an `EngineComparison` for each quantity and pair of engines, with the worst difference.
 
     Raises:
         InputError: An argument cannot be used. A difference raises nothing here: see `CrossCheck.require`.
@@ -146,7 +146,6 @@ def crosscheck(
     parts: list[Callable[[], Iterable[EngineComparison]]] = [
         lambda: _pinocchio(arm, theta),
         lambda: _core(arm, theta),
-        lambda: _native_joints(arm, theta),
         lambda: _differences(arm, theta),
         lambda: _links(arm, theta),
         lambda: _as_written(arm, theta),
@@ -195,7 +194,7 @@ def _pinocchio(arm: Arm, theta: Array) -> list[EngineComparison]:
     tolerance = POSE_TOL * _size(arm)
     identity = _compared("J^s = Ad J^b", ("poe", "poe"), spatial - adjoint(g) @ body, theta, tolerance)
     if arm.description is None:
-        return [identity]
+        return [_skipped("pose, J^s, J^b", "pinocchio", "the arm has no description"), identity]
     if why_no_pinocchio():
         return [_skipped("pose, J^s, J^b", "pinocchio", why_no_pinocchio()), identity]
     reference = arm.by_pinocchio(theta)
@@ -216,11 +215,10 @@ def _kinematics(
     theirs: tuple[Array, Array, Array],
     theta: Array,
     tolerance: float,
-    quantities: tuple[str, ...] = ("pose", "spatial Jacobian", "body Jacobian"),
 ) -> list[EngineComparison]:
     return [
         _compared(quantity, engines, one - other, theta, tolerance)
-        for quantity, one, other in zip(quantities, ours, theirs, strict=True)
+        for quantity, one, other in zip(("pose", "spatial Jacobian", "body Jacobian"), ours, theirs, strict=True)
     ]
 
 
@@ -228,21 +226,6 @@ def by_exponentials(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
     """g_st (..., 4, 4), J^s and J^b (..., 6, n) by product of exponentials, for any engine of the arm."""
     kernels = ByExponentials(arm.screws, arm.home, arm.coupling.A)
     return kernels.fk(theta), kernels.spatial_jacobian(theta), kernels.body_jacobian(theta)
-
-
-def _native_joints(arm: Arm, theta: Array) -> list[EngineComparison]:
-    """Against Pinocchio's own joint models: revolute, prismatic, helical, cylindrical, spherical, planar."""
-    if why_no_pinocchio():
-        return []
-    A = arm.coupling.A
-    theta = _fewer(theta, A.size, USUAL_PRODUCT)
-    quantities = tuple(f"{name}, native joints" for name in ("pose", "J^s", "J^b"))
-    try:
-        g, spatial, body = native_kinematics(lower_pairs(arm.screws, A), arm.home, theta @ A.T)
-    except InputError as error:
-        return [_skipped("pose, J^s, J^b, native joints", "pinocchio", str(error))]
-    ours, theirs = by_exponentials(arm, theta), (g, spatial @ A, body @ A)
-    return _kinematics(("poe", "pinocchio"), ours, theirs, theta, POSE_TOL * _size(arm), quantities)
 
 
 def _differences(arm: Arm, theta: Array) -> list[EngineComparison]:
@@ -304,7 +287,7 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[EngineComparison]:
     reason = beyond_yourdfpy(arm)
     if reason:
         return [_skipped("all links", "yourdfpy", reason)]
-    subset = theta[: most_configurations(arm.description)]
+    subset = _fewer(theta[:YOURDFPY_SAMPLES], len(arm.description.links), YOURDFPY_LINKS)
     try:
         theirs = yourdfpy_poses(arm.description, joint_values(arm, subset), arm.base)
     except MissingExtraError as error:

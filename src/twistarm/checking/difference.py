@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,17 +12,21 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..arm.baking import BAKED, SUFFIX, unsealed
 from ..arm.loading.load import arm_of, load_arm
+from ..collision import Scene
+from ..collision.survey import collision_shares
 from ..description.inertial import Body
 from ..support.errors import ComparisonError, InputError
 from ..support.files import as_path
 from .changes import SAME_TOL, limit_changes, mass_changes, motor_changes, name_changes
-from .collision_changes import collision_changes
 from .crosscheck import by_exponentials
 from .geometry_changes import geometry_changes
-from .golden_file import GOLDEN, bodies_of, read_bodies
+from .golden_file import COLLISION_SAMPLES, GOLDEN, bodies_of, read_bodies
 
 SAMPLES = 100
 """Random configurations at which poses and Jacobians are compared."""
+
+SAME_SHARE = 0.001
+"""Shares that differ by less are the same: rounding moves few configurations into or out of a collision."""
 
 NO_MASSES = "masses were not compared: what it is compared with holds none; a golden file that is written now does"
 """Of an arm without a description."""
@@ -86,7 +90,7 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
     elif masses is not None and now is not None:
         changes += mass_changes(masses, now)
     if collisions is not None and now is not None and then.joint_names == arm.joint_names:
-        changes += collision_changes(collisions, then, arm)
+        changes += _collision_changes(collisions, then, arm)
     if then.joint_names != arm.joint_names or then.screws.shape != arm.screws.shape:
         return Difference(arm.name, tuple(changes or ["the joints that follow others are different ones"]), notes=notes)
     moved = geometry_changes(arm, then.screws, then.home)
@@ -122,3 +126,13 @@ def _joint_changes(then: Arm, arm: Arm) -> list[str]:
                 changes.append(f"joint {name} was {kind}, is {arm.joint_types[j]}")
             changes += limit_changes(name, arm.units[j], then.limits, i, arm.limits, j)
     return changes
+
+
+def _collision_changes(entry: Mapping[str, Any], then: Arm, arm: Arm) -> Iterator[str]:
+    """The pairs of links that collide more or less often than at the time of `entry`, at the same configurations."""
+    before = {(a, b): share for a, b, share in entry["shares"]}
+    now = collision_shares(Scene(arm, exact=entry["exact"]), then.random_theta(0, COLLISION_SAMPLES))
+    for pair in sorted({*before, *now}):
+        was, share = (100.0 * shares.get(pair, 0.0) for shares in (before, now))
+        if abs(share - was) > 100.0 * SAME_SHARE:
+            yield f"links {pair[0]} and {pair[1]} collide in {share:.3g} % of random configurations; it was {was:.3g} %"

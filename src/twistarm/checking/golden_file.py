@@ -11,11 +11,14 @@ import numpy as np
 from ..arm.arm import Arm, require_arm
 from ..arm.baking import Kind, content_of, sealed
 from ..collision import Scene, require_scene
+from ..collision.survey import collision_shares
 from ..description.inertial import Body, bodies
 from ..support.files import write_whole
-from .collision_changes import collisions_entry
 
 GOLDEN = Kind("twistarm golden", "golden file", "twistarm freeze ARM -o FILE")
+
+COLLISION_SAMPLES = 2000
+"""Random configurations at which every pair of links is checked."""
 
 NOT_COVERED = (
     "shapes and meshes",
@@ -27,7 +30,7 @@ NOT_COVERED = (
 
 
 def freeze(arm: Arm, path: str | os.PathLike[str], *, scene: Scene | None = None) -> None:
-    """Write the arm as numbers (JSON, SI): what `Arm.bake` keeps, and each link's mass, centre and inertia.
+    """Write the arm as numbers (JSON, SI): what `bake` keeps, and each link's mass, centre and inertia.
 
     `compare` tells what has changed since. Shapes and meshes, named poses, the SRDF, limits of joints beside the chain,
     damping and friction are not covered, and the file lists them. With a scene the file keeps its allowed pairs, and
@@ -47,7 +50,14 @@ def freeze(arm: Arm, path: str | os.PathLike[str], *, scene: Scene | None = None
 
 def golden_text(arm: Arm, scene: Scene | None = None) -> str:
     """What `freeze` writes."""
-    collisions = None if scene is None else collisions_entry(require_scene(scene, arm))
+    collisions = None
+    if scene is not None:
+        shares = collision_shares(require_scene(scene, arm), arm.random_theta(0, COLLISION_SAMPLES))
+        collisions = {
+            "exact": scene.exact,
+            "allowed": [[*pair, reason] for pair, reason in sorted(scene.allowed.items())],
+            "shares": [[*pair, share] for pair, share in sorted(shares.items())],
+        }
     masses = {
         link: {"mass": body.mass, "centre": body.centre.tolist(), "inertia": body.inertia.tolist()}
         for link, body in (bodies_of(require_arm(arm)) or {}).items()

@@ -20,12 +20,9 @@ from ..support.errors import InputError, missing_extra
 
 Bounds = dict[str, tuple[float, float]]
 
-SAMPLES, STEPS = 200, 100_000
-"""yourdfpy walks from each link to the base, some 4 µs a joint: the most configurations, and the most steps in all."""
-
-LINKS, TAGS, CUBES = 500, 30_000, 20_000_000
-"""It keeps a path between any two links, makes a body of each shape, 0.1 ms for a tag of the text, and finds the order
-to multiply a link's joints in with their cube of steps, some 0.1 µs each."""
+LINKS, DEPTH = 500, 60
+"""yourdfpy keeps a path between any two links, and orders the joints of a path in time that grows with their cube:
+it takes minutes for more."""
 
 UNIT_TOL = 1e-12
 """A larger difference of an axis from a unit vector scales the way of a slide."""
@@ -92,36 +89,26 @@ def yourdfpy_poses(description: Description, values: Mapping[str, Array], base: 
     return poses
 
 
-def most_configurations(description: Description) -> int:
-    """How many configurations yourdfpy walks in a few seconds."""
-    depths = _depths(description)
-    most = min(STEPS // max(1, sum(depths)), CUBES // max(1, sum(depth**3 for depth in depths)))
-    return min(SAMPLES, max(1, most))
-
-
 def beyond_yourdfpy(arm: Arm) -> str:
     """Why yourdfpy cannot be asked about this arm; empty if it can."""
     assert arm.description is not None
-    joints = arm.description.joints
-    if len(arm.description.links) > LINKS:
-        return f"yourdfpy has room for {LINKS} links, and these are {len(arm.description.links)}"
-    if (tags := arm.description.text.count("<")) > TAGS:
-        return f"yourdfpy takes long for a text of {tags:,} tags"
-    if sum(depth**3 for depth in _depths(arm.description)) > CUBES:
-        return f"yourdfpy takes minutes for a chain of {max(_depths(arm.description))} joints"
+    joints, depth = arm.description.joints, {arm.description.root: 0}
+    for joint in arm.description.outward_joints():
+        depth[joint.child] = depth[joint.parent] + 1
+    if len(depth) > LINKS or max(depth.values()) > DEPTH:
+        return f"yourdfpy takes minutes for {len(depth)} links, {max(depth.values())} joints deep"
     if "quat_xyzw=" in arm.description.repaired:
         return "yourdfpy does not read quat_xyzw"
     for joint in joints.values():
-        if joint.part_of:
-            return f"yourdfpy takes the planar joint {joint.part_of!r} as fixed"
-        if joint.type == "floating":
-            return f"yourdfpy takes the floating joint {joint.name!r} as fixed"
-        if joint.mimic is not None and joints[joint.mimic.joint].mimic is not None:
-            return f"yourdfpy drops the mimic of a mimic {joint.name!r}"
-        if joint.mimic is not None and arm.couplings[joint.name].master is None:
-            return f"yourdfpy cannot lock the mimic joint {joint.name!r}"
-        if slides(joint.type) and abs(joint.axis_length - 1.0) > UNIT_TOL:
-            return f"yourdfpy does not normalise the axis of the prismatic joint {joint.name!r}"
+        misread = {
+            "planar": bool(joint.part_of),
+            "floating": joint.type == "floating",
+            "a mimic of a mimic": joint.mimic is not None and joints[joint.mimic.joint].mimic is not None,
+            "a locked mimic": joint.mimic is not None and arm.couplings[joint.name].master is None,
+            "a slide whose axis is no unit vector": slides(joint.type) and abs(joint.axis_length - 1.0) > UNIT_TOL,
+        }
+        if found := next((what for what, true in misread.items() if true), ""):
+            return f"yourdfpy reads the joint {(joint.part_of or joint.name)!r} otherwise: it is {found}"
     return ""
 
 
@@ -132,14 +119,6 @@ def require_yourdfpy() -> Any:
     except ImportError as error:
         raise missing_extra("the comparison with yourdfpy", "yourdfpy", "check") from error
     return yourdfpy
-
-
-def _depths(description: Description) -> list[int]:
-    """How many joints lie between each link and the root."""
-    depth = {description.root: 0}
-    for joint in description.outward_joints():
-        depth[joint.child] = depth[joint.parent] + 1
-    return list(depth.values())
 
 
 @contextmanager

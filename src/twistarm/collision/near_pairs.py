@@ -59,11 +59,10 @@ class NearPairs(Checker):
             self._between[:, model.model.idx_vs[j]] = (carried[first] - carried[second])[:, j]
         objects = list(self._geometry.geometryObjects)
         self._joints = np.array([each.parentJoint for each in objects], dtype=int)
-        low, high, at = (np.empty((len(objects), size)) for size in (3, 3, 16))
-        for body, each, l, h, g in zip(self.bodies, objects, low, high, at, strict=True):  # noqa: E741
-            box = body.shape.aabb_local
-            l[:], h[:], g[:] = box.min_, box.max_, each.placement.homogeneous.ravel()
-        low, high, self._at = low.clip(-ENDLESS, ENDLESS), high.clip(-ENDLESS, ENDLESS), at.reshape(-1, 4, 4)
+        boxes = [body.shape.aabb_local for body in self.bodies]
+        low = np.array([box.min_ for box in boxes]).reshape(-1, 3).clip(-ENDLESS, ENDLESS)
+        high = np.array([box.max_ for box in boxes]).reshape(-1, 3).clip(-ENDLESS, ENDLESS)
+        self._at = np.array([each.placement.homogeneous for each in objects]).reshape(-1, 4, 4)
         self._at[:, :3, 3] += np.einsum("bij,bj->bi", self._at[:, :3, :3], 0.5 * (low + high))
         half = 0.5 * (high - low)
         radius = np.linalg.norm(half, axis=1)

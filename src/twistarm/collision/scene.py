@@ -86,6 +86,7 @@ class Scene(Obstacles):
         shapes = Shapes(import_pinocchio().coal, exact=self.exact)
         self._links = tuple(shapes.of_links(self._description, arm.reach))
         self._unreadable: Mapping[str, list[str]] = shapes.unreadable
+        self._found_pairs: Mapping[Pair, str] | None = None
         self._loaded = SceneFile("", ())
         self.file: Path | None = None
 
@@ -185,7 +186,7 @@ class Scene(Obstacles):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The arm, the obstacles and the pairs found. Shapes are read again, from the same files."""
-        return _again, (self.arm, self._margin, self.exact, self.content(), self._robots_pairs)
+        return _again, (self.arm, self._margin, self.exact, self.content(), self._robots_pairs())
 
     def __repr__(self) -> str:
         return (
@@ -214,18 +215,20 @@ class Scene(Obstacles):
     @property
     def allowed(self) -> Mapping[Pair, str]:
         """Sorted pairs that are not checked, and why: "SRDF", "Adjacent", "Default", "Always", "Never", or a reason."""
-        return {**self._robots_pairs, **self._allowed_too}
+        return {**self._robots_pairs(), **self._allowed_too}
 
     def find_allowed_pairs(self) -> None:
         """Find the allowed pairs now, with `progress`, and not at the first question."""
-        self.allowed  # noqa: B018
+        self._robots_pairs()
 
-    @cached_property
     def _robots_pairs(self) -> Mapping[Pair, str]:
-        """The pairs of links that the robot's SRDF, or the rules of `allowed_pairs`, exempt."""
-        if self.arm.disabled_collisions:
-            return dict.fromkeys(sorted(self.arm.disabled_collisions), "SRDF")
-        return allowed_pairs(self.arm, self._model, self._description, self._links, progress=self._progress)
+        """The pairs of links that the robot's SRDF, the scene's file, or the rules of `allowed_pairs` exempt."""
+        if self._found_pairs is None and self.arm.disabled_collisions:
+            self._found_pairs = dict.fromkeys(sorted(self.arm.disabled_collisions), "SRDF")
+        if self._found_pairs is None:
+            given = self.arm, self._model, self._description, self._links
+            self._found_pairs = allowed_pairs(*given, progress=self._progress)
+        return self._found_pairs
 
     @property
     def links(self) -> tuple[Body, ...]:
@@ -385,7 +388,7 @@ class Scene(Obstacles):
             if entry.on:
                 self._hold(entry.name, self._description.require_link(entry.on, "link"), entry.pose, entry.touching)
         if content.matrix:
-            self.__dict__["_robots_pairs"] = {}
+            self._found_pairs = {}
         for first, second in content.allowed:
             self.allow(first, second, "File")
 
@@ -446,7 +449,7 @@ class Scene(Obstacles):
             return True
         if one.obstacle or other.obstacle:
             return other.name in self._touching.get(one.name, ()) or one.name in self._touching.get(other.name, ())
-        return pair in self._robots_pairs
+        return pair in self._robots_pairs()
 
     def _margin_of(self, one: Body, other: Body) -> float:
         if isinstance(self._margin, float):
@@ -465,7 +468,7 @@ def _again(
     """A scene that was pickled."""
     scene = Scene(arm, margin=margin, exact=exact)
     scene._fill(content)
-    scene.__dict__["_robots_pairs"] = pairs
+    scene._found_pairs = pairs
     return scene
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from xml.sax.saxutils import quoteattr
 
+from ..arm.bodies import Pair, adjacent_pairs, sorted_pair
 from ..support.checks import Array, as_whole
+from .allowed_pairs import collision_counts
 from .scene import Scene
 
 REASONS = ("Never", "Default", "Adjacent", "Always", "User")
@@ -47,6 +50,19 @@ def survey(scene: Scene, samples: int = 2000, rng: int = 0, progress: Progress |
                 seen.setdefault(contact.links, []).append(theta)
     pairs = [Colliding(links, len(thetas) / count, thetas[0]) for links, thetas in seen.items()]
     return Survey(count, hit / count, tuple(sorted(pairs, key=lambda pair: -pair.share)))
+
+
+def collision_shares(scene: Scene, thetas: Sequence[Array] | Array) -> dict[Pair, float]:
+    """The share of configurations (N, n) at which each pair of links collides, allowed pairs included.
+
+    Neighbours and pairs that never collide are left out.
+    """
+    arm, bodies = scene.arm, scene.links
+    assert arm.description is not None, "a scene has one"
+    names = (sorted_pair(one.name, other.name) for one, other in combinations(bodies, 2))
+    pairs = {(a, b) for a, b in names if a != b} - adjacent_pairs(arm.description, bodies)
+    counts = collision_counts(arm.pinocchio, bodies, pairs, map(arm.pinocchio.q, thetas))
+    return {pair: count / len(thetas) for pair, count in counts.items()}
 
 
 def srdf_text(scene: Scene) -> str:

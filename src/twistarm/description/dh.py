@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import reduce
 from typing import Any
@@ -20,15 +19,15 @@ from ..support.checks import (
     as_reals,
     frozen,
     require_choice,
-    require_mapping,
     require_names,
     require_one,
 )
 from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ..support.errors import InputError, listed, shown
+from ..support.fields import anything, fields, inside, number, number_in, one_of, table_of
 from ..support.files import as_path
 from ..support.unit_hints import TURN, angle_hint
-from ..support.units import UNITS, column
+from ..support.units import column, factor
 from ..theory.rotations import exp
 from .bounds import LIMIT_NAMES
 from .document import LARGEST, note_file
@@ -40,20 +39,22 @@ FIXED = "fixed"
 """The type of a row without a joint, before the first or behind the last."""
 BASE, TOOL = "base", "tool"
 
-PARAMETERS = ("a", "alpha", "d", "theta")
+PARAMETERS = {"a": "m", "alpha": "rad", "d": "m", "theta": "rad"}
+"""The numbers of a row and their quantities."""
+
+LIMITS = {"lower": ("rad", "m"), "upper": ("rad", "m"), "velocity": ("rad/s", "m/s"), "effort": ("N m", "N")}
+"""The limits of a row and their quantities, for a turn and for a slide."""
+
 WORDS = ("joint", "type", "convention")
-COLUMNS = (*WORDS, *PARAMETERS, *LIMIT_NAMES)
+COLUMNS = (*WORDS, *PARAMETERS, *LIMITS)
 KNOWN = {name: name for name in COLUMNS} | {"α": "alpha", "θ": "theta"}
 LONGEST = {"alpha": TURN, "theta": TURN, "lower": 4 * TURN, "upper": 4 * TURN}
 """Angles [rad] that may stand without a unit. Longer ones are in degrees, mostly."""
-EFFORTS = dict.fromkeys(("n", "n m", "nm"), 1.0)
 
 UNDECIDED = (
     "say the convention, standard (Paul, Spong, Siciliano) or modified (Craig): in a column `convention` of the CSV "
     "file, as convention of [dh] in an arm.toml, or as an argument in Python"
 )
-
-EXAMPLE = "{'joint1': {'upper': 1.0}}"
 
 BOUNDS = Bounds(bytes=1_000_000, lines=1_000)
 
@@ -96,14 +97,9 @@ class DhTable:
         if len(types) != n or not set(types) <= set(TYPES):
             raise InputError(f"types must be {n} words, each {' or '.join(TYPES)}; got {list(types)}")
         require_choice(self.convention, CONVENTIONS, "convention")
-        for joint, given in require_mapping(self.limits, "limits", EXAMPLE).items():
-            given = require_mapping(given, f"limits[{shown(joint)}]", EXAMPLE)
-            if joint not in names or not given.keys() <= set(LIMIT_NAMES):
-                raise InputError(
-                    f"limits must be of joints of the table, by {', '.join(LIMIT_NAMES)}; got {shown(joint)}"
-                )
-            for word, value in given.items():
-                as_reals(value, f"limits[{joint!r}][{word!r}]")
+        for joint, limits in fields(self.limits, "limits", {}, dict.fromkeys(names, table_of(anything))).items():
+            for word, value in fields(limits, f"limits.{joint}", {}, dict.fromkeys(LIMITS, anything)).items():
+                as_reals(value, f"limits.{joint}.{word}")
         poses = {name: frozen(require_one(as_pose(getattr(self, name), name), name, 2)) for name in (BASE, TOOL)}
         read = {"rows": frozen(rows), "joints": tuple(names), "types": tuple(types)}
         for name, value in {**read, **poses, "residual": as_number(self.residual, "residual")}.items():
@@ -175,34 +171,26 @@ def table_of_rows(
 
 def _read(row: Mapping[str, Any], i: int) -> dict[str, Any]:
     """The entries of row i by column, in SI."""
-    named = {key: column(key, KNOWN) for key, value in row.items() if value != ""}
-    read = {name: row[key] for key, (name, _) in named.items() if name in WORDS}
-    if read.get("type", FIXED) not in (*TYPES, FIXED):
-        raise InputError(f"row {i}: type must be {', '.join(TYPES)} or {FIXED}; got {shown(read['type'])}")
-    for key, (name, unit) in named.items():
-        if name is None:
-            raise InputError(f"row {i}: unknown column {shown(key)}; allowed are {', '.join(COLUMNS)}")
-        if name in WORDS:
-            continue
-        if name in read:
-            raise InputError(f"row {i} has two values of {name}")
-        factors = _units(name, slides=read.get("type") == TYPES[1])
-        if unit.casefold() not in ("", *factors):
-            raise InputError(f"row {i}: {name} of this joint is in {', '.join(factors)}; got [{unit}]")
-        read[name] = _number(row[key], i, name) * factors.get(unit.casefold(), 1.0)
-        most = LONGEST.get(name, np.inf) if "rad" in factors else np.inf
-        if not unit and most < abs(read[name]) < np.inf:
-            raise InputError(
-                f"row {i}: {angle_hint(np.array(read[name]))}; name the column {name}_deg, or {name} [rad]"
-            )
+    cells = {key: value for key, value in row.items() if value != ""}
+    read: dict[str, Any] = {}
+    with inside(f"row {i}"):
+        kind = one_of((*TYPES, FIXED))(cells.get("type", TYPES[0]), "type")
+        for key, cell in cells.items():
+            name, unit = column(key, KNOWN)
+            if name is None:
+                raise InputError(f"unknown column {shown(key)}; allowed are {', '.join(COLUMNS)}")
+            if name in read:
+                raise InputError(f"two values of {name}")
+            if name in WORDS:
+                read[name] = cell
+                continue
+            quantity = PARAMETERS.get(name) or LIMITS[name][kind == TYPES[1]]
+            value = number_in(cell, key) if isinstance(cell, str) else number(cell, key)
+            if quantity == "rad" and not unit and abs(value) > LONGEST[name]:
+                raise InputError(f"{angle_hint(np.array(value))}; name the column {name}_deg, or {name} [rad]")
+            with inside(key):
+                read[name] = value * factor(unit, quantity)
     return read
-
-
-def _units(name: str, *, slides: bool) -> Mapping[str, float]:
-    """The units of a column of numbers, and their sizes in SI."""
-    factors = UNITS["m" if name in ("a", "d") or (slides and name in LIMIT_NAMES) else "rad"]
-    per_second = {f"{unit}/s": factor for unit, factor in factors.items()}
-    return {"effort": EFFORTS, "velocity": per_second}.get(name, factors)
 
 
 def rows_of_csv(path: str | os.PathLike[str]) -> list[dict[str, str]]:
@@ -215,12 +203,3 @@ def rows_of_csv(path: str | os.PathLike[str]) -> list[dict[str, str]]:
     if len(set(names)) < len(names):
         raise InputError(f"{path}: its first line must name each column once, out of {', '.join(COLUMNS)}")
     return [dict(zip(names, map(str.strip, row.cells), strict=True)) for row in rows]
-
-
-def _number(value: Any, row: int, column: str) -> float:
-    with suppress(TypeError, ValueError, OverflowError):
-        number = float(value)
-        if not (isinstance(value, bool) or np.isnan(number) or (column in PARAMETERS and np.isinf(number))):
-            return number
-    point = f"; write {value.replace(',', '.')}" if isinstance(value, str) and value.count(",") == 1 else ""
-    raise InputError(f"row {row}: {column} must be a finite number; got {shown(value)}{point}")

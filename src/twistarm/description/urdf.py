@@ -243,12 +243,10 @@ def _note_missing_rates(joints: Iterable[Joint], given: Rates, reading: Reading)
     """Add a finding for each kind of rate, with the joints that do not give it and the value there."""
     moving = [joint.name for joint in joints if joint.scalar and joint.mimic is None]
     for kind in ("velocity", "effort"):
-        absent = [name for name in moving if not 0 < given[name].get(kind, 0.0) < WIDE]
-        absent = [name for name in absent if given[name].get(kind) != np.inf]  # said to have none
+        absent = {name: given[name].get(kind, 0.0) for name in moving if given[name].get(kind, 0.0) <= 0}
         if absent:
-            worst = min(given[name].get(kind, 0.0) for name in absent)
-            shown = f"{worst:g}" if worst < 0 else "absent or 0"
-            what = f"{kind} limit {shown} on {', '.join(absent)}: taken as not given"
+            worst = min(absent.values())
+            what = f"{kind} limit {f'{worst:g}' if worst else 'absent or 0'} on {', '.join(absent)}: taken as not given"
             remedy = f"give {kind} in arm.toml, or in a URDF" + (", before planning" if kind == "velocity" else "")
             reading.note("rate-not-given", None, what, remedy, repaired=True)
 

@@ -185,8 +185,11 @@ def best_parking(arm: Arm, panel: Panel, scene: Scene | None = None, progress: P
 
 def _scene(arm: Arm, panel: Panel, scene: Scene | None) -> Scene | None:
     """The scene, which a panel with a size needs."""
-    need = require_arm(arm) and require(panel, Panel, "panel", "which load_panel reads").size is not None
-    return require_scene(scene, arm) if scene is not None else Scene(arm) if need else None
+    require_arm(arm)
+    require(panel, Panel, "panel", "which load_panel reads")
+    if scene is not None:
+        return require_scene(scene, arm)
+    return None if panel.size is None else Scene(arm)
 
 
 def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | None) -> TaskResult:

@@ -60,9 +60,15 @@ def _text(arm: Arm, folder: str | os.PathLike[str]) -> str:
             )
         if affine.master is None:
             _fix(source, written[name], exp(read.twist, affine.offset))
-        elif name in arm.joint_names and name in written:
+    fixed = {name for name, affine in arm.couplings.items() if affine.master is None}
+    for name in [name for name in written if name in description.joints and name not in fixed]:
+        read = description.joints[name]
+        limits = [float(getattr(read, field)) for field in LIMIT_NAMES]
+        if name in arm.joint_names:
             i = arm.joint_names.index(name)
-            _limit(source, written[name], [float(getattr(arm.limits, field)[i]) for field in LIMIT_NAMES], read)
+            limits = [float(getattr(arm.limits, field)[i]) for field in LIMIT_NAMES]
+        if read.scalar:
+            _limit(source, written[name], limits, read)
     if arm.tip not in description.links:
         mount = ET.Element("robot")
         add_joint(mount, f"{arm.tip}_mount", "fixed", (arm.tip_link, arm.tip), arm.tool)
@@ -82,12 +88,12 @@ def _fix(source: SourceText, joint: ET.Element, moved: Array) -> None:
 
 
 def _limit(source: SourceText, joint: ET.Element, limits: list[float], read: Joint) -> None:
-    """Write the numbers of `LIMIT_NAMES`, if the file has others. A rate of 0 means "not given"."""
-    if limits == [getattr(read, field) for field in LIMIT_NAMES]:
-        return
+    """Write the numbers of `LIMIT_NAMES`, if the file has others. `WIDE` stands for none, 0 would be a standstill."""
     finite, limit = bool(np.isfinite(limits[:2]).any()), joint.find("limit")
+    same = limits == [getattr(read, field) for field in LIMIT_NAMES]
+    if same and (limit is None or np.isfinite(limits[2:]).all()):
+        return
     given = {field: repr(float(np.clip(x, -WIDE, WIDE))) for field, x in zip(LIMIT_NAMES, limits, strict=True)}
-    given |= {field: "0" for field, x in zip(LIMIT_NAMES[2:], limits[2:], strict=True) if np.isinf(x)}
     if not slides(read.type):
         source.set(joint, type="revolute" if finite else "continuous")
     if limit is None:

@@ -6,11 +6,11 @@ import hashlib
 import io
 import json
 import os
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -29,10 +29,6 @@ AHEAD = 256
 """Chunks given to an executor at a time. More would keep their arguments in memory for nothing."""
 
 MOST_WORKERS = 1024
-
-
-class Kept(Future[Arrays]):
-    """The arrays of a chunk that a file holds."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -77,23 +73,29 @@ class Sweep:
         kept = None if folder is None else as_path(folder)
         with suppress(OSError, ValueError):  # writing says what is wrong
             os.makedirs(kept or ".", exist_ok=True)
-        left, total, done = deque(range(0, self.count, self.size)), -(-self.count // self.size), 0
-        waiting: dict[Future[Arrays], int] = {}
+        total, done, left = -(-self.count // self.size), 0, []
+        for first in range(0, self.count, self.size):
+            found = None if kept is None else _read(self._file(kept, first))
+            if found is None:
+                left.append(first)
+                continue
+            done += 1
+            yield first, found
+            tell(done / total)
+        rest, waiting = iter(left), dict[Future[Arrays], int]()
         with nullcontext(executor) if executor is not None else ThreadPoolExecutor(threads) as pool:
             try:
                 while done < total:
                     with _worded(done, total, kept):
-                        while left and len(waiting) < (AHEAD if executor is not None else 2 * threads):
-                            first = left.popleft()
-                            file = None if kept is None else self._file(kept, first)
+                        for first in islice(rest, AHEAD - len(waiting)):
                             end = min(first + self.size, self.count)
-                            waiting[_read(file) or pool.submit(self.work, self.data, first, end)] = first
+                            waiting[pool.submit(self.work, self.data, first, end)] = first
                         finished = wait(waiting, return_when=FIRST_COMPLETED).done
-                    # What is done is kept before a failure is told.
+                    # Keep what is done before a failure ends the sweep.
                     for future in sorted(finished, key=lambda each: each.cancelled() or each.exception() is not None):
                         with _worded(done, total, kept):
                             first, arrays = waiting.pop(future), future.result()
-                        if kept is not None and not isinstance(future, Kept):
+                        if kept is not None:
                             write_whole(self._file(kept, first), _packed(arrays))
                         done += 1
                         yield first, arrays
@@ -127,12 +129,9 @@ def _packed(arrays: Arrays) -> bytes:
     return file.getvalue()
 
 
-def _read(path: Path | None) -> Kept | None:
+def _read(path: Path) -> Arrays | None:
     """The arrays of a chunk's file; None without a whole one, so that the chunk is computed again."""
-    with suppress(Exception):  # of zipfile, zlib or NumPy: of any kind in a damaged file
-        if path is not None:
-            with open_regular(path) as file, np.load(file, allow_pickle=False) as arrays:
-                found = Kept()
-                found.set_result(dict(arrays))
-                return found
+    # A damaged file raises errors of any kind, of zipfile, zlib or NumPy.
+    with suppress(Exception), open_regular(path) as file, np.load(file, allow_pickle=False) as arrays:
+        return dict(arrays)
     return None

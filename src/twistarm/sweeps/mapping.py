@@ -147,8 +147,10 @@ def _require_memory(grid: Grid, per_cube: int) -> None:
         )
 
 
-_job = lru_cache(maxsize=2)(pickle.loads)
-"""Arm, scene, grid and directions, once in each process."""
+@lru_cache(maxsize=2)
+def _job(data: bytes) -> Any:
+    """Arm, scene, grid and directions, unpacked once in each process."""
+    return pickle.loads(data)
 
 
 def _by_ik(data: bytes, first: int, end: int) -> Arrays:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...description.bounds import LIMIT_NAMES
 from ...description.companions.arm_file import ArmSpecification
 from ...description.document import LARGEST, Reading
 from ...description.packages import PackageIndex
@@ -19,8 +21,9 @@ from ...description.planar import coordinate_names
 from ...description.urdf import build_description
 from ...description.writing import add_joint, add_mimic
 from ...limits.joint_limits import JointLimits
-from ...support.checks import Array, as_number, as_pose, as_rotation, frozen, require_one
+from ...support.checks import Array, as_pose, as_rotation, frozen, require_one
 from ...support.errors import InputError, listed, shown
+from ...support.fields import fields, inside, number, positive
 from ...theory import joints
 from ...theory.screws import inverse, to_screw
 from ..arm import Arm
@@ -32,6 +35,15 @@ BASE = "base"
 
 UNIT = 1e-12
 """Largest rounding of a unit twist, and of the pitch of a revolute one for each metre of reach."""
+
+
+LIMITS = {
+    "lower": partial(number, least=-np.inf, most=np.inf),
+    "upper": partial(number, least=-np.inf, most=np.inf),
+    "velocity": partial(positive, most=np.inf),
+    "effort": partial(positive, most=np.inf),
+}
+UNLIMITED = {"lower": -np.inf, "upper": np.inf, "velocity": np.inf, "effort": np.inf}
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,69 +82,30 @@ class ArmBuilder:
     def __post_init__(self) -> None:
         _check_name(self.name, "the arm's name")
 
-    def revolute(
-        self,
-        name: str,
-        axis: ArrayLike,
-        point: ArrayLike,
-        *,
-        lower: float | None = None,
-        upper: float | None = None,
-        velocity: float | None = None,
-        effort: float | None = None,
-    ) -> ArmBuilder:
+    def revolute(self, name: str, axis: ArrayLike, point: ArrayLike, **limits: float | None) -> ArmBuilder:
         """A turn [rad] about the line along `axis` through `point`. Without bounds it is continuous.
 
         Args:
             name: The joint's name.
             axis: Direction (3,) in the base frame, of any length but 0.
             point: A point of the axis (3,) [m], in the base frame.
-            lower: Lower position limit [rad], or None.
-            upper: Upper position limit [rad], or None.
-            velocity: Velocity limit [rad/s], or None.
-            effort: Effort limit [N m], or None.
+            limits: `lower` and `upper` [rad], `velocity` [rad/s] and `effort` [N m].
         """
-        with _told_of(name):
-            frame, limit = _at(axis, point), _limit(lower, upper, velocity, effort)
-            return self._with(name, _turn(name, axis, frame, limit))
+        with _joint(name):
+            return self._with(name, _turn(name, axis, _at(axis, point), limits))
 
-    def prismatic(
-        self,
-        name: str,
-        axis: ArrayLike,
-        *,
-        lower: float | None = None,
-        upper: float | None = None,
-        velocity: float | None = None,
-        effort: float | None = None,
-    ) -> ArmBuilder:
+    def prismatic(self, name: str, axis: ArrayLike, **limits: float | None) -> ArmBuilder:
         """A slide [m] along `axis`. It is drawn at the previous joint.
 
         Args:
             name: The joint's name.
             axis: Direction (3,) in the base frame, of any length but 0.
-            lower: Lower position limit [m], or None.
-            upper: Upper position limit [m], or None.
-            velocity: Velocity limit [m/s], or None.
-            effort: Effort limit [N], or None.
+            limits: `lower` and `upper` [m], `velocity` [m/s] and `effort` [N].
         """
-        with _told_of(name):
-            point = self._parts[-1].frame[:3, 3] if self._parts else np.zeros(3)
-            limit = _limit(lower, upper, velocity, effort)
-            return self._with(name, _slide(name, axis, _at(axis, point), limit))
+        with _joint(name):
+            return self._with(name, _slide(name, axis, _at(axis, self._last), limits))
 
-    def helical(
-        self,
-        name: str,
-        axis: ArrayLike,
-        point: ArrayLike,
-        pitch: float,
-        *,
-        lower: float | None = None,
-        upper: float | None = None,
-        velocity: float | None = None,
-        effort: float | None = None,
-    ) -> ArmBuilder:
+    def helical(self, name: str, axis: ArrayLike, point: ArrayLike, pitch: float, **limits: float | None) -> ArmBuilder:
         """A turn [rad] about a line with `pitch` [m/rad] of slide along it. A thread of lead l has the pitch l/2π.
 
         URDF has no helical joint. The file gets a turn, and a slide `name_z` that mimics it.
@@ -142,16 +115,13 @@ class ArmBuilder:
             axis: Direction (3,) in the base frame, of any length but 0.
             point: A point of the axis (3,) [m], in the base frame.
             pitch: Advance [m/rad].
-            lower: Lower position limit [rad], or None.
-            upper: Upper position limit [rad], or None.
-            velocity: Velocity limit [rad/s], or None.
-            effort: Effort limit [N m], or None.
+            limits: Those of the turn, as in `revolute`.
         """
-        with _told_of(name):
-            turn = _turn(name, axis, _at(axis, point), _limit(lower, upper, velocity, effort))
-            multiplier = float(_of_this_world(np.array(_number(pitch, "pitch")), "pitch"))
-            slide = replace(_slide(f"{name}_z", axis, turn.frame, _limit()), master=name, multiplier=multiplier)
-            return self._with(name, turn, slide)
+        with _joint(name):
+            turn = _turn(name, axis, _at(axis, point), limits)
+            slide = _slide(f"{name}_z", axis, turn.frame)
+            advance = number(pitch, "pitch", -LARGEST, LARGEST)
+            return self._with(name, turn, replace(slide, master=name, multiplier=advance))
 
     def cylindrical(self, name: str, axis: ArrayLike, point: ArrayLike) -> ArmBuilder:
         """Add a turn `name_rz` [rad] about a line and a slide `name_z` [m] along it.
@@ -161,11 +131,9 @@ class ArmBuilder:
             axis: Direction (3,) in the base frame, of any length but 0.
             point: A point of the axis (3,) [m], in the base frame.
         """
-        with _told_of(name):
+        with _joint(name):
             frame = _at(axis, point)
-            return self._with(
-                name, _turn(f"{name}_rz", axis, frame, _limit()), _slide(f"{name}_z", axis, frame, _limit())
-            )
+            return self._with(name, _turn(f"{name}_rz", axis, frame), _slide(f"{name}_z", axis, frame))
 
     def spherical(self, name: str, point: ArrayLike, axes: ArrayLike | None = None) -> ArmBuilder:
         """Add a ball at `point`, as ZYX Euler angles `name_rz, name_ry, name_rx` [rad].
@@ -178,11 +146,11 @@ class ArmBuilder:
             point: The ball's centre (3,) [m], in the base frame.
             axes: A rotation (3, 3), or None for the identity.
         """
-        with _told_of(name):
+        with _joint(name):
             joints.spherical(point, axes)
             R = np.eye(3) if axes is None else as_rotation(axes, "axes")
             frame = _at(R[:, 2], point)
-            turns = (_turn(f"{name}_r{'xyz'[i]}", R[:, i], frame, _limit()) for i in (2, 1, 0))
+            turns = (_turn(f"{name}_r{'xyz'[i]}", R[:, i], frame) for i in (2, 1, 0))
             return self._with(name, *turns)
 
     def planar(
@@ -199,7 +167,7 @@ class ArmBuilder:
             point: A point of the line of the turn (3,) [m], in the base frame.
             x_axis: Direction of the first slide (3,), or None.
         """
-        with _told_of(name):
+        with _joint(name):
             frame = _at(normal, point)
             frame[:3, :3] = joints.plane_axes(normal, x_axis)
             return self._with(name, _Part(name, "planar", frame, np.array([0.0, 0.0, 1.0])))
@@ -218,7 +186,7 @@ class ArmBuilder:
         if self._home is not None:
             raise InputError(f"the tool {self._tool!r} is given already; give it once")
         g = require_one(as_pose(home, "home"), "home", 2)
-        _of_this_world(g[:3, 3], "home")
+        number(float(np.abs(g[:3, 3]).max()), "home", most=LARGEST, unit="m")
         return replace(self, _home=frozen(g), _tool=name)._checked()
 
     def urdf(self) -> str:
@@ -231,9 +199,12 @@ class ArmBuilder:
         ET.SubElement(robot, "link", name=self._base)
         parent, last = self._base, np.eye(4)
         for part in self._parts:
-            parent, last = _write(robot, part, parent, f"{part.name}_link", inverse(last) @ part.frame), part.frame
-        mount = _Part(f"{self._tool}_mount", "fixed", self._home, np.zeros(3))
-        _write(robot, mount, parent, self._tool, inverse(last) @ self._home)
+            ends = parent, f"{part.name}_link"
+            joint = add_joint(robot, part.name, part.kind, ends, inverse(last) @ part.frame, part.axis, part.limit)
+            if part.master:
+                add_mimic(joint, part.master, part.multiplier)
+            parent, last = ends[1], part.frame
+        add_joint(robot, f"{self._tool}_mount", "fixed", (parent, self._tool), inverse(last) @ self._home)
         ET.indent(robot)
         return ET.tostring(robot, encoding="unicode") + "\n"
 
@@ -244,6 +215,11 @@ class ArmBuilder:
         )
 
     # -- inside --------------------------------------------------------------------------------------------------
+
+    @property
+    def _last(self) -> Array:
+        """Where the last joint is (3,)."""
+        return self._parts[-1].frame[:3, 3] if self._parts else np.zeros(3)
 
     def _with(self, name: str, *parts: _Part) -> ArmBuilder:
         coordinates = coordinate_names(name) if parts[0].kind == "planar" else tuple(part.name for part in parts)
@@ -275,14 +251,12 @@ def builder_of(arm: Arm) -> ArmBuilder:
         master, rate = arm.joint_names[j], float(row[j])
         if others or master not in arm.moving_names or abs(screw.magnitude - 1.0) > UNIT:
             raise InputError(f"{arm.name}: URDF has no joint like {name!r}: it turns or slides by a rate of its own")
-        bounds = {field: float(getattr(arm.limits, field)[j]) for field in ("lower", "upper", "velocity", "effort")}
-        limit = _limit(**bounds) if master == name else _limit()
+        limits = {each: float(getattr(arm.limits, each)[j]) for each in LIMIT_NAMES} if master == name else {}
         slides = bool(np.isinf(screw.pitch))
-        last = builder._parts[-1].frame[:3, 3] if builder._parts else np.zeros(3)
-        frame = _at(screw.axis, last if slides else screw.point)
-        parts = [(_slide if slides else _turn)(name, screw.axis, frame, limit)]
+        frame = _at(screw.axis, builder._last if slides else screw.point)
+        parts = [(_slide if slides else _turn)(name, screw.axis, frame, limits)]
         if not slides and abs(screw.pitch) > UNIT * arm.reach:
-            parts.append(replace(_slide(f"{name}_z", screw.axis, frame, _limit()), multiplier=float(screw.pitch)))
+            parts.append(replace(_slide(f"{name}_z", screw.axis, frame), multiplier=float(screw.pitch)))
         follows = [part if part.name == master else replace(part, master=master) for part in parts]
         builder = builder._with(name, *(replace(p, multiplier=rate * p.multiplier) if p.master else p for p in follows))
     return builder.tool(arm.home, arm.tip)
@@ -297,78 +271,39 @@ def arm_of_urdf(
     return proven(assemble(replace(description, path=None), specification, {} if limits is None else limits))
 
 
-def _turn(name: str, axis: ArrayLike, frame: Array, limit: Mapping[str, float]) -> _Part:
+def _joint(name: object) -> AbstractContextManager[None]:
+    """Name the joint in errors."""
+    _check_name(name, "a joint's name")
+    return inside(f"joint {name!r}")
+
+
+def _turn(name: str, axis: ArrayLike, frame: Array, limits: Mapping[str, float | None] | None = None) -> _Part:
+    limit = _limit(limits or {})
     unbounded = np.isinf([limit["lower"], limit["upper"]]).all()
-    return _Part(name, "continuous" if unbounded else "revolute", frame, _unit(axis), limit)
+    return _Part(name, "continuous" if unbounded else "revolute", frame, joints.prismatic(axis)[:3, 0], limit)
 
 
-def _slide(name: str, axis: ArrayLike, frame: Array, limit: Mapping[str, float]) -> _Part:
-    return _Part(name, "prismatic", frame, _unit(axis), limit)
-
-
-def _unit(axis: ArrayLike) -> Array:
-    return joints.prismatic(axis)[:3, 0]
+def _slide(name: str, axis: ArrayLike, frame: Array, limits: Mapping[str, float | None] | None = None) -> _Part:
+    return _Part(name, "prismatic", frame, joints.prismatic(axis)[:3, 0], _limit(limits or {}))
 
 
 def _at(axis: ArrayLike, point: ArrayLike) -> Array:
     """A frame at `point` with base axes. `joints` checks the axis and the point."""
     joints.revolute(axis, point)
     frame = np.eye(4)
-    frame[:3, 3] = _of_this_world(np.asarray(point, dtype=np.float64), "point")
+    frame[:3, 3] = point
+    number(float(np.abs(frame[:3, 3]).max()), "point", most=LARGEST, unit="m")
     return frame
 
 
-def _of_this_world(numbers: Array, name: str) -> Array:
-    """The numbers [m], checked against the largest that a description may hold."""
-    if np.abs(numbers).max() > LARGEST:
-        raise InputError(f"{name} must not exceed {LARGEST:g}, in metres; got {np.abs(numbers).max():g}")
-    return numbers
-
-
-def _limit(
-    lower: float | None = None, upper: float | None = None, velocity: float | None = None, effort: float | None = None
-) -> dict[str, float]:
-    given = {"lower": lower, "upper": upper, "velocity": velocity, "effort": effort}
-    limit = {name: _bound(value, name) for name, value in given.items()}
+def _limit(given: Mapping[str, float | None]) -> dict[str, float]:
+    """The checked limits, infinite where none is given."""
+    limit = UNLIMITED | fields({name: x for name, x in given.items() if x is not None}, "", {}, LIMITS)
     if not limit["lower"] <= limit["upper"] or limit["lower"] == np.inf or limit["upper"] == -np.inf:
         raise InputError(f"lower must not exceed upper; got lower {limit['lower']:g} and upper {limit['upper']:g}")
-    for name in ("velocity", "effort"):
-        if not limit[name] > 0:
-            raise InputError(f"{name} must be positive, or left out where there is no limit; got {limit[name]:g}")
     return limit
-
-
-def _bound(value: float | None, name: str) -> float:
-    if value is None:
-        return -np.inf if name == "lower" else np.inf
-    infinite = isinstance(value, (float, np.floating)) and np.isinf(value)
-    return float(value) if infinite else _number(value, name)
-
-
-def _number(value: float, name: str) -> float:
-    if isinstance(value, (bool, np.bool_)):
-        raise InputError(f"{name} must be a number; got {value}")
-    return as_number(value, name)
-
-
-def _write(robot: ET.Element, part: _Part, parent: str, child: str, origin: Array) -> str:
-    """Add the joint and its child link. Return the name of the link."""
-    joint = add_joint(robot, part.name, part.kind, (parent, child), origin, part.axis, part.limit)
-    if part.master:
-        add_mimic(joint, part.master, part.multiplier)
-    return child
 
 
 def _check_name(name: object, what: str) -> None:
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
         raise InputError(f"{what} must be a text of printable characters; got {shown(name)}")
-
-
-@contextmanager
-def _told_of(joint: str) -> Iterator[None]:
-    """Put the joint's name before the message of an InputError."""
-    _check_name(joint, "a joint's name")
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"joint {joint!r}: {error}") from error

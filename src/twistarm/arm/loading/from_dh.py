@@ -34,6 +34,7 @@ from ...support.checks import Array, as_number, require_choice
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError, shown
 from ...theory.joints import plane_axes
+from ...theory.rotations import to_euler
 from ...theory.screws import inverse, to_screw
 from ..arm import Arm, require_arm
 from .arm_builder import UNIT, ArmBuilder, arm_of_urdf
@@ -177,17 +178,15 @@ def dh_csv(table: DhTable) -> str:
 
 def _fixed_rows(T: Array, convention: str) -> list[Array]:
     """Rows (4,) whose product is a transform (4, 4): one if it has the form of one, else a way and ZXZ in three."""
-    rows: list[Any] = [_row(T, convention)]
+    if convention == "modified":  # a modified row is the inverse of a standard one with other signs
+        return [-row for row in reversed(_fixed_rows(inverse(T), "standard"))]
+    rows = [_row(T, convention)]
     if np.abs(transform_of(rows[0], convention) - T).max() > EXACT:
-        (x, y, z), R = T[:3, 3], T[:3, :3]
-        way, turn, tilt = np.hypot(x, y), np.arctan2(y, x), np.arctan2(np.hypot(R[0, 2], R[1, 2]), R[2, 2])
-        first = np.arctan2(R[0, 2], -R[1, 2])
-        last = np.arctan2(*(transform_of(np.array([0.0, tilt, 0.0, first]), "standard")[:3, :3].T @ R)[[1, 0], 0])
-        if convention == "standard":
-            rows = [[way, 0.0, z, turn], [0.0, tilt, 0.0, first - turn], [0.0, 0.0, 0.0, last]]
-        else:
-            rows = [[0.0, 0.0, z, turn], [way, 0.0, 0.0, first - turn], [0.0, tilt, 0.0, last]]
-    return [row for row in np.array(rows) if np.abs(row).max() > EXACT]
+        (x, y, z), (first, tilt, last) = T[:3, 3], to_euler("ZXZ", T[:3, :3])
+        turn = np.arctan2(y, x)
+        rows = [np.array([np.hypot(x, y), 0.0, z, turn]), np.array([0.0, tilt, 0.0, first - turn])]
+        rows.append(np.array([0.0, 0.0, 0.0, last]))
+    return [row for row in rows if np.abs(row).max() > EXACT]
 
 
 def _normal(
@@ -207,9 +206,8 @@ def _normal(
 
 def _row(T: Array, convention: str) -> Array:
     """a, α, d and θ of a transform (4, 4) of that form."""
+    if convention == "modified":
+        return -_row(inverse(T), "standard")
     R, p = T[:3, :3], T[:3, 3]
-    if convention == "standard":
-        theta, alpha = np.arctan2(R[1, 0], R[0, 0]), np.arctan2(R[2, 1], R[2, 2])
-        return np.array([p[0] * np.cos(theta) + p[1] * np.sin(theta), alpha, p[2], theta])
-    theta, alpha = np.arctan2(-R[0, 1], R[0, 0]), np.arctan2(-R[1, 2], R[2, 2])
-    return np.array([p[0], alpha, p[2] * np.cos(alpha) - p[1] * np.sin(alpha), theta])
+    theta, alpha = np.arctan2(R[1, 0], R[0, 0]), np.arctan2(R[2, 1], R[2, 2])
+    return np.array([p[0] * np.cos(theta) + p[1] * np.sin(theta), alpha, p[2], theta])

@@ -25,13 +25,12 @@ from ...description.tips.choice import choose_ends, note_choice
 from ...description.tree import Description
 from ...description.urdf import build_description, read_description
 from ...limits.joint_limits import JointLimits
-from ...support.checks import frozen, require_mapping
+from ...support.checks import require_mapping
 from ...support.errors import ComparisonError, InputError, UnknownNameError, closest, shown
 from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_file
 from ...support.messages import Argument, Text, plural
 from ..arm import Arm, Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
-from ..configurations import named_ready
 from ..kinematics import ByExponentials
 from ..pinocchio_model import why_no_pinocchio
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
@@ -58,7 +57,7 @@ def load_arm(
 ) -> Arm:
     """Load an arm from a URDF, xacro or MJCF file, an arm.toml, or by its name in the catalogue (`available_arms()`).
 
-    A Denavit–Hartenberg table in a CSV file loads too if a column gives its convention. An arm.json of `Arm.bake` is
+    A Denavit–Hartenberg table in a CSV file loads too if a column gives its convention. An arm.json of `bake` is
     read without Pinocchio. Of the options it takes only `limits`. Arguments win over the arm.toml, and the arm.toml
     wins over the SRDF.
 
@@ -146,11 +145,10 @@ def _baked_arm(path: Path, wishes: Mapping[str, Any], changes: Changes | None) -
                 f"{path}: {name} cannot be given for a baked arm, only for its description, {arm.source!r}"
             )
     if changes is None:
-        vars(arm)["ready"] = frozen(content["ready"])
         return arm
     specification = ArmSpecification(path, str(path))
     limits, noted = fitted_limits(arm.limits, arm.joint_names, specification, changes, arm.moving_names)
-    return _within(replace(arm, limits=limits, findings=tuple(noted)), path.name)
+    return _within(replace(arm, limits=limits, findings=tuple(noted), known_ready=None), path.name)
 
 
 def _within(arm: Arm, file: str) -> Arm:
@@ -371,7 +369,7 @@ def _with_what_is_said(
 
 def _with_ready_said(arm: Arm, specification: ArmSpecification, semantics: Semantics | None) -> Arm:
     """The arm with a finding that names its `ready` pose, unless the arm.toml has a pose `ready`."""
-    name = named_ready(arm.named_states)
+    name = arm.ready_name
     own = name in specification.poses
     if name is None or (own and name == "ready"):
         return arm

@@ -68,28 +68,21 @@ def grid_of(limits: JointLimits, bounds: tuple[Array, Array], units: tuple[str, 
 def _column(lower: float, upper: float, span: float, unit: str) -> tuple[Array, Array, int]:
     """Values and costs of one coordinate, and the index of rest. Without a bound `lower` and `upper` are ∓inf."""
     low, high = lower + MARGIN * span, upper - MARGIN * span
-    middle = (
-        0.0 if low <= 0.0 <= high else float(np.clip(0.5 * (low + high) if high - low < np.inf else 0.0, low, high))
-    )
-    values, less_round = _multiples(max(low, middle - WINDOW[unit]), min(high, middle + WINDOW[unit]), unit)
-    if not len(values):
+    middle = 0.0
+    if not low <= 0.0 <= high:
+        middle = float(np.clip(0.5 * (low + high) if high - low < np.inf else 0.0, low, high))
+    scale = np.pi / 180.0 if unit == "rad" else 1.0
+    first, last = max(low, middle - WINDOW[unit]) / scale, min(high, middle + WINDOW[unit]) / scale
+    for step in STEPS[unit]:
+        numbers = np.round(np.arange(np.ceil(first / step - 1e-9), np.floor(last / step + 1e-9) + 1) * step, 6)
+        if len(numbers) >= FEW:
+            break
+    else:
         return np.array([middle]), np.zeros(1), 0
-    cost = BENT + LESS_ROUND * less_round
+    whole = numbers[:, None] / np.array(ROUND[unit])
+    values, lost = numbers * scale, np.cumprod(np.abs(whole - np.round(whole)) > 1e-6, axis=1).sum(1)
+    cost = BENT + LESS_ROUND * lost
     rest = int(np.argmin(np.round(cost + np.abs(values - middle) / WINDOW[unit], 9) * (values != 0.0)))
     cost[rest] = 0.0
     near = np.minimum(values - lower, upper - values) / span
     return values, cost + NEAR * np.maximum(0.0, COMFORT - near) / (COMFORT - MARGIN), rest
-
-
-def _multiples(low: float, high: float, unit: str) -> tuple[Array, Array]:
-    """Multiples of the coarsest step that gives enough of them, and their lost roundness. Empty in a tiny range."""
-    degrees = unit == "rad"
-    if degrees:
-        low, high = np.degrees(low), np.degrees(high)
-    for step in STEPS[unit]:
-        numbers = np.round(np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step, 6)
-        if len(numbers) >= FEW:
-            whole = numbers[:, None] / np.array(ROUND[unit])
-            lost = np.cumprod(np.abs(whole - np.round(whole)) > 1e-6, axis=1).sum(1)
-            return np.radians(numbers) if degrees else numbers, lost.astype(float)
-    return np.empty(0), np.empty(0)

@@ -1,31 +1,25 @@
-"""The configuration of least cost: the best of seeded configurations, improved step by step."""
+"""The configuration of least cost in round numbers: the best of seeded configurations, improved step by step."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import cache
 from itertools import islice
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...limits.joint_limits import JointLimits
 from ...support.checks import Array
+from ..bodies import Pair
 from .grid import Grid, Rows, grid_of
-from .merit import Merit, merit_of
-from .overlaps import overlapping_links
-
-if TYPE_CHECKING:
-    from ..arm import Arm
+from .merit import FORBIDDEN, Mechanism, Merit
 
 SAMPLES, KNOWING = 192, 24
-"""Number of first configurations, and how many of them give the ranks."""
+"""Number of first configurations, and how many of them show the ranks and the usual overlaps."""
 
-BEST, ROUNDS = 3, 10
-"""How many of them are improved, and in at most how many rounds."""
-
-TRIES = 8
-"""The most neighbours to check for overlapping links, the best first."""
+KEPT, ROUNDS = 4, 12
+"""How many configurations are improved, and in at most how many rounds."""
 
 RESTING = 0.45
 """The share of coordinates that rest in the first configurations."""
@@ -39,46 +33,61 @@ VERTICAL = 0.999
 USUALLY = 0.9
 """Links that overlap in this share of configurations overlap by their drawing."""
 
-_Found = dict[bytes, tuple[Rows, float]]
-"""Rows (n,) and their costs, no row twice."""
 
+def round_configuration(
+    arm: Mechanism,
+    limits: JointLimits,
+    bounds: tuple[Array, Array],
+    overlapping: Callable[[Array], frozenset[Pair]] | None,
+) -> Array:
+    """A configuration (n,) off the bounds, well conditioned, above the base plane with the tool in front.
 
-def computed_ready(arm: Arm) -> Array:
-    """A computed configuration (n,) off the bounds, well conditioned, above the base plane with the tool in front.
-
-    Pairs of links that nearly always overlap do not count. Products of exponentials in NumPy make the result
-    independent of the engine.
+    It is singular only if all others are that the search meets. `overlapping` gives the pairs of links that overlap at
+    theta (n,). Pairs that nearly always overlap do not count. `bounds` are finite lower and upper (n,). Products of
+    exponentials in NumPy make the result independent of the engine.
     """
-    grid = grid_of(arm.limits, arm.sampling_bounds, arm.units)
+    grid = grid_of(limits, bounds, arm.units)
     moving = np.flatnonzero((grid.count > 1) & ~_base_turn(arm, grid))
-    rows = _first(grid, moving)
-    search = _Search(merit_of(arm, grid, rows[:KNOWING]), moving, _free(arm, grid, rows[:KNOWING]))
-    return grid.theta(search.best(rows))
+    rows = _samples(grid, moving)
+    merit = Merit(arm, grid, rows[:KNOWING])
+    free = _free(grid, rows[:KNOWING], overlapping)
+    kept = rows[:0]
+    for _ in range(ROUNDS):
+        costs = merit.costs(rows)
+        rows = rows[np.argsort(costs, kind="stable")]
+        regular = int((costs < FORBIDDEN).sum()) or len(rows)
+        better = np.array([*islice((row for row in rows[:regular] if free(tuple(row))), KEPT)] or rows[:1])
+        if np.array_equal(better, kept):
+            break
+        kept = better
+        rows = np.unique(np.concatenate([_neighbours(grid, moving, row) for row in kept]), axis=0)[::-1]
+    return grid.theta(kept[0])
 
 
-def _free(arm: Arm, grid: Grid, rows: Rows) -> Callable[[Rows], bool]:
+def _free(
+    grid: Grid, rows: Rows, overlapping: Callable[[Array], frozenset[Pair]] | None
+) -> Callable[[tuple[int, ...]], bool]:
     """Whether a row (n,) has only overlaps that most of `rows` have."""
-    overlapping = overlapping_links(arm)
     if overlapping is None:
         return lambda row: True
-    every = [overlapping(grid.theta(row)) for row in rows]
-    counts = Counter(pair for pairs in every for pair in pairs)
+    counts = Counter(pair for row in rows for pair in overlapping(grid.theta(row)))
     usual = {pair for pair, count in counts.items() if count >= USUALLY * len(rows)}
-    return lambda row: overlapping(grid.theta(row)) <= usual
+    return cache(lambda row: overlapping(grid.theta(np.array(row))) <= usual)
 
 
-def _base_turn(arm: Arm, grid: Grid) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _base_turn(arm: Mechanism, grid: Grid) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Marks (n,) the coordinate that turns the whole arm about a vertical axis. Its 0 defines the front."""
-    marks = np.zeros(arm.n, dtype=bool)
-    first = next((i for i, unit in enumerate(arm.units) if unit == "rad"), None)
-    if first is not None and grid.theta(grid.rest)[first] == 0.0:
-        axis = arm.screws[3:] @ arm.coupling.A[:, first]
-        marks[first] = abs(axis[2]) > VERTICAL * float(np.linalg.norm(axis))
+    marks = np.zeros(len(arm.units), dtype=bool)
+    if "rad" in arm.units:
+        first = arm.units.index("rad")
+        axis = arm.screws[3:] @ arm.A[:, first]
+        at_zero = grid.theta(grid.rest)[first] == 0.0
+        marks[first] = at_zero and abs(axis[2]) > VERTICAL * float(np.linalg.norm(axis))
     return marks
 
 
-def _first(grid: Grid, moving: Rows) -> Rows:
-    """Rest, and seeded rows (N, n) around it."""
+def _samples(grid: Grid, moving: Rows) -> Rows:
+    """Rest, and seeded rows (N, n) around it that differ in the coordinates `moving`."""
     numbers = np.random.default_rng(0).random((2, SAMPLES, len(grid.count)))
     rows = np.where(numbers[0] < RESTING, grid.rest, (numbers[1] * grid.count).astype(np.intp))
     fixed = np.setdiff1d(np.arange(len(grid.count)), moving)
@@ -87,49 +96,13 @@ def _first(grid: Grid, moving: Rows) -> Rows:
     return rows
 
 
-@dataclass(frozen=True)
-class _Search:
-    """Downhill over the coordinates `moving`, from free rows to free rows."""
-
-    merit: Merit
-    moving: Rows
-    free: Callable[[Rows], bool]
-
-    def best(self, rows: Rows) -> Rows:
-        """The cheapest row that is found from the best of `rows`."""
-        costs = self.merit.costs(rows)
-        order = np.argsort(costs, kind="stable")
-        kept = list(islice((k for k in order if self.free(rows[k])), BEST)) or [order[0]]
-        found: _Found = {rows[k].tobytes(): (rows[k], costs[k]) for k in kept}
-        for _ in range(ROUNDS):
-            better = self._step(*map(np.array, zip(*found.values(), strict=True)))
-            if better.keys() == found.keys():
-                break
-            found = better
-        row, _ = min(found.values(), key=lambda pair: pair[1])
-        return row
-
-    def _step(self, rows: Rows, costs: Array) -> _Found:
-        """Each row, or the best of its free neighbours if that is better."""
-        moved, mine = _neighbours(self.merit.grid, self.moving, rows)
-        found = self.merit.costs(moved)
-        better: _Found = {}
-        for k in range(len(rows)):
-            own = np.flatnonzero((mine == k) & (found < costs[k]))
-            order = own[np.argsort(found[own], kind="stable")][:TRIES]
-            best = next(((moved[j], found[j]) for j in order if self.free(moved[j])), (rows[k], costs[k]))
-            better.setdefault(best[0].tobytes(), best)
-        return better
-
-
-def _neighbours(grid: Grid, moving: Rows, rows: Rows) -> tuple[Rows, Rows]:
-    """Rows with one coordinate of `moving` some steps away or at rest, and the index of the row of each."""
-    n = len(grid.count)
-    steps = np.concatenate([stride * np.eye(n, dtype=np.intp)[moving] for stride in STRIDES])
-    resting = np.repeat(rows[:, None], len(moving), axis=1)
-    resting[:, np.arange(len(moving)), moving] = grid.rest[moving]
-    moved = np.concatenate([rows[:, None] + steps, resting], axis=1)
-    mine = np.repeat(np.arange(len(rows)), moved.shape[1])
-    moved = moved.reshape(-1, n)
-    inside = ((moved >= 0) & (moved < grid.count)).all(-1) & (moved != rows[mine]).any(-1)
-    return moved[inside], mine[inside]
+def _neighbours(grid: Grid, moving: Rows, row: Rows) -> Rows:
+    """`row` (n,), and rows (N, n) inside the grid with one coordinate of `moving` some steps away, or at rest."""
+    rows = [row]
+    for i in moving:
+        for value in (*(row[i] + stride for stride in STRIDES), grid.rest[i]):
+            if 0 <= value < grid.count[i]:
+                moved = row.copy()
+                moved[i] = value
+                rows.append(moved)
+    return np.array(rows)

@@ -8,9 +8,9 @@ from ...arm.arm import Arm
 from ...arm.pinocchio_model import why_no_pinocchio
 from ...collision import Scene
 from ...collision.allowed_pairs import ALWAYS
+from ...collision.survey import collision_shares
 from ...description.findings import Finding, finding
 from ...support.errors import listed
-from ..collision_changes import collision_shares
 from .wording import place_of
 
 SAMPLES, OFTEN = 100, 0.8

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...arm.arm import Arm
-from ...arm.configurations import named_ready
 from ...description.findings import Finding, finding
 from ...support.checks import Array
 from .wording import place_of, toml_table
@@ -40,7 +39,7 @@ def check_postures(arm: Arm, rank: int) -> Iterator[Finding]:
         what = f"the ready pose is nearly singular: condition number {_number(at_ready)}"
         yield finding("ready-singular", place, what, snippet)
     for pose, number in singular.items():
-        named = named_ready(arm.named_states) is not None
+        named = arm.ready_name is not None
         what = (
             f"the {pose} pose is singular: condition number {_number(number)}; motions that start there stall or jump"
         )

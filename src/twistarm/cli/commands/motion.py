@@ -10,7 +10,6 @@ import numpy as np
 import typer
 
 from ...arm.arm import Arm
-from ...arm.configurations import named_ready
 from ...arm.usual_limits import defaults_line, with_defaults
 from ...limits.joint_limits import JointLimits
 from ...planning import ActiveLimit, Trajectory, active_limits, load_motion
@@ -178,7 +177,7 @@ def plan(
             planned, segments = asked.by_waypoints(to, smooth, limits, progress)
     origin = asked.origin(file)
     if origin is None:
-        name = named_ready(arm.named_states)
+        name = arm.ready_name
         which = "computed" if name is None else f"the pose named {name!r}"
         note(f'starts at ready ({which}): --from "{theta_values(arm, arm.ready, rad)}"')
     for each in planned.notes:

@@ -213,10 +213,10 @@ class _Writer:
         return body if fits else ends[-1], back
 
     def _limit(self, j: int, *, slide: bool) -> dict[str, float]:
-        """The numbers of `<limit>`, infinite without a limit. MJCF has none of velocity."""
+        """The numbers of `<limit>`. MJCF has no limits of velocity; 0 is read as "not given"."""
         model, name = self.model, self.joints[j]
         lower, upper = map(float, model.jnt_range[j]) if model.jnt_limited[j] else (-np.inf, np.inf)
-        effort = self.efforts.get(j, np.inf)
+        effort = self.efforts.get(j, 0.0)
         if model.jnt_actfrclimited[j]:
             effort = float(np.abs(model.jnt_actfrcrange[j]).max())
         least, most = self.commands.get(j, (-np.inf, np.inf))
@@ -224,7 +224,7 @@ class _Writer:
             told = f"the ctrlrange of {name!r} ({least:g} to {most:g}), narrower than the joint's range"
             self.mjcf.note("mjcf-scenery-left-out", told)
         bounds = {"lower": lower, "upper": upper} if slide or model.jnt_limited[j] else {}
-        return {**bounds, "velocity": np.inf, "effort": effort}
+        return {**bounds, "velocity": 0.0, "effort": effort}
 
     def _ranges(self) -> tuple[dict[int, float], dict[int, tuple[float, float]]]:
         """The largest effort that an actuator brings to each joint, and the positions that actuators command."""

@@ -24,8 +24,9 @@ class Body:
     """Links connected by fixed joints, beyond the moving `joint` (None for the first body).
 
     `links` maps each link to the one that it is fixed on, "" for the first, outer links last. `depth` counts the joints
-    before it, without those of a free base, and `height` the longest chain of joints beyond. A body that `holds_tool`
-    has a link with a tool's name, or carries one. The joint of a body that `follows` is a mimic, and so are all beyond.
+    before it, a planar one once and none of a free base. `height` is the longest chain of joints beyond. A body that
+    `holds_tool` has a link with a tool's name, or carries one. The joint of a body that `follows` is a mimic, and so
+    are all beyond.
     """
 
     joint: Joint | None
@@ -90,7 +91,9 @@ def bodies(description: Description, base: str) -> list[Body]:
                     child = description.links[joint.child]
                     in_place = not (joint.origin[:3, 3].any() or child.visuals or child.collisions)
                     of_base = body.depth == 0 and (in_place or joint.type in ("planar", "floating"))
-                    body.children.append(Body(joint, {joint.child: ""}, body, body.depth + (not of_base)))
+                    same = bool(joint.part_of) and body.joint is not None and body.joint.part_of == joint.part_of
+                    depth = body.depth if of_base or same else body.depth + 1
+                    body.children.append(Body(joint, {joint.child: ""}, body, depth))
                 else:
                     body.links[joint.child] = link
                     queue.append(joint.child)
