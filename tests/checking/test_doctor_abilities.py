@@ -68,41 +68,31 @@ PALLETISER = robot(
     links=("base_link", "column", "upper", "fore", "half", "level", "tool0"),
 )  # fmt: skip
 
-ONLY_Z = "turns its tool about the base's z axis only: cannot tilt it"
-NO_TURN = "cannot turn its tool at all: it keeps its orientation"
-NO_YAW = (
-    "cannot yaw the tool: with its position held it rolls about its z axis and pitches about one horizontal axis "
-    "square to it, and nothing turns it about the third"
-)
-CURVE = "moves its tool on a curve, in one direction at any configuration, never along the base's y axis"
-SURFACE = "moves its tool on a surface, in two directions at any configuration"
+X, Y, Z = ("the base's x axis", "the base's y axis", "the base's z axis")
 
-WORDS = {
-    "gantry": (chain("1 0 0", "0 1 0", "0 0 1", kind="prismatic"), {"cannot-turn": NO_TURN}),
-    "roll on the spot": (
-        chain("0 0 1"),
-        {"cannot-move": "cannot move its tool at all: its origin never leaves its place", "cannot-turn": ONLY_Z},
+ARMS = {
+    "gantry": (chain("1 0 0", "0 1 0", "0 0 1", kind="prismatic"), {"cannot-turn": (X, Y, Z)}),
+    "roll on the spot": (chain("0 0 1"), {"cannot-move": (X, Y, Z), "cannot-turn": (X, Y)}),
+    "lever": (chain("0 1 0"), {"cannot-move": (Y,), "cannot-turn": (X, Z), "cannot-turn-in-place": ()}),
+    "pan and tilt": (chain("0 0 1", "0 1 0"), {"cannot-move": (), "cannot-turn-in-place": ()}),
+    "yaw, pitches, roll": (
+        chain("0 0 1", "0 1 0", "0 1 0", "0 1 0", "0 0 1"), {"cannot-turn-in-place": ("its z axis",)}
     ),
-    "lever": (chain("0 1 0"), {"cannot-turn": ONLY_Z.replace("z axis", "y axis"), "cannot-move": CURVE}),
-    "pan and tilt": (chain("0 0 1", "0 1 0"), {"cannot-move": SURFACE}),
-    "yaw, pitches, roll": (chain("0 0 1", "0 1 0", "0 1 0", "0 1 0", "0 0 1"), {"cannot-turn-in-place": NO_YAW}),
-    "palletiser": (PALLETISER, {"cannot-turn": ONLY_Z}),
+    "palletiser": (PALLETISER, {"cannot-turn": (X, Y)}),
     "six": (chain("0 0 1", "0 1 0", "0 1 0", "0 0 1", "0 1 0", "0 0 1"), {}),
-}
-WHOLE = ("palletiser", "gantry", "six")
-"""About these there is no more to say."""
+}  # fmt: skip
+"""What they cannot do, and the axes that the finding names."""
 
 
-@pytest.mark.parametrize("name", WORDS)
-def test_the_words_and_that_they_are_true(name: str, tmp_path: Path) -> None:
-    text, expected = WORDS[name]
+@pytest.mark.parametrize("name", ARMS)
+def test_what_an_arm_cannot_do(name: str, tmp_path: Path) -> None:
+    text, expected = ARMS[name]
     path = write(tmp_path, text)
     require_true(load_arm(path))
     said = {one.code: one.what for one in diagnose(path) if one.code.startswith("cannot-")}
-    for code, words in expected.items():
-        assert said[code] == words
-    if name in WHOLE:
-        assert said.keys() == expected.keys()
+    assert said.keys() == expected.keys()
+    for code, axes in expected.items():
+        assert [axis for axis in (X, Y, Z, "its z axis") if axis in said[code]] == list(axes)
 
 
 def test_where_an_approach_can_be_asked_for_it_can_be_met() -> None:
@@ -112,7 +102,8 @@ def test_where_an_approach_can_be_asked_for_it_can_be_met() -> None:
     builder = builder.revolute("elbow", [0, 1, 0], [0.3, 0, 0.3]).revolute("roll", [1, 0, 0], [0, 0, 0.3])
     arm = builder.revolute("pitch", [0, 1, 0], [0.6, 0, 0.3]).tool(home).build()
     (said,) = [one for one in diagnose(arm) if one.code == "cannot-turn-in-place"]
-    assert "ask for an Approach: a position and where the tool points, by its z axis" in said.remedy
+    assert "Approach" in said.remedy
+    assert "its z axis" in said.remedy
     g = arm.fk([0.2, 0.3, 0.8, 0.5, 0.6])
     for turn in ((0.03, 0.0), (0.0, 0.03), (-0.03, 0.03)):
         direction = g[:3, 2] + turn[0] * g[:3, 0] + turn[1] * g[:3, 1]

@@ -84,9 +84,9 @@ def test_designs(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.chdir(tmp_path)
     content = answer(capsys, "designs", "rover_arm", "rover_arm_6dof")
     ours, other = content["designs"]
-    assert f"reaches out {100 * (other['farthest'] / ours['farthest'] - 1):.2g} % more" in content["against"][0]
+    assert other["farthest"] > ours["farthest"]
     shown = printed(capsys, "designs", "rover_arm", "rover_arm_6dof")
-    assert content["against"][0] in shown
+    assert f"{ours['farthest']:.3g}" in shown
     assert "-0.5 … 0.5 m" in shown
 
 

@@ -35,9 +35,6 @@ def test_a_larger_arm_reaches_farther_and_sweeps_the_cube_of_it() -> None:
     assert np.isnan(small.payload)
     assert any("no Pinocchio model" in each for each in small.notes)
     assert small.name != large.name
-    assert (
-        large.against(small) == f"{large.name} reaches out 20 % more and sweeps in volume 73 % more than {small.name}"
-    )
 
 
 def test_weaker_and_slower_joints(rover: twistarm.Arm) -> None:
@@ -51,7 +48,6 @@ def test_weaker_and_slower_joints(rover: twistarm.Arm) -> None:
     assert other.payload < 0.5 * strong.payload
     assert other.median_payload < 0.5 * strong.median_payload
     assert other.duration > strong.duration
-    assert other.against(strong).startswith(f"weak holds {strong.payload - other.payload:.2g} kg less, ")
     beyond = compare_designs([rover, weak], [Position(near), Position([3.0, 0, 0])])
     assert np.isnan(beyond[0].duration)
     assert any("no motion: " in each for each in beyond[0].notes)
@@ -67,8 +63,6 @@ def test_slides_sweep_their_box(sides) -> None:
     assert np.isclose(box.volume, np.prod(sides), rtol=0.03)
     assert np.isclose(box.farthest, np.linalg.norm(sides), rtol=1e-4)
     assert flat.volume == 0.0
-    assert "volume 100 % less" in flat.against(box)
-    assert "volume" not in box.against(flat), "nothing is a share of 0"
 
 
 def test_an_arm_beyond_the_core_has_no_volume() -> None:

@@ -25,9 +25,6 @@ from .payload import payload, with_extremes
 SAMPLES, CUBES = 2000, 40
 """Configurations, and cubes along the diameter of the ball that holds the tool."""
 
-ALIKE = 0.005
-"""A smaller relative difference is not told: samples differ by as much."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Design(Brief):
@@ -54,25 +51,6 @@ class Design(Brief):
     duration: float
     notes: tuple[str, ...]
     panel: float = np.nan
-
-    def against(self, other: Design) -> str:
-        """What this design does better and worse than another, in a sentence."""
-        said = []
-        for verb, unit, mine, its in (
-            ("reaches out", "%", self.farthest, other.farthest),
-            ("sweeps in volume", "%", self.volume, other.volume),
-            ("holds", "kg", self.payload, other.payload),
-            ("holds in the median", "kg", self.median_payload, other.median_payload),
-            ("weighs", "kg", self.mass, other.mass),
-            ("takes", "s", self.duration, other.duration),
-        ):
-            if ALIKE * its < abs(mine - its) < np.inf and (its or unit != "%"):  # nor NaN
-                size = float(f"{abs(mine - its) * (100.0 / its if unit == '%' else 1.0):.2g}")
-                said.append(f"{verb} {size:g} {unit} {'more' if mine > its else 'less'}")
-        if (more := 100.0 * (self.panel - other.panel)) and np.isfinite(more):
-            said.append(f"does {abs(more):.2g} % {'more' if more > 0.0 else 'less'} of the panel")
-        words = " and ".join(filter(None, [", ".join(said[:-1]), *said[-1:]]))
-        return f"{self.name} {words} than {other.name}" if said else f"{self.name} does the same as {other.name}"
 
 
 def compare_designs(
@@ -133,7 +111,7 @@ def _design(name: str, arm: Arm, poses: Sequence[Target | Array], panel: Panel |
     except TwistarmError as error:  # not in the compiled core, or no shapes
         notes.append(f"no panel: {error}")
     # As `arm.manipulability`, whose axes take long.
-    J = scaled_jacobian(arm.body_jacobian(arm.random_theta(0, SAMPLES)), arm._prismatic, arm.reach)
+    J = scaled_jacobian(arm.body_jacobian(arm.random_theta(0, SAMPLES)), arm.prismatic, arm.reach)
     measured = Manipulability(np.asarray(np.linalg.svd(J, compute_uv=False), np.float64), np.empty(0), arm.reach)
     condition = measured.condition_in(max(int(measured.rank.max()), 1))
     dexterity = float(np.median(condition)), float((condition > POOR).mean())

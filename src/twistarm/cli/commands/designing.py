@@ -148,7 +148,6 @@ def designs(
     arms = [each.load() for each in (source, *others)]
     with progress_bar("comparing") as progress:
         found = compare_designs(arms, targets, asked, progress)
-    against = [each.against(found[0]) for each in found[1:]]
     for each in found:
         for why in each.notes:
             note(f"{each.name}: {why}")
@@ -157,7 +156,7 @@ def designs(
     for each, its in zip(found, zip(*ranges, strict=True), strict=True):
         columns.append(Column(each.name, [*(number(getattr(each, name), 3) for name in NUMBERS.values()), *its]))
     records = [plain(each) | joints_table(each.arm).entries() for each in found]
-    Outputs(json=json, radians=rad).show({"designs": records, "against": against}, Table("", columns), *against)
+    Outputs(json=json, radians=rad).show({"designs": records}, Table("", columns))
 
 
 def _ranges(arm: Arm, radians: bool) -> list[str]:
