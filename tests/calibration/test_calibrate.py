@@ -160,7 +160,8 @@ def test_swapped_columns_and_a_base_that_moved_far_are_faults_and_nothing_is_wri
     ):
         r = calibrate(arm, log)
         assert word in r.faults[0]
-        assert not (r.confirmed or r.confirmed_here)
+        assert not r.confirmed_here
+        assert not r.confirmed
         with pytest.raises(InputError):
             corrected_urdf(r, here=True)
 
