@@ -239,7 +239,7 @@ def _starts(arm: Arm, target: Approach, scene: Scene | None) -> Iterator[Approac
 def _measured(arm: Arm, task: PanelTask, motion: Trajectory, scene: Scene | None) -> TaskResult:
     theta = motion(np.linspace(motion.times[1], motion.duration, SAMPLES))
     room = np.minimum(theta - arm.limits.lower, arm.limits.upper - theta).min(axis=0)
-    sigma = np.linalg.svd(scaled_jacobian(arm.body_jacobian(theta), arm._prismatic, arm.reach), compute_uv=False)
+    sigma = np.linalg.svd(scaled_jacobian(arm.body_jacobian(theta), arm.prismatic, arm.reach), compute_uv=False)
     worst = float((sigma[:, 0] / np.maximum(sigma[:, -1], 1e-15)).max())
     joint = arm.joint_names[int(room.argmin())]
     clearance = np.inf if scene is None else min(scene.distance(x).metres for x in theta)

@@ -159,7 +159,7 @@ class IKResult:
         notes += [missed_by_rounding(self.position_error, self.orientation_error)] if self.rounded else []
         if self._answer.nearest and not self.converged and self._arm.n > MANY_JOINTS:
             notes.append(PERHAPS_NEARER)
-        return tuple(notes if self.converged or self._arm._compiled is not None else [*notes, WITHOUT_CORE])
+        return tuple(notes if self.converged or self._arm.compiled is not None else [*notes, WITHOUT_CORE])
 
     def explain(self) -> str:
         """What was asked, what was reached and why not more, line by line. Computed when called."""
