@@ -55,7 +55,7 @@ ALLOWED = {
     "rosbags": ("planning/files/mcap_file.py",),
     "serial": ("control/stream/links/serial_link.py",),
     "xacro": ("description/expansion",),
-    "yaml": ("description",),
+    "yaml": ("description", "export/limits_yaml.py"),
     "typer": ("cli",),
     "rich": ("cli",),
 }

@@ -172,7 +172,6 @@ BY_CALL: dict[str, dict[str, Any]] = {
     "Trajectory.peak": {"order": 1},
     "Trajectory.__call__": {"order": 0},
     "Trajectory.to_json": {"path": "new.json"},
-    "Trajectory.to_yaml": {"path": "new.yaml"},
     "Trajectory.to_mcap": {"path": "new.mcap"},
     "Recorder": {"path": "new.mcap"},
     "Trajectory.to_header": {"path": "new.h"},
