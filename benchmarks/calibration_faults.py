@@ -51,7 +51,7 @@ def cases(truth: Truth, rng: np.random.Generator) -> Iterator[Case]:
     yield Case("degrees for radians", ("degrees",), np.where(turning, np.degrees(theta), theta), p)
     one = theta.copy()
     one[:, i] = np.degrees(one[:, i])
-    yield Case(f"degrees, {names[i]} alone", ("degrees",), one, p)
+    yield Case(f"degrees, {names[i]} alone", ("degrees", "units"), one, p)
     yield Case("mm for m", ("millimetres", "[mm]"), theta, 1000.0 * p)
     yield Case("cm for m", ("centimetres", "[cm]"), theta, 100.0 * p)
     yield Case("noise in mm", ("noise",), theta, p, options={"position_noise": 0.1})
@@ -59,13 +59,13 @@ def cases(truth: Truth, rng: np.random.Generator) -> Iterator[Case]:
         swapped = theta.copy()
         swapped[:, [j, j + 1]] = swapped[:, [j + 1, j]]
         yield Case(f"{names[j]} and {names[j + 1]} swapped", ("swapped",), swapped, p)
-    yield Case("x and y swapped", ("x, y, z", "x and y"), theta, p[:, [1, 0, 2]])
+    yield Case("x and y swapped", ("swapped",), theta, p[:, [1, 0, 2]])
     for j in range(arm.n):
-        yield Case(f"{names[j]} reversed", (names[j],), theta * np.where(np.arange(arm.n) == j, -1.0, 1.0), p)
+        yield Case(f"{names[j]} reversed", ("reversed",), theta * np.where(np.arange(arm.n) == j, -1.0, 1.0), p)
     for size in (5e-4, 5e-3, 5e-2):
         pushed = p + np.where(np.arange(ROWS) < ROWS // 2, 0.0, size)[:, None] * [0.8, 0.6, 0.0]
         yield Case(f"base moved by {1e3 * size:g} mm", ("moved near",), theta, pushed)
-    yield Case("rows twice", ("twice",), np.vstack([theta, theta[:5]]), np.vstack([p, p[:5]]))
+    yield Case("rows twice", ("twice", "repeats"), np.vstack([theta, theta[:5]]), np.vstack([p, p[:5]]))
     for few in (2, 4, 6, 8, 10):
         yield Case(f"{few} rows", ("rows",), theta[:few], p[:few])
     for spread in (0.0, 1e-3):

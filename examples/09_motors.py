@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from twistarm import check_wiring, load_arm
-from twistarm.calibration import WiringLog
+from twistarm.calibration import Measurements
 from twistarm.control.servo import JogCommand, ServoState, ServoStatus, servo_step
 
 ROBOT = Path(__file__).parents[1] / "robots" / "rover_arm"
@@ -62,6 +62,6 @@ measured = arm.fk(theta)
 measured[:, :3, 3] += rng.normal(scale=0.001, size=(15, 3))
 counts = motors.to_counts(motors.to_motor(theta))
 counts[:, 4] *= -1
-report = check_wiring(arm, WiringLog(motors.names, counts, measured))
+report = check_wiring(arm, Measurements(counts, measured[:, :3, 3], measured[:, :3, :3]))
 assert {each.name: each.faults for each in report.motors if each.faults} == {"right": ("flipped sign",)}
 print(f"right: {report.motors[4].what}; {report.motors[4].remedy}")

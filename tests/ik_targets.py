@@ -103,7 +103,7 @@ def judged_batch(arm, targets, batch):
 
 def require_core(arm):
     """For sweeps that only the compiled core gets through: skips without it, fails where nothing may be skipped."""
-    if arm._compiled is None:
+    if arm.compiled is None:
         (pytest.fail if os.environ.get("TWISTARM_REQUIRE_ALL") else pytest.skip)("needs the compiled core")
 
 

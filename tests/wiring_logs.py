@@ -12,7 +12,7 @@ import numpy as np
 
 from catalogue import load
 from twistarm import Actuators, Arm
-from twistarm.calibration import WiringLog, WiringReport
+from twistarm.calibration import Measurements, WiringReport
 from twistarm.support.checks import Array
 from twistarm.theory.rotations import exp
 
@@ -24,7 +24,7 @@ class Planted:
     """A log, the motors (none of a sound arm) and the fault that it holds, and how far the tool seems off by it."""
 
     arm: Arm
-    log: WiringLog
+    log: Measurements
     fault: str
     motors: tuple[str, ...]
     miss: float
@@ -70,7 +70,12 @@ def planted(names: Sequence[str], seed: int, *, fault: str, poses: bool, base: t
         miss += float(np.sqrt(turned / 2)) / np.radians(1.0)
     blamed = {"none": (), "swapped": (motors.names[i], motors.names[j])}.get(fault, (motors.names[i],))
     words = f"{arm.name} {fault} {blamed} rows {len(theta)} noise {1000 * position:.1f} mm"
-    return Planted(arm, WiringLog(motors.names, counts, seen if poses else seen[:, :3, 3]), fault, blamed, miss, words)
+    return Planted(arm, measured(counts, seen, poses), fault, blamed, miss, words)
+
+
+def measured(counts: Array, g: Array, poses: bool) -> Measurements:
+    """A log of counts with measured poses (K, 4, 4), or with their positions."""
+    return Measurements(counts, g[:, :3, 3], g[:, :3, :3] if poses else np.empty(0))
 
 
 def without_base(points: Array, measured: Array) -> Array:
@@ -103,14 +108,14 @@ def fitted(arm: Arm) -> Actuators:
 
 def logged(
     arm: Arm, true: Actuators, theta: Array | int, seed: int, *, poses: bool = True, turned: float = 0.0
-) -> WiringLog:
+) -> Measurements:
     """Counts of the true motors at theta or at so many random postures, the tool by Pinocchio, measured to 1 mm."""
     rng = np.random.default_rng(seed)
     theta = arm.random_theta(rng, theta) if isinstance(theta, int) else theta
     g = arm.by_pinocchio(theta)[0].copy()
     g[:, :3, 3] += rng.normal(scale=0.001, size=(len(theta), 3))
     g[:, :3, :3] = g[:, :3, :3] @ exp(rng.normal(scale=turned, size=(len(theta), 3)))
-    return WiringLog(true.names, true.to_counts(true.to_motor(theta)), g if poses else g[:, :3, 3])
+    return measured(true.to_counts(true.to_motor(theta)), g, poses)
 
 
 def faults(report: WiringReport) -> dict[str, tuple[str, ...]]:

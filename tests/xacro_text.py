@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from hostile.sandbox import XMLNS
 from urdf_text import joint, robot
 
+XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 ARM = robot(joint("a", "base_link", "upper"), joint("b", "upper", "tool0"))
 MANIFEST = "<package><name>{}</name></package>".format
 

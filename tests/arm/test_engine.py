@@ -120,9 +120,9 @@ def test_every_arm_of_up_to_32_joints_is_compiled(catalogue_arm: twistarm.Arm) -
     def along_z(n: int) -> twistarm.Arm:
         return twistarm.arm_from_screws(np.tile([[0.0], [0.0], [1.0], [0.0], [0.0], [0.0]], n), np.eye(4))
 
-    assert catalogue_arm._compiled is not None
-    assert along_z(32)._compiled is not None
-    assert along_z(33)._compiled is None
+    assert catalogue_arm.compiled is not None
+    assert along_z(32).compiled is not None
+    assert along_z(33).compiled is None
     assert along_z(33).fk(np.ones(33))[2, 3] == pytest.approx(33.0)
 
 

@@ -1,231 +1,311 @@
-"""Planted faults of every kind are found and named, sound arms are left in peace, and what cannot be told is said."""
+"""Planted faults are named, sound motors are left in peace, and what a log does not show is not claimed."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable
+import json
+import shutil
+from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from catalogue import load
-from twistarm import Actuators, Arm, ComparisonError, InputError, UnitsWarning, check_wiring
-from twistarm.calibration import WiringLog
+from twistarm import Actuators, Arm, ComparisonError, InputError, check_wiring, load_arm
+from twistarm.calibration import Measurements, read_measurements
+from twistarm.cli.application import run
 from twistarm.support.checks import Array
-from wiring_logs import faults, fitted, logged
+from twistarm.theory.rotations import to_xyzw
+from wiring_logs import FAULTS, faults, logged, outcome, planted
 
-ROVERS = ("rover_arm", "rover_arm_6dof")
+ARMS = ("rover_arm", "rover_arm_6dof", "elbow", "scara", "stanford", "ur5", "panda", "so101")
+FAR = 8.0
+"""A fault that moves the tool by fewer standard deviations may stay hidden."""
 
+MOTORS = Actuators(
+    ("rail", "shoulder", "elbow", "left", "right"),
+    ("slide", "shoulder", "elbow", "wrist_pitch", "wrist_roll"),
+    np.array([[400.0, 0, 0, 0, 0], [0, 100, 0, 0, 0], [0, 0, -80, 0, 0], [0, 0, 0, 60, 60], [0, 0, 0, 60, -60]]),
+    np.array([0.0, 0.4, 0.0, 0.0, 0.0]),
+    ("turn", "rad", "rad", "tick", "tick"),
+    np.array([np.nan, np.nan, np.nan, 4096.0, 4096.0]),
+)
+"""Two alike on the wrist: swapped, they turn the pitch as before, and the roll the other way."""
 
-def geared(name: str) -> Arm:
-    """An arm of the catalogue with a gear on each joint and a differential wrist, counting in all units."""
-    arm = load(name)
-    n = arm.n
-    G = np.diag([100.0 * (-1.0) ** i for i in range(n)])
-    G[n - 2 :, n - 2 :] = [[60.0, 60.0], [60.0, -60.0]]
-    names = tuple(f"m{i}" for i in range(n))
-    units = ("rad", "tick", "deg", "rad", "turn", "rad")[:n]
-    motors = Actuators(names, arm.joint_names, G, np.linspace(-3.0, 3.0, n), units, np.full(n, 4096.0))
-    return replace(arm, actuators=motors)
-
-
-def wired(arm: Arm, change: Callable[[Array, Array], object]) -> Actuators:
-    """The motors as they really are: `change` alters G and the offset in place."""
-    motors = fitted(arm)
-    G, offset = motors.G.copy(), motors.offset.copy()
-    change(G, offset)
-    return replace(motors, G=G, offset=offset)
+EXACT = {"base_position_noise": 0.0, "base_orientation_noise": 0.0}
 
 
-def log_of(arm: Arm, true: Actuators, seed: int, *, poses: bool = True, theta: Array | int = 20) -> WiringLog:
-    return logged(arm, true, theta, seed, poses=poses, turned=np.radians(0.5))
+def rover(beside: float = 0.0) -> Arm:
+    """The rover arm with a tool so far beside the axis of its roll [m]."""
+    tool = np.eye(4)
+    tool[1, 3] = beside
+    return replace(load("rover_arm").with_tool(tool, "probe"), actuators=MOTORS)
 
 
-def set_to(*rows: tuple[int, float, float]) -> Callable[[Array, Array], None]:
-    """Multiplies a motor's row of G and adds to its offset."""
+def log_of(
+    *wrong: tuple[int, float, float], seed: int = 0, theta: Array | int = 20, poses: bool = True
+) -> Measurements:
+    """A log of motors whose ratio is so many times the arm.toml's, and whose offset is larger by so much."""
+    G, offset = MOTORS.G.copy(), MOTORS.offset.copy()
+    for i, factor, added in wrong:
+        G[i] *= factor
+        offset[i] += added
+    return logged(rover(), replace(MOTORS, G=G, offset=offset), theta, seed, poses=poses, turned=np.radians(0.5))
 
-    def change(G: Array, offset: Array) -> None:
-        for i, factor, added in rows:
-            G[i] *= factor
-            offset[i] += added
 
-    return change
-
-
-PLANTED: dict[str, tuple[Callable[[Array, Array], None], dict[str, tuple[str, ...]]]] = {
-    "a sign": (set_to((2, -1.0, 0.0)), {"m2": ("flipped sign",)}),
+PLANTED: dict[str, tuple[tuple[tuple[int, float, float], ...], dict[str, tuple[str, ...]]]] = {
+    "a sign": (((2, -1.0, 0.0),), {"elbow": ("flipped sign",)}),
     "three signs": (
-        set_to((0, -1.0, 0.0), (1, -1.0, 0.0), (3, -1.0, 0.0)),
-        dict.fromkeys(("m0", "m1", "m3"), ("flipped sign",)),
+        ((0, -1.0, 0.0), (1, -1.0, 0.0), (3, -1.0, 0.0)),
+        dict.fromkeys(("rail", "shoulder", "left"), ("flipped sign",)),
     ),
-    "ticks of quadrature": (set_to((1, 4.0, 0.0)), {"m1": ("wrong ratio",)}),
-    "a zero by 3 degrees": (set_to((2, 1.0, 100 * np.radians(3.0))), {"m2": ("zero offset",)}),
-    "a zero of the slide": (set_to((0, 1.0, 2.0)), {"m0": ("zero offset",)}),
-    "a sign and a zero of one": (set_to((2, -1.0, 30.0)), {"m2": ("flipped sign", "zero offset")}),
-    "a sign and a zero": (set_to((1, -1.0, 0.0), (3, 1.0, 12.0)), {"m1": ("flipped sign",), "m3": ("zero offset",)}),
-    "a ratio and a zero": (set_to((0, 2.0, 0.0), (2, 1.0, 20.0)), {"m0": ("wrong ratio",), "m2": ("zero offset",)}),
-    "two ratios": (set_to((1, 0.5, 0.0), (4, 1.25, 0.0)), {"m1": ("wrong ratio",), "m4": ("wrong ratio",)}),
+    "ticks of quadrature": (((3, 4.0, 0.0),), {"left": ("wrong ratio",)}),
+    "a zero by 3 degrees": (((2, 1.0, 80 * np.radians(3.0)),), {"elbow": ("zero offset",)}),
+    "a zero of the slide": (((0, 1.0, 8.0),), {"rail": ("zero offset",)}),
+    "a sign and a zero of one": (((2, -1.0, 30.0),), {"elbow": ("flipped sign", "zero offset")}),
+    "a ratio and a zero": (((0, 2.0, 0.0), (2, 1.0, 20.0)), {"rail": ("wrong ratio",), "elbow": ("zero offset",)}),
+    "two ratios": (((1, 0.5, 0.0), (4, 1.25, 0.0)), {"shoulder": ("wrong ratio",), "right": ("wrong ratio",)}),
 }
 
 
-SLOW = {"a sign and a zero", "a ratio and a zero", "three signs"}
-
-
-@pytest.mark.parametrize(
-    "case", [pytest.param(case, marks=[pytest.mark.slow] if case in SLOW else []) for case in PLANTED]
-)
+@pytest.mark.parametrize("case", PLANTED)
 def test_planted_faults_are_named_with_the_true_entries(case: str) -> None:
-    change, expected = PLANTED[case]
-    arm = geared("rover_arm")
-    true = wired(arm, change)
-    report = check_wiring(arm, log_of(arm, true, seed=1), base_position_noise=0.0, base_orientation_noise=0.0)
+    wrong, expected = PLANTED[case]
+    report = check_wiring(rover(), log_of(*wrong, seed=1), **EXACT)
     assert (report.verdict, faults(report)) == ("fault", expected)
     assert report.after.position < 0.003 < report.before.position
-    for motor, row, zero in zip(report.motors, true.G, true.offset, strict=True):
+    true = {i: (factor, added) for i, factor, added in wrong}
+    for i, motor in enumerate(report.motors):
+        factor, added = true.get(i, (1.0, 0.0))
         assert motor.ratio is not None
-        assert np.allclose(list(motor.ratio.values()), row[row != 0], rtol=0.02)
-        assert motor.zero == pytest.approx(zero, abs=100 * np.radians(1.0))
-    with pytest.raises(ComparisonError, match=f"the wiring of rover_arm: .*{next(iter(expected))}: it"):
+        assert np.allclose(list(motor.ratio.values()), factor * MOTORS.G[i][MOTORS.G[i] != 0], rtol=0.02)
+        assert motor.zero == pytest.approx(MOTORS.offset[i] + added, abs=np.abs(MOTORS.G[i]).max() * 0.02)
+    with pytest.raises(ComparisonError):
         report.require()
 
 
-@pytest.mark.parametrize("poses", [True, False], ids=["poses", "positions"])
-@pytest.mark.parametrize(
-    ("name", "logs"), [("rover_arm", 12), *(pytest.param(name, 50, marks=pytest.mark.slow) for name in ROVERS)]
-)
-def test_no_false_alarm_on_honest_logs(name: str, logs: int, poses: bool) -> None:
-    """With positions alone, the two motors of the wrist cannot be told apart, and that is said."""
-    arm = geared(name)
-    for seed in range(logs):
-        report = check_wiring(arm, log_of(arm, fitted(arm), seed, poses=poses))
-        assert faults(report) == {}
-        assert report.verdict == ("sound" if poses else "cannot tell")
-        unseen = [motor.name for motor in report.motors if motor.verdict == "cannot tell"]
-        assert unseen == ([] if poses else list(fitted(arm).names[-2:]))
+def counted(seeds: range, poses: bool, base: tuple[float, float]) -> Counter[str]:
+    """How the reports of such logs come out, a fault in four of five; no sound motor is accused."""
+    outcomes: Counter[str] = Counter()
+    for seed in seeds:
+        case = planted(ARMS, seed, fault=FAULTS[seed % len(FAULTS)], poses=poses, base=base)
+        told = outcome(case, check_wiring(case.arm, case.log))
+        assert told != "accused", case.words
+        outcomes[f"hidden {told}" if case.miss < FAR else told] += 1
+    return outcomes
+
+
+@pytest.mark.parametrize("poses", [False, True], ids=["positions", "poses"])
+def test_faults_are_named_though_the_base_is_a_centimetre_off(poses: bool) -> None:
+    outcomes = counted(range(500, 504), poses, (0.01, 0.0))
+    assert outcomes["unexplained"] + outcomes["missed"] + outcomes["left open"] <= 1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4))
-def test_random_pairs_on_the_six_joint_arm(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    arm = geared("rover_arm_6dof")
-    i, j = (int(motor) for motor in rng.permutation(6)[:2])
-    other = set_to((j, *[(0.75, 0.0), (1.0, 100 * np.radians(20.0))][seed % 2]))
-    true = wired(arm, lambda G, offset: (set_to((i, -1.0, 0.0))(G, offset), other(G, offset)))
-    report = check_wiring(arm, log_of(arm, true, seed))
-    assert faults(report) == {f"m{i}": ("flipped sign",), f"m{j}": (("wrong ratio", "zero offset")[seed % 2],)}
+@pytest.mark.parametrize(("poses", "base"), [(False, 0.01), (True, 0.01), (False, 0.0)])
+def test_the_shares_of_four_hundred_logs(poses: bool, base: float) -> None:
+    outcomes = counted(range(20_000, 20_400), poses, (base, 0.0))
+    clear = sum(count for told, count in outcomes.items() if not told.startswith("hidden"))
+    assert outcomes["named"] >= 0.95 * clear
+
+
+def exchanged(log: Measurements, i: int, j: int) -> Measurements:
+    order = np.arange(5)
+    order[[i, j]] = j, i
+    return replace(log, theta=log.theta[:, order])
 
 
 @pytest.mark.parametrize(("i", "j"), [(0, 2), (3, 4)])
 def test_swapped_motors(i: int, j: int) -> None:
-    arm = geared("rover_arm")
-    log = log_of(arm, fitted(arm), seed=2)
-    order = np.arange(5)
-    order[[i, j]] = j, i
-    report = check_wiring(arm, WiringLog(log.names, log.counts[:, order], log.measured))
-    assert faults(report) == {f"m{i}": ("swapped",), f"m{j}": ("swapped",)}
-    assert f"it is swapped with 'm{j}'" in report.motors[i].what
+    report = check_wiring(rover(), exchanged(log_of(), i, j))
+    assert faults(report) == {MOTORS.names[i]: ("swapped",), MOTORS.names[j]: ("swapped",)}
 
 
-def test_a_motor_that_was_not_moved_is_told_to_be_moved() -> None:
-    arm = geared("rover_arm")
-    theta = arm.random_theta(np.random.default_rng(3), 20)
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_swap_that_positions_on_the_axis_do_not_show(swapped: bool) -> None:
+    log = log_of(poses=False)
+    report = check_wiring(rover(), exchanged(log, 3, 4) if swapped else log)
+    assert (report.verdict, report.ok, faults(report)) == ("cannot tell", False, {})
+    left, right = report.motors[3:]
+    assert (left.unseen, right.unseen) == (("zero", "swapped with right"), ("zero", "swapped with left"))
+    assert "orientation" in left.remedy
+
+
+def test_positions_beside_the_axis_show_it() -> None:
+    arm = rover(beside=0.05)
+    log = logged(arm, MOTORS, 15, 0, poses=False)
+    assert check_wiring(arm, log).verdict == "sound"
+    assert faults(check_wiring(arm, exchanged(log, 3, 4))) == {"left": ("swapped",), "right": ("swapped",)}
+
+
+def test_a_zero_of_either_has_no_entry_until_orientations_show_it() -> None:
+    """3000 ticks of 60 · 4096 / 2π per rad are 4.39°, half of it pitch."""
+    for poses, left, right in ((False, "possible fault", "possible fault"), (True, "fault", "sound")):
+        log = log_of(poses=poses)
+        report = check_wiring(rover(), replace(log, theta=log.theta + [0, 0, 0, 3000, 0]))
+        assert [motor.verdict for motor in report.motors[3:]] == [left, right]
+        assert report.motors[3].joint_offset["wrist_pitch"] == pytest.approx(-np.radians(4.39 / 2), abs=0.004)
+        assert (report.motors[3].zero is None) == (not poses)
+
+
+def test_a_motor_at_rest_may_have_another_zero_or_ratio() -> None:
+    theta = rover().random_theta(3, 20)
     theta[:, 2] = 0.7
-    report = check_wiring(arm, log_of(arm, fitted(arm), 3, theta=theta))
+    report = check_wiring(rover(), log_of(seed=3, theta=theta))
     assert (report.verdict, faults(report)) == ("cannot tell", {})
-    assert [motor.remedy for motor in report.motors if motor.verdict == "cannot tell"] == [
-        "move it: log elbow at several places, 30° apart and more"
-    ]
-    assert report.motors[2].scale_std > 1.0
-    # Off by 0.3 rad it may be its zero or its ratio.
-    off = check_wiring(arm, log_of(arm, wired(arm, set_to((2, 1.0, 30.0))), 3, theta=theta))
-    elbow = off.motors[2]
-    assert (off.verdict, elbow.verdict, elbow.ratio, elbow.zero) == ("fault", "possible fault", None, None)
-    assert "add -17." in elbow.what
-    assert ", or its ratio is 1.4" in elbow.what
-    assert elbow.remedy == "move it: log elbow at several places, 30° apart and more"
+    assert [motor.name for motor in report.motors if motor.verdict == "cannot tell"] == ["elbow"]
+    assert "elbow" in report.motors[2].remedy
+    off = check_wiring(rover(), log_of((2, 1.0, 30.0), seed=3, theta=theta)).motors[2]
+    assert (off.verdict, off.ratio, off.zero) == ("possible fault", None, None)
 
 
-def test_few_moments() -> None:
-    arm = geared("rover_arm")
-    theta = arm.random_theta(np.random.default_rng(5), 3)
-    three = check_wiring(arm, log_of(arm, fitted(arm), 5, poses=False, theta=theta))
-    assert any("log more moments, 10 at least" in motor.remedy for motor in three.motors)
+@pytest.mark.parametrize(("rows", "poses"), [(1, False), (10, True)])
+def test_a_log_at_one_place_shows_nothing(rows: int, poses: bool) -> None:
+    report = check_wiring(rover(), log_of(theta=np.zeros((rows, 5)), poses=poses))
+    assert (report.verdict, faults(report)) == ("cannot tell", {})
+    assert all(motor.unseen == ("sign", "ratio", "zero") for motor in report.motors)
 
 
-def test_joints_turned_many_times_are_not_taken_for_degrees() -> None:
-    """Those of a log nobody typed; the same numbers typed by a caller are remarked upon."""
-    arm = load("rover_arm")
-    theta = np.random.default_rng(0).uniform(-40.0, 40.0, (20, arm.n))
-    with pytest.warns(UnitsWarning, match="^theta: angles of up to .* look like degrees"):
-        arm.fk(theta.tolist())
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UnitsWarning)
-        log = log_of(geared("rover_arm"), fitted(geared("rover_arm")), 0, theta=theta)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert check_wiring(geared("rover_arm"), log).verdict
+def test_a_log_that_nothing_explains_blames_no_motor_and_names_the_row() -> None:
+    log, noise = log_of(seed=6), np.random.default_rng(2).normal(scale=0.3, size=(20, 3))
+    noisy = check_wiring(rover(), replace(log, position=log.position + noise))
+    assert (noisy.verdict, faults(noisy)) == ("unexplained", {})
+    assert all(np.isinf(motor.scale_std) for motor in noisy.motors)
+    position = log.position.copy()
+    position[6] += (0.1, 0.05, 0.0)
+    odd = check_wiring(rover(), replace(log, position=position))
+    assert (odd.verdict, odd.worst_row, faults(odd)) == ("unexplained", 7, {})
 
 
-def test_a_row_that_does_not_fit_is_named() -> None:
-    arm = geared("rover_arm")
-    log = log_of(arm, fitted(arm), 6)
-    measured = log.measured.copy()
-    measured[6, :3, 3] += (0.1, 0.05, 0.0)
-    report = check_wiring(arm, WiringLog(log.names, log.counts, measured))
-    assert (report.verdict, report.worst_row, faults(report)) == ("unexplained", 7, {})
-    assert report.what == "row 7 of the log does not fit the others: measure it again, or leave it out"
+def test_a_base_that_stands_elsewhere_is_found() -> None:
+    case = planted(["ur5"], 3, fault="none", poses=True, base=(0.03, np.radians(3.0)))
+    report = check_wiring(case.arm, case.log)
+    assert not faults(report)
+    assert report.base is not None
+    assert np.linalg.norm(report.base[:3, 3]) == pytest.approx(0.03, abs=0.01)
+    assert np.arccos((np.trace(report.base[:3, :3]) - 1) / 2) == pytest.approx(np.radians(3.0), abs=np.radians(1.0))
 
 
-def test_more_motors_than_joints() -> None:
-    """Two motors on the elbow: they must not contradict each other, so that each is told by itself."""
-    arm = geared("rover_arm")
-    motors = fitted(arm)
+def test_a_zero_of_the_first_joint_looks_like_a_turned_base() -> None:
+    case = planted(["ur5"], 3, fault="none", poses=True, base=(0.0, 0.0))
+    motors = case.arm.actuators
+    assert motors is not None
+    turned = motors.offset + motors.G[:, 0] * np.radians(4.0)
+    arm = replace(case.arm, actuators=replace(motors, offset=turned))
+    assert check_wiring(arm, case.log).motors[0].verdict == "possible fault"
+    known = check_wiring(arm, case.log, **EXACT)
+    assert (known.motors[0].verdict, known.motors[0].faults, known.base) == ("fault", ("zero offset",), None)
+
+
+def test_more_motors_than_joints_must_not_contradict_each_other() -> None:
     both = Actuators(
-        (*motors.names, "second"),
-        motors.joint_names,
-        np.vstack([motors.G, [[0.0, 0.0, 50.0, 0.0, 0.0]]]),
-        np.append(motors.offset, 1.0),
-        (*motors.units, "rad"),
-        np.append(motors.ticks_per_turn, np.nan),
-    )
-    arm = replace(arm, actuators=both)
-    assert check_wiring(arm, log_of(arm, both, 7)).ok
-    report = check_wiring(arm, log_of(arm, wired(arm, set_to((5, -1.0, 0.0))), 7))
-    assert faults(report) == {"second": ("flipped sign",)}
+        (*MOTORS.names, "second"), MOTORS.joint_names, np.vstack([MOTORS.G, [[0.0, 0.0, 50.0, 0.0, 0.0]]]),
+        np.append(MOTORS.offset, 1.0), (*MOTORS.units, "rad"), np.append(MOTORS.ticks_per_turn, np.nan),
+    )  # fmt: skip
+    arm, G = replace(rover(), actuators=both), both.G.copy()
+    assert check_wiring(arm, logged(arm, both, 20, 7)).ok
+    G[5] *= -1.0
+    assert faults(check_wiring(arm, logged(arm, replace(both, G=G), 20, 7))) == {"second": ("flipped sign",)}
 
 
 def test_what_it_cannot_work_with() -> None:
-    arm = geared("rover_arm")
-    log = log_of(arm, fitted(arm), 9)
-    with pytest.raises(InputError, match=r"rover_arm has no actuators: describe its motors as \[actuators.NAME\]"):
-        check_wiring(load("rover_arm"), log)
-    with pytest.raises(InputError, match="do not determine joint 'wrist_pitch', 'wrist_roll'"):
-        check_wiring(replace(arm, actuators=wired(arm, lambda G, _: G.__setitem__((4, 4), 60.0))), log)
-    for wrong, why in (
-        (WiringLog(log.names[:4], log.counts[:, :4], log.measured), "no counts of motor 'm4'"),
-        (WiringLog((*log.names[:4], "m9"), log.counts, log.measured), "a motor 'm9'; the arm's are 'm0'"),
-        (WiringLog(log.names, np.zeros((0, 5)), np.zeros((0, 3))), "the log holds no moment"),
+    log = log_of()
+    loose = MOTORS.G.copy()
+    loose[4, 4] = 60.0
+    half = log.rotation.copy()
+    half[3] = np.nan
+    for arm, wrong in (
+        (load("rover_arm"), log),
+        (replace(rover(), actuators=replace(MOTORS, G=loose)), log),
+        (rover(), replace(log, theta=log.theta[:, :4])),
+        (rover(), replace(log, position=1000.0 * log.position)),
+        (rover(), replace(log, rotation=half)),
+        (rover(), Measurements(np.zeros((3, 5)), point=("p",) * 3)),
+        (rover(), Measurements(np.zeros((0, 5)))),
     ):
-        with pytest.raises(InputError, match=why):
+        with pytest.raises(InputError):
             check_wiring(arm, wrong)
-    for name in ("position_noise", "orientation_noise"):
+    for name in ("position_noise", "orientation_noise", "base_position_noise"):
         with pytest.raises(InputError, match=name):
-            check_wiring(arm, log, **{name: 0.0})
+            check_wiring(rover(), log, **{name: -0.01})
 
 
-@pytest.mark.parametrize(
-    ("names", "counts", "measured", "why"),
-    [
-        (("a", "b"), (3, 1), (3, 3), r"counts of 2 motors must have shape \(K, 2\); got \(3, 1\)"),
-        (("a",), (3, 1), (2, 3), r"measured must be 3 positions \(3, 3\) or poses \(3, 4, 4\); got \(2, 3\)"),
-        (("a", "a"), (3, 2), (3, 3), "a motor is named twice"),
-        (("a",), (1, 1), (1, 4, 4), "measured is not in SE"),
-    ],
-)
-def test_logs_that_are_none(
-    names: tuple[str, ...], counts: tuple[int, ...], measured: tuple[int, ...], why: str
+# -- the command -------------------------------------------------------------------------------------------------------
+
+
+def actuator(i: int) -> str:
+    """A motor's table of arm.toml."""
+    ratio = ", ".join(f"{joint} = {g}" for joint, g in zip(MOTORS.joint_names, MOTORS.G[i], strict=True) if g)
+    ticks = "ticks_per_turn = 4096\n" * (MOTORS.units[i] == "tick")
+    return (
+        f"\n[actuators.{MOTORS.names[i]}]\nratio = {{ {ratio} }}\noffset = {MOTORS.offset[i]}\n"
+        f'unit = "{MOTORS.units[i]}"\n{ticks}'
+    )
+
+
+HEADER = "rail [turn],shoulder,elbow [rad],left [tick], right [tick] ,x [m],y,z"
+ROW = "1.5,2,-3,100,-100,0.5,0.1,0.7"
+
+
+@pytest.fixture
+def toml(tmp_path: Path) -> Path:
+    """The rover arm with motors, in a folder of its own."""
+    shutil.copytree(Path(__file__).parents[2] / "robots" / "rover_arm", tmp_path / "arm")
+    path = tmp_path / "arm" / "arm.toml"
+    path.write_text(path.read_text("utf-8") + "".join(map(actuator, range(5))), "utf-8")
+    return path
+
+
+def csv(folder: Path, *lines: str) -> Path:
+    (folder / "log.csv").write_text("\n".join(lines) + "\n", "utf-8")
+    return folder / "log.csv"
+
+
+def test_columns_by_name_in_any_order_with_units(toml: Path, tmp_path: Path) -> None:
+    arm = load_arm(toml)
+    path = csv(
+        tmp_path, "# by tape", "z [mm],y,x,left,right,elbow,shoulder,rail", "", "300,2,1,40,50,30,20,10", "# end"
+    )
+    log = read_measurements(path, arm, counts=True)
+    assert (log.theta.tolist(), log.position.tolist()) == ([[10, 20, 30, 40, 50]], [[1, 2, 0.3]])
+    turned = csv(tmp_path, HEADER + ",qw,qx,qy,qz", ROW + ",0.7071,0,0,0.7071")  # a quarter turn about z
+    rotation = read_measurements(turned, arm, counts=True).rotation[0]
+    assert np.allclose(rotation, [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-4)
+
+
+REFUSED = {
+    "nothing": (),
+    "no such motor": (HEADER.replace("left", "lefty"), ROW),
+    "a motor is missing": (HEADER.replace("elbow [rad],", ""), ROW),
+    "a column twice": (HEADER + ",x", ROW + ",1"),
+    "another unit": (HEADER.replace("[turn]", "[rad]"), ROW),
+    "decimal commas": (HEADER.replace(",", ";"), ROW.replace(",", ";").replace(".", ",")),
+    "too few": (HEADER, ROW, "1,2,3"),
+    "no number": (HEADER, "#", ROW.replace("100", "1O0", 1)),
+    "no rotation": (HEADER + ",qx,qy,qz,qw", ROW + ",0,0,0,0"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_log_that_cannot_be_used_is_refused_in_one_line(
+    case: str, toml: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with pytest.raises(InputError, match=why):
-        WiringLog(names, np.zeros(counts), np.zeros(measured))
+    assert run(["wiring", str(toml), str(csv(tmp_path, *REFUSED[case]))]) == 2
+    captured = capsys.readouterr()
+    assert (captured.out, captured.err.count("\n")) == ("", 1)
+
+
+def test_the_command_names_the_fault(toml: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for wrong, poses, code in (((), True, 0), (((2, -1.0, 0.0),), True, 1), ((), False, 1)):
+        log = log_of(*wrong, poses=poses)
+        columns = [log.theta, log.position, *([to_xyzw(log.rotation)] if poses else [])]
+        rows = [",".join(f"{x:.6f}" for x in row) for row in np.hstack(columns)]
+        path = csv(tmp_path, HEADER + ",qx,qy,qz,qw" * poses, *rows)
+        assert run(["wiring", str(toml), str(path)]) == code
+        shown = capsys.readouterr().out
+        assert ("ratio = { elbow = 80" in shown) == bool(wrong)
+        assert run(["wiring", str(toml), str(path), "--json"]) == code
+        report = json.loads(capsys.readouterr().out)
+        assert (report["ok"], report["rows"]) == (code == 0, 20)
+        assert [motor["faults"] for motor in report["motors"]] == [[], [], ["flipped sign"] if wrong else [], [], []]

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import twistarm
-from hostile.descriptions import CASES
 from test_loading import REAL
 from twistarm import arm_from_screws, crosscheck, load_arm
 from twistarm.support.errors import ComparisonError, InputError, MissingExtraError
@@ -84,8 +83,11 @@ def test_what_pinocchio_does_not_read_as_it_is_written_is_not_compared(tmp_path:
 
 
 def test_a_hundred_followers_of_one_joint_agree_and_take_no_minutes(tmp_path: Path) -> None:
-    (file,) = CASES["100 mimics of one joint"].write(tmp_path)
-    result = crosscheck(load_arm(tmp_path / file), samples=20).require()
+    names = [f"l{i}" for i in range(101)]
+    mimic = '<axis xyz="0 1 0"/><mimic joint="a" multiplier="1"/>'
+    joints = [joint(f"k{i}", names[i], names[i + 1], xyz="0.1 0 0", inside=mimic) for i in range(100)]
+    text = robot(joint("a", "base", "upper"), joint("b", "upper", "l0"), *joints, links=("base", "upper", *names))
+    result = crosscheck(load_arm(write(tmp_path, text)), samples=20).require()
     assert "102 joints" in result.left_out["yourdfpy"]
 
 

@@ -223,88 +223,78 @@ def test_demo_without_a_terminal_writes_both_files(
 
 # -- bad input ---------------------------------------------------------------------------------------------------
 
-IK = ["ik", "rover_arm", "--xyz", "1 0 0"]
-ALL = [*IK, "--all"]
-PLAN = ["plan", "rover_arm", "--to", "zero"]
-SERVO = ["servo", "scara", "--no-browser"]
-FOLLOW = ["follow", "rr_planar", "nowhere.json", "--no-browser"]
+IK = "ik rover_arm --xyz '1 0 0' "
+PLAN = "plan rover_arm --to zero "
+SERVO = "servo scara --no-browser "
+FOLLOW = "follow rr_planar nowhere.json --no-browser "
 """What is refused is refused before the file is read."""
 
-BAD: dict[str, tuple[list[str], str]] = {
-    "an unknown arm": (["info", "rover_amr"], "no arm 'rover_amr' in the catalogue"),
-    "theta too short": (["fk", "rover_arm", "--theta", "1 2"], "rover_arm takes 5 values (slide, shoulder"),
-    "theta with a word": (["fk", "rover_arm", "--theta", "1 2 x 4 5"], "is neither joint values (5 numbers"),
-    "theta with NaN": (["fk", "rover_arm", "--theta", "0 0 nan 0 0"], "elbow takes a number such as 30 deg or"),
-    "a joint typed twice": (["fk", "rover_arm", "--theta", "slide=1 slide=2"], "a joint is named twice: slide, slide"),
-    "a joint with a word": (["fk", "rover_arm", "--theta", "elbow=abc"], "elbow takes a number such as 30 deg or"),
-    "a kind of nobody": (["plan", "rover_arm", "--to", "reach", "--kind", "banana"], "'--kind': 'banana' is not"),
-    "an unknown frame": (["fk", "rover_arm", "--frame", "tol0"], "no frame 'tol0' in rover_arm; closest: 'tool0'"),
-    "a position of two numbers": (["ik", "rover_arm", "--xyz", "1 2"], "--xyz takes 3 numbers"),
-    "two kinds of target": ([*IK, "--rpy", "0 0 0", "--direction", "1 0 0"], "not both"),
-    "no target": (["ik", "rover_arm"], "xyz"),
-    "two sources of targets": ([*IK, "--targets", "t.csv"], "or a file of targets"),
-    "columns of no file": (["fk", "rover_arm", "--columns", "a,b"], "it goes with --configurations"),
-    "an axis that points nowhere": ([*IK, "--axis", "x"], "give a direction too"),
-    "an axis by no name": ([*IK, "--direction", "1 0 0", "--axis", "up"], "--axis takes x, y, z"),
-    "a waypoint outside the limits": (["plan", "rover_arm", "--to", "0.7 0 0 0 0"], "slide"),
-    "a xacro argument without :=": (["info", "rover_arm", "--xacro", "deck=1"], "did you mean --xacro deck:=1?"),
-    "package dirs that are not there": (["info", "rover_arm", "--package-dir", "nowhere"], "nowhere is not a folder"),
-    "a cap of zero": (["plan", "rover_arm", "--to", "zero", "--velocity", "0"], "it takes a number above 0 such as"),
-    "a target beyond all units": (["ik", "rover_arm", "--xyz", "1e300 0 0"], "lengths are in metres"),
-    "no pair given": ([*ALL, "--fixed-joint", "3"], "--fixed-joint takes joint=value"),
-    "a joint given beyond its limit": ([*ALL, "--fixed-joint", "elbow=500"], "'elbow' cannot be fixed at 500°"),
-    "given without all": ([*IK, "--fixed-joint", "elbow=5"], "--fixed-joint is about all configurations"),
-    "copies without all": ([*IK, "--include-turns"], "--include-turns is about all configurations"),
-    "a posture of all": ([*ALL, "--posture", "middle"], "--all takes no --posture"),
-    "a blend between joint poses": ([*PLAN, "--to", "ready", "--blend", "0.1"], "--blend is about the way"),
-    "a blend of one goal": ([*PLAN, "--line", "--blend", "0.1"], "--blend rounds the corners between goals"),
-    "stops that are rounded": ([*PLAN, "--line", "--stop", "--blend", "0.1"], "give one of them"),
-    "a line in a file": (["plan", "rover_arm", "motion.toml", "--line", "--stop"], "leave out --line and --stop"),
-    "a direction in a file": (["plan", "rover_arm", "motion.toml", "--direction", "0 0 1"], "give --xyz too"),
-    "a spline of lines": ([*PLAN, "--line", "--kind", "cubic"], "--kind cubic leads through the poses"),
-    "no time": ([*PLAN, "--dt", "nan"], "--dt': it takes a number above 0 such as"),
-    "two directions for three": (
-        ["plan", "rover_arm", *["--xyz", "1 0 1"] * 3, *["--direction", "0 0 1"] * 2],
-        "give one --direction for all positions, or one for each: 2 go with 3 --xyz",
-    ),
-    "no goal": (["plan", "rover_arm"], "give poses by --to"),
-    "a pose outside": ([*SERVO, "--theta", "0 200 0 0"], "joint_2 = 200 ° lies outside its limits -148.97 "),
-    "a margin below 0": ([*SERVO, "--margin", "-0.1"], "--margin': it takes a number of 0 or more such as"),
-    "no such way on": ([*SERVO, "--on-unreachable", "jump"], "--on-unreachable must be 'slide' or 'stop'; got 'jump'"),
-    "no command holds": ([*SERVO, "--command-timeout", "-1"], "--command-timeout': it takes a number above 0 such as"),
-    "rates to nobody": ([*SERVO, "--velocity-mode"], "--velocity-mode is for a robot that takes rates alone"),
-    "half of UDP": ([*SERVO, "--udp", "127.0.0.1:5005"], "--udp HOST:PORT and --listen HOST:PORT go together"),
-    "two robots": (
-        [*SERVO, "--serial", "/dev/ttyX", "--udp", "127.0.0.1:5005", "--listen", "127.0.0.1:0"],
-        "a robot is on --udp or on --serial, not on both",
-    ),
-    "no serial port": ([*SERVO, "--serial", "/dev/no_such_port"], "cannot open serial port '/dev/no_such_port'"),
-    "senders of nothing": ([*SERVO, "--from", "127.0.0.1"], "--from and --key are for datagrams"),
-    "units of nobody": ([*SERVO, "--units", "counts"], "--units is for a robot: it needs --udp or --serial"),
-    "no baud rate": ([*SERVO, "--serial", "/dev/ttyX:fast"], "--serial takes PORT or PORT:BAUD"),
-    "a port too high": ([*SERVO, "--commands", "127.0.0.1:70000"], "--commands takes HOST:PORT, as in"),
-    "no key": ([*SERVO, "--commands", "127.0.0.1:0", "--key", "/no/key"], "cannot read the key '/no/key'"),
-    "no such host": ([*SERVO, "--commands", "no.such.host.invalid:5005"], "no host 'no.such.host.invalid'"),
-    "a robot's place": (
-        [*FOLLOW, "--theta", "0 0", "--udp", "127.0.0.1:5005", "--listen", "127.0.0.1:0"],
-        "--theta is where simulated joints stand",
-    ),
-    "no speed": ([*FOLLOW, "--speed", "0"], "--speed': it takes a number above 0 such as"),
-    "too fast": ([*FOLLOW, "--speed", "2"], "--speed is a share of the motion's own, at most 1; got 2"),
-    "a slow rate": ([*FOLLOW, "--rate", "1"], "rate must be at least 10 Hz"),
-    "an unknown command": (["inof", "rover_arm"], "inof"),
-    "no arm": (["fk"], "ARM"),
-    "options without an arm": (["info", "--tip", "tool0"], "give an ARM"),
-}  # fmt: skip
+BAD = (
+    ("info rover_amr", "'rover_amr'"),
+    ("inof rover_arm", "inof"),
+    ("fk", "ARM"),
+    ("info --tip tool0", "ARM"),
+    ("info rover_arm --xacro deck=1", "--xacro deck:=1"),
+    ("info rover_arm --package-dir nowhere", "nowhere"),
+    ("fk rover_arm --theta '1 2'", "takes 5 values"),
+    ("fk rover_arm --theta '1 2 x 4 5'", "5 numbers"),
+    ("fk rover_arm --theta '0 0 nan 0 0'", "elbow"),
+    ("fk rover_arm --theta 'slide=1 slide=2'", "slide, slide"),
+    ("fk rover_arm --theta elbow=abc", "elbow"),
+    ("fk rover_arm --frame tol0", "'tool0'"),
+    ("fk rover_arm --columns a,b", "--configurations"),
+    ("ik rover_arm", "--xyz"),
+    ("ik rover_arm --xyz '1 2'", "--xyz"),
+    ("ik rover_arm --xyz '1e300 0 0'", "metres"),
+    (IK + "--rpy '0 0 0' --direction '1 0 0'", "--rpy or --direction"),
+    (IK + "--targets t.csv", "--targets"),
+    (IK + "--axis x", "--axis"),
+    (IK + "--direction '1 0 0' --axis up", "'up'"),
+    (IK + "--fixed-joint elbow=5", "--all"),
+    (IK + "--include-turns", "--all"),
+    (IK + "--all --fixed-joint 3", "--fixed-joint"),
+    (IK + "--all --fixed-joint elbow=500", "500°"),
+    (IK + "--all --posture middle", "--posture"),
+    ("plan rover_arm", "--to"),
+    ("plan rover_arm --to '0.7 0 0 0 0'", "slide"),
+    ("plan rover_arm motion.toml --line --stop", "--line and --stop"),
+    ("plan rover_arm motion.toml --direction '0 0 1'", "--xyz"),
+    (PLAN + "--kind banana", "'banana'"),
+    (PLAN + "--velocity 0", "--velocity"),
+    (PLAN + "--dt nan", "--dt"),
+    (PLAN + "--to ready --blend 0.1", "--blend"),
+    (PLAN + "--line --blend 0.1", "--blend"),
+    (PLAN + "--line --stop --blend 0.1", "--stop"),
+    (PLAN + "--line --kind cubic", "--kind cubic"),
+    ("plan rover_arm" + " --xyz '1 0 1'" * 3 + " --direction '0 0 1'" * 2, "2 go with 3"),
+    (SERVO + "--theta '0 200 0 0'", "joint_2 = 200 °"),
+    (SERVO + "--margin -0.1", "--margin"),
+    (SERVO + "--on-unreachable jump", "'jump'"),
+    (SERVO + "--command-timeout -1", "--command-timeout"),
+    (SERVO + "--velocity-mode", "--udp or --serial"),
+    (SERVO + "--udp 127.0.0.1:5005", "--listen"),
+    (SERVO + "--serial /dev/ttyX --udp 127.0.0.1:5005 --listen 127.0.0.1:0", "not on both"),
+    (SERVO + "--serial /dev/no_such_port", "'/dev/no_such_port'"),
+    (SERVO + "--from 127.0.0.1", "--from"),
+    (SERVO + "--units counts", "--units"),
+    (SERVO + "--serial /dev/ttyX:fast", "--serial"),
+    (SERVO + "--commands 127.0.0.1:70000", "--commands"),
+    (SERVO + "--commands 127.0.0.1:0 --key /no/key", "'/no/key'"),
+    (SERVO + "--commands no.such.host.invalid:5005", "'no.such.host.invalid'"),
+    (FOLLOW + "--theta '0 0' --udp 127.0.0.1:5005 --listen 127.0.0.1:0", "--theta"),
+    (FOLLOW + "--speed 0", "--speed"),
+    (FOLLOW + "--speed 2", "--speed"),
+    (FOLLOW + "--rate 1", "10 Hz"),
+)
+"""Command lines, and what the error names."""
 
 
-@pytest.mark.parametrize("case", BAD)
+@pytest.mark.parametrize(("line", "culprit"), BAD)
 def test_bad_input_is_one_line_and_exit_code_2(
-    case: str, capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    line: str, culprit: str, capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    arguments, message = BAD[case]
     monkeypatch.chdir(tmp_path)
-    assert message in error_of(capsys, *arguments)
+    assert culprit in error_of(capsys, *shlex.split(line))
     assert list(tmp_path.iterdir()) == [], "nothing is written"
 
 
@@ -351,12 +341,15 @@ def test_debug_shows_the_traceback() -> None:
         run(["info", "rover_amr", "--debug"])
 
 
-def test_the_help_loses_no_word_to_markup(capsys: Capture) -> None:
-    """Rich takes `[actuators]` for a style and shows nothing there."""
-    for command, words in (("plan", "[actuators]"), ("wiring", "z [m],"), ("fk", "[deg]`")):
-        shown = printed(capsys, command, "--help")
-        assert words in shown
-        assert "bool" not in shown, "an option that takes no value shows none"
+@pytest.mark.parametrize("command", ["ik", "plan", "servo", "calibrate"])
+def test_the_help_leaves_room_for_its_text(command: str, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = printed(capsys, command, "--help").splitlines()
+    assert max(map(len, lines)) <= 80
+    assert max(len(line) - len(line.lstrip()) for line in lines) <= 80 - 45
+    sections = [line for line in lines if line.endswith(":") and not line.startswith(" ")]
+    assert sections == ["Arguments:", "Options:", "Loading the arm:"]
+    assert {"--tip", "--locked-joint"} <= {line.split()[0] for line in lines[lines.index(sections[-1]) :] if line}
 
 
 def test_version_and_what_is_installed(capsys: Capture) -> None:
@@ -372,15 +365,8 @@ def test_version_and_what_is_installed(capsys: Capture) -> None:
 
 
 def test_bare_it_shows_the_commands(capsys: Capture) -> None:
-    assert run([]) == 0
-    captured = capsys.readouterr()
-    assert captured.err == ""
-    commands = (
-        "demo arms info init check freeze doctor bake wiring calibrate fk jacobian ik plan reach view servo follow"
-    )
-    assert {*commands.split(), "payload", "designs", "guide", "Usage", "version"} <= set(
-        re.findall(r"\w+", captured.out)
-    )
+    shown = printed(capsys)
+    assert all(f"  {command} " in shown for command in ("fk", "ik", "plan", "payload", "designs", "calibrate", "guide"))
 
 
 @pytest.mark.parametrize(
@@ -424,29 +410,12 @@ def test_what_is_typed_in_degrees_is_answered_in_degrees(
         assert radians in "".join(capsys.readouterr())
 
 
-def test_what_a_program_is_told_is_python_again_after_a_command(capsys: Capture) -> None:
-    assert run(["info", "panda", "--tip", "nope"]) == 2
-    assert "no link for --tip 'nope'" in capsys.readouterr().err
-    with pytest.raises(twistarm.UnknownNameError, match=r"no link for tip= 'nope'"):
-        twistarm.load_arm("panda", tip="nope")
-
-
-def test_remedies_are_those_of_the_command_line(capsys: Capture) -> None:
-    """No argument of Python's stands alone in what a person reads."""
-    for command in ("info", "doctor"):
-        for arm in ("panda", "kinova"):
-            assert run([command, arm]) == 0
-            assert not re.search(r"(?<!-)\b(tip|srdf|base|locked|limits|xacro_args|package_dirs|without)=[\s,;)]",
-                                 capsys.readouterr().out)  # fmt: skip
-
-
 def test_dh_shows_and_writes_the_table(tmp_path: Path, capsys: Capture) -> None:
     """The file is an ARM; rounded axes, which meet far away, can count as parallel."""
     file = str(tmp_path / "rover.csv")
     assert run(["dh", "rover_arm", "--convention", "modified", "-o", file]) == 0
     shown = capsys.readouterr().out
     assert "alpha [°]" in shown
-    assert "slide        prismatic      0          0      0        -90" in shown
     poses = [answer(capsys, "fk", arm, "--theta", "0.1 20 30 -40 50")["matrix"] for arm in ("rover_arm", file)]
     np.testing.assert_allclose(*poses, atol=1e-12)
     far, near = (answer(capsys, "dh", "so101", *more) for more in ((), ("--parallel", "0.01")))

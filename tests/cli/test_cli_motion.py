@@ -69,31 +69,31 @@ def test_a_line_is_planned_to_a_typed_position(capsys: Capture) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    ("text", "culprit"),
     [
-        ("", "there is no segment"),
-        ("[[segment]]\njont = 'ready'", "segment 1: unknown entry 'jont'; closest: 'joint'"),
-        ("[[segment]]\nline = { xyz = [1, 2] }", "segment 1: .*xyz"),
-        ("[[segment]]\ndwell = -1", "segment 1: dwell must be 0 or more"),
-        ("[[segment]]\nscrew = { axis = [0, 0, 1], point = [0, 0, 0] }", "segment 1: angle is missing"),
-        ("[[segment]]\narc = {}", "segment 1: arc takes via and to, or axis, centre and angle"),
-        ("[[segment]]\njoint = 'redy'", "segment 1: no pose 'redy' in rover_arm; closest: 'ready'"),
-        ("[[segment]]\njoint = { rpy = [1, 0, 1] }", "segment 1: xyz is missing beside 'rpy'"),
-        ("[[segment]]\njoint = { xyz = [1, 0, 1], tolerance = [1, 1, 1, 1, 1, 1] }", "tolerance goes with rpy or"),
-        ("[[segment]]\njoint = { xyz = [1, 0, 1], rpy = [0, 0, 0], tolerance = 1 }", "tolerance must be six numbers"),
-        ("[[segment]]\njoint = { xyz = [1, 0, 1], tool_axis = [1, 0, 0] }", "tool_axis goes with direction"),
-        ("start = { xyz = [1, 0, 1] }\n[[segment]]\ndwell = 1", "motion.toml, at the top: start must be a configur"),
-        ("start = { elbow = 1 }\n[[segment]]\ndwell = 1", "motion.toml, at the top: no value for joint 'slide'"),
-        ("limits = { aceleration = 1 }\n[[segment]]\ndwell = 1", "motion.toml, at the top: no limit 'aceleration'"),
-        ("[[segment]]\nline = 'ready'\njoint = 'ready'", "segment 1: it needs one of"),
-        ("kind = 'fast'\n[[segment]]\ndwell = 1", "motion.toml, at the top: kind must be"),
-        ("[[segment]\n", "not valid TOML"),
+        ("", "no segment"),
+        ("[[segment]\n", "TOML"),
+        ("[[segment]]\njont = 'ready'", "'jont'"),
+        ("[[segment]]\nline = { xyz = [1, 2] }", "xyz"),
+        ("[[segment]]\ndwell = -1", "dwell"),
+        ("[[segment]]\nscrew = { axis = [0, 0, 1], point = [0, 0, 0] }", "angle"),
+        ("[[segment]]\narc = {}", "arc"),
+        ("[[segment]]\njoint = 'redy'", "'redy'"),
+        ("[[segment]]\njoint = { rpy = [1, 0, 1] }", "xyz"),
+        ("[[segment]]\njoint = { xyz = [1, 0, 1], tolerance = [1, 1, 1, 1, 1, 1] }", "tolerance"),
+        ("[[segment]]\njoint = { xyz = [1, 0, 1], rpy = [0, 0, 0], tolerance = 1 }", "tolerance"),
+        ("[[segment]]\njoint = { xyz = [1, 0, 1], tool_axis = [1, 0, 0] }", "tool_axis"),
+        ("start = { xyz = [1, 0, 1] }\n[[segment]]\ndwell = 1", "start"),
+        ("start = { elbow = 1 }\n[[segment]]\ndwell = 1", "'slide'"),
+        ("limits = { aceleration = 1 }\n[[segment]]\ndwell = 1", "'aceleration'"),
+        ("[[segment]]\nline = 'ready'\njoint = 'ready'", "segment 1"),
+        ("kind = 'fast'\n[[segment]]\ndwell = 1", "kind"),
     ],
 )
-def test_a_file_that_cannot_be_used_is_refused(capsys: Capture, tmp_path: Path, text: str, words: str) -> None:
+def test_a_file_that_cannot_be_used_is_refused(capsys: Capture, tmp_path: Path, text: str, culprit: str) -> None:
     file = tmp_path / "motion.toml"
     file.write_text(text, "utf-8")
-    assert re.search(words, error_of(capsys, "plan", "rover_arm", str(file)))
+    assert culprit in error_of(capsys, "plan", "rover_arm", str(file))
 
 
 def test_each_position_may_have_its_own_direction(capsys: Capture) -> None:

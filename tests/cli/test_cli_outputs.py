@@ -81,9 +81,9 @@ def test_several_kinds_in_one_call(folder: Path, capsys: Capture) -> None:
 
 
 REFUSED = {
-    "a kind nobody knows": ([*PLAN, "-o", "motion.txt"], "or *.yaml or *.h or *.mcap; got motion.txt"),
+    "a kind nobody knows": ([*PLAN, "-o", "motion.txt"], "or *.h or *.mcap; got motion.txt"),
     "a name against its kind": ([*PLAN, "-o", "m.csv", "--format", "json"], "named like a file of kind csv"),
-    "a format nobody knows": ([*PLAN, "-o", "-", "--format", "txt"], "is one of csv, json, yaml, header, mcap"),
+    "a format nobody knows": ([*PLAN, "-o", "-", "--format", "txt"], "is one of csv, json, header, mcap"),
     "two on standard output": ([*PLAN, "-o", "-", "-o", "-"], "gives standard output to one file"),
     "an answer beside it": ([*PLAN, "-o", "-", "--json"], "gives standard output to one file"),
     "a repaired copy without a name": (["doctor", "arm.urdf", "--fix"], "--fix and -o FILE.urdf go together"),

@@ -377,8 +377,8 @@ def test_meshes_and_planes_of_moveit_scenes_are_read_and_saved(
     [
         ("scene.toml", '[[box]]\nname = "t"\n', "box 1: it needs 'size'"),
         ("scene.toml", '[[bax]]\nname = "t"\n', "unknown entry 'bax'"),
-        ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 2]\n', "size must have shape"),
-        ("scene.toml", '[[sphere]]\nname = "t"\nradius = nan\n', "radius must be finite"),
+        ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 2]\n', "box 1: size"),
+        ("scene.toml", '[[sphere]]\nname = "t"\nradius = nan\n', "sphere 1: radius"),
         ("scene.toml", '[[sphere]]\nname = "t"\nradius = 0\n', "size"),
         ("scene.toml", '[[sphere]]\nname = "hand"\nradius = 1\n', "already called 'hand'"),
         ("scene.toml", '[[sphere]]\nname = "t"\nradius = 1\non = "hnd"\n', "hnd"),
@@ -396,7 +396,7 @@ def test_meshes_and_planes_of_moveit_scenes_are_read_and_saved(
         ("a.scene", MESHES_TEXT.replace("4 4", "4 7"), ".scene"),
         ("scene.yaml", "world: {collision_objects: [{id: a, primitives: [{type: cone, dimensions: [1]}]}]}", "cone"),
         ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 1, 1]\nrpy = [0, 0, 90]\n', "degrees = true"),
-        ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 1, 1]\non = ["hand"]\n', "no link"),
+        ("scene.toml", '[[box]]\nname = "t"\nsize = [1, 1, 1]\non = ["hand"]\n', "box 1: on"),
         ("scene.yaml", "world: {collision_objects: [{id: a}]}", "no primitives"),
         ("scene.yaml", "world: {collision_objects: 3}", "at the top"),
         (

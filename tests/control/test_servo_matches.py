@@ -21,7 +21,7 @@ ARMS = ("rover_arm", "so101", "scara", "rr_planar", "rover_arm_6dof", "ur5", "pa
 
 @pytest.fixture(autouse=True)
 def _compiled():
-    if load("rover_arm")._compiled is None:
+    if load("rover_arm").compiled is None:
         pytest.skip("no compiled core; tests/arm/test_engine.py says whether there should be one")
 
 

@@ -33,7 +33,7 @@ REFUSED = {
     "one bound beyond 0": (two_joints(inside=LIMIT.format('lower="1"')), "upper is not written, which is 0"),
     "a soft limit in words": (
         two_joints(inside='<safety_controller soft_lower_limit="low" k_velocity="1"/>'),
-        "soft_lower_limit='low' is not a number",
+        "soft_lower_limit",
     ),
     "a bound beyond all places": (two_joints(inside=LIMIT.format('lower="inf"')), "no place to stand"),
     "a mimic of nothing": (two_joints(inside='<mimic joint="bb"/>'), "arm.urdf:2: joint 'a': it mimics 'bb'"),

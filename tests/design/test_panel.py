@@ -193,7 +193,7 @@ BAD = {
     "no travel": (PRESS.replace("travel", "# travel"), "a press lacks 'travel'"),
     "travel 0": (PRESS.replace("0.003", "0"), "travel must be a positive number; got 0"),
     "millimetres": (PRESS.replace("0.003", "3"), "travel is 3 m, and at most 1 m are allowed: lengths are in metres"),
-    "NaN": (PRESS.replace("0.003", "nan"), "travel must be finite"),
+    "NaN": (PRESS.replace("0.003", "nan"), "task 1: travel"),
     "a text": (PRESS.replace("[0.0, 0.0, 0.0]", '"here"'), "xyz must be"),
     "no direction": (PRESS + "direction = [0, 0, 0]\n", "direction must not be the zero vector"),
     "degrees": (PRESS.replace("press", "turn").replace("travel = 0.003", "angle = 90"), "write degrees = true"),

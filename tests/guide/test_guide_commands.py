@@ -65,8 +65,7 @@ def test_progress_fits_a_terminal_of_80_columns(
     assert run(["guide", "progress", str(tmp_path)]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert all(len(line) <= 80 for line in lines)
-    assert "2_1_1_rotation_matrices" in lines[2]
-    assert "0 of 3" in lines[2]
+    assert any("2_1_1_rotation_matrices" in line and "0 of 3" in line for line in lines)
     assert "fixed for moved axes" in " ".join(lines)
     assert lines[-1] == f"0 of {len(every_exercise())} exercises are right"
 

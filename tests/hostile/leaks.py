@@ -9,8 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from urdf_text import joint
-
-from .sandbox import XMLNS
+from xacro_text import XMLNS
 
 CANARY = "canarytown"
 """The user, and every folder on the way to the arm."""

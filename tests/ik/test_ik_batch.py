@@ -29,7 +29,7 @@ def problems(arm, count, seed=0):
 @pytest.fixture(scope="module")
 def arm():
     arm = load("rover_arm_6dof")
-    if arm._compiled is None:
+    if arm.compiled is None:
         pytest.skip("no compiled core; tests/arm/test_engine.py says whether there should be one")
     return arm
 

@@ -24,7 +24,7 @@ def bare(monkeypatch):
     """The rover arm where nothing was compiled."""
     monkeypatch.setattr("twistarm.arm.engine._found", lambda: (None, HOW))
     arm = load_arm("rover_arm")
-    assert arm._compiled is None
+    assert arm.compiled is None
     return arm
 
 
@@ -129,6 +129,6 @@ def test_more_joints_than_the_core_holds_are_solved_too():
 
     links = [joints.revolute([0, 0, 1] if i % 2 else [0, 1, 0], [0.05 * i, 0, 0]) for i in range(33)]
     arm = arm_from_screws(np.hstack(links), moved(np.eye(4), [1.7, 0, 0]))
-    assert arm._compiled is None
+    assert arm.compiled is None
     target = Position([0.9, 0.3, 0.4])
     assert errors(target, arm.fk(solve_ik(arm, target).require()))[0] <= 1e-6

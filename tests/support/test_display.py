@@ -25,7 +25,7 @@ from twistarm import (
     solve_ik,
     solve_ik_batch,
 )
-from twistarm.calibration import WiringLog
+from twistarm.calibration import Measurements
 
 LONGEST = 240  # three lines of a terminal of 80 columns
 
@@ -42,7 +42,7 @@ def printed() -> list[object]:
     commands = [TwistCommand([0.1, 0, 0, 0, 0, 0]), JogCommand(theta), PoseCommand(g)]
     answers = [solve_ik(arm, targets[1]), solve_ik(arm, Position([9, 0, 0])), solve_ik_batch(arm, targets)]
     parts = [arm.limits, arm.coupling, arm.proof, arm.description, arm.manipulability(theta), motion.sample(0.1)]
-    log = WiringLog(("a", "b"), np.zeros((9, 2)), np.zeros((9, 3)))
+    log = Measurements(np.zeros((9, 2)), np.zeros((9, 3)))
     screw = screws.to_screw([0.1, 0, 0, 0, 0, 1])
     shown = [arm, motion, state, output, check, check.comparisons[0], motors, log, screw]
     return [*shown, *targets, *commands, *answers, *parts]

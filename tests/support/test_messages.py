@@ -5,8 +5,11 @@ from __future__ import annotations
 import pickle
 
 import pytest
+import typer
 
 from twistarm import DescriptionError, TwistarmError
+from twistarm.cli.application import app
+from twistarm.cli.wording import OPTIONS as OPTION_TABLE
 from twistarm.cli.wording import words
 from twistarm.support.messages import Argument, Posture, Quantity, Text, joined, package_folder, plural
 
@@ -62,3 +65,9 @@ def test_values_survive_errors_nesting_and_pickles() -> None:
 def test_counted_nouns() -> None:
     assert [plural(n, "joint") for n in (0, 1, 2)] == ["0 joints", "1 joint", "2 joints"]
     assert plural(2, "axis", "axes") == "2 axes"
+
+
+def test_every_option_that_messages_name_exists() -> None:
+    commands = typer.main.get_command(app).commands.values()  # type: ignore[attr-defined]
+    flags = {flag for command in commands for param in command.params for flag in param.opts}
+    assert {option for option, _ in OPTION_TABLE.values()} <= flags

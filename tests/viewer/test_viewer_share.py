@@ -142,7 +142,7 @@ def test_the_motion_on_show_is_downloaded(arm: Arm, viewer: Viewer, tmp_path: Pa
     motion = swing(arm)
     viewer.play(motion)
     assert viewer.theta.shape == (3,)  # applied
-    writers = {"csv": motion.to_csv, "json": motion.to_json, "yaml": motion.to_yaml, "h": motion.to_header}
+    writers = {"csv": motion.to_csv, "json": motion.to_json, "h": motion.to_header}
     for kind, write in writers.items():
         status, text, headers = get(viewer.url + f"motion.{kind}")
         assert (status, text) == (200, write(tmp_path / f"motion.{kind}").read_text())

@@ -243,7 +243,7 @@ def test_while_a_servo_drives_there_is_no_target() -> None:
 def test_without_the_compiled_core(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("twistarm.arm.engine.core", lambda: None)
     arm = load_arm("rover_arm")
-    assert arm._compiled is None
+    assert arm.compiled is None
     stage = Stage(arm)
     assert aim(stage, "approach", *near(arm))["met"]
     message = aim(stage, "position", [9.0, 0.0, 0.0], [0, 0, 0, 1])

@@ -11,26 +11,23 @@ from fuzz import oracle
 HOSTILE = Path(__file__).parents[1] / "data" / "hostile"
 
 REFUSED = {
-    "cut_in_a_character.urdf": ("xml-malformed", "cut_in_a_character.urdf:2: not well-formed XML: unclosed token"),
-    "digits_of_another_script.urdf": ("number-malformed", "3 finite numbers expected"),
-    "endless_sum.xacro": ("xacro-failed", "name 'sum' is not defined"),
-    "includes_itself.xacro": ("xacro-failed", "an included file refers to itself without end"),
-    "includes_zeros_without_end.xacro": ("file-outside-packages", "/dev/zero lies outside the folders"),
-    "loads_zeros_without_end.xacro": ("file-outside-packages", "/dev/zero lies outside the folders"),
-    "names_of_thousands.urdf": ("name-unusable", "names_of_thousands.urdf:14: joint 'jjj"),
-    "number_beyond_all_numbers.toml": ("companion-unusable", "limits.a.upper must be a number"),
-    "number_beyond_all_numbers.yaml": ("companion-unusable", "max_velocity must be a number"),
-    "source_of_itself.toml": ("xml-malformed", "is it a URDF, xacro or MJCF file, and whole?"),
-    "tower_of_powers.xacro": ("xacro-failed", "a whole number of more than 10000 bits"),
-    "two_of_everything.urdf": (
-        "xml-malformed",
-        "two_of_everything.urdf:14: not well-formed XML: junk after document element",
-    ),
-    "unit_after_a_limit.yaml": ("companion-unusable", "could not convert string to float: '9e'"),
-    "value_of_a_module.xacro": ("xacro-expression-refused", "a namespace is no value, nor text"),
-    "zero_bytes.urdf": ("xml-malformed", "zero_bytes.urdf:6"),
+    "cut_in_a_character.urdf": "xml-malformed",
+    "digits_of_another_script.urdf": "number-malformed",
+    "endless_sum.xacro": "xacro-failed",
+    "includes_itself.xacro": "xacro-failed",
+    "includes_zeros_without_end.xacro": "file-outside-packages",
+    "loads_zeros_without_end.xacro": "file-outside-packages",
+    "names_of_thousands.urdf": "name-unusable",
+    "number_beyond_all_numbers.toml": "companion-unusable",
+    "number_beyond_all_numbers.yaml": "companion-unusable",
+    "source_of_itself.toml": "xml-malformed",
+    "tower_of_powers.xacro": "xacro-failed",
+    "two_of_everything.urdf": "xml-malformed",
+    "unit_after_a_limit.yaml": "companion-unusable",
+    "value_of_a_module.xacro": "xacro-expression-refused",
+    "zero_bytes.urdf": "xml-malformed",
 }
-"""The code of the refusal and words of its message."""
+"""The code of the refusal."""
 
 LOADED = {
     "arm_for_limits.urdf": (),
@@ -76,9 +73,7 @@ def judged(name: str) -> dict:
 def test_refused_in_one_line(name: str, capfd: pytest.CaptureFixture[str]) -> None:
     verdict = judged(name)
     assert (verdict["outcome"], verdict["problems"]) == ("refused", [])
-    code, words = REFUSED[name]
-    assert verdict["code"] == code
-    assert words in verdict["message"]
+    assert verdict["code"] == REFUSED[name]
     assert capfd.readouterr() == ("", "")
 
 

@@ -227,7 +227,7 @@ class Arm:
         return PinocchioModel(self.description, self.couplings, self.joint_names, self.moving_names)
 
     @cached_property
-    def _compiled(self) -> engine.Chain | None:
+    def compiled(self) -> engine.Chain | None:
         """The arm in the compiled core; None without a core (`engine.why_not()`) or for more than 32 joints."""
         bounds = self.limits.lower, self.limits.upper
         numbers = self.screws, self.home, self.coupling.A
@@ -235,14 +235,14 @@ class Arm:
 
     def _core(self, what: str) -> engine.Chain:
         """The arm in the compiled core. Without it raise TwistarmError, which names `what` and the remedy."""
-        if self._compiled is None:
-            raise TwistarmError(f"{what} needs the compiled core: {self._why_not_compiled}")
-        return self._compiled
+        if self.compiled is None:
+            raise TwistarmError(f"{what} needs the compiled core: {self.why_not_compiled}")
+        return self.compiled
 
     @property
-    def _why_not_compiled(self) -> str:
+    def why_not_compiled(self) -> str:
         """Why the arm is not in the compiled core; empty if it is."""
-        if self._compiled is not None:
+        if self.compiled is not None:
             return ""
         count = max(self.coupling.A.shape)
         return engine.why_not() or f"its chains have at most {engine.MOST_JOINTS} joints; {self.name} has {count}"
@@ -257,7 +257,7 @@ class Arm:
     @cached_property
     def _kinematics(self) -> engine.Chain | ByExponentials | ByPinocchio:
         """The engine of `fk` and the Jacobians: the compiled core if it has the arm."""
-        return self._readable if self._compiled is None else self._compiled
+        return self._readable if self.compiled is None else self.compiled
 
     def by_pinocchio(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
         """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, independent of the engine of `fk`."""
@@ -370,9 +370,9 @@ class Arm:
         scale = self.reach if length is None else as_number(length, "length")
         if not scale > 0:
             raise InputError(f"length must be positive, in metres; got {scale:g}")
-        x, unit = self._asked_at(theta), np.where(self._prismatic, scale, 1.0)
+        x, unit = self._asked_at(theta), np.where(self.prismatic, scale, 1.0)
         return manipulability_of(
-            self.body_jacobian(x), self._prismatic, scale,
+            self.body_jacobian(x), self.prismatic, scale,
             lambda index, steps: self.body_jacobian(x[index] + steps * unit),
         )  # fmt: skip
 
@@ -600,7 +600,8 @@ class Arm:
         return f"baked without its description (load {self.source!r} for that)"
 
     @property
-    def _prismatic(self) -> Array:
+    def prismatic(self) -> Array:
+        """Marks (n,) the coordinates that are lengths."""
         return np.array([slides(kind) for kind in self.joint_types])
 
     def _identity(self, theta: ArrayLike) -> Array:
@@ -609,7 +610,7 @@ class Arm:
 
     def _asked(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
         """`kernel` of theta. If the core does not take theta as given, `_each` converts it."""
-        answer = kernel(theta) if self._compiled is not None else None
+        answer = kernel(theta) if self.compiled is not None else None
         return self._each(kernel, theta, shape) if answer is None else answer
 
     def _each(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:

@@ -8,17 +8,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
+from ..description.coupling import Affine
+from ..description.tree import Description
 from ..support.checks import Array
 from ..theory import poe
 from ..theory.screws import adjoint, inverse
 from .pinocchio_model import PinocchioModel
-
-if TYPE_CHECKING:
-    from .arm import Arm
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +71,27 @@ class ByPinocchio:
         return g @ self._tool, self._action @ J
 
 
-def walked_poses(arm: Arm, theta: Array, others: Mapping[str, float] = MappingProxyType({})) -> dict[str, Array]:
+class Tree(Protocol):
+    """What the walk along a tree of joints needs of an arm."""
+
+    @property
+    def base(self) -> str:
+        """The base link."""
+
+    @property
+    def description(self) -> Description | None:
+        """The links and joints."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The coordinates, base to tip."""
+
+    @property
+    def couplings(self) -> Mapping[str, Affine]:
+        """Each moving joint by its master."""
+
+
+def walked_poses(arm: Tree, theta: Array, others: Mapping[str, float] = MappingProxyType({})) -> dict[str, Array]:
     """Every link's pose (N, 4, 4) in the base frame by the joints' exponentials along the tree, theta (N, n)."""
     assert arm.description is not None
     poses = arm.description.link_poses(joint_values(arm, theta, others))
@@ -80,7 +99,7 @@ def walked_poses(arm: Arm, theta: Array, others: Mapping[str, float] = MappingPr
     return {link: np.array(np.broadcast_to(back @ g, (len(theta), 4, 4))) for link, g in poses.items()}
 
 
-def joint_values(arm: Arm, theta: Array, others: Mapping[str, float] = MappingProxyType({})) -> dict[str, Array]:
+def joint_values(arm: Tree, theta: Array, others: Mapping[str, float] = MappingProxyType({})) -> dict[str, Array]:
     """The value (N,) of every moving joint of the description; joints outside the chain are at `others`, or 0."""
     columns = {name: theta[:, i] for i, name in enumerate(arm.joint_names)}
     columns |= {name: np.full(len(theta), value) for name, value in others.items()}

@@ -3,29 +3,29 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, as_flag, as_positive, as_theta, require, require_callback, require_choice
+from ..support.checks import Array, as_flag, as_positive, as_theta, require, require_choice
 from ..support.errors import InputError, listed
 from ..support.errors import shown as brief
 from ..theory.screws import exp
 from .calibration import Calibration, Estimate
 from .geometry import Geometry
+from .log_checks import doubts, faults_of, refuse_unusable
 from .measurements import Bools, Measurements, Rows, joined, read_measurements
-from .problem import LOUD, MOST_STD, Problem, descend, shown, started
-from .suspicions import doubts, refuse_unusable, suspicions
+from .problem import LOUD, MOST_STD, Problem, descend, observable, started
 
 Frame = Literal["fit", "held"]
 Log = Measurements | str | os.PathLike[str]
 
 FOLDS, BLOCK = 5, 0.2
-FIRST, BEFORE_AXES = 30.0, 3.0
-"""How much rather the log is explained by base, tool and places, and by zeros, than by moved axes."""
+USUAL = {"zero": 0.2, "shift": 0.002, "tilt": 0.01, "scale": 0.1, "eccentricity": 0.1}
+"""How far joints are out as a rule [m, rad, 1]: what the fit knows before the log."""
 
 
 def calibrate(
@@ -41,15 +41,14 @@ def calibrate(
     scales: bool = False,
     eccentricity: bool = False,
     robust: bool = True,
-    foreseen: Callable[[tuple[Estimate, ...]], object] | None = None,
 ) -> Calibration:
     """Fit an arm's axes and joint zeros to measurements of its tool, with base and tool beside them.
 
     The model is `geometry.Geometry`, a local product of exponentials. Each turning joint has 4 parameters and each
     slide 2; base and tool have 6 each. Zeros, scales and eccentricities come on top. A parameter that the log does
-    not show beside those before it is held at 0 and told: base and tool come first, then zeros, then axes from the
-    base outward. So no number is redundant. The choice follows from the nominal arm and the rows' configurations.
-    Without positions or poses the base is the arm's own.
+    not show beside the others is held at 0 and named. Base and tool come first, then zeros, then axes: first what
+    would show most if it were out by its usual size. The choice follows from the nominal arm and the rows'
+    configurations. Without positions or poses the base is the arm's own.
 
     Args:
         arm: The nominal arm.
@@ -64,7 +63,6 @@ def calibrate(
         scales: Fit a scale of each joint's drive too.
         eccentricity: Fit sine and cosine of each joint's angle too, as an eccentric gear gives.
         robust: Weigh outliers down (Cauchy's loss).
-        foreseen: Called before the fit with all parameters: which of them this log shows, and their deviations.
 
     Returns:
         The `Calibration`.
@@ -73,26 +71,23 @@ def calibrate(
         InputError: The log is unusable: too few rows, angles in degrees, positions in millimetres.
     """
     require_arm(arm)
-    require_callback(foreseen, "foreseen", "(estimates)")
     for choice, name in ((base, "base"), (tool, "tool")):
         require_choice(choice, ("fit", "held"), name)
     log = _read(arm, measurements)
     geometry = Geometry(arm, np.eye(4), np.eye(4), as_flag(scales, "scales"), as_flag(eccentricity, "eccentricity"))
     noise = as_positive(position_noise, "position_noise"), as_positive(orientation_noise, "orientation_noise")
     known, apart = _distances(distances, log), as_positive(distance_noise, "distance_noise")
-    problem, _ = Problem(geometry, log, noise, known, apart).placed()
+    usual = [0.0] * 12 + [1.0 / USUAL[each.what.split()[0]] for each in geometry.parameters[12:]]
+    problem, _ = Problem(geometry, log, noise, np.array(usual), known, apart).placed()
     fitted = _fitted(problem, base == "fit", tool == "fit")
     said = refuse_unusable(problem, fitted)
     problem, q = started(problem, bool(fitted[:6].any()), fitted[6:12])
-    weights = np.ones(len(log.theta))
     seen = _shown(problem, q, fitted)
-    if foreseen is not None:
-        foreseen(_estimates(problem, q, seen, _covariance(problem, q, seen, weights)))
     frames = seen.copy()
     frames[12 : problem.P] = False
     first = descend(problem, q, frames, robust=as_flag(robust, "robust"))[0]
     q, weights = descend(problem, first, seen, robust=robust)
-    faults = suspicions(problem, q, first)
+    faults = faults_of(problem, q, first)
     held = {"folds": (np.inf, np.inf), "block": (np.inf, np.inf)}
     if not faults:
         said = (*said, *doubts(problem, q, seen))
@@ -134,13 +129,12 @@ def _fitted(problem: Problem, base: bool, tool: bool) -> Bools:
 
 def _shown(problem: Problem, q: Array, fitted: Bools) -> Bools:
     """The unknowns (Q,) that the log shows: places, base and tool rather than zeros, and zeros rather than axes."""
-    order = np.full(len(q), FIRST) * fitted
-    order[12 : problem.P] /= FIRST
-    order[12 : 12 + problem.geometry.arm.n] *= BEFORE_AXES
+    usual = np.ones(len(q))
+    usual[12 : problem.P] /= problem.usual[12:]
     most = np.array([MOST_STD[parameter.unit] for parameter in problem.parameters])
     seen, ones = fitted, np.ones(len(problem.log.theta))
-    for met in (False, True):  # the one shows what is the tool's as well, the other what is the base's as well
-        seen = shown(problem.slopes(q, ones, met=met)[: -len(q)], order * seen, most)
+    for resting in (False, True):  # the one shows what is the tool's as well, the other what is the base's as well
+        seen = observable(problem.slopes(q, ones, resting=resting)[: -problem.P], usual * seen, most)
     return seen
 
 
@@ -156,12 +150,9 @@ def _parts(problem: Problem) -> tuple[tuple[str, list[Rows]], ...]:
     """
     K, located = len(problem.log.theta), problem.log.located
     fold = np.random.default_rng(0).permutation(K) % min(FOLDS, K)
-    group = np.arange(len(problem.places))
-    for a, b in problem.distances:
-        i, j = problem.places.index(("point", a)), problem.places.index(("point", b))
-        group[group == group[j]] = group[i]
-    if not located.any() and len(np.unique(group)) > 1:
-        fold = np.unique(group, return_inverse=True)[1][problem.place] % FOLDS
+    placements, of_row = np.unique(problem.placements, return_inverse=True)
+    if not located.any() and len(placements) > 1:
+        fold = of_row % FOLDS
     where = problem.log.position if located.all() else problem.log.theta
     along = where @ np.linalg.svd(where - where.mean(axis=0), full_matrices=False)[2][0]
     far = np.flatnonzero(along > np.quantile(along, 1.0 - BLOCK))

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..arm.arm import Arm
 from ..collision.scene import Scene, require_scene
-from ..support.checks import Array, as_theta
+from ..support.checks import Array, as_flag, as_theta
 from ..support.display import told
 from ..support.errors import InputError
 from ..theory.rotations import skew
@@ -21,6 +21,9 @@ from .problem import Problem
 
 SURE = 0.95
 """The share of the error of base and tool alone that the corrected arm must stay below, on rows not fitted."""
+
+ELSEWHERE = 5.0
+"""An expected error so many times that of rows left out shows that the log is from few places."""
 
 CANDIDATES = 1000
 
@@ -78,23 +81,39 @@ class Calibration:
     def __repr__(self) -> str:
         return told("Calibration", {"arm": self.arm.name, "held_out": self.held_out, "confirmed": self.confirmed})
 
-    @property
-    def confirmed(self) -> bool:
-        """Rows that were not fitted confirm the correction, and the log has no faults."""
+    @cached_property
+    def confirmed_here(self) -> bool:
+        """Rows that were not fitted confirm the correction where the log was taken, and the log has no faults."""
         return not self.faults and self.held_out < SURE * self.held_out_before
+
+    @cached_property
+    def confirmed(self) -> bool:
+        """Rows that were not fitted confirm the correction, also elsewhere in reach.
+
+        Not so from one placement of points, a plane or a wire: its place is fitted too, so rows left out only show that
+        the tool stood still. Nor from positions so near each other that more than `ELSEWHERE` times their error, or
+        their noise, is expected elsewhere.
+        """
+        if self.problem.log.located.any():
+            noise = float(np.median(self.problem.sigma))
+            return self.confirmed_here and self.expected <= ELSEWHERE * max(self.held_out, noise)
+        return self.confirmed_here and len(np.unique(self.problem.placements)) > 1
 
     @property
     def why_not(self) -> str:
         """Why the correction is not confirmed; empty if it is."""
-        if self.faults:
-            return self.faults[0]
         left, before = 1000 * self.held_out, 1000 * self.held_out_before
-        why = f"rows left out of the fit keep {left:.3g} mm, and {before:.3g} mm without it: measure more, or better"
-        return "" if self.confirmed else why
+        if self.faults or self.confirmed:
+            return "".join(self.faults[:1])
+        if self.confirmed_here:
+            return (
+                f"rows left out keep {left:.3g} mm, but all are from one place: measure at others, as --next names them"
+            )
+        return f"rows left out of the fit keep {left:.3g} mm, and {before:.3g} mm without it: measure more, or better"
 
-    def require(self) -> Calibration:
-        """Itself, or InputError where the correction is not confirmed."""
-        if not self.confirmed:
+    def require(self, *, here: bool = False) -> Calibration:
+        """Itself, or InputError if the correction is not confirmed; with `here`, where the log was taken is enough."""
+        if not (self.confirmed or (as_flag(here, "here") and self.confirmed_here)):
             raise InputError(self.why_not)
         return self
 
@@ -192,8 +211,8 @@ class Calibration:
     def _slopes(self, theta: Array) -> Array:
         """The derivatives (N, 3, P) of the tool's positions by the parameters."""
         geometry, p = self.problem.geometry, self.unknowns[: self.problem.P]
-        V = geometry.twists(p, theta)
-        return np.asarray(V[:, :3] - skew(geometry.poses(p, theta)[:, :3, 3]) @ V[:, 3:])
+        g, V = geometry.twists(p, theta)
+        return np.asarray(V[:, :3] - skew(g[:, :3, 3]) @ V[:, 3:])
 
 
 def _amount(value: float, unit: str) -> str:

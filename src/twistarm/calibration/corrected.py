@@ -21,18 +21,23 @@ SAME = 1e-9
 """[m, rad] that the arm of the copy may differ from the corrected one: 16 digits of angles leave less."""
 
 
-def corrected_urdf(calibration: Calibration, *, zeros: bool = True) -> str:
+def corrected_urdf(calibration: Calibration, *, zeros: bool = True, here: bool = False) -> str:
     """The text of the arm's URDF with corrected joint origins; that of a xacro file is expanded.
 
     With `zeros` the joints' zeros are in the origins too, so commands stay as they are; without, they belong into
     arm.toml (`Calibration.motor_offsets`). Base and tool of the measurement are not part of it. The copy is read
-    again, and its screws and home must be the corrected ones.
+    again, and its screws and home must be the corrected ones. With `here` a correction will do that is confirmed only
+    where the log was taken (`Calibration.confirmed_here`).
 
     Raises:
         InputError: The correction is not confirmed, the arm has no description, or joints moved that have no origin
             of their own.
     """
-    arm = require(calibration, Calibration, "calibration", "as calibrate makes it").require().problem.geometry.arm
+    arm = (
+        require(calibration, Calibration, "calibration", "as calibrate makes it")
+        .require(here=here)
+        .problem.geometry.arm
+    )
     if arm.description is None:
         raise InputError(f"{arm.name} has no description: load its URDF, not a baked file or screws")
     p = calibration.unknowns[: calibration.problem.P].copy()

@@ -1,4 +1,4 @@
-"""The local product of exponentials of an arm whose joints stand a little elsewhere, with its derivatives."""
+"""The model of calibration and wiring: an arm whose joints and motors are a little out, with its derivatives."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ from ..theory.rotations import skew
 from ..theory.screws import adjoint_of, exp, inverse_of, to_screw
 
 AXES = ("x", "y", "z")
+OF_A_TURN, OF_A_SLIDE = ("shift x", "shift y", "tilt x", "tilt y"), ("tilt x", "tilt y")
+"""How an axis moves across itself: a slide has a direction and no place."""
 
 
 class Parameter(NamedTuple):
@@ -32,11 +34,12 @@ class Parameter(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """g(θ) = B e^b (Π F_i e^{d_i} e^{t_i x_i} F_i⁻¹) M T e^a, with x = A (θ + s θ + z + e_s sin θ + e_c cos θ).
+    """g(y) = B e^b (Π F_i e^{d_i} e^{t_i x_i} F_i⁻¹) M T e^a, with x = A P (y + s y + z + e_s sin y + e_c cos y).
 
-    F_i (m, 4, 4) stands on the axis of joint i with z along it. d_i moves and tilts the axis across itself: 4 numbers
-    of a turning joint, 2 tilts of a slide. Chen, Yang & Tan 2001; Okamura & Park 1996. `base` B and `tool` T are
-    starting values. `parameters` are b, a, z, d, s, e in this order.
+    y are the commanded joints, P = 1; or with `drive` P (n, k) the readings of the arm's k motors from their configured
+    zeros. F_i (m, 4, 4) stands on the axis of joint i with z along it. With `axes`, d_i moves and tilts the axis across
+    itself: 4 numbers of a turning joint, 2 tilts of a slide. Chen, Yang & Tan 2001; Okamura & Park 1996. `base` B and
+    `tool` T are starting values. `parameters` are b, a, z, d, s, e in this order.
     """
 
     arm: Arm
@@ -44,26 +47,36 @@ class Geometry:
     tool: Array
     scales: bool = False
     eccentric: bool = False
+    axes: bool = True
+    drive: Array | None = None
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """All parameters of the model, also those that no log can show together."""
+        arm, motors = self.arm, self.arm.actuators
+        drives = list(zip(arm.joint_names, arm.units, strict=True))
+        if self.drive is not None and motors is not None:
+            drives = list(zip(motors.names, motors.motor_units, strict=True))
         frames = [
             Parameter(owner, f"{what} {axis}", unit)
             for owner in ("base", "tool")
             for what, unit in (("shift", "m"), ("turn", "rad"))
             for axis in AXES
         ]
-        units = dict(zip(self.arm.joint_names, self.arm.units, strict=True))
-        zeros = [Parameter(name, "zero", unit) for name, unit in units.items()]
         axes = [
             Parameter(name, what, "m" if what.startswith("shift") else "rad")
-            for i, name in enumerate(self._owners)
-            for what in ("shift x", "shift y", "tilt x", "tilt y")[2 * bool(self._sliding[i]) :]
+            for name, slides in zip(self._owners, self._sliding, strict=True)
+            for what in (OF_A_SLIDE if slides else OF_A_TURN)
         ]
-        scales = [Parameter(name, "scale", "1") for name in units] if self.scales else []
-        waves = [Parameter(n, f"eccentricity {f}", u) for f in ("sin", "cos") for n, u in units.items()]
-        return tuple(frames + zeros + axes + scales + (waves if self.eccentric else []))
+        zeros = [Parameter(name, "zero", unit) for name, unit in drives]
+        scales = [Parameter(name, "scale", "1") for name, _ in drives]
+        waves = [Parameter(name, f"eccentricity {f}", unit) for f in ("sin", "cos") for name, unit in drives]
+        return (*frames, *zeros, *axes * self.axes, *scales * self.scales, *waves * self.eccentric)
+
+    @property
+    def k(self) -> int:
+        """How many zeros there are: one for each joint, or each motor."""
+        return self.arm.n if self.drive is None else self.drive.shape[1]
 
     @property
     def _owners(self) -> tuple[str, ...]:
@@ -71,7 +84,7 @@ class Geometry:
         names, m = self.arm.moving_names, self.arm.screws.shape[1]
         return names if len(names) == m else tuple(f"screw {i + 1}" for i in range(m))
 
-    @property
+    @cached_property
     def _sliding(self) -> NDArray[np.bool_]:
         v, w = np.linalg.norm(self.arm.screws.reshape(2, 3, -1), axis=1)
         return np.asarray(w < 1e-12 * v)
@@ -88,54 +101,64 @@ class Geometry:
         return places
 
     def split(self, p: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
-        """b (6,), a (6,), z (n,), d (m, 6), s (n,), e (2, n) of parameters (P,)."""
-        n, across = self.arm.n, self._across
-        b, a, z, axes, s, e = np.split(p, np.cumsum([6, 6, n, across.sum(), n * self.scales]))
+        """b (6,), a (6,), z (k,), d (m, 6), s (k,), e (2, k) of parameters (P,)."""
+        k, across = self.k, self._across
+        b, a, z, axes, s, e = np.split(p, np.cumsum([6, 6, k, across.sum() * self.axes, k * self.scales]))
         d = np.zeros(across.shape)
-        d[across] = axes
-        return b, a, z, d, s if self.scales else np.zeros(n), e.reshape(2, n) if self.eccentric else np.zeros((2, n))
+        if self.axes:
+            d[across] = axes
+        return b, a, z, d, s if self.scales else np.zeros(k), e.reshape(2, k) if self.eccentric else np.zeros((2, k))
 
-    @property
+    @cached_property
     def _across(self) -> NDArray[np.bool_]:
         """The components (m, 6) of d that move the axis across itself."""
         across = np.zeros((len(self._sliding), 6), dtype=bool)
         across[:, :2], across[:, 3:5] = ~self._sliding[:, None], True
         return across
 
-    def joints(self, p: Array, theta: Array) -> Array:
-        """The joints' values (K, n) for commanded theta (K, n)."""
+    def joints(self, p: Array, y: Array) -> Array:
+        """The joints' values (K, n) for commanded joints, or readings of motors, y (K, k)."""
         _, _, z, _, s, e = self.split(p)
-        return theta * (1.0 + s) + z + e[0] * np.sin(theta) + e[1] * np.cos(theta)
+        driven = y * (1.0 + s) + z + e[0] * np.sin(y) + e[1] * np.cos(y)
+        return driven if self.drive is None else driven @ self.drive.T
 
-    def poses(self, p: Array, theta: Array) -> Array:
+    def poses(self, p: Array, y: Array) -> Array:
         """The tool (K, 4, 4) seen from the frame of the measurements."""
         b, a, _, d, _, _ = self.split(p)
-        D, S = self._moved(d)
-        products = motions(S, self.joints(p, theta) @ self.arm.coupling.A.T)
-        return self.base @ exp(b) @ products[:, -1] @ D[-1] @ self.arm.home @ self.tool @ exp(a)
+        theta = self.joints(p, y)
+        if self.axes:
+            D, S = self._moved(d)
+            g = motions(S, theta @ self.arm.coupling.A.T)[:, -1] @ D[-1] @ self.arm.home
+        else:
+            g = self.arm.fk(theta)
+        return self.base @ _motion(b) @ g @ self.tool @ _motion(a)
 
-    def twists(self, p: Array, theta: Array) -> Array:
-        """The spatial twists (K, 6, P) of the tool by each parameter."""
+    def twists(self, p: Array, y: Array) -> tuple[Array, Array]:
+        """`poses`, and the spatial twists (K, 6, P) of the tool by each parameter."""
         b, a, _, d, _, _ = self.split(p)
-        D, S = self._moved(d)
-        A, F, K = self.arm.coupling.A, self.places, len(theta)
-        products = motions(S, self.joints(p, theta) @ A.T)
-        J = columns(products, S) @ A
-        # d_i moves what follows; the joints before it carry that.
-        across = [adjoint_of(D[i] @ F[i] @ exp(d[i])) @ _right_jacobian(d[i]) for i in range(len(F))]
-        owner, component = np.nonzero(self._across)
-        before = np.concatenate([np.broadcast_to(np.eye(4), (K, 1, 4, 4)), products[:, :-1]], axis=1)
-        parts = [J, columns(before[:, owner], np.array(across)[owner, :, component].T)]
+        theta, base = self.joints(p, y), self.base @ _motion(b)
+        if self.axes:
+            D, S = self._moved(d)
+            A, F = self.arm.coupling.A, self.places
+            products = motions(S, theta @ A.T)
+            g, J = products[:, -1] @ D[-1] @ self.arm.home, columns(products, S) @ A
+            # d_i moves what follows; the joints before it carry that.
+            across = [adjoint_of(D[i] @ F[i] @ exp(d[i])) @ _right_jacobian(d[i]) for i in range(len(F))]
+            owner, component = np.nonzero(self._across)
+            before = np.concatenate([np.broadcast_to(np.eye(4), (len(y), 1, 4, 4)), products[:, :-1]], axis=1)
+            moved = [columns(before[:, owner], np.array(across)[owner, :, component].T)]
+        else:
+            g, J, moved = self.arm.fk(theta), self.arm.spatial_jacobian(theta), []
+        g = base @ g @ self.tool @ _motion(a)
+        J = J if self.drive is None else J @ self.drive
+        parts = [J, *moved]
         if self.scales:
-            parts.append(J * theta[:, None])
+            parts.append(J * y[:, None])
         if self.eccentric:
-            parts += [J * np.sin(theta)[:, None], J * np.cos(theta)[:, None]]
-        base = adjoint_of(self.base @ exp(b))
-        first = np.broadcast_to(base @ _right_jacobian(b), (K, 6, 6))
-        return np.concatenate(
-            [first, adjoint_of(self.poses(p, theta)) @ _right_jacobian(a), base @ np.concatenate(parts, axis=-1)],
-            axis=-1,
-        )
+            parts += [J * np.sin(y)[:, None], J * np.cos(y)[:, None]]
+        first = np.broadcast_to(adjoint_of(base) @ _right_jacobian(b), (len(y), 6, 6))
+        last = adjoint_of(g) @ _right_jacobian(a)
+        return g, np.concatenate([first, last, adjoint_of(base) @ np.concatenate(parts, axis=-1)], axis=-1)
 
     def _moved(self, d: Array) -> tuple[Array, Array]:
         """D (m + 1, 4, 4), the displacement of all that follows i axes, and the screws (6, m) moved by them."""
@@ -158,8 +181,15 @@ class Geometry:
         return self.places @ exp(d) @ inverse_of(self.places) @ zeros
 
 
+def _motion(xi: Array) -> Array:
+    """e^ξ (4, 4); most fits hold base or tool at 0, where `exp` would take most of the time."""
+    return exp(xi) if xi.any() else np.eye(4)
+
+
 def _right_jacobian(xi: Array) -> Array:
     """J (6, 6) with e^{ξ + δ} = e^ξ e^{J δ}: I − ad/2 + ad²/6, for small ξ. Chirikjian 2011, §10.7."""
+    if not xi.any():
+        return np.eye(6)
     ad = np.zeros((6, 6))
     ad[:3, :3] = ad[3:, 3:] = skew(xi[3:])
     ad[:3, 3:] = skew(xi[:3])

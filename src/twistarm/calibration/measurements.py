@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,15 +11,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import Array, as_reals, frozen, require_names
+from ..limits.actuators import Actuators
+from ..support.checks import Array, as_flag, as_reals, frozen, require_names
+from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ..support.display import Brief
-from ..support.errors import InputError
+from ..support.errors import InputError, closest, listed
 from ..support.files import as_path
-from ..support.units import UNITS
-from .columns import POSITION, ROTATION, read_columns
+from ..support.units import UNITS, column
+from ..theory.rotations import from_xyzw
 
 Bools = NDArray[np.bool_]
 Rows = NDArray[np.intp]
+
+BOUNDS = Bounds(bytes=10_000_000, lines=100_000)
+"""A row has some 150 bytes; a camera's half hour at 30 Hz is 8 MB."""
+
+POSITION, ROTATION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
+
+UNIT_LENGTH_TOL = 0.01
+"""A logged quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
+
+Units = Mapping[str, Mapping[str, float]]
+"""The columns that a log may have, and the units of each with their factors; the first is meant without brackets."""
 
 NUMBERS = {"position": (3,), "rotation": (3, 3), "length": (), "noise": ()}
 NAMES = ("point", "plane", "wire")
@@ -33,6 +46,8 @@ def _none() -> Array:
 class Measurements(Brief):
     """K rows: commanded `theta` (K, n) [rad, m], and what was measured of the tool's origin at each.
 
+    For `check_wiring`, `theta` (K, k) are the counts of the arm's k motors, each in its drive's unit.
+
     `position` (K, 3) [m] and `rotation` (K, 3, 3) are seen from the measuring device. A row of NaN: not measured.
     `point`, `plane` and `wire` (K,) name a point that the tool rested on, a plane that it touched, or the anchor of a
     wire of `length` (K,) [m]; "": none. Their places are unknown. `noise` (K,) [m] is the standard deviation of each
@@ -43,12 +58,12 @@ class Measurements(Brief):
     theta: Array
     position: Array = field(default_factory=_none)
     rotation: Array = field(default_factory=_none)
-    point: Sequence[str] = ()
-    plane: Sequence[str] = ()
-    wire: Sequence[str] = ()
+    point: Sequence[str] = field(default=(), repr=False)
+    plane: Sequence[str] = field(default=(), repr=False)
+    wire: Sequence[str] = field(default=(), repr=False)
     length: Array = field(default_factory=_none)
     noise: Array = field(default_factory=_none)
-    label: Sequence[str] = ()
+    label: Sequence[str] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
         theta = as_reals(self.theta, "theta")
@@ -104,30 +119,79 @@ def _made(columns: dict[str, Array]) -> Measurements:
     return Measurements(**parts)
 
 
-def read_measurements(path: str | os.PathLike[str], arm: Arm) -> Measurements:
+def read_measurements(path: str | os.PathLike[str], arm: Arm, *, counts: bool = False) -> Measurements:
     """Read measurements from CSV. The first line names the columns, in any order.
 
-    The joints' names [rad, m]; x, y, z and qx, qy, qz, qw; point, plane, wire and length; noise. A unit may follow in
-    brackets, as `elbow [deg]` or `x [mm]`. An empty cell is not measured. Lines with # are comments. Raises InputError
-    with the line for an unknown, missing or invalid column or cell.
+    The joints' names [rad, m], or with `counts` those of the motors, in each drive's own unit; x, y, z and qx, qy, qz,
+    qw; point, plane, wire and length; noise. A unit may follow in brackets, as `elbow [deg]` or `x [mm]`. An empty cell
+    is not measured. Lines with # are comments. Raises InputError with the line for an unknown, missing or invalid
+    column or cell.
     """
-    lengths = dict.fromkeys((*POSITION, "length", "noise"), "m")
-    kinds = (
-        dict(zip(require_arm(arm).joint_names, arm.units, strict=True))
-        | lengths
-        | dict.fromkeys((*ROTATION, *NAMES), "1")
-    )
-    columns = read_columns(path, {name: UNITS[unit] for name, unit in kinds.items()}, arm.joint_names)
-    if not columns.rows:
-        raise InputError(f"{columns.file}: no rows below the names of the columns")
-    parts: dict[str, Any] = {name: columns.texts(name) for name in NAMES if name in columns}
-    if any(name in columns for name in POSITION):
-        parts["position"] = columns.numbers(POSITION, empty=True)
-    if any(name in columns for name in ROTATION):
-        parts["rotation"] = columns.rotations()
-    parts |= {name: columns.numbers([name], empty=True)[:, 0] for name in ("length", "noise") if name in columns}
-    label = [f"{as_path(path).name}:{row.line}" for row in columns.rows]
-    return Measurements(columns.numbers(arm.joint_names), **parts, label=label)
+    units = {name: UNITS[unit] for name, unit in zip(require_arm(arm).joint_names, arm.units, strict=True)}
+    if as_flag(counts, "counts"):
+        motors = require_motors(arm)
+        units = {name: {unit: 1.0} for name, unit in zip(motors.names, motors.units, strict=True)}
+    commanded = tuple(units)
+    units |= dict.fromkeys((*POSITION, "length", "noise"), UNITS["m"]) | dict.fromkeys((*ROTATION, *NAMES), UNITS["1"])
+    file = as_path(path)
+    rows = list(csv_rows(csv_lines(file, BOUNDS), str(file)))
+    if len(rows) < 2:
+        raise InputError(f"{file}: no rows; the first line names the columns, {', '.join(commanded)} among them")
+    header = rows.pop(0)
+    at = _columns(header, units, commanded, f"{file}, line {header.line}")
+
+    def numbers(names: Sequence[str], *, empty: bool = True) -> Array:
+        """The columns (K, len(names)) in SI units; with `empty`, NaN for rows where all their cells are empty."""
+        if not set(names) <= at.keys():
+            raise InputError(f"{file}: the columns {', '.join(names)} belong together; give all of them, or none")
+        columns, factors = zip(*(at[name] for name in names), strict=True)
+        values = np.full((len(rows), len(names)), np.nan)
+        for k, row in enumerate(rows):
+            if not empty or len(row.cells) != len(at) or any(row.cells[i].strip() for i in columns):
+                values[k] = row.numbers(columns, len(at), str(file))
+        return np.asarray(values * factors)
+
+    theta = numbers(commanded, empty=False)
+    parts: dict[str, Any] = {name: [row.cells[at[name][0]].strip() for row in rows] for name in NAMES if name in at}
+    parts |= {name: numbers([name])[:, 0] for name in ("length", "noise") if name in at}
+    if at.keys() & set(POSITION):
+        parts["position"] = numbers(POSITION)
+    if at.keys() & set(ROTATION):
+        quaternions = numbers(ROTATION)
+        for row, length in zip(rows, np.linalg.norm(quaternions, axis=-1), strict=True):
+            if abs(length - 1.0) > UNIT_LENGTH_TOL:
+                raise InputError(f"{file}, line {row.line}: qx qy qz qw must be of length 1; got {length:.3g}")
+        parts["rotation"], some = np.full((len(rows), 3, 3), np.nan), np.isfinite(quaternions).all(axis=1)
+        parts["rotation"][some] = from_xyzw(quaternions[some])
+    return Measurements(theta, **parts, label=[f"{file.name}:{row.line}" for row in rows])
+
+
+def _columns(header: Row, units: Units, needed: Sequence[str], place: str) -> dict[str, tuple[int, float]]:
+    """{name: its number and the factor of its unit} of the first line."""
+    at: dict[str, tuple[int, float]] = {}
+    allowed = f"the columns are {', '.join(needed)}; these may follow: {', '.join(n for n in units if n not in needed)}"
+    for i, cell in enumerate(header.cells):
+        name, unit = column(cell, {name: name for name in units})
+        if name is None:
+            given = cell.partition("[")[0].strip()
+            raise InputError(f"{place}: unknown column {given!r}{closest(given, units)}; {allowed}")
+        if name in at:
+            raise InputError(f"{place}: two columns are called {name!r}; leave one out")
+        if unit and unit not in units[name]:
+            raise InputError(f"{place}: column {name!r} is in [{'], ['.join(units[name])}]; got [{unit}]")
+        at[name] = i, units[name][unit] if unit else 1.0
+    missing = [name for name in needed if name not in at]
+    if missing:
+        raise InputError(f"{place}: no column {listed(missing)}; {allowed}")
+    return at
+
+
+def require_motors(arm: Arm) -> Actuators:
+    """The arm's motors, or InputError without any."""
+    motors = require_arm(arm).actuators
+    if motors is None:
+        raise InputError(f"{arm.name} has no actuators: describe its motors as [actuators.NAME] in its arm.toml")
+    return motors
 
 
 def joined(parts: Sequence[Measurements]) -> Measurements:

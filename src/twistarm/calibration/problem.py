@@ -15,21 +15,18 @@ from ..theory.screws import exp
 from .geometry import Geometry, Parameter
 from .measurements import Bools, Measurements, Rows
 
-STEPS, HALVINGS = 30, 8
+STEPS, TRIES, LEAST_DAMPING = 30, 8, 1e-9
 SETTLED = 1e-4
 """Share of a standard deviation, squared, below which a step ends the descent."""
 
 MOST_STD = {"m": 0.003, "rad": 0.01, "1": 0.01}
 """Standard deviation by unit beyond which the log does not show a parameter: most arms are out by less."""
 
-USUAL = {"shift": 0.002, "tilt": 0.01, "zero": 0.2, "scale": 0.1, "eccentricity": 0.1}
-"""How far joints are out as a rule [m, rad, 1]: what the fit knows before the log."""
-
 DEPENDENT = 1e-6
 """The share of a column's square across the others below which it shows nothing: they are parallel within 0.06°."""
 
 ALIKE = 1.25
-"""Columns whose lengths differ by less are as good as each other: the first of them is chosen."""
+"""Unknowns that show nearly alike are as good as each other: the first of them is chosen."""
 
 LOUD = 5.0
 """Standard deviations from which a row is an outlier: of 10,000 rows with normal noise it is none."""
@@ -39,6 +36,9 @@ LOUD = 5.0
 class Problem:
     """Measurements of a geometry, with known distances {(point, point): m} between resting points.
 
+    `usual` (P,) is one over the standard deviation of each parameter before the log, 0 where nothing is known.
+    `contradiction` (k, k) maps readings of motors that share a joint to how far they contradict each other [σ].
+
     A vector of unknowns q is the geometry's parameters, then 3 numbers for each of `places` (kind, name): a point, an
     anchor, or a plane (two tilts of the normal, and its distance from the origin). The columns of `normals` (3, 3) are
     the axes of each plane, the last one its first normal.
@@ -47,8 +47,10 @@ class Problem:
     geometry: Geometry
     log: Measurements
     noise: tuple[float, float]
-    distances: Mapping[tuple[str, str], float]
-    distance_noise: float
+    usual: Array
+    distances: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    distance_noise: float = 1.0
+    contradiction: Array | None = None
     places: tuple[tuple[str, str], ...] = ()
     normals: Mapping[str, Array] = field(default_factory=dict)
 
@@ -137,40 +139,56 @@ class Problem:
     def _scale(self) -> Array:
         return np.repeat(np.stack([1 / self.sigma, np.full(len(self.sigma), 1 / self.noise[1])], axis=1), 3, axis=1)
 
-    @cached_property
-    def _usual(self) -> Array:
-        """1/σ (Q,) of what is known before the log: 0 for base, tool and places."""
-        usual = [1.0 / USUAL[each.what.split()[0]] for each in self.geometry.parameters[12:]]
-        return np.concatenate([np.zeros(12), usual, np.zeros(3 * len(self.places))])
+    def _beside(self, q: Array) -> tuple[Array, Array]:
+        """Residuals of what is known beside the rows, and their slopes, in standard deviations.
 
-    def _known(self, q: Array) -> tuple[Array, Array]:
-        """Residuals of the known distances (d,) and (d, Q), in standard deviations."""
-        r, J = np.zeros(len(self.distances)), np.zeros((len(self.distances), len(q)))
-        for k, (pair, length) in enumerate(self.distances.items()):
-            a, b = (self.P + 3 * self.places.index(("point", name)) for name in pair)
-            apart = q[a : a + 3] - q[b : b + 3]
+        These are the distances, the motors that share a joint, and last the usual size of each parameter.
+        """
+        geometry, P, r, J = self.geometry, self.P, [np.empty(0)], [np.empty((0, len(q)))]
+        for pair, length in self.distances.items():
+            a, b = (P + 3 * self.places.index(("point", name)) for name in pair)
+            apart, slope = q[a : a + 3] - q[b : b + 3], np.zeros((1, len(q)))
             far = float(np.linalg.norm(apart))
-            r[k] = (far - length) / self.distance_noise
-            J[k, a : a + 3] = apart / max(far, 1e-9) / self.distance_noise
-            J[k, b : b + 3] = -J[k, a : a + 3]
-        return r, J
+            slope[0, a : a + 3] = apart / max(far, 1e-9) / self.distance_noise
+            slope[0, b : b + 3] = -slope[0, a : a + 3]
+            r.append(np.array([(far - length) / self.distance_noise]))
+            J.append(slope)
+        if self.contradiction is not None:
+            C, y, k = self.contradiction, self.log.theta, geometry.k
+            _, _, z, _, s, _ = geometry.split(q[:P])
+            slope = np.zeros((*y.shape, len(q)))
+            slope[..., 12 : 12 + k], slope[..., P - k : P] = C, C * y[:, None]
+            r.append(((y * (1.0 + s) + z) @ C.T).ravel())
+            J.append(slope.reshape(-1, len(q)))
+        r.append(self.usual * q[:P])
+        J.append(np.eye(P, len(q)) * self.usual[:, None])
+        return np.concatenate(r), np.concatenate(J)
 
     def residual(self, q: Array, weights: Array) -> Array:
         """The stacked residual (N,) in standard deviations, rows weighted by (K,)."""
         r = self.misses(q) * self._scale * np.sqrt(weights)[:, None]
-        return np.concatenate([r[self.measured], self._known(q)[0], self._usual * q])
+        return np.concatenate([r[self.measured], self._beside(q)[0]])
 
-    def slopes(self, q: Array, weights: Array, *, met: bool = False) -> Array:
-        """The derivative (N, Q) of `residual`; with `met` as if the tool were where the rows say.
+    def slopes(self, q: Array, weights: Array, *, resting: bool = False) -> Array:
+        """The derivative (N, Q) of `residual`; with `resting` as if the tool were where the rows say.
 
         A tool beside its socket would show a turn of the whole arm with the socket, which nothing can show.
         """
-        g, V = self.geometry.poses(q[: self.P], self.log.theta), self.geometry.twists(q[: self.P], self.log.theta)
+        g, V = self.geometry.twists(q[: self.P], self.log.theta)
         r, slope, own = self._misses(q, g)
-        p = g[:, :3, 3] - met * (np.swapaxes(slope[:, :3, :3], 1, 2) @ r[:, :3, None])[..., 0]
+        p = g[:, :3, 3] - resting * (np.swapaxes(slope[:, :3, :3], 1, 2) @ r[:, :3, None])[..., 0]
         V = np.concatenate([V[:, :3] - skew(p) @ V[:, 3:], V[:, 3:]], axis=1)
         J = np.concatenate([slope @ V, own], axis=-1) * (self._scale * np.sqrt(weights)[:, None])[..., None]
-        return np.concatenate([J[self.measured], self._known(q)[1], np.diag(self._usual)])
+        return np.concatenate([J[self.measured], self._beside(q)[1]])
+
+    @cached_property
+    def placements(self) -> Rows:
+        """The number (K,) of each row's placement: places with a known distance move together. −1 for a position."""
+        group = np.arange(len(self.places) + 1) - 1
+        for a, b in self.distances:
+            i, j = self.places.index(("point", a)) + 1, self.places.index(("point", b)) + 1
+            group[group == group[j]] = group[i]
+        return np.asarray(group[self.place + 1])
 
     def loudness(self, q: Array) -> Array:
         """The root mean square (K,) of each row's residuals in standard deviations."""
@@ -182,19 +200,19 @@ class Problem:
         return replace(self, log=self.log.of_rows(rows))
 
 
-def shown(A: Array, order: Array, most: Array) -> Bools:
+def observable(A: Array, usual: Array, most: Array) -> Bools:
     """The unknowns (Q,) that a slope A (N, Q) shows beside each other, to deviations of `most` (Q,) at least.
 
-    Cholesky's factors of AᵀA with pivots: the next unknown is the one whose column has the longest part across those
-    chosen, times its weight in `order` (Q,), and the first of those nearly as long. That part has the length 1/σ.
-    Weight 0: never chosen. An unknown that shows beside those before it, and not beside all, is left out at last: the
-    one of least weight first, and of those the last.
+    Cholesky's factors of AᵀA with pivots: the next unknown is the one whose `usual` size (Q,) shows most across those
+    chosen, and the first of those that show nearly as much. The part of its column across them has the length 1/σ.
+    Size 0: never chosen. An unknown that shows beside those before it, and not beside all, is left out at last: the
+    smallest first, and of those the last.
     """
     whole = G = A.T @ A
     size = np.diag(G).copy()
     seen = np.zeros(len(G), dtype=bool)
     for _ in range(len(G)):
-        left = np.where(seen, 0.0, np.diag(G)) * order**2
+        left = np.where(seen, 0.0, np.diag(G)) * usual**2
         left[np.diag(G) <= np.maximum(DEPENDENT * size, 1.0 / most**2)] = 0.0
         if not left.max() > 0.0:
             break
@@ -208,37 +226,38 @@ def shown(A: Array, order: Array, most: Array) -> Bools:
         weak = at[variance > most[at] ** 2][::-1]
         if not weak.size:
             break
-        seen[weak[order[weak].argmin()]] = False
+        seen[weak[usual[weak].argmin()]] = False
     return seen
 
 
 def descend(problem: Problem, q: Array, free: Bools, *, robust: bool = True) -> tuple[Array, Array]:
     """The unknowns near q with the least squares in the `free` ones, and the rows' weights (K,).
 
-    Gauss–Newton with halved steps. With `robust`, weights are Cauchy's 1/(1 + (r/3s)²), where s is the median noise
-    found, at least what was stated.
+    Levenberg–Marquardt with columns of length 1. With `robust`, weights are Cauchy's 1/(1 + (r/3s)²), where s is the
+    median noise found, at least what was stated.
     """
-    weights = np.ones(len(problem.log.theta))
+    weights, damping = np.ones(len(problem.log.theta)), LEAST_DAMPING
+    r = problem.residual(q, weights)
     for _ in range(STEPS if free.any() else 0):
         if robust:
             loud = problem.loudness(q)
             weights = 1.0 / (1.0 + (loud / (3.0 * max(1.0, float(np.median(loud))))) ** 2)
-        r, A = problem.residual(q, weights), problem.slopes(q, weights)[:, free]
+            r = problem.residual(q, weights)
+        A = problem.slopes(q, weights)[:, free]
         size = np.linalg.norm(A, axis=0)
         size[size == 0] = np.inf
         A = A / size
-        step = -np.linalg.lstsq(A.T @ A, A.T @ r, rcond=1e-12)[0]
         before = float(r @ r)
-        if float(np.sum((A @ step) ** 2)) < SETTLED * before / len(r):
-            break
-        for halved in range(HALVINGS):
+        for _ in range(TRIES):
+            step = -np.linalg.solve(A.T @ A + damping * np.eye(A.shape[1]), A.T @ r)
             tried = q.copy()
-            tried[free] += step / size / 2**halved
+            tried[free] += step / size
             after = problem.residual(tried, weights)
             if float(after @ after) < before:
-                q = tried
+                q, r, damping = tried, after, max(damping / 10, LEAST_DAMPING)
                 break
-        else:
+            damping *= 10
+        if float(r @ r) == before or float(np.sum((A @ step) ** 2)) < SETTLED * before / len(r):
             break
     return q, weights
 
@@ -249,13 +268,13 @@ def started(problem: Problem, base: bool, tool: Bools) -> tuple[Problem, Array]:
     if base:
         p = geometry.poses(np.zeros(problem.P), problem.log.theta)[located, :3, 3]
         geometry = replace(geometry, base=kabsch(p, problem.log.position[located]) @ geometry.base)
-    for _ in range(HALVINGS):
+    for _ in range(TRIES):
         problem, first = replace(problem, geometry=geometry).placed()
         free = np.ones(len(first), dtype=bool)
         free[:6], free[6:12], free[12 : problem.P] = base, tool, False
         if not free.any():
             break
-        free &= shown(problem.slopes(first, np.ones(len(located))), free.astype(float), np.ones(len(first)))
+        free &= observable(problem.slopes(first, np.ones(len(located))), free.astype(float), np.ones(len(first)))
         q, _ = descend(problem, first, free)
         geometry = replace(geometry, base=geometry.base @ exp(q[:6]), tool=geometry.tool @ exp(q[6:12]))
         if np.abs(q[:12]).max() < 1e-7:

@@ -203,8 +203,8 @@ def _pinocchio(arm: Arm, theta: Array) -> list[EngineComparison]:
 
 def _core(arm: Arm, theta: Array) -> list[EngineComparison]:
     """Compare with the compiled core, which answers for the arm if it was built."""
-    if arm._compiled is None:
-        return [_skipped("pose, J^s, J^b", "core", arm._why_not_compiled)]
+    if arm.compiled is None:
+        return [_skipped("pose, J^s, J^b", "core", arm.why_not_compiled)]
     answers = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
     return _kinematics(("poe", "core"), by_exponentials(arm, theta), answers, theta, POSE_TOL * _size(arm))
 

@@ -79,10 +79,14 @@ class Outputs:
             if isinstance(part, Table):
                 part.print_on(console(self.words), self.radians)
             elif isinstance(part, str):
-                say(*(words(part, radians=self.radians).splitlines() or [""]), file=self.words)
+                say(words(part, radians=self.radians), file=self.words)
             else:
                 console(self.words).print(part)
         self.say(names or ())
+
+    def lines(self, text: str) -> list[str]:
+        """The lines of a text that has several, as parts of `show`."""
+        return words(text, radians=self.radians).splitlines()
 
     def write(self, contents: Contents) -> list[str]:
         """Write every file with the result of the function of its kind. Return the names."""

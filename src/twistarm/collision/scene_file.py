@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -15,19 +17,56 @@ from ..arm.bodies import Triangles, along
 from ..description.companions.toml_entries import parse_toml, toml_key, toml_text
 from ..description.document import read_text
 from ..description.yaml_reading import parse_yaml
-from ..support.checks import Array, Given, as_flag, as_floats, as_number, as_vector, require_mapping, require_names
-from ..support.entries import at, only
+from ..support.checks import Array, Given, as_floats, as_vector
 from ..support.errors import InputError, listed
+from ..support.fields import Check, anything, fields, flag, inside, list_of, number, table_of, text, vector, word
 from ..support.files import read_bounded
 from ..theory.rotations import from_quaternion_wxyz, from_rpy, from_xyzw, to_rpy
 
 MOST_BYTES = 4_000_000
 """The largest planning scene."""
 
-SIZES = {"box": ("size",), "sphere": ("radius",), "cylinder": ("radius", "length"), "capsule": ("radius", "length")}
-MESHES = (("file",), ("vertices", "triangles"))
-PLACE = ("name", "xyz", "rpy", "quaternion_wxyz", "on", "touching")
-TOP = ("arm", "degrees", "ground", "margin", "allow", "allow_only", *SIZES, "plane", "mesh")
+SIZES: dict[str, dict[str, Check]] = {
+    "box": {"size": vector},
+    "sphere": {"radius": number},
+    "cylinder": {"radius": number, "length": number},
+    "capsule": {"radius": number, "length": number},
+    "plane": {},
+}
+"""The entries that give each solid its size [m]."""
+
+FILE: dict[str, Check] = {"file": word}
+
+
+def _scale(value: Any, name: str) -> Array:
+    return vector(value, name) if isinstance(value, list) else np.full(3, number(value, name))
+
+
+def _margin(value: Any, name: str) -> Any:
+    return table_of(number)(value, name) if isinstance(value, dict) else number(value, name)
+
+
+def _array(value: Any, name: str) -> Array:
+    return as_floats(value, name)
+
+
+PLACE: dict[str, Check] = {
+    "xyz": vector,
+    "rpy": vector,
+    "quaternion_wxyz": partial(vector, size=4),
+    "on": text,
+    "touching": list_of(text),
+}
+TOP: dict[str, Check] = {
+    "arm": text,
+    "degrees": flag,
+    "ground": flag,
+    "margin": _margin,
+    "allow": list_of(list_of(text, 2, 2)),
+    "allow_only": flag,
+    **dict.fromkeys((*SIZES, "mesh"), anything),
+}
+"""The entries of a scene.toml and of the place of an object in it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,42 +118,33 @@ def read_scene(path: Path) -> SceneFile:
 
 
 def _toml(path: Path) -> SceneFile:
-    content = parse_toml(path, "a scene.toml")
-    with at(path, "at the top"):
-        only(content, TOP)
-        angle = np.pi / 180.0 if as_flag(content.get("degrees", False), "degrees") else 1.0
-        margin = content.get("margin")
-        allowed = tuple(_pair(pair) for pair in content.get("allow", ()))
-        arm = content.get("arm", "")
-        if not isinstance(arm, str):
-            raise InputError(f"arm must be the name of an arm; got {arm!r}")
-        matrix = as_flag(content.get("allow_only", False), "allow_only")
-    entries = [Entry("ground", "plane", (), np.eye(4))] if as_flag(content.get("ground", False), "ground") else []
-    for kind in (*SIZES, "plane", "mesh"):
+    with inside(path):
+        content = fields(parse_toml(path, "a scene.toml"), "", {}, TOP)
+    angle = np.pi / 180.0 if content.get("degrees") else 1.0
+    entries = [Entry("ground", "plane", (), np.eye(4))] if content.get("ground") else []
+    for kind in (*SIZES, "mesh"):
         tables = content.get(kind, [])
         for i, table in enumerate(tables if isinstance(tables, list) else [tables]):
-            with at(path, f"{kind} {i + 1}"):
+            with inside(path, f"{kind} {i + 1}"):
                 entries.append(_entry(kind, table, angle, path.parent))
-    return SceneFile(arm, tuple(entries), allowed, margin, matrix)
+    allowed = tuple((first, second) for first, second in content.get("allow", ()))
+    matrix = content.get("allow_only", False)
+    return SceneFile(content.get("arm", ""), tuple(entries), allowed, content.get("margin"), matrix)
 
 
 def _entry(kind: str, value: Any, angle: float, folder: Path) -> Entry:
-    table = require_mapping(value, kind, '{ name = "table" }')
-    own = MESHES["vertices" in table] if kind == "mesh" else SIZES.get(kind, ())
-    only(table, (*PLACE, *own, *(["scale"] if kind == "mesh" else [])))
-    missing = [name for name in ("name", *own) if name not in table]
-    if missing:
-        raise InputError(f"it needs {listed(missing)}")
+    own = FILE if kind == "mesh" else SIZES[kind]
+    if kind == "mesh" and isinstance(value, Mapping) and "vertices" in value:
+        own = {"vertices": _array, "triangles": _array}
+    optional = {**PLACE, "scale": _scale} if kind == "mesh" else PLACE
+    table = fields(value, "", {"name": word, **own}, optional)
     mesh: Path | Triangles | None = None
     if kind == "mesh":
         mesh = folder / table["file"] if "file" in table else _triangles(table["vertices"], table["triangles"])
-        scale = table.get("scale", 1.0)
-        size = tuple(as_vector(scale, "scale") if isinstance(scale, list) else [as_number(scale, "scale")] * 3)
-    elif kind == "box":
-        size = tuple(as_vector(table["size"], "size"))
+        size = tuple(table.get("scale", np.ones(3)).tolist())
     else:
-        size = tuple(as_number(table[name], name) for name in own)
-    touching = require_names(table.get("touching", ()), "touching")
+        size = tuple(np.concatenate([np.atleast_1d(table[name]) for name in own]).tolist()) if own else ()
+    touching = tuple(table.get("touching", ()))
     if touching and "on" not in table:
         raise InputError("touching names links that touch a carried object; give on, too")
     return Entry(table["name"], kind, size, _pose(table, angle), mesh, table.get("on", ""), touching=touching)
@@ -122,23 +152,17 @@ def _entry(kind: str, value: Any, angle: float, folder: Path) -> Entry:
 
 def _pose(table: Mapping[str, Any], angle: float) -> Array:
     g = np.eye(4)
-    g[:3, 3] = as_vector(table.get("xyz", (0.0, 0.0, 0.0)), "xyz")
+    g[:3, 3] = table.get("xyz", 0.0)
     if "rpy" in table and "quaternion_wxyz" in table:
         raise InputError("give rpy or quaternion_wxyz, not both")
     if "rpy" in table:
-        turn = angle * as_vector(table["rpy"], "rpy")
+        turn = angle * table["rpy"]
         if np.abs(turn).max() > 2.0 * np.pi:
             raise InputError(f"rpy turns by {np.abs(turn).max():g} rad; for degrees write degrees = true at the top")
         g[:3, :3] = from_rpy(turn)
     elif "quaternion_wxyz" in table:
-        g[:3, :3] = from_quaternion_wxyz(as_vector(table["quaternion_wxyz"], "quaternion_wxyz", 4))
+        g[:3, :3] = from_quaternion_wxyz(table["quaternion_wxyz"])
     return g
-
-
-def _pair(value: Any) -> tuple[str, str]:
-    if not (isinstance(value, list) and len(value) == 2 and all(isinstance(name, str) for name in value)):
-        raise InputError(f'allow must be a list of pairs such as ["forearm", "table"]; got {value!r}')
-    return value[0], value[1]
 
 
 def scene_text(content: SceneFile, folder: Path) -> str:
@@ -185,9 +209,19 @@ def _listed(names: Iterable[str]) -> str:
 # -- MoveIt ------------------------------------------------------------------------------------------------------
 
 
+@contextmanager
+def _at(path: Path, place: str) -> Iterator[None]:
+    """Name the file and the place, also for messages of MoveIt that lack a field or have another kind of value."""
+    with inside(path, place):
+        try:
+            yield
+        except (KeyError, TypeError, IndexError, AttributeError, StopIteration, RuntimeError, UnicodeError) as error:
+            raise InputError(f"an entry is missing or of the wrong kind ({error})") from error
+
+
 def _planning_scene(path: Path) -> SceneFile:
     content = parse_yaml(read_text(path, MOST_BYTES), path)
-    with at(path, "at the top"):
+    with _at(path, "at the top"):
         scene = content.get("planning_scene", content)
         free = list((scene.get("world") or {}).get("collision_objects") or ())
         held = list((scene.get("robot_state") or {}).get("attached_collision_objects") or ())
@@ -200,19 +234,19 @@ def _planning_scene(path: Path) -> SceneFile:
     entries: list[Entry] = []
     parts: dict[str, list[str]] = {}
     for i, item in enumerate(free):
-        with at(path, f"collision object {i + 1}"):
+        with _at(path, f"collision object {i + 1}"):
             found = list(_objects(item))
             parts[str(item["id"])] = [entry.name for entry in found]
             entries += found
     for i, item in enumerate(held):
-        with at(path, f"attached object {i + 1}"):
+        with _at(path, f"attached object {i + 1}"):
             link, touching = item["link_name"], tuple(item.get("touch_links") or ())
             found = list(_objects(item["object"]))
             if any(entry.frame not in ("", link) for entry in found):
                 raise InputError(f"its frame_id is {found[0].frame!r}: give its pose in the frame of its link {link!r}")
             parts[str(item["object"]["id"])] = [entry.name for entry in found]
             entries += [replace(entry, on=link, frame=None, touching=touching) for entry in found]
-    with at(path, "allowed_collision_matrix"):
+    with _at(path, "allowed_collision_matrix"):
         pairs = tuple(_matrix_pairs(matrix, parts))
     return SceneFile("", tuple(entries), pairs, matrix=bool(matrix))
 
@@ -308,7 +342,7 @@ def _matrix_pairs(matrix: Mapping[str, Any], parts: Mapping[str, list[str]]) -> 
 
 def _scene_text(path: Path) -> SceneFile:
     """MoveIt's text: for each object `* name`, since 2020 its pose, then its shapes."""
-    with at(path, "MoveIt's .scene text"):
+    with _at(path, "MoveIt's .scene text"):
         lines = iter(read_bounded(path, MOST_BYTES).decode("utf-8").splitlines()[1:])
         entries: list[Entry] = []
         for line in lines:

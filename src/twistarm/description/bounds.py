@@ -8,7 +8,9 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from ..support.checks import Array
-from .document import Reading, floats, number
+from ..support.errors import InputError
+from ..support.fields import number_in
+from .document import Reading, floats
 from .tree import Joint
 
 AXIS_TOL = 1e-3
@@ -120,17 +122,10 @@ def rate(value: float | None) -> float:
 
 
 def _numbers(joint: ET.Element, tag: str, names: Iterable[str], reading: Reading) -> dict[str, float]:
+    """The numbers of an element by name, infinite ones too."""
     element = joint.find(tag)
     given = {} if element is None else element.attrib
-    return {name: _number(joint, name, given[name], reading) for name in names if name in given}
-
-
-def _number(joint: ET.Element, name: str, text: str, reading: Reading) -> float:
     try:
-        value = number(text)
-    except ValueError:
-        value = float("nan")
-    if np.isnan(value):
-        what = f"its limit {name}={text[:60]!r} is not a number"
-        raise reading.error(joint, "number-malformed", what, "write it in digits, with a point")
-    return value
+        return {name: number_in(given[name], f"its limit {name}", -np.inf, np.inf) for name in names if name in given}
+    except InputError as error:
+        raise reading.error(joint, "number-malformed", str(error), "write it in digits, with a point") from error

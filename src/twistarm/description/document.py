@@ -13,18 +13,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.parsers import expat
 
-import numpy as np
-
-from ..support.errors import DescriptionError
+from ..support.errors import DescriptionError, InputError
+from ..support.fields import number_in
 from ..support.files import as_path, read_bounded, why_no_file
 from .findings import Findings, Place, finding, refusal, refused
 from .packages import PackageIndex
 
 LARGEST = 1e9
 """Far above any length, angle, mass or multiplier of a robot. Products of larger numbers overflow."""
-
-MAX_NUMBER = 400
-"""Characters of a number."""
 
 MAX_BYTES = 20_000_000
 """A whole humanoid's URDF has some 200 kB, a robot cell's a few MB."""
@@ -40,22 +36,11 @@ CHUNK = 1_000_000
 
 
 def floats(text: str, count: int) -> list[float]:
-    """Exactly `count` numbers of at most LARGEST in size, or ValueError."""
+    """Exactly `count` numbers of at most LARGEST in size; InputError, a ValueError, for anything else."""
     words = text.split(maxsplit=count)
-    values = [number(word) for word in words] if text.isascii() and len(words) == count else []
-    if len(values) != count or not (np.abs(values) <= LARGEST).all():
-        raise ValueError(f"{count} finite numbers expected, none beyond {LARGEST:g}; got {text[:60]!r}")
-    return values
-
-
-def number(word: str) -> float:
-    """A number that every reader of URDF takes. Python's 1_000 and digits of other scripts are refused."""
-    if not word.isascii() or "_" in word or len(word) > MAX_NUMBER:
-        raise ValueError(f"no number: {word[:60]!r}")
-    try:
-        return float(word)
-    except ValueError:
-        raise ValueError(f"no number: {word[:60]!r}") from None
+    if len(words) != count:
+        raise InputError(f"{count} numbers are wanted; got {text[:60]!r}")
+    return [number_in(word, "it", -LARGEST, LARGEST) for word in words]
 
 
 @dataclass

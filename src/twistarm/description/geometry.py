@@ -13,7 +13,7 @@ from ..support.errors import listed
 from ..support.messages import plural
 from ..support.path_redaction import without_places
 from ..theory.rotations import from_rpy, from_xyzw
-from .document import Reading, floats, number
+from .document import Reading, floats
 from .mesh_paths import resolve_uri, why_missing
 from .tree import Geometry
 
@@ -186,5 +186,5 @@ def _rotation(origin: ET.Element) -> Array:
 
 def mesh_scale(text: str | None) -> tuple[float, ...]:
     """The mesh scale: three numbers, or one for all three."""
-    values = [number(word) for word in (text or "1 1 1").split()]
-    return tuple(floats(text or "1 1 1", 3)) if len(values) != 1 else (values[0],) * 3
+    words = (text or "1 1 1").split()
+    return tuple(floats(words[0], 1) * 3 if len(words) == 1 else floats(text or "1 1 1", 3))

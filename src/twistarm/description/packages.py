@@ -1,4 +1,4 @@
-"""The package index behind `$(find pkg)` and `package://pkg/…`, without ROS, and copies of packages."""
+"""The packages behind `$(find pkg)` and `package://pkg/…`, without ROS, and the files that a description may read."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import io
 import os
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -27,30 +27,17 @@ NEAR = 3
 MANIFEST_BYTES = 16_384
 """Bytes read of a package.xml. The name is near the head, behind a licence at most."""
 
-MAX_FOLDERS = 20_000
-"""Most folders of one search. The user's folders, those near the description and those of ROS's variables count apart.
-Ubuntu's ROS with all its tools has some 400 packages. So many folders take a second."""
+SOURCES, INSTALLED, SHARE = "src", "install", "share"
+"""The folders of a workspace with its packages, with those that colcon installs, and the folder between."""
 
-ENTRIES_PER_FOLDER = 20
-"""Entries that take as long as one folder."""
-
-_NAME = re.compile(r"\w[\w.-]*")
-_VARIABLE = re.compile(r"[A-Za-z_]\w*", re.ASCII)
-
-SOURCES = "src"
-"""The folder of a workspace with its packages."""
-
-INSTALLED, SHARE = "install", "share"
-"""The folder where colcon installs them, and the folder between."""
+PARTS = ("urdf", "xacro", "robots", "robot", "description", "model", "models")
+"""Names of folders that usually lie inside the folder of an arm."""
 
 MARKS = ("urdf", "xacro", "robots", "meshes", "models", "launch", "worlds", "config")
 """Folders of a robot's package. It has one of them, or a xacro or URDF file."""
 
-_OF_ZIP = re.compile(
-    r"(?:-(?:main|master|trunk|dev\w*|ros\d?|v?\d[\w.]*|[0-9a-f]{7,40}|[a-z]+-devel|noetic|foxy|humble|jazzy|rolling))?"
-    r"(?: ?\(\d+\))?"
-)
-"""The text behind the name of an archive's folder: a branch, a version, a number of the download."""
+_NAME = re.compile(r"\w[\w.-]*")
+_VARIABLE = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -59,7 +46,7 @@ class PackageIndex:
 
     The search goes through the user's folders, then each parent of the description. There it covers the children,
     those of `src` and the installed packages. Then follow `<prefix>/share/*` of AMENT_PREFIX_PATH, and
-    ROS_PACKAGE_PATH. If no package.xml has the name, a copy in the first two places may have it (`find_copy`).
+    ROS_PACKAGE_PATH. If no package.xml has the name, a folder of that name in the first two places may be the package.
     `mesh_dirs` come last and give only meshes.
     """
 
@@ -67,10 +54,9 @@ class PackageIndex:
     user_dirs: tuple[Path, ...] = ()
     mesh_dirs: tuple[Path, ...] = ()
     _copies: dict[tuple[str, bool], Path | None] = field(default_factory=dict, repr=False, compare=False)
-    _found: dict[str, Path | None] = field(default_factory=dict, repr=False, compare=False)
-    _by_name: dict[str, list[Path]] = field(default_factory=dict, repr=False, compare=False)
-    _unseen: dict[str, None] = field(default_factory=dict, repr=False, compare=False)
-    _search: list[Iterator[tuple[str | None, Path | None]]] = field(default_factory=list, repr=False, compare=False)
+    _found: dict[str, Path] = field(default_factory=dict, repr=False, compare=False)
+    _search: list[Iterator[Path]] = field(default_factory=list, repr=False, compare=False)
+    _allowed: dict[Path, bool] = field(default_factory=dict, repr=False, compare=False)
 
     def find(self, package: str) -> Path | None:
         """The folder of `package`, or None."""
@@ -84,47 +70,18 @@ class PackageIndex:
         """The folder of `package` in `mesh_dirs`, or None. No text is read there."""
         return self._in_mesh_dirs.get(package)
 
-    @functools.cached_property
-    def _in_mesh_dirs(self) -> dict[str, Path]:
-        """Packages by the name in their package.xml, then other folders by their names."""
-        walk = self._walk("package_dirs")
-        folders = [folder for top in self.mesh_dirs for folder in walk.through(top, MAX_DEPTH)]
-        named = [(name, folder) for folder in folders if (name := package_name(folder))]
-        return dict(reversed([*named, *((folder.name, folder) for folder in folders)]))
-
-    def is_copy(self, folder: Path) -> bool:
-        """Whether `find` has returned that folder, which has no package.xml."""
-        return any(found == folder for (_, marked), found in self._copies.items() if marked)
-
     def names(self) -> list[str]:
         """The names of all packages that can be found."""
         self._by_manifest("")
-        return [name for name, folder in self._found.items() if folder is not None]
+        return list(self._found)
 
     def copies(self) -> dict[str, Path]:
         """The folders taken for a package only by their name."""
         return {package: folder for (package, _), folder in self._copies.items() if folder is not None}
 
-    def _by_manifest(self, package: str) -> Path | None:
-        if not self._search:
-            self._search.append((package_name(folder), folder) for folder in self._folders())
-        while package not in self._found:
-            name, folder = next(self._search[0], (package, None))
-            if name is not None:
-                self._found.setdefault(name, folder)
-        return self._found[package]
-
-    def _copy(self, package: str, *, marked: bool) -> Path | None:
-        """A copy of the package. Call it after `_by_manifest` has searched all near folders."""
-        key = package, marked
-        if key not in self._copies:
-            folders = [folder for name, those in self._by_name.items() if name.startswith(package) for folder in those]
-            self._copies[key] = find_copy(package, folders, self.file, marked=marked)
-        return self._copies[key]
-
     @property
     def near(self) -> tuple[Path, ...]:
-        """Folders that may be packages under another name: those above the description, and the user's."""
+        """Folders in which a mesh without a package's name may lie: those above the description, and the user's."""
         return (*list(self.file.parents)[:NEAR], *self.user_dirs)
 
     def searched(self) -> str:
@@ -132,100 +89,96 @@ class PackageIndex:
         places = [str(path) for path in (*self.user_dirs, *self.mesh_dirs)]
         places.append(f"the folders above {self.file.name}")
         places += [name for name in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH") if os.environ.get(name)]
-        return ", ".join(places) + "".join(self._unseen)
+        return ", ".join(places)
 
-    def sourced(self, package: str) -> Iterator[Path]:
-        """Every folder of `package` in the environment, also those that `find` does not reach."""
-        return (folder for folder in self._folders_of_environment() if package_name(folder) == package)
+    def allows(self, real: Path) -> bool:
+        """Whether the description may read the file at `real`, a path without links.
+
+        It may read in its own package or folder, and in the packages that `find` knows. A link counts by its real
+        path, because an archive may hold any link. Links of the user's build lead on: to the sources in the `src` of
+        the workspace that installs the package, and to the sources of a package in the environment.
+        """
+        return any(real.is_relative_to(root) for root in self._own) or any(map(self._is_package, real.parents))
+
+    @functools.cached_property
+    def _own(self) -> list[Path]:
+        """The description's package, else its folder, and the folder above if its folder is called urdf or so."""
+        file = Path(os.path.realpath(self.file))
+        package = next((folder for folder in file.parents if package_name(folder) and not is_too_wide(folder)), None)
+        folder = package or (file.parent.parent if file.parent.name in PARTS else file.parent)
+        return [each for each in {folder, package or file.parent} if not is_too_wide(each)]
+
+    def _is_package(self, folder: Path) -> bool:
+        if folder not in self._allowed:
+            name = None if is_too_wide(folder) else package_name(folder)
+            found = None if name is None else self.find(name)
+            named = found is not None and (
+                found == folder or _is_built_from(found, folder) or folder in self._sourced(str(name))
+            )
+            self._allowed[folder] = named or any(made == folder for (_, read), made in self._copies.items() if read)
+        return self._allowed[folder]
+
+    def _sourced(self, package: str) -> Iterator[Path]:
+        """Real folders of the environment's packages of a name, and of their package.xml."""
+        for found in self._folders_of_environment():
+            if package_name(found) == package:
+                yield from (Path(os.path.realpath(found)), Path(os.path.realpath(found / "package.xml")).parent)
+
+    def _by_manifest(self, package: str) -> Path | None:
+        if not self._search:
+            self._search.append(self._folders())
+        while package not in self._found:
+            folder = next(self._search[0], None)
+            if folder is None:
+                return None
+            if name := package_name(folder):
+                self._found.setdefault(name, folder)
+        return self._found[package]
+
+    def _copy(self, package: str, *, marked: bool) -> Path | None:
+        """The first folder of that name, above the description if there is one. `marked`: it looks like a package.
+
+        A link does not count, nor the home folder and those above it. Of the folders beside them (`/etc`) only those
+        above the description count.
+        """
+        if (package, marked) not in self._copies:
+            above = self.file.parents
+            named = [folder for folder in self._folders_near if folder.name == package and package[:1] != "."]
+            own = [
+                folder
+                for folder in sorted(named, key=lambda folder: folder not in above)
+                if os.path.realpath(folder) == str(folder) and not is_too_wide(folder)
+                if folder in above or not (folder.parent == Path(folder.anchor) or folder.parent in _home().parents)
+            ]
+            found = next((folder for folder in own if not marked or _is_marked(folder)), None)
+            self._copies[package, marked] = found
+        return self._copies[package, marked]
 
     def _folders(self) -> Iterator[Path]:
-        for folder in self._folders_near():
-            self._by_name.setdefault(folder.name, []).append(folder)
-            yield folder
+        yield from self._folders_near
         yield from self._folders_of_environment()
 
-    def _folders_of_environment(self) -> Iterator[Path]:
-        walk = self._walk("the variables of ROS")
-        for prefix in _environment_paths("AMENT_PREFIX_PATH"):
-            yield from walk.through(prefix / "share", 1)
-        for folder in _environment_paths("ROS_PACKAGE_PATH"):
-            yield from walk.through(folder, MAX_DEPTH)
-
-    def _folders_near(self) -> Iterator[Path]:
-        walk = self._walk("package_dirs")
-        for folder in self.user_dirs:
-            yield from walk.through(folder, MAX_DEPTH)
-        walk = self._walk("the folders above")
+    @functools.cached_property
+    def _folders_near(self) -> list[Path]:
+        folders = [below for folder in self.user_dirs for below in _through(folder, MAX_DEPTH)]
         for parent in list(self.file.parents)[:MAX_PARENTS]:
-            yield from walk.through(parent, 1)
-            yield from walk.children(parent / SOURCES)
-            yield from walk.installed(parent / INSTALLED)
+            folders += [*_through(parent, 1), *_children(parent / SOURCES), *_installed(parent / INSTALLED)]
             if parent.name == SHARE:
-                yield from walk.installed(parent.parent.parent)
+                folders += _installed(parent.parent.parent)
+        return folders
 
-    def _walk(self, where: str) -> Walk:
-        """A walk that adds to `searched` if it ends early."""
-        what = f" (only the first {MAX_FOLDERS:,} of the folders of {where}: name nearer ones as package_dirs)"
-        return Walk(lambda: self._unseen.setdefault(what))
+    def _folders_of_environment(self) -> Iterator[Path]:
+        for prefix in _environment_paths("AMENT_PREFIX_PATH"):
+            yield from _through(prefix / SHARE, 1)
+        for folder in _environment_paths("ROS_PACKAGE_PATH"):
+            yield from _through(folder, MAX_DEPTH)
 
-
-@dataclass
-class Walk:
-    """A breadth-first walk through at most `left` folders. It calls `ended` if it stops early.
-
-    Hidden and unreadable folders are left out, and links to folders that the walk has passed.
-    """
-
-    ended: Callable[[], None]
-    left: int = MAX_FOLDERS
-    _seen: set[tuple[int, int]] = field(default_factory=set)
-
-    def through(self, folder: Path, depth: int) -> Iterator[Path]:
-        """`folder` and the folders below, `depth` levels deep."""
-        level = [folder]
-        yield folder
-        for _ in range(depth):
-            level = [child for parent in level for child in self.children(parent)]
-            yield from level
-
-    def children(self, folder: Path) -> list[Path]:
-        """The folders in a folder, by their names."""
-        if self.left <= 0:
-            return []
-        found, entries = [], 0
-        try:
-            with os.scandir(folder) as inside:
-                for entry in inside:
-                    entries += 1
-                    if not entry.name.startswith(".") and self._leads_on(entry):
-                        found.append(entry.name)
-                    if len(found) + entries // ENTRIES_PER_FOLDER > self.left:
-                        break
-        except OSError:
-            pass
-        self.left -= len(found) + entries // ENTRIES_PER_FOLDER
-        if self.left <= 0:
-            self.ended()
-        return [folder / name for name in sorted(found)]
-
-    def installed(self, folder: Path) -> Iterator[Path]:
-        """Packages that colcon has installed there: `NAME/share/NAME`, or all in `share`."""
-        homes = (prefix / SHARE / prefix.name for prefix in self.children(folder))
-        yield from filter(os.path.isdir, homes)
-        yield from self.children(folder / SHARE)
-
-    def _leads_on(self, entry: os.DirEntry[str]) -> bool:
-        """Whether it is a folder, or a link to a folder that the walk has not passed."""
-        try:
-            if not entry.is_dir():
-                return False
-            status = entry.stat()
-        except OSError:
-            return False
-        place = status.st_dev, status.st_ino
-        new = place not in self._seen
-        self._seen.add(place)
-        return new or not entry.is_symlink()
+    @functools.cached_property
+    def _in_mesh_dirs(self) -> dict[str, Path]:
+        """Packages by the name in their package.xml, then other folders by their names."""
+        folders = [folder for top in self.mesh_dirs for folder in _through(top, MAX_DEPTH)]
+        named = [(name, folder) for folder in folders if (name := package_name(folder))]
+        return dict(reversed([*named, *((folder.name, folder) for folder in folders)]))
 
 
 def package_index(
@@ -295,40 +248,9 @@ def package_name(folder: Path) -> str | None:
     return None
 
 
-def _environment_paths(variable: str) -> list[Path]:
-    return [Path(part) for part in os.environ.get(variable, "").split(os.pathsep) if part]
-
-
-def find_copy(package: str, folders: Iterable[Path], file: Path, *, marked: bool) -> Path | None:
-    """The first of `folders` that may be a copy of `package`: a folder without a package.xml.
-
-    It has that name, or that name with a branch or a version behind it, as the folder of a ZIP. A folder above `file`
-    may have any ending. A link does not count, nor the home folder and those above it. Of the folders beside them
-    (`/etc`) only those above `file` count. With `marked` the folder must look like a robot's package, because messages
-    may quote the files in it.
-    """
-    if package.startswith("."):
-        return None
-    bearing = (folder for folder in folders if _bears(folder.name, package, above=folder in file.parents))
-    nearest = sorted(bearing, key=lambda folder: (folder.name != package, folder not in file.parents))
-    named = (folder for folder in nearest if os.path.realpath(folder) == str(folder))
-    fitting = (folder for folder in named if not is_too_wide(folder) and (folder in file.parents or _is_own(folder)))
-    return next((folder for folder in fitting if not marked or _is_marked(folder)), None)
-
-
-def _bears(name: str, package: str, *, above: bool) -> bool:
-    rest = name[len(package) :] if name.startswith(package) else "/"
-    return not rest or bool(_OF_ZIP.fullmatch(rest)) or (above and rest[0] in "-_ ")
-
-
 def is_too_wide(folder: Path) -> bool:
     """Whether the folder is the home folder or one above it."""
     return _home().is_relative_to(folder)
-
-
-def _is_own(folder: Path) -> bool:
-    """Whether it lies deeper than the folders of the system and of other users."""
-    return folder.parent != Path(folder.anchor) and folder.parent not in _home().parents
 
 
 def _home() -> Path:
@@ -336,8 +258,67 @@ def _home() -> Path:
 
 
 def _is_marked(folder: Path) -> bool:
+    """Whether it looks like a robot's package, whose files messages may quote."""
     try:
         entries = list(folder.iterdir())
     except OSError:
         return False
     return any(entry.suffix in (".xacro", ".urdf") or (entry.name in MARKS and entry.is_dir()) for entry in entries)
+
+
+def _is_built_from(installed: Path, folder: Path) -> bool:
+    """Whether `folder` is the source of the installed package, in the same workspace.
+
+    `colcon build --symlink-install` makes `install/…/share/NAME/package.xml` a link to `src/…/NAME/package.xml`. An
+    archive may hold such links too, but only to files in the `src` beside them.
+    """
+    if Path(os.path.realpath(installed)) != installed or os.path.realpath(installed / "package.xml") != str(
+        folder / "package.xml"
+    ):
+        return False
+    workspace = next((parent.parent for parent in installed.parents if parent.name == INSTALLED), None)
+    if workspace is None or installed.parent.name != SHARE or is_too_wide(workspace):
+        return False
+    sources = workspace / SOURCES
+    return folder.is_relative_to(sources) and not any(part[0] == "." for part in folder.relative_to(sources).parts)
+
+
+def _through(folder: Path, depth: int) -> Iterator[Path]:
+    """`folder` and the folders below, `depth` levels deep, each level by its names. Links are followed once."""
+    level, seen = [folder], {os.path.realpath(folder)}
+    yield folder
+    for _ in range(depth):
+        below = [child for parent in level for child in _children(parent)]
+        level = []
+        for child in below:
+            real = os.path.realpath(child)
+            if real not in seen or real == str(child):
+                seen.add(real)
+                level.append(child)
+        yield from level
+
+
+def _children(folder: Path) -> list[Path]:
+    """The visible folders in a folder, by their names. None in an unreadable one."""
+    try:
+        with os.scandir(folder) as inside:
+            return [folder / name for name in sorted(each.name for each in inside if _is_visible_folder(each))]
+    except OSError:
+        return []
+
+
+def _is_visible_folder(entry: os.DirEntry[str]) -> bool:
+    try:
+        return not entry.name.startswith(".") and entry.is_dir()
+    except OSError:
+        return False
+
+
+def _installed(folder: Path) -> Iterator[Path]:
+    """Packages that colcon has installed there: `NAME/share/NAME`, or all in `share`."""
+    yield from filter(os.path.isdir, (prefix / SHARE / prefix.name for prefix in _children(folder)))
+    yield from _children(folder / SHARE)
+
+
+def _environment_paths(variable: str) -> list[Path]:
+    return [Path(part) for part in os.environ.get(variable, "").split(os.pathsep) if part]

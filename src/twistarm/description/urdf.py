@@ -19,7 +19,7 @@ from .bounds import LIMIT_NAMES, WIDE, limit_numbers, note_softened, rate, read_
 from .catalog import models_share
 from .document import Reading, existing_file, floats, parse_xml, read_text
 from .expansion.expand import expand_xacro, is_xacro
-from .expansion.left_out import blaming, not_used
+from .expansion.expansion import not_used
 from .findings import Place, refusal
 from .geometry import Geometries, read_origin
 from .inertial import INERTIA, drop_unusable_inertials
@@ -69,13 +69,12 @@ def read_description(
         what = f"it is plain URDF and takes no xacro arguments ({', '.join(xacro_args)})"
         raise refusal("xacro-arguments", Place(str(file)), what, "leave them out")
     else:
-        noted = tuple(not_used(package, file, ()) for package in ignore_packages)
+        noted = tuple(not_used(package, file) for package in ignore_packages)
         text, reading = read_text(file), Reading(file, packages)
     reading.findings.take(noted)
-    with blaming(noted):
-        if may_be_mjcf(text) and (root := parse_xml(text, reading)).tag == "mujoco":
-            return _of_mjcf(root, reading)
-        return build_description(text, reading)
+    if may_be_mjcf(text) and (root := parse_xml(text, reading)).tag == "mujoco":
+        return _of_mjcf(root, reading)
+    return build_description(text, reading)
 
 
 def may_be_mjcf(text: str) -> bool:

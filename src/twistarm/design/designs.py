@@ -111,7 +111,7 @@ def _design(name: str, arm: Arm, poses: Sequence[Target | Array], panel: Panel |
     except TwistarmError as error:  # not in the compiled core, or no shapes
         notes.append(f"no panel: {error}")
     # As `arm.manipulability`, whose axes take long.
-    J = scaled_jacobian(arm.body_jacobian(arm.random_theta(0, SAMPLES)), arm._prismatic, arm.reach)
+    J = scaled_jacobian(arm.body_jacobian(arm.random_theta(0, SAMPLES)), arm.prismatic, arm.reach)
     measured = Manipulability(np.asarray(np.linalg.svd(J, compute_uv=False), np.float64), np.empty(0), arm.reach)
     condition = measured.condition_in(max(int(measured.rank.max()), 1))
     dexterity = float(np.median(condition)), float((condition > POOR).mean())

@@ -12,10 +12,10 @@ import numpy as np
 from ..description.companions.toml_entries import parse_toml
 from ..ik.targets import Approach
 from ..planning.segments import CONSTRAINED, ArcMove, Constrained, LineMove, Segment, as_label
-from ..support.checks import Array, as_direction, as_flag, as_positive, require_choice, require_mapping
+from ..support.checks import Array, as_direction, as_positive, require_choice, require_mapping
 from ..support.display import Brief
-from ..support.entries import at, only, real, three
 from ..support.errors import InputError, listed, shown
+from ..support.fields import flag, inside, number, only, vector
 from ..support.files import as_path
 from ..theory import screws
 
@@ -117,9 +117,9 @@ def load_panel(path: str | os.PathLike[str]) -> Panel:
     """
     file = as_path(path)
     content = parse_toml(file, "a panel.toml")
-    with at(file, "at the top"):
+    with inside(file, "at the top"):
         only(content, ("degrees", "clearance", "panel", "parking", "task", *TOLERANCES))
-        unit = np.pi / 180.0 if as_flag(content.get("degrees", False), "degrees") else 1.0
+        unit = np.pi / 180.0 if flag(content.get("degrees", False), "degrees") else 1.0
         met = {name: as_positive(_length(content, name, most=LEAD), name) for name in TOLERANCES[:1] if name in content}
         angles = {name: _angle(content[name], name, unit, 0.25) for name in TOLERANCES[1:] if name in content}
         met |= {name: as_positive(angle, name) for name, angle in angles.items()}
@@ -127,13 +127,13 @@ def load_panel(path: str | os.PathLike[str]) -> Panel:
         tables = content.get("task", [])
         if not isinstance(tables, list) or not 0 < len(tables) <= MOST_TASKS:
             raise InputError(f"a panel has 1 to {MOST_TASKS} tasks: write [[task]] with name, kind, xyz and so on")
-    with at(file, "panel"):
+    with inside(file, "panel"):
         found = _placed(require_mapping(content.get("panel", {}), "panel", "{ xyz = [1.0, 0.0, 0.8] }"))
-    with at(file, "parking"):
+    with inside(file, "parking"):
         found |= _parking(require_mapping(content.get("parking", {}), "parking", "{ x = [-1.0, 0.0] }"), unit)
     tasks: dict[str, PanelTask] = {}
     for i, table in enumerate(tables):
-        with at(file, f"task {i + 1}"):
+        with inside(file, f"task {i + 1}"):
             task = _task(require_mapping(table, "a task", '{ name = "key A" }'), unit)
             if task.name in tasks:
                 raise InputError(f"name: another task is already called {task.name!r}; give each its own name")
@@ -144,7 +144,7 @@ def load_panel(path: str | os.PathLike[str]) -> Panel:
 def _placed(table: Mapping[str, Any]) -> dict[str, Any]:
     only(table, ("xyz", "normal", "up", "size", "gap"))
     given = {"xyz": [0.0] * 3, "normal": [-1.0, 0.0, 0.0], "up": [0.0, 0.0, 1.0], **table}
-    z, up = (as_direction(three(given, name), name) for name in ("normal", "up"))
+    z, up = (as_direction(vector(given[name], name), name) for name in ("normal", "up"))
     across, g = np.cross(up, z), np.eye(4)
     if np.linalg.norm(across) < 1e-6:
         raise InputError("normal and up must not be parallel: of a panel that lies flat, say which side is up")
@@ -180,7 +180,7 @@ def _task(table: Mapping[str, Any], unit: float) -> PanelTask:
     only(table, (*TASK, "direction", "hold", "back", *needed, *(() if sense else ("axis", "point"))))
     if not name.strip() or (missing := [each for each in needed if each not in table]):
         raise InputError(f"a {kind} lacks {listed(missing) if name.strip() else 'a name'}")
-    direction = as_direction(three({"direction": [0.0, 0.0, -1.0], **table}, "direction"), "direction")
+    direction = as_direction(vector({"direction": [0.0, 0.0, -1.0], **table}["direction"], "direction"), "direction")
     place = _lengths(table, "xyz")
     if sense:
         travel = as_positive(_length(table, "travel", most=LONGEST), "travel")
@@ -189,28 +189,28 @@ def _task(table: Mapping[str, Any], unit: float) -> PanelTask:
         angle = _angle(table["angle"], "angle", unit, TURNS if kind == "screw" else 1.0)
         if not angle:
             raise InputError(f"angle must not be 0: by how far to {kind}")
-        axis = as_direction(three(table, "axis"), "axis") if "axis" in table else direction
+        axis = as_direction(vector(table["axis"], "axis"), "axis") if "axis" in table else direction
         point = _lengths(table, "point") if "point" in table else place
         pitch = _length(table, "lead", 0.0, LEAD) / (2.0 * np.pi)
         twist = angle * np.concatenate([np.cross(point, axis) + pitch * axis, axis])
     held: Any = require_choice(table.get("hold", hold), CONSTRAINED, "hold")
     if held != "pose" and np.abs((screws.exp(twist) - np.eye(4)) @ np.append(place, 1.0)).max() < 1e-9:
         raise InputError('the tool stays where it is: give a point on the axis of the lever, or hold = "pose"')
-    return PanelTask(name, kind, place, direction, twist, held, as_flag(table.get("back", back), "back"))
+    return PanelTask(name, kind, place, direction, twist, held, flag(table.get("back", back), "back"))
 
 
 def _length(table: Mapping[str, Any], name: str, default: float = 0.0, most: float = FAR) -> float:
-    if abs(metres := real(table.get(name, default), name)) > most:
+    if abs(metres := number(table.get(name, default), name)) > most:
         raise InputError(f"{name} is {metres:g} m, and at most {most:g} m are allowed: lengths are in metres")
     return metres
 
 
 def _lengths(table: Mapping[str, Any], name: str) -> Array:
-    return np.array([_length({name: value}, name) for value in three(table, name).tolist()])
+    return np.array([_length({name: value}, name) for value in vector(table[name], name).tolist()])
 
 
 def _angle(value: Any, name: str, unit: float, turns: float = 1.0) -> float:
-    angle = real(value, name) * unit
+    angle = number(value, name) * unit
     if abs(angle) > turns * 2.0 * np.pi * (1.0 + 1e-9):
         said, help_ = ("°", "") if unit != 1.0 else (" radians", "; for degrees write degrees = true at the top")
         raise InputError(f"{name} is {value:g}{said}, and at most {turns:g} turns are allowed{help_}")

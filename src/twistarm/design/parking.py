@@ -20,6 +20,7 @@ from ..planning.cartesian.branches import branches
 from ..support.checks import Array, Matrix, as_frame, as_pose, require, require_callback
 from ..support.display import Brief
 from ..support.errors import InputError
+from ..support.messages import joined
 from ..theory import screws
 from ..theory.manipulability import scaled_jacobian
 from .panel import Panel, PanelTask
@@ -201,7 +202,7 @@ def _result(arm: Arm, panel: Panel, task: PanelTask, g: Array, scene: Scene | No
     for point, target in zip(POINTS, targets, strict=True):
         at = solve_ik(arm, target, **met)
         if not at.converged:
-            return replace(found, code=at.stop.name.lower(), why=f"{point}: {in_one_line(at)}")
+            return replace(found, code=at.stop.name.lower(), why=joined(": ", [str(point), in_one_line(at)]))
     for start in _starts(arm, targets[0], scene):
         try:
             motion = plan(arm, [JointMove(start), *here.moves(arm.tool_axis, panel.clearance)], **met)
@@ -238,7 +239,7 @@ def _starts(arm: Arm, target: Approach, scene: Scene | None) -> Iterator[Approac
 def _measured(arm: Arm, task: PanelTask, motion: Trajectory, scene: Scene | None) -> TaskResult:
     theta = motion(np.linspace(motion.times[1], motion.duration, SAMPLES))
     room = np.minimum(theta - arm.limits.lower, arm.limits.upper - theta).min(axis=0)
-    sigma = np.linalg.svd(scaled_jacobian(arm.body_jacobian(theta), arm._prismatic, arm.reach), compute_uv=False)
+    sigma = np.linalg.svd(scaled_jacobian(arm.body_jacobian(theta), arm.prismatic, arm.reach), compute_uv=False)
     worst = float((sigma[:, 0] / np.maximum(sigma[:, -1], 1e-15)).max())
     joint = arm.joint_names[int(room.argmin())]
     clearance = np.inf if scene is None else min(scene.distance(x).metres for x in theta)

@@ -6,7 +6,6 @@ import numpy as np
 
 from ..arm.arm import Arm
 from ..support.files import WRITTEN_YAML
-from ..support.yaml_text import block
 
 SUFFIXES = (".yaml", ".yml")
 
@@ -18,8 +17,11 @@ def limits_yaml(arm: Arm) -> str:
 
     Positions in rad or m, the rates per s, s², s³, effort in N m or N. `load_arm(…, limits=FILE)` reads it back.
     """
+    import yaml  # few calls need it
+
     joints = {name: _joint(arm, i) for i, name in enumerate(arm.joint_names)}
-    return "\n".join([f"{WRITTEN_YAML}: limits in rad or m and per s, s^2, s^3", *block({"joint_limits": joints}), ""])
+    first = f"{WRITTEN_YAML}: limits in rad or m and per s, s^2, s^3\n"
+    return first + yaml.safe_dump({"joint_limits": joints}, sort_keys=False, allow_unicode=True)
 
 
 def _joint(arm: Arm, i: int) -> dict[str, bool | float]:

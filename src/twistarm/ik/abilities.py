@@ -65,7 +65,7 @@ def split_rotation(arm: Arm, target: AnyTarget, theta: Array) -> Split:
     neighbours. Then the least over these counts. A `TolerancedPose` holds a component from the edge of its tolerance
     on. Without the core both parts are 0.
     """
-    found = arm._compiled.split_rotation(target.kind, target.numbers, theta) if arm._compiled is not None else None
+    found = arm.compiled.split_rotation(target.kind, target.numbers, theta) if arm.compiled is not None else None
     if found is None:
         return Split(0.0, np.zeros(3), 0.0)
     return Split(float(found[0]), found[2:], float(found[1]))

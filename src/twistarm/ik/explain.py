@@ -111,7 +111,7 @@ def _wider(error: float, tolerance: float, argument: str, unit: str) -> str:
 
 def _eased(solution: IKResult) -> str:
     """The wider position tolerance with which the arm meets the rotation."""
-    chain, target, met = solution.arm._compiled, solution.target, solution.tolerances
+    chain, target, met = solution.arm.compiled, solution.target, solution.tolerances
     if chain is None or solution.position_error > met.position or not len(target._position_tolerance):
         return ""
     for times in WIDER:

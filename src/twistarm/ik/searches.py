@@ -46,7 +46,7 @@ def searched(
     progress: Progress | None = None,
 ) -> Searched:
     """The answers of `solve_ik` to each target (poses (k, 4, 4), or a sequence) from its start (k, n)."""
-    if arm._compiled is not None:
+    if arm.compiled is not None:
         batch = solve_ik_batch(
             arm, targets, starts, **met.keywords, restarts=restarts, posture=posture, max_time=max_time,
             progress=progress,

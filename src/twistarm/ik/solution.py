@@ -13,7 +13,7 @@ from ..support.checks import Array
 from ..support.directions import value_in_words
 from ..support.display import told
 from ..support.errors import NotConvergedError
-from ..support.messages import Text
+from ..support.messages import Text, joined
 from ..support.unit_hints import theta_hint
 from .answer import CLOSED_FORM, DAMPED, FIELDS, NEAREST, STOPS, Answer, StopReason
 from .explain import explain, summary
@@ -159,7 +159,7 @@ class IKResult:
         notes += [missed_by_rounding(self.position_error, self.orientation_error)] if self.rounded else []
         if self._answer.nearest and not self.converged and self._arm.n > MANY_JOINTS:
             notes.append(PERHAPS_NEARER)
-        return tuple(notes if self.converged or self._arm._compiled is not None else [*notes, WITHOUT_CORE])
+        return tuple(notes if self.converged or self._arm.compiled is not None else [*notes, WITHOUT_CORE])
 
     def explain(self) -> str:
         """What was asked, what was reached and why not more, line by line. Computed when called."""
@@ -169,7 +169,7 @@ class IKResult:
         """theta (n,). Raises NotConvergedError, which carries this solution, where the target is not met."""
         if self.converged:
             return self.theta
-        raise NotConvergedError(f"{summary(self)}; solution.explain() says more", self)
+        raise NotConvergedError(joined("; ", [summary(self), "solution.explain() says more"]), self)
 
     @property
     def _start(self) -> Array:

@@ -80,7 +80,7 @@ def solve_ik(
         )  # fmt: skip
         free = not first.converged or not scene.collides(first.theta)
         return first if free else collision_free(scene, first, solve_ik, Deadline.after(max_time))
-    chain = (arm if type(arm) is Arm else require_arm(arm))._compiled
+    chain = (arm if type(arm) is Arm else require_arm(arm)).compiled
     # What is plainly right goes straight to the core; checking it here would cost more than solving it.
     if chain is not None:
         given = None if type(target) is np.ndarray else as_target(arm, target)

@@ -12,14 +12,13 @@ from numpy.typing import ArrayLike
 from ..support.checks import Array, as_floats, as_reals, as_theta, frozen, require, require_names
 from ..support.display import told
 from ..support.errors import InputError, listed
+from ..support.units import factor
 from .joint_limits import JointLimits
 from .motion_limits import MotionLimits
 
-UNITS = {"rad": 1.0, "deg": 180.0 / np.pi, "turn": 0.5 / np.pi, "tick": np.nan, "m": 1.0, "mm": 1000.0}
-"""Units of a drive's counts, and how many make one rad (or m). For ticks see `ticks_per_turn`."""
-
-LINEAR_UNITS = ("m", "mm")
-"""Units of a drive that pushes instead of turning."""
+TURNING_UNITS, LINEAR_UNITS = ("rad", "deg", "turn"), ("m", "mm")
+UNITS = (*TURNING_UNITS, "tick", *LINEAR_UNITS)
+"""Units of the counts of a drive that turns or pushes. For ticks see `ticks_per_turn`."""
 
 RANK_TOL = 1e-9
 """Relative to the equilibrated G. Gear ratios have a few digits, so their differences are not smaller."""
@@ -197,7 +196,8 @@ class Actuators:
     def counts_per_unit(self) -> Array:
         """Counts of each drive for one rad (or m) of its motor, (k,)."""
         ticks = self.ticks_per_turn / (2 * np.pi)
-        return frozen([t if unit == "tick" else UNITS[unit] for unit, t in zip(self.units, ticks, strict=True)])
+        units = zip(self.units, self.motor_units, ticks, strict=True)
+        return frozen([count if unit == "tick" else 1.0 / factor(unit, si) for unit, si, count in units])
 
     def _joints(self, values: ArrayLike, name: str) -> Array:
         return as_theta(values, len(self.joint_names), name, self.joint_names)

@@ -57,7 +57,7 @@ class Goals:
         try:
             end = self.arm.theta_from(goal, name="its goal")
         except (InputError, UnknownNameError) as error:
-            raise type(error)(f"{where}: {error}{shape_hint(goal)}") from error
+            raise type(error)(joined("", [f"{where}: ", error.message, shape_hint(goal)])) from error
         if end.ndim != 1:
             raise InputError(f"{where}: a goal must be one configuration ({self.arm.n},); got {end.shape}")
         require_waypoints(end[None], self.limits, self.arm.joint_names, self.arm.units, where)
@@ -73,7 +73,7 @@ class Goals:
             try:
                 found = [MovingTarget(_curve_to(move, g0, g1), like, met) for like in likes]
             except InputError as error:
-                raise InputError(f"{where}: {error}") from error
+                raise InputError(joined(": ", [where, error.message])) from error
         return [each for each in found if not each.is_still]
 
     def _goal_pose(self, move: Curved, g0: Array, start: Array, where: str) -> tuple[list[AnyTarget], Array]:

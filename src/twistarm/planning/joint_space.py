@@ -28,6 +28,7 @@ from ..support.checks import (
     require_choice,
 )
 from ..support.errors import InputError, NotConvergedError, shown
+from ..support.messages import joined
 from . import spline, timing
 from .pulling_in import pulled_in
 from .spans import LONGEST, SHORTEST, Progress
@@ -221,7 +222,8 @@ def _waypoint(arm: Arm, waypoint: Any, index: int, near: Array, met: Tolerances)
     if isinstance(waypoint, TARGETS) or _is_pose(waypoint):
         solution = solve_ik(arm, waypoint, near, **met.keywords, posture="theta0")
         if not solution.converged:
-            raise NotConvergedError(f"waypoint {index} (counted from 0): {in_one_line(solution)}", solution)
+            why = joined(": ", [f"waypoint {index} (counted from 0)", in_one_line(solution)])
+            raise NotConvergedError(why, solution)
         return np.array(solution.theta)
     theta = arm.theta_from(waypoint, name=f"waypoint {index}")
     if theta.ndim != 1:

@@ -41,7 +41,7 @@ BEYOND_LIMIT = 1e-6
 
 
 def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
-    """Read a motion of `arm` from a file of `to_csv`, `to_json`, `to_yaml`, `to_mcap` or another program.
+    """Read a motion of `arm` from a file of `to_csv`, `to_json`, `to_mcap` or another program.
 
     Between two instants a polynomial meets the positions, rates and accelerations of both. It is quintic, cubic, or
     straight for positions alone, as in ROS's joint_trajectory_controller. The first instant is t = 0. The arm is at

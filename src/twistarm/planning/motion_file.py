@@ -13,9 +13,9 @@ import numpy as np
 from ..arm.arm import Arm
 from ..description.companions.toml_entries import parse_toml
 from ..ik.targets import Approach, Pose, Position, TolerancedPose
-from ..support.checks import as_flag, as_not_negative, as_positive, as_reals, as_theta, require_choice, require_mapping
-from ..support.entries import at, only, real, three
+from ..support.checks import as_not_negative, as_positive, as_reals, as_theta, require_choice, require_mapping
 from ..support.errors import InputError, listed, shown
+from ..support.fields import flag, inside, number, only, vector
 from ..support.files import as_path
 from ..theory.rotations import from_quaternion_wxyz, from_rpy
 from .motion import LAWS
@@ -76,9 +76,9 @@ class _Reader:
         self.angle = 1.0
 
     def motion(self) -> MotionFile:
-        with at(self.file, "at the top"):
+        with inside(self.file, "at the top"):
             only(self.content, TOP_LEVEL)
-            if as_flag(self.content.get("degrees", False), "degrees"):
+            if flag(self.content.get("degrees", False), "degrees"):
                 self.angle = np.pi / 180.0
             limits = require_mapping(self.content.get("limits", {}), "limits", "{ acceleration = 3.0 }")
             self.arm.limits.with_(limits, self.arm.joint_names)  # says what is wrong with them
@@ -87,14 +87,14 @@ class _Reader:
             whole = {
                 name: as_positive(self._number(self.content, name), name) for name in SHARED if name in self.content
             }
-            unwrap = as_flag(self.content.get("unwrap", False), "unwrap")
+            unwrap = flag(self.content.get("unwrap", False), "unwrap")
             scene = self._scene(self.content["scene"]) if "scene" in self.content else None
             entries = self.content.get("segment", [])
             if not isinstance(entries, list) or not entries:
                 raise InputError(f"there is no segment: write [[segment]] and under it one of {', '.join(KINDS)}")
         segments = []
         for i, entry in enumerate(entries):
-            with at(self.file, f"segment {i + 1}"):
+            with inside(self.file, f"segment {i + 1}"):
                 segments.append(self._segment(entry))
         return MotionFile(tuple(segments), start, kind, limits, **whole, unwrap=unwrap, scene=scene)
 
@@ -118,27 +118,28 @@ class _Reader:
 
     def _line(self, value: Any, options: dict[str, Any]) -> Segment:
         if table := _described(value, ("by",), ("frame", "constrain")):
-            return LineMove.by(three(table, "by"), **_present(table, "frame", "constrain"), **options)
+            return LineMove.by(vector(table["by"], "by"), **_present(table, "frame", "constrain"), **options)
         return LineMove(self._goal(value), **options)
 
     def _screw(self, value: Any, options: dict[str, Any]) -> Segment:
         if table := _described(value, ("axis", "point", "angle"), ("pitch", "constrain")):
-            axis, point, angle = three(table, "axis"), three(table, "point"), self._number(table, "angle")
+            axis, point = (vector(table[name], name) for name in ("axis", "point"))
+            angle = self._number(table, "angle")
             pitch = self._number(table, "pitch") if "pitch" in table else 0.0
             return ScrewMove.about(axis, point, angle, pitch, **_present(table, "constrain"), **options)
         return ScrewMove(self._goal(value), **options)
 
     def _arc(self, value: Any, options: dict[str, Any]) -> Segment:
         if table := _described(value, ("axis", "centre", "angle"), ("turn", "constrain")):
-            axis, centre, angle = three(table, "axis"), three(table, "centre"), self._number(table, "angle")
+            axis, centre = (vector(table[name], name) for name in ("axis", "centre"))
+            angle = self._number(table, "angle")
             return ArcMove.about(axis, centre, angle, **_present(table, "turn", "constrain"), **options)
         through = _described(value, ("via", "to"), ())
         if through is None:
             raise InputError(f"arc takes via and to, or axis, centre and angle; got {shown(value)}")
         via = through["via"]
-        return ArcMove(
-            self._target(via) if isinstance(via, dict) else three(through, "via"), self._goal(through["to"]), **options
-        )
+        middle = self._target(via) if isinstance(via, dict) else vector(via, "via")
+        return ArcMove(middle, self._goal(through["to"]), **options)
 
     def _dwell(self, value: Any, options: dict[str, Any]) -> Segment:
         only(options, ("label",))
@@ -174,13 +175,13 @@ class _Reader:
         if len(joints) < len(value):
             raise InputError(f"a goal is a target or values of joints, not both; got {listed(value)}")
         factors = dict(zip(self.arm.joint_names, per_joint.tolist(), strict=True))
-        return {joint: real(each, joint) * factors[joint] for joint, each in value.items()}
+        return {joint: number(each, joint) * factors[joint] for joint, each in value.items()}
 
     def _target(self, table: Mapping[str, Any]) -> Pose | Position | Approach | TolerancedPose:
         only(table, GOAL)
         if "xyz" not in table:
             raise InputError(f"xyz is missing beside {listed(table)}: a target says where the tool is to be")
-        p = three(table, "xyz")
+        p = vector(table["xyz"], "xyz")
         turned = [name for name in ("rpy", "quaternion_wxyz", "direction") if name in table]
         if len(turned) > 1:
             which = " or ".join(turned)
@@ -189,13 +190,14 @@ class _Reader:
         _needs(table, "tolerance", ("rpy", "quaternion_wxyz"))
         _needs(table, "frame", ("tolerance",))
         if "direction" in table:
-            return Approach(p, three(table, "direction"), three(table, "tool_axis") if "tool_axis" in table else None)
+            tool_axis = vector(table["tool_axis"], "tool_axis") if "tool_axis" in table else None
+            return Approach(p, vector(table["direction"], "direction"), tool_axis)
         if not turned:
             return Position(p)
         g = np.eye(4)
         g[:3, 3] = p
         if "rpy" in table:
-            g[:3, :3] = from_rpy(self.angle * three(table, "rpy"))
+            g[:3, :3] = from_rpy(self.angle * vector(table["rpy"], "rpy"))
         else:
             g[:3, :3] = from_quaternion_wxyz(table["quaternion_wxyz"])
         if "tolerance" not in table:
@@ -209,7 +211,7 @@ class _Reader:
         return TolerancedPose(g, tolerance * np.repeat([1.0, self.angle], 3), table.get("frame", "target"))
 
     def _number(self, table: Mapping[str, Any], name: str) -> float:
-        return real(table[name], name) * (self.angle if name in ANGLES else 1.0)
+        return number(table[name], name) * (self.angle if name in ANGLES else 1.0)
 
 
 def _described(value: Any, needed: Sequence[str], others: Sequence[str]) -> Mapping[str, Any] | None:

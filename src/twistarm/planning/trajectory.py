@@ -21,7 +21,7 @@ from ..support.errors import InputError, listed, shown
 from ..support.files import writable, write_whole
 from .files.c_header import SUFFIXES, header_text
 from .files.csv_file import csv_text
-from .files.joint_trajectory import json_text, yaml_text
+from .files.joint_trajectory import json_text
 from .files.mcap_file import mcap_bytes
 from .files.motor_values import motors_of, require_motors
 from .piecewise import derivative, evaluate, extremes
@@ -211,24 +211,6 @@ class Trajectory:
             InputError: The file cannot be written, dt is not positive, or the actuators do not fit.
         """
         return write_whole(path, json_text(self, dt, actuators))
-
-    def to_yaml(self, path: str | os.PathLike[str], dt: float = 0.01, *, actuators: Actuators | None = None) -> Path:
-        """Write the message of `to_json` as YAML, for `ros2 topic pub`. Only YAML that twistarm wrote is replaced.
-
-        ROS's tools refuse the extra fields: motors and labels.
-
-        Args:
-            path: The file to write.
-            dt: Time between points [s].
-            actuators: The motors; by default those of the arm.
-
-        Returns:
-            The path written.
-
-        Raises:
-            InputError: As `to_json`, and where other YAML stands at `path`.
-        """
-        return write_whole(path, yaml_text(self, dt, actuators))
 
     def to_mcap(self, path: str | os.PathLike[str], arm: Arm, dt: float = 0.01) -> Path:
         """Write ROS 2 messages, as rosbag2 records them: Foxglove, Rerun and `load_trajectory` read the file.

@@ -6,12 +6,13 @@ is allowed and what was given. `inside` adds the file and the place in it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from math import inf, nan
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .errors import InputError, TwistarmError, closest, listed, shown
 
@@ -44,13 +45,19 @@ def fields(
     known = {**needed, **(optional or {})}
     if not isinstance(value, Mapping):
         raise InputError(f"{name} must be a table with {', '.join(known) or 'no fields'}; got {shown(value)}")
-    place = f" in {name}" if name else ""
-    for key in value:
-        if key not in known:
-            raise InputError(f"unknown entry {shown(key)}{place}{closest(key, known)} (allowed: {listed(known, 30)})")
+    only(value, known, name)
     if missing := [key for key in needed if key not in value]:
         raise InputError(f"{name or 'it'} needs {listed(missing)}; it has {listed(map(str, value)) or 'nothing'}")
     return {key: check(value[key], f"{name}.{key}" if name else key) for key, check in known.items() if key in value}
+
+
+def only(table: Mapping[str, Any], allowed: Iterable[str], name: str = "") -> None:
+    """Refuse entries of other names in a table."""
+    names = tuple(allowed)
+    for key in table:
+        if key not in names:
+            place = f" in {name}" if name else ""
+            raise InputError(f"unknown entry {shown(key)}{place}{closest(key, names)} (allowed: {listed(names, 30)})")
 
 
 def table_of(check: Check, least: int = 0) -> Check:
@@ -132,6 +139,11 @@ def numbers(value: Any, name: str, size: int | None = None, **bounds: Any) -> li
     if not isinstance(value, (list, tuple)) or (size is not None and len(value) != size):
         raise InputError(f"{name} must be a list of {'' if size is None else f'{size} '}numbers; got {shown(value)}")
     return [number(each, f"{name}[{k}]", **bounds) for k, each in enumerate(value)]
+
+
+def vector(value: Any, name: str, size: int = 3) -> NDArray[np.float64]:
+    """A list of `size` numbers as an array (size,)."""
+    return np.array(numbers(value, name, size))
 
 
 def whole(value: Any, name: str, least: int = 0, most: int = LARGEST_WHOLE) -> int:

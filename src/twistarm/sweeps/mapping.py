@@ -193,7 +193,7 @@ def _met(arm: Arm, scene: Scene | None, p: Array, direction: Array | None) -> tu
 
 def _measured(arm: Arm, codes: NDArray[np.int64], theta: Array) -> Arrays:
     """The codes, with manipulability and distance from the limits of the configurations (k, n)."""
-    J = scaled_jacobian(arm.body_jacobian(theta), arm._prismatic, arm.reach)
+    J = scaled_jacobian(arm.body_jacobian(theta), arm.prismatic, arm.reach)
     Jt = J.swapaxes(-1, -2)
     square = np.linalg.det(J @ Jt if arm.n >= 6 else Jt @ J)
     margin = np.minimum(theta - arm.limits.lower, arm.limits.upper - theta).min(axis=-1)

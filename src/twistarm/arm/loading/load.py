@@ -17,7 +17,6 @@ from ...description.companions.arm_group import ArmGroup, arm_groups
 from ...description.companions.companion_files import path_from, srdf_beside
 from ...description.companions.srdf import note_names, read_srdf
 from ...description.document import Reading
-from ...description.expansion.left_out import blaming
 from ...description.findings import Finding, Place, finding, refusal
 from ...description.packages import PackageIndex, package_names, variable_names
 from ...description.semantics import Semantics
@@ -104,9 +103,7 @@ def load_arm(
         return _baked_arm(as_path(source), wishes, limits)
     specification = specify(source, **wishes)
     description = read(specification)
-    with blaming(description.findings):
-        arm = assemble(description, specification, {} if limits is None else limits)
-    return proven(arm)
+    return proven(assemble(description, specification, {} if limits is None else limits))
 
 
 def proven(arm: Arm) -> Arm:

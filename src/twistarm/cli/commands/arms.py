@@ -46,7 +46,7 @@ def info(source: Annotated[Source | None, ARM] = None, rad: Radians = False, jso
 
 def show_arm(out: Outputs, arm: Arm) -> None:
     """Everything about the arm."""
-    why_not, report = arm._why_not_compiled, closed_form_of(arm)
+    why_not, report = arm.why_not_compiled, closed_form_of(arm)
     data = {
         **entries(arm, "name base tip n joint_names reach screws home ready"),
         "source": without_places(arm.source, Path(arm.source)),
@@ -80,8 +80,8 @@ def show_arm(out: Outputs, arm: Arm) -> None:
 
 def engine_of(arm: Arm) -> str:
     """The engine of this arm's kinematics."""
-    if arm._compiled is not None:
-        return f"compiled core ({arm._compiled.instruction_set})"
+    if arm.compiled is not None:
+        return f"compiled core ({arm.compiled.instruction_set})"
     return "product of exponentials" if arm.description is None else "Pinocchio"
 
 

@@ -12,13 +12,12 @@ import numpy as np
 import typer
 
 from ...arm.arm import Arm
-from ...calibration import Calibration, Estimate, corrected_urdf, plot_of
+from ...calibration import Calibration, Estimate, corrected_urdf
 from ...calibration import calibrate as fit
 from ...support.errors import InputError
 from ...viewer import Viewer
 from ..options import ArmArgument, Avoid, Json, avoided
-from ..output import say
-from ..outputs import Force, Outputs, outputs_of, repeated
+from ..outputs import outputs_of, repeated
 from ..quantities import LENGTH, quantity, typed_number, whole
 from ..tables import Column, Table
 from .viewing import show_address
@@ -41,15 +40,16 @@ Next = Annotated[int, whole(0, 1000, "Name N configurations to measure next.", "
 Written = Annotated[
     list[str] | None,
     repeated(
-        "The corrected description (*.urdf), the motors' offsets for arm.toml (*.toml), or a plot (*.png). "
+        "The corrected description (*.urdf), or the motors' offsets for arm.toml (*.toml). "
         "With a toml the zeros are not in the urdf"
     ),
 ]
 
+Anyway = Annotated[
+    bool,
+    typer.Option("--force", help="Replace files that are there; write what is confirmed only where the log was taken."),
+]
 View = Annotated[bool, typer.Option("--view", help="Show the residuals in the browser, magnified, until Ctrl-C.")]
-
-ELSEWHERE = 5.0
-"""An expected error so many times that of rows left out shows that the log is from few places."""
 
 
 def calibrate(
@@ -66,13 +66,13 @@ def calibrate(
     next_postures: Next = 0,
     avoid: Avoid = None,
     output: Written = None,
-    force: Force = False,
+    force: Anyway = False,
     json: Json = False,
     view: View = False,
 ) -> int:
     """Fit the arm's axes and zeros to measured positions of its tool, and write the corrected URDF."""
     arm = source.load()
-    kinds = {"urdf": (".urdf",), "toml": (".toml",), "png": (".png",)}
+    kinds = {"urdf": (".urdf",), "toml": (".toml",)}
     outputs = outputs_of(output, kinds, force=force, json=json)
     apart = any(kind == "toml" for kind, _ in outputs.files)
     found = fit(
@@ -86,15 +86,13 @@ def calibrate(
         distance_noise=distance_noise,
         scales=scales,
         eccentricity=eccentricity,
-        foreseen=None if json else lambda estimates: _print_unseen(estimates, outputs),
     )
     more = found.next_postures(next_postures, scene=avoided(arm, avoid)) if next_postures else np.empty((0, arm.n))
     answer = replace(outputs, files=())
     answer.show(_as_json(found) | {"next": more}, *_parts(found, arm, more))
     contents: dict[str, Callable[[], str | bytes]] = {
-        "urdf": lambda: corrected_urdf(found, zeros=not apart),
-        "toml": lambda: _toml(found),
-        "png": lambda: plot_of(found),
+        "urdf": lambda: corrected_urdf(found, zeros=not apart, here=force),
+        "toml": lambda: _toml(found.require(here=force)),
     }
     try:
         outputs.say(outputs.write(contents))
@@ -119,18 +117,14 @@ def _distance(said: str) -> tuple[tuple[str, str], float]:
     return (a, b), value
 
 
-def _print_unseen(estimates: tuple[Estimate, ...], outputs: Outputs) -> None:
-    unseen: dict[str, list[str]] = {}
-    for one in estimates:
-        if one.of_joint and not one.seen:
-            unseen.setdefault(one.parameter.owner, []).append(one.parameter.what)
-    said = f"this log shows {sum(one.seen for one in estimates)} of {len(estimates)} parameters"
-    held = "; ".join(f"{owner} {', '.join(what)}" for owner, what in unseen.items())
-    say(f"{said}; held at 0, because others explain them: {held}" if held else said, file=outputs.words)
-
-
 def _parts(found: Calibration, arm: Arm, more: Any) -> Iterator[Table | str]:
     """What people read."""
+    unseen: dict[str, list[str]] = {}
+    for one in found.estimates:
+        if one.of_joint and not one.seen:
+            unseen.setdefault(one.parameter.owner, []).append(one.parameter.what)
+    held = "; ".join(f"{owner} {', '.join(what)}" for owner, what in unseen.items()) or "none"
+    yield f"held at 0, because others explain them in this log: {held}"
     if not found.faults:
         yield from _tables(found, arm, more)
     if found.outliers:
@@ -138,10 +132,11 @@ def _parts(found: Calibration, arm: Arm, more: Any) -> Iterator[Table | str]:
     for warning in found.warnings:
         if warning not in found.faults:
             yield f"warning: {warning}"
-    if found.confirmed and found.expected > ELSEWHERE * found.held_out:
+    if found.confirmed_here and found.expected > 2.0 * found.held_out:
         said = f"elsewhere in reach expect {1000 * found.expected:.2g} mm"
         yield f"warning: {said}: measure at other configurations, as --next names them"
-    yield "confirmed" if found.confirmed else f"not confirmed: {found.why_not}"
+    here = "confirmed only where the log was taken (--force writes it)" if found.confirmed_here else "not confirmed"
+    yield "confirmed" if found.confirmed else f"{here}: {found.why_not}"
 
 
 def _tables(found: Calibration, arm: Arm, more: Any) -> Iterator[Table]:
@@ -176,14 +171,14 @@ def _amounts(estimate: Estimate) -> tuple[float, float, str]:
 
 
 def _toml(found: Calibration) -> str:
-    found.require()
     offsets = found.motor_offsets().items()
     return "\n".join(f"[actuators.{name}]\noffset = {offset!r}\n" for name, offset in offsets)
 
 
 def _as_json(found: Calibration) -> dict[str, Any]:
     names = [
-        "base", "tool", "expected", "held_out", "held_out_before", "block", "block_before", "confirmed", "outliers"
+        "base", "tool", "expected", "held_out", "held_out_before", "block", "block_before", "confirmed",
+        "confirmed_here", "outliers",
     ]  # fmt: skip
     estimates = [
         {"owner": one.parameter.owner, "what": one.parameter.what, "unit": one.parameter.unit, "value": one.value,

@@ -106,8 +106,8 @@ def _paragraphs(findings: Sequence[Finding]) -> Iterator[RenderableType]:
         head = (one.severity, colours[one.severity]), f" {one.code}  ", (printable(str(one.place)), "dim")
         yield Text.assemble(*head)
         # A remedy may be lines of an arm.toml.
-        remedy = [f"→ {words(one.remedy)}"] if one.remedy else []
-        lines = "\n".join([words(one.what), *remedy]).split("\n")
+        remedy = f"→ {words(one.remedy)}".split("\n") if one.remedy else []
+        lines = [words(one.what), *remedy]
         yield Padding(Text("\n".join(map(printable, lines))), (0, 0, 0, 4), expand=False)
 
 

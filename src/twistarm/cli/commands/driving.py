@@ -128,7 +128,8 @@ def servo(
             feedback_timeout=feedback_timeout, tolerance=near, settings=viewer.servo_settings(settings),
             scene=scene, velocity_mode=velocity_mode, duration=duration, on_cycle=each,
         )  # fmt: skip
-    Outputs(json=json, radians=rad).show(_loop(arm, report), report.explain(), written=robot.written)
+    out = Outputs(json=json, radians=rad)
+    out.show(_loop(arm, report), *out.lines(report.explain()), written=robot.written)
     return 0 if report.ok else 1
 
 
@@ -246,7 +247,8 @@ def follow(
         "largest_error": dict(zip(names, report.largest_error, strict=True)),
         "loop": _loop(arm, report.stream),
     }  # fmt: skip
-    Outputs(json=json, radians=rad).show(data, report.explain(), written=robot.written)
+    answer = Outputs(json=json, radians=rad)
+    answer.show(data, *answer.lines(report.explain()), written=robot.written)
     return 0 if report.ok else 1
 
 

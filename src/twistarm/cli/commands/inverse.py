@@ -153,7 +153,7 @@ def show_solution(out: Outputs, arm: Arm, solution: IKResult) -> None:
         },
         Table(f"{arm.name}: {solution.stop.name}", columns, ""),
         theta_typed(arm, solution.theta, out.radians),
-        explanation,
+        *out.lines(explanation),
         files={"csv": lambda: _answers_csv(arm, [1], [solution])},
     )
 
@@ -186,11 +186,12 @@ def _counted(sheet: Sheet, lines: list[int], answers: list[IKResult]) -> list[st
     count = f"{met} of {len(answers)} targets of {sheet.file} met"
     if len(answers) > ROWS_SHOWN:
         count += " (-o FILE.csv has them all)"
+    notes = []
     rounded = [line for line, answer in zip(lines, answers, strict=True) if answer.rounded]
     if rounded:
         worst = [max(getattr(answer, error) for answer in answers if answer.rounded) for error in ERRORS]
-        count += f"\nnote: line {few(rounded)}: {missed_by_rounding(*worst)}"
-    return [count, *(f"{reason.value}: line {few(numbers)}" for reason, numbers in by_reason.items())]
+        notes = [f"note: line {few(rounded)}: {missed_by_rounding(*worst)}"]
+    return [count, *notes, *(f"{reason.value}: line {few(numbers)}" for reason, numbers in by_reason.items())]
 
 
 def _answers_csv(arm: Arm, lines: Sequence[int], answers: Sequence[IKResult]) -> str:
@@ -223,7 +224,7 @@ def _show_all(out: Outputs, solutions: AllSolutions) -> None:
     out.show(
         {"arm": arm, "joint_names": arm.joint_names, **entries(solutions, names), "explanation": explanation},
         *parts,
-        explanation,
+        *out.lines(explanation),
         files={"csv": lambda: _all_csv(solutions)},
     )
 

@@ -15,7 +15,7 @@ from ...limits.joint_limits import JointLimits
 from ...planning import ActiveLimit, Trajectory, active_limits, load_motion
 from ...planning.files.c_header import SUFFIXES, header_text
 from ...planning.files.csv_file import csv_text
-from ...planning.files.joint_trajectory import json_text, yaml_text
+from ...planning.files.joint_trajectory import json_text
 from ...planning.files.mcap_file import mcap_bytes
 from ...planning.joint_space import Kind
 from ...support.errors import InputError
@@ -31,7 +31,7 @@ from ..targets import Axis, OrientationTol, PositionTol, typed_tolerances
 MOST_STRETCHES = 8
 """So many rows of active limits are shown; --json has them all."""
 
-MOTION_KINDS = {"csv": (".csv",), "json": (".json",), "yaml": (".yaml", ".yml"), "header": SUFFIXES, "mcap": (".mcap",)}
+MOTION_KINDS = {"csv": (".csv",), "json": (".json",), "header": SUFFIXES, "mcap": (".mcap",)}
 """The kinds of files that hold a motion."""
 
 COUNTED = ("csv", "header")
@@ -92,7 +92,7 @@ Acceleration = Annotated[OfJoints | None, quantity("rad/s² m/s²", CAP)]
 Output = Annotated[
     list[str] | None,
     repeated(
-        "Write time, position, velocity and acceleration to *.csv, a ROS JointTrajectory to *.json or *.yaml, "
+        "Write time, position, velocity and acceleration to *.csv, a ROS JointTrajectory to *.json, "
         "ROS 2 messages to *.mcap, a C99 and C++17 header to *.h; with [actuators] what the motors do and their drives "
         "count as well, but in *.mcap. - is standard output"
     ),
@@ -210,7 +210,6 @@ def motion_texts(arm: Arm, planned: Trajectory, outputs: Outputs, dt: float, *, 
     return {
         "csv": lambda: csv_text(planned, dt, counts=counts),
         "json": lambda: json_text(planned, dt),
-        "yaml": lambda: yaml_text(planned, dt),
         "header": lambda: header_text(planned, header, counts=counts),
         "mcap": lambda: mcap_bytes(planned, arm, dt),
     }

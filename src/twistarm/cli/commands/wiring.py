@@ -11,7 +11,7 @@ import typer
 from ...arm.arm import Arm
 from ...calibration import Residual, WiringReport, check_wiring
 from ..options import ArmArgument, Json
-from ..output import plain, progress_bar
+from ..output import plain
 from ..outputs import Outputs
 from ..quantities import quantity
 from ..tables import Column, Table, number
@@ -41,16 +41,14 @@ def wiring(
 ) -> int:
     """Check signs, ratios and zeros of the motors against logged counts and measured tool positions."""
     arm = source.load()
-    with progress_bar("wiring") as progress:
-        report = check_wiring(
-            arm,
-            log,
-            position_noise=position_noise,
-            orientation_noise=orientation_noise,
-            base_position_noise=base_position_noise,
-            base_orientation_noise=base_orientation_noise,
-            progress=progress,
-        )
+    report = check_wiring(
+        arm,
+        log,
+        position_noise=position_noise,
+        orientation_noise=orientation_noise,
+        base_position_noise=base_position_noise,
+        base_orientation_noise=base_orientation_noise,
+    )
     before, after = _residual(report.before), _residual(report.after)
     rows = "1 row" if report.rows == 1 else f"{report.rows} rows"
     faults = [each for each in report.motors if each.verdict != "sound" and each.what]

@@ -1,1 +1,1 @@
-"""xacro to URDF without ROS, confined: files restricted, expressions checked, work counted."""
+"""xacro to URDF without ROS: files confined, expressions examined before they are evaluated."""

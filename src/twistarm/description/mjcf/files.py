@@ -11,8 +11,7 @@ from pathlib import Path
 from ...support.errors import DescriptionError
 from ...support.files import read_bounded
 from ..document import MAX_NESTING, MAX_PARTS, Reading, parse_xml
-from ..expansion.confinement import Confinement
-from ..expansion.work import Refused
+from ..expansion.confinement import Confinement, Refused
 from ..findings import refusal
 from ..mesh_paths import resolve_uri
 

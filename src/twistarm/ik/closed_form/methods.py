@@ -183,7 +183,7 @@ def _in_core(arm: Arm, target: AnyTarget, method: Method) -> Method:
     if method.family is None or not method.family.order:  # with every joint given nothing is solved
         return method
     numbers = family_numbers(arm, method.chain, method.family, method.held, {*method.held} - {*method.given})
-    made = None if arm._compiled is None else engine.asked("ClosedForm", arm._compiled, target.kind, *numbers)
+    made = None if arm.compiled is None else engine.asked("ClosedForm", arm.compiled, target.kind, *numbers)
     return replace(method, numbers=numbers, compiled=made, proposing=made)
 
 

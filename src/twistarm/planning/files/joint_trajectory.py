@@ -1,4 +1,4 @@
-"""ROS's trajectory_msgs/JointTrajectory as JSON or YAML, with motors and labels as extra fields."""
+"""ROS's trajectory_msgs/JointTrajectory as JSON, with motors and labels as extra fields; read as YAML, too."""
 
 from __future__ import annotations
 
@@ -15,9 +15,8 @@ from ...limits.actuators import Actuators
 from ...support.checks import Array
 from ...support.errors import DescriptionError, InputError, closest, listed, shown
 from ...support.fields import number, numbers
-from ...support.files import WRITTEN_YAML, read_bounded, why_no_file
+from ...support.files import read_bounded, why_no_file
 from ...support.strict_json import parsed
-from ...support.yaml_text import block
 from .motor_values import motor_values, motors_of
 from .points import Points
 
@@ -35,12 +34,6 @@ FIELDS = ("positions", "velocities", "accelerations")
 def json_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = None) -> str:
     """Return the text that `Trajectory.to_json` writes."""
     return json.dumps(_message(trajectory, dt, actuators), indent=1, allow_nan=False) + "\n"
-
-
-def yaml_text(trajectory: Trajectory, dt: float, actuators: Actuators | None = None) -> str:
-    """Return the text that `Trajectory.to_yaml` writes."""
-    message = _message(trajectory, dt, actuators)
-    return "\n".join([f"{WRITTEN_YAML}: a trajectory_msgs/JointTrajectory", *block(message), ""])
 
 
 def _message(trajectory: Trajectory, dt: float, actuators: Actuators | None) -> dict[str, Any]:

@@ -127,7 +127,7 @@ def solved_at_once(arm: Arm, search: Callable[..., IKResult]) -> IKResult | None
 
     A full search gives the same bits: the first converged search wins, and none was cut short.
     """
-    if arm._compiled is None:
+    if arm.compiled is None:
         return None
     begin = time.perf_counter()
     solution = search(restarts=1, max_time=AT_ONCE)

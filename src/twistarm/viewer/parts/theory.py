@@ -122,7 +122,7 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
         "columns": _screws(J_s),
         "motion": None if rates is None or not np.any(rates) else _moving(J_s @ rates, hybrid[:3] @ rates),
         **_singularity(arm, theta),
-        **_ellipsoids(hybrid, arm._prismatic, arm.reach),
+        **_ellipsoids(hybrid, arm.prismatic, arm.reach),
     }
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from ...collision.scene_file import scene_text
 from ...planning.files.c_header import header_text
 from ...planning.files.csv_file import csv_text
-from ...planning.files.joint_trajectory import json_text, yaml_text
+from ...planning.files.joint_trajectory import json_text
 from ...planning.trajectory import Trajectory
 from ...support.errors import InputError
 from ..files.page_export import stand_alone
@@ -74,7 +74,6 @@ DOWNLOADS: Mapping[str, Download] = {
     "scene.toml": Download("application/toml", "_scene.toml", _scene),
     "motion.csv": Download("text/csv; charset=utf-8", "_motion.csv", partial(_motion, csv_text)),
     "motion.json": Download("application/json", "_motion.json", partial(_motion, json_text)),
-    "motion.yaml": Download("application/yaml", "_motion.yaml", partial(_motion, yaml_text)),
     "motion.h": Download("text/plain; charset=utf-8", "_motion.h", partial(_motion, _header)),
 }
 """Downloads by their name under the token."""

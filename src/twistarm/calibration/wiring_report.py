@@ -1,4 +1,4 @@
-"""The report of the wiring check, motor by motor."""
+"""The report of the wiring check: a verdict on each motor, in words and for programs."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import NamedTuple
 
+from ..support.checks import Array
 from ..support.display import told
 from ..support.errors import ComparisonError
-from .model import BaseOffset
 
 
 class Residual(NamedTuple):
@@ -24,10 +24,10 @@ class MotorVerdict:
     """The log's verdict on one motor; by default none.
 
     `verdict` is "sound", "fault", "possible fault" or "cannot tell". `faults` are from "flipped sign", "wrong ratio",
-    "zero offset" and "swapped". If the fault is possible, the log does not separate it from another. `unseen` is what
-    the log does not show: "sign", "ratio", "zero" or "swapped with NAME".
+    "zero offset" and "swapped". A fault is possible if the log does not separate it from another, or from a base that
+    stands elsewhere. `unseen` is what the log does not show: "sign", "ratio", "zero" or "swapped with NAME".
 
-    The zero fit reads the motor as `scale` y + `offset` [rad or m, motor side]. Their standard deviations hold when all
+    The fit reads the motor as `scale` y + `offset` [rad or m, motor side]. Their standard deviations hold when all
     parameters are fitted; inf if the log shows nothing. `joint_offset` is the offset of the joints [rad or m]. `ratio`
     and `zero` are the right entries of arm.toml for the present wiring. None: the log does not tell. `what` and
     `remedy` say it in words.
@@ -48,14 +48,13 @@ class MotorVerdict:
     remedy: str = ""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class WiringReport:
     """The verdict on the whole arm ("sound", "fault", "cannot tell", "unexplained"), and on each motor.
 
-    `before` is the residual with the values of arm.toml. `after` is that with the found scales and offsets. `rows`
-    moments were logged; `worst_row`, counted from 1, fits least. A log in another unit than metres is "unexplained". If
-    `what` names the unit, the rest of the report is in metres. `base` is the apparent place of the base, if the log
-    needs it. None: as measured.
+    `before` is the residual with the values of arm.toml, `after` that with the found scales and offsets. `rows` moments
+    were logged; `worst_row`, counted from 1, fits least. `base` (4, 4) is where the base seems to stand, seen from its
+    measured place, if the log needs that. None: as measured.
     """
 
     arm: str
@@ -66,7 +65,7 @@ class WiringReport:
     before: Residual
     after: Residual
     worst_row: int
-    base: BaseOffset | None = None
+    base: Array | None = None
 
     def __repr__(self) -> str:
         return told("WiringReport", {"arm": self.arm, "verdict": self.verdict, "what": self.what})
@@ -79,7 +78,6 @@ class WiringReport:
     def require(self) -> WiringReport:
         """Itself, or ComparisonError with what was found."""
         if not self.ok:
-            faulty = [motor for motor in self.motors if motor.verdict != "sound" and motor.what]
-            found = [f"{motor.name}: {motor.what}" for motor in faulty]
-            raise ComparisonError(f"the wiring of {self.arm}: {'; '.join([self.what, *found])}")
+            faulty = [f"{motor.name}: {motor.what}" for motor in self.motors if motor.verdict != "sound" and motor.what]
+            raise ComparisonError(f"the wiring of {self.arm}: {'; '.join([self.what, *faulty])}")
         return self

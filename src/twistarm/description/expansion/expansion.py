@@ -1,0 +1,338 @@
+"""One expansion: the functions and names that the private copy of xacro gets for a description."""
+
+from __future__ import annotations
+
+import errno
+import fnmatch
+import os
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+from xml.dom import expatbuilder, xmlbuilder
+from xml.parsers import expat
+
+from ...support.errors import listed
+from ...support.messages import Argument, Text, package_folder
+from ..document import Reading, parse_xml
+from ..findings import Finding, Place, finding, refusal
+from ..packages import PackageIndex, is_package_name
+from .arguments import Arguments
+from .confinement import Confinement, Refused
+from .expressions import evaluate, safer
+
+PACKAGE = "package://"
+"""What `$(find NAME)` gives before the package's name. The folder stays out of the texts, which users may pass on."""
+
+HERE = f"{PACKAGE}./"
+"""The description's own folder."""
+
+WORKING_FOLDER = ".cwd"
+"""The working folder, written as a package's name."""
+
+MISSING_PACKAGE = "/package-not-found/"
+"""The folder of an unknown package, for a file in it that is to be opened."""
+
+MAX_INCLUDES = 30
+"""Depth of includes. Deeper ones form a circle, which would take seconds until the stack is full."""
+
+XACRO = "http://www.ros.org/wiki/xacro"
+
+QUIET = ("message", "warning", "error", "print_location")
+
+REPLACED = (
+    *("_global_symbols", "substitution_args_context", "filestack", "macrostack", "verbosity", "all_includes"),
+    *("parse", "get_include_files", "eval_text", "eval_extension", "safe_eval", "remove_previous_comments"),
+    *("handle_macro_call", *QUIET),
+)
+"""Names in the module `xacro` that an expansion replaces."""
+
+_FIND = re.compile(r"\$\(find ([^)\s]+)\)")
+
+
+class NotSetError(Exception):
+    """A variable that the file needs has no value, or the caller does not name it."""
+
+
+class Expansion:
+    """The files, arguments, packages and environment of one description."""
+
+    def __init__(
+        self,
+        xacro: Any,
+        path: Path,
+        packages: PackageIndex,
+        arguments: Mapping[str, str],
+        ignore_packages: Iterable[str] = (),
+        env_vars: Iterable[str] = (),
+    ) -> None:
+        self.path, self.packages, self.given = path, packages, dict(arguments)
+        self.found = Arguments()
+        self.unknown_packages: set[str] = set()
+        self._xacro = xacro
+        self._confinement = Confinement(path, packages)
+        self._ignored, self._env_vars = tuple(ignore_packages), tuple(env_vars)
+        self._idle = dict.fromkeys(self._ignored)
+        self._notes: dict[str, Finding] = {}
+
+    def findings(self) -> tuple[Finding, ...]:
+        """Packages that no opened file needed, variables that are not shown, and parts left out."""
+        unknown = (_unknown(self.path, name) for name in sorted(self.unknown_packages))
+        return (*unknown, *self._notes.values(), *(not_used(package, self.path) for package in self._idle))
+
+    def attributes(self) -> dict[str, Any]:
+        """Values for the module `xacro`, which keeps its state in module globals."""
+        return {
+            "_global_symbols": self._symbols(),
+            "substitution_args_context": {"arg": {}},
+            "filestack": None,
+            "macrostack": None,
+            "verbosity": 0,
+            "all_includes": [],
+            "parse": self._parse,
+            "get_include_files": self._include_files,
+            "eval_text": self._text,
+            "eval_extension": lambda command: self._command(command[2:-1]),
+            "safe_eval": partial(evaluate, namespace=self._xacro.Table),
+            "remove_previous_comments": _say_nothing,  # no comment comes so far
+            **dict.fromkeys(QUIET, _say_nothing),
+            **({"handle_macro_call": self._call_macro} if self._ignored else {}),
+        }
+
+    @property
+    def place(self) -> Place:
+        """The macro being expanded with the file that defines it, else the file."""
+        if self._xacro.macrostack:
+            macro = self._xacro.macrostack[-1]
+            return Place(str(macro.history[-1][-1] or self.path), element="macro", name=macro.body.getAttribute("name"))
+        return Place(str((self._xacro.filestack or [self.path])[-1]))
+
+    # names and texts
+
+    def _symbols(self) -> Any:
+        """xacro's own names, with bounded functions, and with our functions about files and arguments."""
+        symbols = self._xacro.create_global_symbols()
+        own = {"load_yaml": self._load_yaml, "abs_filename": self._named_from_here}
+        symbols["xacro"].update(own, arg=self._argument, fatal=self._fail)
+        symbols["xacro"].update(dict.fromkeys(QUIET, _say_nothing))
+        symbols.update(own)
+        for names in (symbols, symbols["python"], symbols["math"]):
+            kept = {name: safer(name, dict.__getitem__(names, name)) for name in dict.keys(names)}
+            dict.clear(names)
+            dict.update(names, {name: value for name, value in kept.items() if value is not None})
+        return symbols
+
+    def _text(self, text: str, symbols: Any) -> Any:
+        return self._xacro.original["eval_text"](text, symbols) if "$" in text else text
+
+    def _command(self, command: str) -> str:
+        """The text of `$(command)`."""
+        name, _, rest = command.strip().partition(" ")
+        words = rest.split()
+        if name == "eval":  # its names are the arguments
+            python = self._xacro._global_symbols["python"]
+            names = {**python, **self._xacro._global_symbols["math"], "true": True, "false": False}
+            names |= {"find": self._find, "env": self._required, "optenv": self._optional}
+            names |= {"arg": lambda each: self._converted(self._argument(each))}
+            arguments = self._xacro.substitution_args_context["arg"]
+            names = {each: self._converted(value) for each, value in arguments.items()} | names
+            return str(evaluate(rest, names, self._xacro.Table))
+        if name == "cwd" and not words:
+            return PACKAGE + WORKING_FOLDER
+        if name == "optenv" and words:
+            return self._optional(words[0], " ".join(words[1:]))
+        take = {"find": self._find, "arg": self._argument, "env": self._required}.get(name)
+        if take is None or len(words) != 1:
+            what = f"$({command}) is none of $(arg NAME), $(find PACKAGE), $(env NAME), $(eval …), $(cwd)"
+            raise self._xacro.XacroException(what)
+        return _FIND.sub(lambda match: self._find(match[1]), str(take(words[0])))
+
+    def _argument(self, name: str) -> Any:
+        arguments = self._xacro.substitution_args_context["arg"]
+        if name not in arguments:
+            raise self._xacro.XacroException(f"Undefined substitution argument {name}")
+        return arguments[name]
+
+    def _converted(self, text: Any) -> Any:
+        return self._xacro.substitution_args.convert_value(str(text), "auto")
+
+    def _fail(self, *words: Any) -> None:
+        raise self._xacro.XacroException(" ".join(map(str, words)))
+
+    # the environment: a file could put a value in the robot's name, and so on pages that users pass on
+
+    def _required(self, name: str) -> str:
+        value = os.environ.get(name) if name in self._env_vars else None
+        if value is None:
+            raise NotSetError(f"environment variable {name!r} is not set for it")
+        return value
+
+    def _optional(self, name: str, default: str = "") -> str:
+        if name in self._env_vars:
+            return os.environ.get(name, default)
+        what = f"it asks for the environment variable {name!r}, and was answered as if that were not set: {default!r}"
+        remedy = Text("pass {allowed} if it may know it", allowed=Argument("env_vars", [name]))
+        self._notes.setdefault(f"env {name}", finding("environment-kept", Place(self.path.name), what, remedy))
+        return default
+
+    # files
+
+    def _find(self, package: str) -> str:
+        """The text for the folder of a package."""
+        self._idle.pop(package, None)
+        known = self.packages.find(package) or self.packages.find_for_mesh_alone(package)
+        if known is None and package not in self._ignored:
+            self.unknown_packages.add(package)
+        return PACKAGE + package if is_package_name(package) else MISSING_PACKAGE + package
+
+    def _named_from_here(self, name: str) -> str:
+        """A path relative to the file being read, as a name that holds in every file."""
+        if os.path.isabs(name) or name.startswith(PACKAGE):
+            return name
+        folder = os.path.dirname(self._xacro.filestack[-1] or self.path)
+        return HERE + os.path.relpath(os.path.join(folder, name), self.path.parent)
+
+    def _absolute(self, name: str) -> str:
+        name = name.replace("\\", "/")
+        if name.startswith(PACKAGE):
+            package, _, rest = name[len(PACKAGE) :].partition("/")
+            own = {".": str(self.path.parent), WORKING_FOLDER: os.getcwd()}.get(package)
+            return f"{own or self.packages.find(package) or MISSING_PACKAGE + package}/{rest}"
+        if "://" in name:
+            what = f"{name!r} is a URI; only files of packages are opened"
+            raise Refused("file-outside-packages", what, "write a path or $(find package)/…")
+        folder = os.path.dirname(self._xacro.filestack[-1] or self.path)
+        return os.path.join(folder, name)
+
+    def _read(self, name: str) -> tuple[Path, str]:
+        """The real path and the text of a file that may be read. XacroException if there is none."""
+        if len(self._xacro.filestack) > MAX_INCLUDES:
+            what = f"an included file refers to itself without end: {MAX_INCLUDES} files are open"
+            raise Refused("xacro-failed", what, "take out the include that comes back")
+        try:
+            if name.startswith(MISSING_PACKAGE):
+                raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
+            return self._confinement.read(name)
+        except OSError as error:
+            raise self._xacro.XacroException(f"{error.strerror}: {name}", exc=error) from error
+
+    def _parse(self, text: Any, filename: str) -> Any:
+        """The document in a file that may be read."""
+        try:
+            path, text = self._read(filename)
+        except Exception:
+            self._xacro.filestack.pop()
+            raise
+        root = parse_xml(text, Reading(path, self.packages))
+        self.found.look_through(root, path)
+        return _document(text, root, path)
+
+    def _include_files(self, pattern: str, symbols: Any) -> Iterator[str]:
+        """The file that an include names, or those that its wildcards match."""
+        written = str(self._text(pattern, symbols))
+        if self._is_ignored(written):
+            self._leave_out(f"the include of {os.path.basename(written)!r} is left out")
+            return
+        name = self._absolute(written)
+        folder, last = os.path.split(name)
+        if not re.search(r"[*?[]", last) or os.path.exists(name):
+            yield name
+        elif os.path.isdir(folder):
+            names = self._confinement.entries(folder)
+            shown = [other for other in names if last.startswith(".") or not other.startswith(".")]
+            yield from (os.path.join(folder, match) for match in fnmatch.filter(shown, last))
+
+    def _load_yaml(self, filename: str) -> Any:
+        """The data in a YAML file that may be read, with xacro's units."""
+        import yaml
+
+        if self._is_ignored(str(filename)):
+            self._leave_out(f"{os.path.basename(str(filename))!r} counts as empty")
+            return self._xacro.YamlDictWrapper({})
+
+        class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc] # tags on PyYAML's would stay
+            pass
+
+        for unit in self._xacro.ConstructUnits:
+            Loader.add_constructor(unit.value.tag, unit.constructor)
+        name = self._absolute(str(filename))
+        path, text = self._read(name)
+        self._xacro.filestack.append(name)
+        try:
+            data = yaml.load(text, Loader=Loader)
+        except RecursionError:
+            what = f"the YAML in {path.name} is nested too deeply"
+            raise Refused("xacro-failed", what, "write it flatter") from None
+        self._xacro.filestack.pop()
+        return self._xacro.YamlListWrapper.wrap(data)
+
+    # packages to do without
+
+    def _is_ignored(self, name: str) -> bool:
+        """Whether a file belongs to an ignored package, by `$(find …)` or by a folder of that name."""
+        parts = Path(name.removeprefix(PACKAGE).replace("\\", "/")).parts
+        ignored = [package for package in self._ignored if package in parts]
+        for package in ignored:
+            self._idle.pop(package, None)
+        return bool(ignored)
+
+    def _leave_out(self, what: str) -> None:
+        place = replace(self.place, file=os.path.basename(self.place.file))
+        remedy = Text(
+            "if it matters, pass {folder} instead of {without}",
+            folder=package_folder(listed(self._ignored)),
+            without=Argument("ignore_packages", None),
+        )
+        self._notes.setdefault(what, finding("package-left-out", place, what, remedy))
+
+    def _call_macro(self, node: Any, macros: Any, symbols: Any) -> Any:
+        """Call xacro's function. The call of an unknown macro is left out if a file was."""
+        name = node.tagName.removeprefix("xacro:")
+        if name not in ("call", node.tagName) and any(one.code == "package-left-out" for one in self._notes.values()):
+            try:
+                self._xacro.resolve_macro(name, macros, symbols)
+            except KeyError:
+                self._leave_out(f"the call of the macro {name!r} is left out: no file that is read defines it")
+                self._xacro.replace_node(node, None)
+                return True
+        return self._xacro.original["handle_macro_call"](node, macros, symbols)
+
+
+def not_used(package: str, file: Path) -> Finding:
+    """The finding for a package without which nothing is left out."""
+    what = f"nothing is left out without {package!r}: no file of it is opened"
+    remedy = Text("correct the name, or take it out of {without}", without=Argument("ignore_packages", None))
+    return finding("package-not-used", Place(file.name), what, remedy)
+
+
+def _unknown(path: Path, package: str) -> Finding:
+    """The finding for a missing package that no opened file needed."""
+    what = f"$(find {package}): package not found; nothing the kinematics needs uses it"
+    remedy = Text("pass {folder} if its files matter", folder=package_folder(package))
+    return finding("package-not-found", Place(path.name), what, remedy)
+
+
+def _document(text: str, root: ET.Element, path: Path) -> Any:
+    """minidom's document without the file's encoding, and without comments, which slow xacro down."""
+    options = xmlbuilder.Options()
+    options.comments = False
+    try:
+        return expatbuilder.makeBuilder(options).parseString(re.sub(r"^\s*<\?xml[^>]*\?>", "", text))
+    except expat.ExpatError as error:  # of namespaces: all else was well-formed before
+        what, remedy = "an attribute is given twice, by two prefixes of one namespace", "keep one of them"
+        if error.code == expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]:
+            names = [name for element in root.iter() for name in (element.tag, *element.attrib)]
+            declared = {"xml", "xmlns", *(name[len("xmlns:") :] for name in names if name.startswith("xmlns:"))}
+            lost = next((name for name in names if ":" in name and name.partition(":")[0] not in declared), "…:")
+            prefix = lost.partition(":")[0]
+            what = f"the prefix of {lost!r} is not declared"
+            remedy = f'add xmlns:{prefix}="{XACRO if prefix == "xacro" else "…"}" to <robot>'
+        raise refusal("xml-malformed", Place(str(path), error.lineno), what, remedy) from error
+
+
+def _say_nothing(*_: Any, **__: Any) -> str:
+    """Drop xacro's messages, which would go to the terminal."""
+    return ""
