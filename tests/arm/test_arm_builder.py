@@ -1,4 +1,4 @@
-"""The builder: the arm it says, the URDF it writes, and every mistake refused in the call that makes it."""
+"""The builder: the arm it says, the URDF it writes, and mistakes refused."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from twistarm import Arm, ArmBuilder, JointLimits, crosscheck, joints, load_arm, poe, save_html
-from twistarm.support.errors import InputError, UnknownNameError
+from twistarm.support.errors import DescriptionError, InputError, UnknownNameError
 
 Z, O = [0, 0, 1], [0, 0, 0]  # noqa: E741
 HOME = np.array([[1, 0, 0, 0.6], [0, 1, 0, 0], [0, 0, 1, 0.3], [0, 0, 0, 1.0]])
@@ -116,9 +116,12 @@ def started() -> ArmBuilder:
 MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "no name": (lambda: ArmBuilder(""), "the arm's name"),
     "a name with a control character": (lambda: started().prismatic("x\n", Z), "'x\\n'"),
-    "a name twice": (lambda: started().revolute("a", Z, O), "'a'"),
-    "a name whose coordinate is taken": (lambda: started().prismatic("s_rx", Z).spherical("s", O), "'s_rx'"),
-    "the slide of a thread": (lambda: started().revolute("h_z", Z, O), "'h_z'"),
+    "a name twice": (lambda: started().revolute("a", Z, O).tool(HOME).build(), "'a_link'"),
+    "a name whose coordinate is taken": (
+        lambda: started().prismatic("s_rx", Z).spherical("s", O).tool(HOME).build(),
+        "'s_rx_link'",
+    ),
+    "the slide of a thread": (lambda: started().revolute("h_z", Z, O).tool(HOME).build(), "'h_z_link'"),
     "a zero axis": (lambda: started().prismatic("x", O), "joint 'x': axis"),
     "a point out of this world": (lambda: started().revolute("x", Z, [1e12, 0, 0]), "joint 'x': point"),
     "axes that are no rotation": (lambda: started().spherical("x", O, np.diag([1, 1, -1.0])), "joint 'x': axes"),
@@ -130,10 +133,10 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
     "no tool": (lambda: started().build(), "no tool"),
     "no joints": (lambda: ArmBuilder("arm").tool(HOME).urdf(), "no joints"),
     "two tools": (lambda: started().tool(HOME).tool(HOME), "'tool'"),
-    "a tool named as a link": (lambda: started().tool(HOME, "a_link"), "'a_link'"),
+    "a tool named as a link": (lambda: started().tool(HOME, "a_link").build(), "'a_link'"),
     "a tool whose mount is a joint": (
-        lambda: ArmBuilder("arm").revolute("hand_mount", Z, O).tool(HOME, "hand"),
-        "'hand'",
+        lambda: ArmBuilder("arm").revolute("hand_mount", Z, O).tool(HOME, "hand").build(),
+        "'hand_mount'",
     ),
     "several homes": (lambda: started().tool(np.tile(np.eye(4), (2, 1, 1))), "home"),
 }
@@ -142,7 +145,7 @@ MISTAKES: dict[str, tuple[Callable[[], object], str]] = {
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_mistakes_are_refused_in_one_line(mistake: str) -> None:
     make, message = MISTAKES[mistake]
-    with pytest.raises(InputError) as caught:
+    with pytest.raises((InputError, DescriptionError)) as caught:
         make()
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)

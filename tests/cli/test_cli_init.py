@@ -35,14 +35,12 @@ def test_a_link_in_a_circle_is_replaced(folder: Path, capsys: Capture) -> None:
     assert (folder / "loop.toml").is_file()
 
 
-def test_init_without_a_clear_tip_says_what_to_fill_in(folder: Path, capsys: Capture) -> None:
+def test_init_without_a_clear_tip_writes_nothing(folder: Path, capsys: Capture) -> None:
     parts = joint("a", "base_link", "upper"), joint("b", "upper", "left"), joint("c", "upper", "right")
     write(folder, robot(*parts, links=("base_link", "upper", "left", "right")))
-    told = printed(capsys, "init", "arm.urdf", code=1)
-    assert told.startswith("arm.toml: written, but take the # away from one tip = in it before it loads: ")
-    assert told.endswith("several links could be the tip: 'left' (2 joints), 'right' (2 joints); pass --tip left\n")
-    assert '# tip = "left"' in (folder / "arm.toml").read_text()
-    assert run(["init", "arm.urdf", "--force", "--tip", "right"]) == 0
+    assert "--tip left" in error_of(capsys, "init", "arm.urdf")
+    assert not (folder / "arm.toml").exists()
+    assert run(["init", "arm.urdf", "--tip", "right"]) == 0
     assert load_arm("arm.toml").joint_names == ("a", "c")
 
 

@@ -20,7 +20,8 @@ MJCF = Path(__file__).parents[1] / "data" / "mjcf"
 
 def came_back(arm: Arm, folder: Path, name: str = "copy.urdf") -> Arm:
     (folder / name).write_text(to_urdf(arm, folder), encoding="utf-8")
-    return load_arm(folder / name, base=arm.base, tip=arm.tip)
+    meshes = [] if arm.description is None or arm.description.path is None else [arm.description.path.parent]
+    return load_arm(folder / name, base=arm.base, tip=arm.tip, package_dirs=meshes)
 
 
 def test_a_urdf_of_ours_is_replaced_by_the_next(tmp_path: Path) -> None:

@@ -70,7 +70,7 @@ def digest_of(arm: Arm) -> str:
 
 def content_of(arm: Arm) -> dict[str, Any]:
     """An arm without its description and findings, for JSON. SI, as in `Arm`; `source` without its folder."""
-    bounds = _bounds(arm.limits)
+    bounds, motors = _bounds(arm.limits), arm.actuators
     return {
         "name": arm.name,
         "source": Path(arm.source).name,
@@ -89,7 +89,15 @@ def content_of(arm: Arm) -> dict[str, Any]:
         "reach": float(arm.reach),
         "ready": arm.ready.tolist(),
         "named_states": {name: theta.tolist() for name, theta in arm.named_states.items()},
-        "actuators": None if arm.actuators is None else _actuators_entry(arm.actuators),
+        "actuators": motors
+        and {
+            "names": list(motors.names),
+            "G": motors.G.tolist(),
+            "offset": motors.offset.tolist(),
+            "units": list(motors.units),
+            "ticks_per_turn": _or_null(motors.ticks_per_turn),
+            "limits": _bounds(motors.limits),
+        },
         "disabled_collisions": [list(pair) for pair in sorted(arm.disabled_collisions)],
         "proof": None if arm.proof is None else dict(zip(_PROOF, arm.proof, strict=True)),
     }
@@ -99,17 +107,6 @@ def sealed(kind: Kind, content: Mapping[str, Any]) -> str:
     """The file's text: JSON with a digest of the rest. Every number reads back as the same bits."""
     entries = {"format": kind.format, "version": VERSION, "digest": _digest_of(content), **content}
     return "{\n" + ",\n".join(f"  {json.dumps(key)}: {_laid_out(value)}" for key, value in entries.items()) + "\n}\n"
-
-
-def _actuators_entry(motors: Actuators) -> dict[str, Any]:
-    return {
-        "names": list(motors.names),
-        "G": motors.G.tolist(),
-        "offset": motors.offset.tolist(),
-        "units": list(motors.units),
-        "ticks_per_turn": _or_null(motors.ticks_per_turn),
-        "limits": _bounds(motors.limits),
-    }
 
 
 def _bounds(limits: JointLimits) -> dict[str, list[float | None]]:
@@ -143,31 +140,40 @@ def unsealed(path: Path, *kinds: Kind) -> dict[str, Any]:
     Raises DescriptionError for any other file, and for one that was changed. The digest fits only what `sealed` wrote,
     so the numbers need no check.
     """
-    first, kind = kinds[0], None
+    first = kinds[0]
     try:
         content = parsed(read_text(path, MAX_BYTES))
         said = content.get("format") if isinstance(content, dict) else None
         kind = next((each for each in kinds if each.format == said), None)
         if kind is None:
             raise ValueError(f"it does not say 'format': {first.format!r}")
-        again = f"write it again from the description: {kind.command} --force"
-        version = content.get("version")
-        if version != VERSION:
-            update = f"it is of version {str(version)[:20]}, and this twistarm reads version {VERSION}"
-            raise DescriptionError(f"{path}: {update}; {again}")
-        kept = {key: value for key, value in content.items() if key not in ("format", "version", "digest")}
-        whole = content.get("digest") == _digest_of(kept)
+        _, version, digest = (content.pop(key, None) for key in ("format", "version", "digest"))
+        whole = digest == _digest_of(content)
     except (ValueError, RecursionError) as error:
         raise DescriptionError(f"{path}: not a {first.name}: {error}; {first.command} writes one") from error
+    again = f"write it again from the description: {kind.command} --force"
+    if version != VERSION:
+        update = f"it is of version {str(version)[:20]}, and this twistarm reads version {VERSION}"
+        raise DescriptionError(f"{path}: {update}; {again}")
     if not whole:
         raise DescriptionError(f"{path}: edited or damaged since it was written (its digest does not fit); {again}")
-    return kept
+    return dict(content)
 
 
 def fields_of(content: Mapping[str, Any]) -> dict[str, Any]:
     """The fields of an `Arm` from its content; `coupling` and `proof` as tuples."""
-    joints, proof = content["joints"], content["proof"]
+    joints, motors, proof = content["joints"], content["actuators"], content["proof"]
     names = tuple(joint["name"] for joint in joints)
+    if motors is not None:
+        motors = Actuators(
+            names=tuple(motors["names"]),
+            joint_names=names,
+            G=np.array(motors["G"]),
+            offset=np.array(motors["offset"]),
+            units=tuple(motors["units"]),
+            ticks_per_turn=_given(motors["ticks_per_turn"], np.nan),
+            limits=_limits(motors["limits"]),
+        )
     return {
         **{key: content[key] for key in ("name", "source", "base", "tip", "tip_link", "reach")},
         "joint_names": names,
@@ -178,24 +184,10 @@ def fields_of(content: Mapping[str, Any]) -> dict[str, Any]:
         "limits": _limits({field: [joint[field] for joint in joints] for field in FIELDS}),
         "known_ready": np.array(content["ready"]),
         "named_states": {name: np.array(theta) for name, theta in content["named_states"].items()},
-        "actuators": _actuators(content["actuators"], names),
+        "actuators": motors,
         "disabled_collisions": frozenset(map(tuple, content["disabled_collisions"])),
         "proof": None if proof is None else tuple(proof[key] for key in _PROOF),
     }
-
-
-def _actuators(entry: Mapping[str, Any] | None, joint_names: tuple[str, ...]) -> Actuators | None:
-    if entry is None:
-        return None
-    return Actuators(
-        names=tuple(entry["names"]),
-        joint_names=joint_names,
-        G=np.array(entry["G"]),
-        offset=np.array(entry["offset"]),
-        units=tuple(entry["units"]),
-        ticks_per_turn=_given(entry["ticks_per_turn"], np.nan),
-        limits=_limits(entry["limits"]),
-    )
 
 
 def _limits(content: Mapping[str, list[float | None]]) -> JointLimits:

@@ -55,35 +55,26 @@ def arm_from_screws(
     limits = {} if limits is None else limits
     if isinstance(limits, JointLimits) and limits.lower.size != n:
         raise InputError(f"limits must be those of {n} joints; got {limits.lower.size}")
-    prismatic = np.linalg.norm(xi[3:], axis=0) < 1e-12 * np.linalg.norm(xi[:3], axis=0)
     return Arm(
         name=name,
         source="screws",
         base="base",
         tip="tool",
         joint_names=names,
-        joint_types=tuple("prismatic" if slide else _turning(xi[:, i]) for i, slide in enumerate(prismatic)),
+        joint_types=tuple(lower_pairs(twist[:, None], np.eye(1))[0].kind for twist in xi.T),
         screws=xi,
         home=g,
         coupling=Coupling(np.eye(n), np.zeros(n)),
         limits=limits if isinstance(limits, JointLimits) else JointLimits.unbounded(n).with_(limits, names),
-        reach=_reach(xi[:, ~prismatic], g[:3, 3]) or 1.0,
+        reach=_reach(xi, g[:3, 3]) or 1.0,
     )
 
 
-def _turning(xi: Array) -> str:
-    """Revolute or helical, by the pitch of this twist (6,) alone."""
-    (pair,) = lower_pairs(xi[:, None], np.eye(1))
-    return pair.kind
-
-
-def _reach(turning: Array, tool: Array) -> float:
-    """Distances between successive axes, each point nearest to the one before, out to the tool's origin."""
-    if turning.shape[1] == 0:
-        return 0.0
-    screws = [to_screw(xi) for xi in turning.T]
-    points = [screws[0].point + screws[0].axis * (screws[0].axis @ (tool - screws[0].point))]
-    for screw in screws[1:]:
-        points.append(screw.point + screw.axis * (screw.axis @ (points[-1] - screw.point)))
-    path = [*points, tool]
-    return float(sum(np.linalg.norm(b - a) for a, b in pairwise(path)))
+def _reach(xi: Array, tool: Array) -> float:
+    """Distances between successive axes of turns, each point nearest to the one before, out to the tool's origin."""
+    path: list[Array] = []
+    for screw in map(to_screw, xi.T):
+        if np.isfinite(screw.pitch):
+            near = path[-1] if path else tool
+            path.append(screw.point + screw.axis * (screw.axis @ (near - screw.point)))
+    return float(sum(np.linalg.norm(b - a) for a, b in pairwise([*path, tool])))

@@ -6,25 +6,15 @@ import os
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import partial, reduce
 from typing import Any
 
 import numpy as np
 
-from ..support.checks import (
-    Array,
-    as_floats,
-    as_number,
-    as_pose,
-    as_reals,
-    frozen,
-    require_choice,
-    require_names,
-    require_one,
-)
+from ..support.checks import Array, as_floats, as_number, as_pose, frozen, require_choice, require_names, require_one
 from ..support.csv_lines import Bounds, Row, csv_lines, csv_rows
 from ..support.errors import InputError, listed, shown
-from ..support.fields import anything, fields, inside, number, number_in, one_of, table_of
+from ..support.fields import fields, inside, number, number_in, one_of
 from ..support.files import as_path
 from ..support.unit_hints import TURN, angle_hint
 from ..support.units import column, factor
@@ -97,9 +87,8 @@ class DhTable:
         if len(types) != n or not set(types) <= set(TYPES):
             raise InputError(f"types must be {n} words, each {' or '.join(TYPES)}; got {list(types)}")
         require_choice(self.convention, CONVENTIONS, "convention")
-        for joint, limits in fields(self.limits, "limits", {}, dict.fromkeys(names, table_of(anything))).items():
-            for word, value in fields(limits, f"limits.{joint}", {}, dict.fromkeys(LIMITS, anything)).items():
-                as_reals(value, f"limits.{joint}.{word}")
+        limits_of_one = partial(fields, needed={}, optional=dict.fromkeys(LIMITS, number))
+        fields(self.limits, "limits", {}, dict.fromkeys(names, limits_of_one))
         poses = {name: frozen(require_one(as_pose(getattr(self, name), name), name, 2)) for name in (BASE, TOOL)}
         read = {"rows": frozen(rows), "joints": tuple(names), "types": tuple(types)}
         for name, value in {**read, **poses, "residual": as_number(self.residual, "residual")}.items():
@@ -151,31 +140,33 @@ def table_of_rows(
     (convention,) = said
     require_choice(convention, CONVENTIONS, "convention")
     moving = [i for i, row in enumerate(read) if row.get("type") != FIXED]
-    first, last = (moving[0], moving[-1]) if moving else (0, -1)
-    if len(moving) <= last - first:
+    first, end = (moving[0], moving[-1] + 1) if moving else (0, 0)
+    if len(moving) < end - first:
         raise InputError("a fixed row stands before the first joint or behind the last; add its numbers to theirs")
-    numbers = np.array([[row.get(name, 0.0) for name in PARAMETERS] for row in read]).reshape(-1, 4)
-    base, tool = (
-        reduce(np.matmul, [transform_of(row, convention) for row in part], pose)
-        for part, pose in zip(
-            np.split(numbers, (first, last + 1))[::2], (np.eye(4) if base is None else base, np.eye(4)), strict=True
-        )
-    )
-    joints = read[first : last + 1]
+    numbers = np.array([[row.get(name, 0.0) for name in PARAMETERS] for row in read])
+    transforms = [transform_of(row, convention) for row in numbers]
+    joints = read[first:end]
     names = tuple(row.get("joint", f"joint{i}") for i, row in enumerate(joints, start=1))
-    types = tuple(row.get("type", TYPES[0]) for row in joints)
-    limits = [{key: row[key] for key in LIMIT_NAMES if key in row} for row in joints]
-    by_joint = dict(zip(map(str, names), limits, strict=True))
-    return DhTable(numbers[first : last + 1], convention, names, types, base, tool, limits=by_joint)
+    limits = [{key: row[key] for key in LIMITS if key in row} for row in joints]
+    return DhTable(
+        rows=numbers[first:end],
+        convention=convention,
+        joints=names,
+        types=tuple(row.get("type", TYPES[0]) for row in joints),
+        base=reduce(np.matmul, transforms[:first], np.eye(4) if base is None else base),
+        tool=reduce(np.matmul, transforms[end:], np.eye(4)),
+        limits=dict(zip(map(str, names), limits, strict=True)),
+    )
 
 
 def _read(row: Mapping[str, Any], i: int) -> dict[str, Any]:
     """The entries of row i by column, in SI."""
-    cells = {key: value for key, value in row.items() if value != ""}
     read: dict[str, Any] = {}
     with inside(f"row {i}"):
-        kind = one_of((*TYPES, FIXED))(cells.get("type", TYPES[0]), "type")
-        for key, cell in cells.items():
+        kind = one_of((*TYPES, FIXED))(row.get("type") or TYPES[0], "type")
+        for key, cell in row.items():
+            if cell == "":
+                continue
             name, unit = column(key, KNOWN)
             if name is None:
                 raise InputError(f"unknown column {shown(key)}; allowed are {', '.join(COLUMNS)}")

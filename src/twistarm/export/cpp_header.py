@@ -12,15 +12,20 @@ from ..arm.arm import Arm
 from ..arm.baking import digest_of
 from ..control.servo import ServoSettings
 from ..control.servo.bounds import bounds_of
+from ..ik import AnyTarget, Approach, Pose, Position
+from ..ik.closed_form.compiled import ClosedFormParameters
+from ..ik.closed_form.methods import method_for
 from ..support.c_text import c_number, c_string, c_strings, cpp_number, cpp_numbers, identifier_of
 from ..support.checks import Array
 from ..support.errors import TwistarmError
 from ..support.templates import filled
-from .cpp_closed_form import cpp_closed_form
 
 TEMPLATES = Path(__file__).with_name("templates")
 
 SUFFIXES = (".hpp", ".hh", ".hxx", ".h")
+
+KEEPS = ("nothing", "point", "plane")
+"""`twistarm::closed_form::keeps`, in its order."""
 
 
 def core_headers() -> Path:
@@ -78,7 +83,7 @@ def cpp_header(arm: Arm) -> str:
         coupling=_rows(map(cpp_numbers, np.asarray(constants["coupling"]))),
         **_servo(arm),
         motors_section=_motors(arm),
-        closed_form_section=cpp_closed_form(arm),
+        closed_form_section=_closed_form(arm),
     )
 
 
@@ -125,6 +130,51 @@ def _motors(arm: Arm) -> str:
     )
 
 
+def _closed_form(arm: Arm) -> str:
+    """A `twistarm::solved_arm` per kind of target, and `solve_ik_all`. A remark says if no kind has one."""
+    kinds: dict[str, AnyTarget] = {
+        "pose": Pose(arm.home),
+        "position": Position(arm.home[:3, 3]),
+        "approach": Approach(arm.home[:3, 3], arm.home[:3, 2], arm.tool_axis),
+    }
+    families, choices = "", ""
+    for kind, target in kinds.items():
+        method = method_for(arm, target)
+        if method.numbers is not None:
+            families += _family(arm, kind, method.numbers, method.in_words(arm))
+            choices += f"if constexpr (Target::kind == twistarm::target_kind::{kind})\n        "
+            choices += f"solve({kind}_family<T>);\n    else "
+    if not families:
+        return "// The arm's axes belong to no family: there is no closed form that finds every configuration.\n"
+    return families + filled(TEMPLATES / "all_configurations.hpp.in", choices=choices)
+
+
+def _family(arm: Arm, kind: str, numbers: ClosedFormParameters, words: str) -> str:
+    held = [int(i) for i in numbers.held]
+    standing = f" Where theta0 has them stand: {', '.join(arm.joint_names[i] for i in held)}." if held else ""
+    axes, held_axes = (
+        ", ".join(f"{{{cpp_numbers(axis[:3])}, {cpp_numbers(axis[3:6])}, {_truth(axis[6])}}}" for axis in each)
+        for each in (numbers.axes, numbers.held_axes)
+    )
+    joints = ", ".join(str(int(i)) for i in numbers.joint)
+    idle = sum(1 << i for i in np.flatnonzero(numbers.idle).tolist())
+    keeps = KEEPS[numbers.keeps]
+    return f"""\
+/// For a {kind}: {words}.{standing}
+template <class T> inline constexpr twistarm::solved_arm<T, n> {kind}_family = {{
+    {{{len(numbers.axes)}, {numbers.first}, {numbers.last}, twistarm::closed_form::keeps::{keeps},
+     {{{axes}}},
+     {{{_truth(keeps == "plane")}, {cpp_numbers(numbers.kept[:3])}, {cpp_number(numbers.kept[3])}}}}},
+    {{{joints}}},
+    {len(held)}, {{{", ".join(map(str, held))}}}, {{{held_axes}}},
+    {cpp_numbers(numbers.rate)},
+    {_frame(numbers.home)},
+    {idle}U,
+}};
+
+"""
+
+
 # -- numbers and texts as C++ writes them ------------------------------------------------------------------------
 
 
@@ -132,7 +182,7 @@ def _doubles(values: Array) -> str:
     return ", ".join(map(c_number, values))
 
 
-def _truth(value: bool) -> str:
+def _truth(value: object) -> str:
     return "true" if value else "false"
 
 

@@ -52,23 +52,20 @@ def _text(arm: Arm, folder: str | os.PathLike[str]) -> str:
         return builder_of(arm).urdf()
     source = SourceText(repaired(description, writable(as_path(folder) / COPY, over_description=True).parent).text)
     written = {joint.get("name", ""): joint for joint in source.robot.findall("joint")}
-    for name, affine in arm.couplings.items():
-        read = description.joints[name]
-        if affine.master is None and name not in written:
-            raise InputError(
-                f"{arm.name}: URDF has no half of a planar joint, and {name!r} is locked; load it unlocked"
-            )
-        if affine.master is None:
-            _fix(source, written[name], exp(read.twist, affine.offset))
-    fixed = {name for name, affine in arm.couplings.items() if affine.master is None}
-    for name in [name for name in written if name in description.joints and name not in fixed]:
-        read = description.joints[name]
-        limits = [float(getattr(read, field)) for field in LIMIT_NAMES]
-        if name in arm.joint_names:
-            i = arm.joint_names.index(name)
-            limits = [float(getattr(arm.limits, field)[i]) for field in LIMIT_NAMES]
-        if read.scalar:
-            _limit(source, written[name], limits, read)
+    locked = {name: affine.offset for name, affine in arm.couplings.items() if affine.master is None}
+    if halves := locked.keys() - written.keys():
+        name = min(halves)
+        raise InputError(f"{arm.name}: URDF has no half of a planar joint, and {name!r} is locked; load it unlocked")
+    for name, joint in written.items():
+        read = description.joints.get(name)
+        if name in locked and read is not None:
+            _fix(source, joint, exp(read.twist, locked[name]))
+        elif read is not None and read.scalar:
+            limits = [float(getattr(read, field)) for field in LIMIT_NAMES]
+            if name in arm.joint_names:
+                i = arm.joint_names.index(name)
+                limits = [float(getattr(arm.limits, field)[i]) for field in LIMIT_NAMES]
+            _limit(source, joint, limits, read)
     if arm.tip not in description.links:
         mount = ET.Element("robot")
         add_joint(mount, f"{arm.tip}_mount", "fixed", (arm.tip_link, arm.tip), arm.tool)

@@ -27,7 +27,6 @@ from ...description.dh import (
     dh_urdf,
     rows_of_csv,
     table_of_rows,
-    transform_of,
 )
 from ...limits.joint_limits import JointLimits
 from ...support.checks import Array, as_number, require_choice
@@ -88,12 +87,13 @@ def arm_from_dh(
     """
     if convention is not None:
         require_choice(convention, CONVENTIONS, "convention")
-    if isinstance(table, (str, os.PathLike)):
-        table = table_of_rows(rows_of_csv(table), convention)
-    own = table.convention if isinstance(table, DhTable) else convention
-    if own is None or convention not in (None, own):
-        raise InputError(UNDECIDED if own is None else f"the table is {own}; got convention={shown(convention)}")
-    made: Any = table if isinstance(table, DhTable) else DhTable(table, own)  # type: ignore[arg-type]
+    made: Any = table_of_rows(rows_of_csv(table), convention) if isinstance(table, (str, os.PathLike)) else table
+    if not isinstance(made, DhTable):
+        if convention is None:
+            raise InputError(UNDECIDED)
+        made = DhTable(made, convention)
+    elif convention not in (None, made.convention):
+        raise InputError(f"the table is {made.convention}; got convention={shown(convention)}")
     given = {"joints": joints, "types": types, "base": base, "tool": tool}
     made = replace(made, **{key: value for key, value in given.items() if value is not None})
     ArmBuilder(name)  # which checks the name
@@ -177,15 +177,12 @@ def dh_csv(table: DhTable) -> str:
 
 
 def _fixed_rows(T: Array, convention: str) -> list[Array]:
-    """Rows (4,) whose product is a transform (4, 4): one if it has the form of one, else a way and ZXZ in three."""
+    """Up to three rows (4,) whose product is a transform (4, 4): a way, then the turns Z, X and Z."""
     if convention == "modified":  # a modified row is the inverse of a standard one with other signs
         return [-row for row in reversed(_fixed_rows(inverse(T), "standard"))]
-    rows = [_row(T, convention)]
-    if np.abs(transform_of(rows[0], convention) - T).max() > EXACT:
-        (x, y, z), (first, tilt, last) = T[:3, 3], to_euler("ZXZ", T[:3, :3])
-        turn = np.arctan2(y, x)
-        rows = [np.array([np.hypot(x, y), 0.0, z, turn]), np.array([0.0, tilt, 0.0, first - turn])]
-        rows.append(np.array([0.0, 0.0, 0.0, last]))
+    (x, y, z), (first, tilt, last) = T[:3, 3], to_euler("ZXZ", T[:3, :3])
+    turn = np.arctan2(y, x)
+    rows = np.array([[np.hypot(x, y), 0.0, z, turn], [0.0, tilt, 0.0, first - turn], [0.0, 0.0, 0.0, last]])
     return [row for row in rows if np.abs(row).max() > EXACT]
 
 

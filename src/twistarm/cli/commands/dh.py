@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import numpy as np
 import typer
 
 from ...arm.loading.from_dh import PARALLEL, dh_csv, dh_rows, to_dh
+from ...description.dh import PARAMETERS
 from ..options import ArmArgument, Json, Radians
-from ..output import entries, note
+from ..output import entries
 from ..outputs import Force, Output, outputs_of
 from ..tables import Column, Table
 from ..typed import parse_numbers
-
-FAR = 10.0
-"""A row so many times longer than the arm's reach comes from axes that are nearly parallel."""
 
 ROWS = {"standard": "R_z(θ) T_z(d) T_x(a) R_x(α)", "modified": "R_x(α) T_x(a) R_z(θ) T_z(d)"}
 
@@ -24,7 +21,10 @@ Convention = Annotated[
 ]
 Parallel = Annotated[
     str | None,
-    typer.Option(metavar="ANGLE", help="Axes within this count as parallel [°, or rad with --rad]; 1e-7 rad."),
+    typer.Option(
+        metavar="ANGLE",
+        help="Axes within this count as parallel; others meet far away [°, or rad with --rad]; 1e-7 rad.",
+    ),
 ]
 
 
@@ -42,16 +42,11 @@ def dh(
     out = outputs_of(output, {"csv": (".csv",)}, force=force, json=json, radians=rad)
     (angle,) = [PARALLEL] if parallel is None else parse_numbers(parallel, "rad", "--parallel", rad)
     found = to_dh(arm, convention, float(angle))
-    if parallel is None and np.abs(found.rows[:, [0, 2]]).max() > FAR * arm.reach:
-        note("axes that are nearly parallel meet far away; with --parallel 0.01deg they count as parallel")
     rows = dh_rows(found)
     columns = [
         Column("joint", [row["joint"] for row in rows]),
         Column("type", [row["type"] for row in rows]),
-        *(
-            Column(name, [float(row[name]) for row in rows], unit, digits=6, key=name)
-            for name, unit in {"a": "m", "alpha": "rad", "d": "m", "theta": "rad"}.items()
-        ),
+        *(Column(name, [row[name] for row in rows], unit, digits=6, key=name) for name, unit in PARAMETERS.items()),
     ]
     caption = f"a row is {ROWS[found.convention]}; a joint adds its coordinate to theta, or to d if it is prismatic"
     out.show(

@@ -17,7 +17,7 @@ from ...support.messages import Argument
 from ..options import Source
 from ..output import say
 from ..outputs import NAMED, STDOUT, Force, Outputs, outputs_of
-from ..wording import words, written
+from ..wording import written
 
 Motion = Annotated[
     bool,
@@ -30,7 +30,9 @@ File = Annotated[
 ]
 
 
-def init(source: File, output: Annotated[str, NAMED] = "arm.toml", force: Force = False, motion: Motion = False) -> int:
+def init(
+    source: File, output: Annotated[str, NAMED] = "arm.toml", force: Force = False, motion: Motion = False
+) -> None:
     """Write a commented arm.toml for FILE (base, tip, limits to fill in, the ready pose), or a first motion.toml."""
     if motion and output == "arm.toml":
         output = "motion.toml"
@@ -38,23 +40,19 @@ def init(source: File, output: Annotated[str, NAMED] = "arm.toml", force: Force 
     if output != STDOUT and not output.endswith(".toml"):
         raise InputError(f"{'a motion' if motion else 'an arm'} file is named *.toml; got {output}")
     if motion:
-        return _motion(source, output, outputs)
+        _motion(source, output, outputs)
+        return
     for name in ("limits", "locked_joints"):
         if name in source.keywords:
             raise InputError(f"{'--limits' if name == 'limits' else '--locked-joint'} goes into the arm.toml by hand")
     draft = draft_arm_file(source.name, Path(os.path.realpath(output)).parent, **source.keywords)
-    outputs.write({"toml": lambda: draft.text})
-    if draft.unclear:
-        unclear = f"take the # away from one tip = in it before it loads: {words(draft.unclear)}"
-        say(f"{output}: written, but {unclear}", file=outputs.words)
-        return 1
+    outputs.write({"toml": lambda: draft})
     if output != STDOUT:
         arm = load_arm(output, env_vars=source.keywords["env_vars"])
         say(f"{output}: {arm.n} joints from {arm.base} to {arm.tip}; next: twistarm info {output}")
-    return 0
 
 
-def _motion(source: Source, output: str, outputs: Outputs) -> int:
+def _motion(source: Source, output: str, outputs: Outputs) -> None:
     """A first motion.toml for an arm: a description, an arm.toml or a name."""
     arm = source.load()
     outputs.write({"toml": lambda: draft_motion_file(arm)})
@@ -62,4 +60,3 @@ def _motion(source: Source, output: str, outputs: Outputs) -> int:
         options = [written(Argument(name, value)) for name, value in source.keywords.items() if value]
         plan = " ".join(["twistarm plan", shlex.quote(source.name), shlex.quote(output), *options])
         say(f"{output}: a motion with every kind of segment; next: {plan}")
-    return 0
