@@ -100,12 +100,6 @@ def geared(arm: Arm, rng: np.random.Generator) -> Arm:
     return replace(arm, actuators=motors)
 
 
-def fitted(arm: Arm) -> Actuators:
-    """Its motors."""
-    assert arm.actuators is not None
-    return arm.actuators
-
-
 def logged(
     arm: Arm, true: Actuators, theta: Array | int, seed: int, *, poses: bool = True, turned: float = 0.0
 ) -> Measurements:

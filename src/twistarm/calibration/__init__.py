@@ -5,8 +5,7 @@ from .calibration import Calibration, Estimate
 from .corrected import corrected_urdf
 from .geometry import Parameter
 from .measurements import Measurements, read_measurements
-from .wiring_report import MotorVerdict, Residual, WiringReport
-from .wiring_verdicts import check_wiring
+from .wiring_verdicts import MotorVerdict, Residual, WiringReport, check_wiring
 
 __all__ = [
     "Calibration", "Estimate", "Measurements", "MotorVerdict", "Parameter", "Residual", "WiringReport", "calibrate",

@@ -16,7 +16,7 @@ from ..support.errors import shown as brief
 from ..theory.screws import exp
 from .calibration import Calibration, Estimate
 from .geometry import Geometry
-from .log_checks import doubts, faults_of, refuse_unusable
+from .log_checks import faults_of, refuse_unusable
 from .measurements import Bools, Measurements, Rows, joined, read_measurements
 from .problem import LOUD, MOST_STD, Problem, descend, observable, started
 
@@ -90,7 +90,9 @@ def calibrate(
     faults = faults_of(problem, q, first)
     held = {"folds": (np.inf, np.inf), "block": (np.inf, np.inf)}
     if not faults:
-        said = (*said, *doubts(problem, q, seen))
+        loud = float(np.median(problem.loudness(q)))
+        if loud > LOUD:
+            said = (*said, f"the rows fit {loud:.0f} times worse than the stated noise: something is not explained")
         held = {part: _held_out(problem, first, seen, left, robust) for part, left in _parts(problem)}
     return _result(problem, q, seen, fitted, weights, first, held, said, faults)
 
@@ -196,23 +198,19 @@ def _covariance(problem: Problem, q: Array, free: Bools, weights: Array) -> Arra
     return covariance
 
 
-def _estimates(problem: Problem, q: Array, seen: Bools, covariance: Array) -> tuple[Estimate, ...]:
-    std = np.where(seen, np.sqrt(np.maximum(np.diag(covariance), 0.0)), np.inf)
-    each = zip(problem.parameters, np.where(seen, q, 0.0).tolist(), std.tolist(), seen.tolist(), strict=True)
-    return tuple(Estimate(*one) for one in each)
-
-
 def _result(
     problem: Problem, q: Array, seen: Bools, fitted: Bools, weights: Array, first: Array,
     held: dict[str, tuple[float, float]], said: tuple[str, ...], faults: tuple[str, ...],
 ) -> Calibration:  # fmt: skip
     geometry, loud = problem.geometry, problem.loudness(q)
+    std = np.where(seen, np.sqrt(np.maximum(np.diag(_covariance(problem, q, seen, weights)), 0.0)), np.inf)
+    each = zip(problem.parameters, np.where(seen, q, 0.0).tolist(), std.tolist(), seen.tolist(), strict=True)
     screws, home = geometry.corrected(q[: problem.P])
     return Calibration(
         arm=replace(geometry.arm, screws=screws, home=home, description=None, moving_names=geometry.arm.moving_names),
         base=geometry.base @ exp(q[:6]),
         tool=geometry.tool @ exp(q[6:12]),
-        estimates=_estimates(problem, q, seen, _covariance(problem, q, seen, weights)),
+        estimates=tuple(Estimate(*one) for one in each),
         before=_errors(problem, first),
         after=_errors(problem, q),
         held_out=held["folds"][0],

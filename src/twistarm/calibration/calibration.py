@@ -44,7 +44,7 @@ class Estimate(NamedTuple):
     def __str__(self) -> str:
         """In words, in mm and degrees: "axis 0.81 mm toward its x ± 0.05 mm"."""
         unit, (kind, _, axis) = self.parameter.unit, self.parameter.what.partition(" ")
-        value, std = _amount(self.value, unit), _amount(self.std, unit)
+        value, std = amount(self.value, unit), amount(self.std, unit)
         said = {"shift": f"axis {value} toward its {axis}", "tilt": f"axis tilted {value} about its {axis}"}
         return f"{said.get(kind, f'{self.parameter.what} {value}')} ± {std}"
 
@@ -215,7 +215,8 @@ class Calibration:
         return np.asarray(V[:, :3] - skew(g[:, :3, 3]) @ V[:, 3:])
 
 
-def _amount(value: float, unit: str) -> str:
+def amount(value: float, unit: str) -> str:
+    """A value [m, rad, 1] in words, in mm and degrees."""
     if unit == "1":
         return f"{value:.2g}"
     return f"{1000 * value:.2f} mm" if unit == "m" else f"{np.degrees(value):.3f}°"

@@ -11,7 +11,7 @@ from ..support.unit_hints import theta_hint
 from ..support.units import UNITS
 from ..theory.rotations import skew
 from .measurements import Bools, Measurements
-from .problem import LOUD, Problem
+from .problem import Problem
 
 LITTLE_ANGLE, LITTLE_LENGTH = float(np.radians(15.0)), 0.05
 """A joint that moved by less [rad, m] has hardly moved."""
@@ -21,12 +21,6 @@ MOVED = 6.0
 
 FAR_TILT, FAR_SHIFT = 0.2, 0.1
 """An axis that would tilt by more [rad], or move by more reaches, is no matter of tolerances."""
-
-MUCH_TILT, MUCH_SHIFT = 0.05, 0.01
-"""More than this [rad, m] is not usual."""
-
-QUIET = 0.2
-"""A median residual of so few stated deviations shows that the noise is smaller than stated."""
 
 TURNED = 0.2
 """Orientations that are out by more [rad] are written in another way."""
@@ -62,13 +56,6 @@ def refuse_unusable(problem: Problem, fitted: Bools) -> tuple[str, ...]:
     if numbers < 2 * fitted.sum():
         need = int(np.ceil(2 * fitted.sum() * rows / numbers))
         odd.append(f"{rows} rows are few for {fitted.sum()} unknowns: measure {need}, twice as many numbers")
-    first: dict[tuple[object, ...], str] = {}
-    measured = np.nan_to_num(np.column_stack([log.theta, log.position, log.length])).tolist()
-    for row, place, label in zip(measured, log.place, log.label, strict=True):
-        earlier = first.setdefault((*row, place), label)
-        if earlier != label:
-            odd.append(f"{label} repeats {earlier}: it counts twice")
-            break
     if not (log.located.any() or any(log.wire) or problem.distances):
         odd.append("points and planes alone do not show the arm's size: give the distance of two points, or positions")
     return tuple(odd)
@@ -91,31 +78,12 @@ def faults_of(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
         return ("the orientations do not fit: are they qx, qy, qz, qw in this order, of the tool in device axes?",)
     moved = _moved_base(problem, q) or _moved_base(problem, first)
     left = float(np.median(np.linalg.norm(problem.misses(q)[:, :3], axis=1)))
-    tilt, shift = _farthest(problem, q)
+    axes = np.abs(problem.geometry.split(q[: problem.P])[3])
+    tilt, shift = float(axes[:, 3:].max()), float(axes[:, :3].max())
     if moved or not (left > 0.03 * arm.reach or tilt > FAR_TILT or shift > FAR_SHIFT * arm.reach):
         return moved
     far = f"{1000 * left:.3g} mm are left, with axes moved by up to {np.degrees(tilt):.0f}° and {1000 * shift:.0f} mm"
     return (f"no arm fits these rows: {far}; are columns swapped, signs reversed, or units mixed?",)
-
-
-def doubts(problem: Problem, q: Array, seen: Bools) -> tuple[str, ...]:
-    """What is unusual of the fit q (Q,), though it may be right."""
-    odd, loud, (tilt, shift) = [], float(np.median(problem.loudness(q))), _farthest(problem, q)
-    if tilt > MUCH_TILT or shift > MUCH_SHIFT:
-        far = f"{np.degrees(tilt):.1f}° and {1000 * shift:.0f} mm"
-        odd.append(f"axes move by up to {far}: is it this arm, in true metres?")
-    if loud > LOUD:
-        odd.append(f"the rows fit {loud:.0f} times worse than the stated noise: something is not explained")
-    if loud < QUIET and problem.numbers > 2 * seen.sum():
-        better = f"{1 / max(loud, 1e-9):.2g}"
-        odd.append(f"the rows fit {better} times better than the stated noise: state less, to see more")
-    return tuple(odd)
-
-
-def _farthest(problem: Problem, q: Array) -> tuple[float, float]:
-    """The largest tilt [rad] and shift [m] of an axis."""
-    axes = np.abs(problem.geometry.split(q[: problem.P])[3])
-    return float(axes[:, 3:].max()), float(axes[:, :3].max())
 
 
 def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import inf
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arm.arm import Arm
 from ..support.checks import Array, as_not_negative, as_positive, as_theta
-from ..support.errors import InputError, listed
+from ..support.display import told
+from ..support.errors import ComparisonError, InputError, listed
 from ..theory.screws import exp, inverse_of
 from .log_checks import LITTLE_ANGLE, LITTLE_LENGTH, require_metres
 from .measurements import Measurements, read_measurements, require_motors
@@ -28,8 +32,7 @@ from .wiring import (
     climbed,
     search,
     sign_patterns,
-)  # fmt: skip
-from .wiring_report import MotorVerdict, Residual, WiringReport
+)
 
 SMALL_SCALE, SMALL_ANGLE, SMALL_LENGTH = 0.02, float(np.radians(1.0)), 0.005
 """Normal errors of a scale or offset [joint rad, m]. They are no faults, even if the log shows them."""
@@ -46,6 +49,77 @@ BASE_KNOWN = (
     "measure the base anew, by the tool in several configurations; --base-position-noise (metres) and "
     "--base-orientation-noise (degrees) say how well it is known, 0 and 0 exactly"
 )
+
+
+class Residual(NamedTuple):
+    """Root mean square of measured against computed: position [m], rotation [rad] or None."""
+
+    position: float
+    rotation: float | None
+
+
+@dataclass(frozen=True)
+class MotorVerdict:
+    """The log's verdict on one motor; by default none.
+
+    `verdict` is "sound", "fault", "possible fault" or "cannot tell". `faults` are from "flipped sign", "wrong ratio",
+    "zero offset" and "swapped". A fault is possible if the log does not separate it from another, or from a base that
+    stands elsewhere. `unseen` is what the log does not show: "sign", "ratio", "zero" or "swapped with NAME".
+
+    The fit reads the motor as `scale` y + `offset` [rad or m, motor side]. Their standard deviations hold when all
+    parameters are fitted; inf if the log shows nothing. `joint_offset` is the offset of the joints [rad or m]. `ratio`
+    and `zero` are the right entries of arm.toml for the present wiring. None: the log does not tell. `what` and
+    `remedy` say it in words.
+    """
+
+    name: str
+    verdict: str = "cannot tell"
+    faults: tuple[str, ...] = ()
+    unseen: tuple[str, ...] = ("sign", "ratio", "zero")
+    scale: float = 1.0
+    scale_std: float = inf
+    offset: float = 0.0
+    offset_std: float = inf
+    joint_offset: Mapping[str, float] = field(default_factory=dict)
+    ratio: Mapping[str, float] | None = None
+    zero: float | None = None
+    what: str = ""
+    remedy: str = ""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WiringReport:
+    """The verdict on the whole arm ("sound", "fault", "cannot tell", "unexplained"), and on each motor.
+
+    `before` is the residual with the values of arm.toml, `after` that with the found scales and offsets. `rows` moments
+    were logged; `worst_row`, counted from 1, fits least. `base` (4, 4) is where the base seems to stand, seen from its
+    measured place, if the log needs that. None: as measured.
+    """
+
+    arm: str
+    verdict: str
+    what: str
+    motors: tuple[MotorVerdict, ...]
+    rows: int
+    before: Residual
+    after: Residual
+    worst_row: int
+    base: Array | None = None
+
+    def __repr__(self) -> str:
+        return told("WiringReport", {"arm": self.arm, "verdict": self.verdict, "what": self.what})
+
+    @property
+    def ok(self) -> bool:
+        """Every motor is sound, and the log says so."""
+        return self.verdict == "sound"
+
+    def require(self) -> WiringReport:
+        """Itself, or ComparisonError with what was found."""
+        if not self.ok:
+            faulty = [f"{motor.name}: {motor.what}" for motor in self.motors if motor.verdict != "sound" and motor.what]
+            raise ComparisonError(f"the wiring of {self.arm}: {'; '.join([self.what, *faulty])}")
+        return self
 
 
 def check_wiring(
@@ -259,17 +333,14 @@ class Evidence:
 
     def judged(self, row: int) -> tuple[str, str, tuple[MotorVerdict, ...]]:
         """The verdict, its words, and the motors' verdicts. `row`, from 1, fits least; 0: none is loud."""
-        wiring, names = self.found.wiring, self.found.wiring.motors.names
+        wiring = self.found.wiring
         if not any(_moved(wiring, i) for i in range(wiring.k)):
-            each = [MotorVerdict(name, what="it was not moved", remedy=self._advice(i)) for i, name in enumerate(names)]
+            each = [MotorVerdict(wiring.motors.names[i], remedy=self._advice(i)) for i in range(wiring.k)]
             return "cannot tell", "no motor was moved, so the log shows nothing of any", tuple(each)
         if not self.found.explained:
             odd = f"row {row} fits least: measure it again, or leave it out" if row else "check --position-noise"
-            where = f"in the axes of {wiring.arm.base} and at {wiring.arm.tip}, while the arm stood still"
-            what = (
-                f"no sign, ratio or zero of single motors explains the log; {odd}; else check that you measured {where}"
-            )
-            return "unexplained", what, tuple(map(MotorVerdict, names))
+            what = f"no sign, ratio or zero of single motors explains the log; {odd}"
+            return "unexplained", what, tuple(map(MotorVerdict, wiring.motors.names))
         each = [self._verdict(i) for i in range(wiring.k)]
         wrong, possible, hidden = (
             [motor.name for motor in each if motor.verdict == verdict]
@@ -292,29 +363,32 @@ class Evidence:
         s, e = float(1.0 + account.q[12 + k + i]), float(account.q[12 + i])
         swaps = [motors.names[j] for pair in self.unseen_swaps if i in pair for j in pair if j != i]
         unseen = (*self.unseen[i], *(f"swapped with {name}" for name in swaps))
+        joints = {motors.joint_names[j]: float(motors.P[j, i] * e) for j in self._joints(i)}
         motor = MotorVerdict(
-            name=motors.names[i], verdict="sound", faults=self.named(account, i), unseen=unseen, scale=s,
-            scale_std=float(self.std[k + i]), offset=e, offset_std=float(self.std[i]),
-            joint_offset=self._joint_offset(account, i), what="sign, ratio and zero fit the log",
+            motors.names[i], "sound", self.named(account, i), unseen, s, float(self.std[k + i]), e, float(self.std[i]),
+            joints, what="sign, ratio and zero fit the log",
         )  # fmt: skip
-        hidden = f"the log does not show: {', '.join(unseen)}"
+        partners = [motors.names[j] for j in account.swap if j != i]
+        faulty = ", ".join(
+            f"{fault} with {listed(partners)}" if fault == "swapped" else fault for fault in motor.faults
+        )
         if groups:
             of_base = any(self.of_base(j) for j, group in self.suspects.items() if i in group)
             others = sorted({motors.names[j] for group in groups for j in group if j != i})
-            said = [self._in_words(one, i) for one in (found.account, *accounts) if self.named(one, i)]
-            said += [f"a fault of {name!r}" for name in others] + ["a base that stands elsewhere"] * of_base
-            what = f"{', or '.join(dict.fromkeys(said))}: the log does not show which"
+            said = [*[faulty] * bool(faulty), *map("a fault of {!r}".format, others), *["the base's place"] * of_base]
+            what = f"{', or '.join(said)}: the log does not show which"
             remedy = BASE_KNOWN if of_base else self._advice(i)
             return replace(motor, verdict="possible fault", what=what, remedy=remedy)
         ratio = {joint: float(g / s) for joint, g in zip(motors.joint_names, motors.G[i], strict=True) if g}
         motor = replace(motor, ratio=ratio, zero=float(motors.offset[i] - e / s))
+        hidden = f"the log does not show: {', '.join(unseen)}"
         if self.faults[i]:
             entries = ", ".join(f"{joint} = {value:.7g}" for joint, value in ratio.items())
             remedies = ["swap their plugs, or their names in the arm.toml"] if i in account.swap else []
             if self.faults[i] != ("swapped",):
                 table = f"[actuators.{motor.name}]"
                 remedies.append(f"as wired, {table} has ratio = {{ {entries} }}, offset = {motor.zero:.7g}")
-            what = "; ".join([self._in_words(account, i), *[hidden] * bool(unseen)])
+            what = "; ".join([faulty, *[hidden] * bool(unseen)])
             return replace(motor, verdict="fault", what=what, remedy="; ".join(remedies))
         if unseen:
             of_base = unseen == ("zero",) and bool(found.account.q[:6].any())
@@ -322,32 +396,10 @@ class Evidence:
             return replace(motor, verdict="cannot tell", what=hidden, remedy=remedy)
         return motor
 
-    def _joint_offset(self, account: Account, i: int) -> dict[str, float]:
-        """What the zero of motor i adds to the joints [rad or m]."""
-        motors = self.found.wiring.motors
-        return {motors.joint_names[j]: float(motors.P[j, i] * account.q[12 + i]) for j in self._joints(i)}
-
     def _joints(self, i: int) -> list[int]:
         """The joints that motor i moves, the other motors standing still."""
         moved = np.abs(self.found.wiring.motors.P[:, i])
         return [int(j) for j in np.flatnonzero(moved > ROUNDING * moved.max())]
-
-    def _in_words(self, account: Account, i: int) -> str:
-        """The faults of motor i in an account."""
-        motors, arm = self.found.wiring.motors, self.found.wiring.arm
-        units = dict(zip(motors.joint_names, arm.units, strict=True))
-        added = [
-            f"{1000 * value:+.1f} mm to {joint}" if units[joint] == "m" else f"{np.degrees(value):+.2f}° to {joint}"
-            for joint, value in self._joint_offset(account, i).items()
-        ]
-        scale = abs(1.0 + account.q[12 + self.found.wiring.k + i])
-        words = {
-            "swapped": f"it is swapped with {listed([motors.names[j] for j in account.swap if j != i])}",
-            "flipped sign": "its sign is flipped",
-            "wrong ratio": f"its ratio is {1.0 / scale:.4g} times the arm.toml's",
-            "zero offset": f"its zero is off: add {' and '.join(added)}",
-        }
-        return "; ".join(words[fault] for fault in self.named(account, i))
 
     def _advice(self, i: int) -> str:
         """What to log so that motor i is seen, and told from others."""

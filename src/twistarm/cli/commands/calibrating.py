@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, TextIO
+from typing import Annotated, Any
 
 import numpy as np
 import typer
 
 from ...arm.arm import Arm
-from ...calibration import Calibration, Estimate, corrected_urdf
+from ...calibration import Calibration, corrected_urdf
 from ...calibration import calibrate as fit
+from ...calibration.calibration import amount
 from ...support.errors import InputError
 from ...viewer import Viewer
 from ..options import ArmArgument, Avoid, Json, avoided
+from ..output import entries
 from ..outputs import outputs_of, repeated
 from ..quantities import LENGTH, quantity, typed_number, whole
 from ..tables import Column, Table
@@ -98,15 +99,11 @@ def calibrate(
         outputs.say(outputs.write(contents))
     finally:  # a correction that is refused is the one to look at
         if view:
-            _show(found, arm, sys.stderr if json else outputs.words)
+            with Viewer(arm, open_browser=False) as viewer:
+                viewer.show_residuals(found)
+                show_address(viewer, browser=True, out=outputs.words)
+                viewer.wait()
     return 0 if found.confirmed else 1
-
-
-def _show(found: Calibration, arm: Arm, out: TextIO) -> None:
-    with Viewer(arm, open_browser=False) as viewer:
-        viewer.show_residuals(found)
-        show_address(viewer, browser=True, out=out)
-        viewer.wait()
 
 
 def _distance(said: str) -> tuple[tuple[str, str], float]:
@@ -125,8 +122,7 @@ def _parts(found: Calibration, arm: Arm, more: Any) -> Iterator[Table | str]:
             unseen.setdefault(one.parameter.owner, []).append(one.parameter.what)
     held = "; ".join(f"{owner} {', '.join(what)}" for owner, what in unseen.items()) or "none"
     yield f"held at 0, because others explain them in this log: {held}"
-    if not found.faults:
-        yield from _tables(found, arm, more)
+    yield from _tables(found, arm, more)
     if found.outliers:
         yield f"rows that do not fit: {', '.join(found.problem.log.label[row - 1] for row in found.outliers)}"
     for warning in found.warnings:
@@ -140,14 +136,19 @@ def _parts(found: Calibration, arm: Arm, more: Any) -> Iterator[Table | str]:
 
 
 def _tables(found: Calibration, arm: Arm, more: Any) -> Iterator[Table]:
-    seen = [estimate for estimate in found.estimates if estimate.of_joint and estimate.seen]
-    amounts = [_amounts(estimate) for estimate in seen]
+    every, sound = found.estimates, not found.faults
     columns = [
-        Column("joint", [estimate.parameter.owner for estimate in seen]),
-        Column("what", [estimate.parameter.what for estimate in seen]),
-        *(Column(name, [each[i] for each in amounts], "") for i, name in enumerate(("value", "±", "unit"))),
+        Column("joint", [one.parameter.owner for one in every], key="owner"),
+        Column("what", [one.parameter.what for one in every]),
+        Column("value", [one.value for one in every], text=[amount(one.value, one.parameter.unit) for one in every]),
+        Column("±", [one.std for one in every], text=[amount(one.std, one.parameter.unit) for one in every], key="std"),
+        Column("unit", [one.parameter.unit for one in every], people=False),
+        Column("seen", [one.seen for one in every], people=False),
     ]
-    yield Table(f"{arm.name}: its corrections", columns)
+    rows = [i for i, one in enumerate(every) if one.of_joint and one.seen and sound]
+    yield Table(f"{arm.name}: its corrections", columns, key="estimates", rows=rows)
+    if not sound:
+        return
     names, thirds = found.by_joint().keys(), np.array(list(found.by_joint().values())).reshape(-1, 3)
     parts = [Column(name, 1e3 * thirds[:, i], digits=3) for i, name in enumerate(("lower", "middle", "upper"))]
     yield Table("median error [mm] by thirds of each joint's range", [Column("joint", list(names)), *parts])
@@ -165,26 +166,13 @@ def _tables(found: Calibration, arm: Arm, more: Any) -> Iterator[Table]:
     yield Table("mean error [mm]", columns)
 
 
-def _amounts(estimate: Estimate) -> tuple[float, float, str]:
-    factor, unit = {"m": (1e3, "mm"), "rad": (float(np.degrees(1.0)), "°"), "1": (1.0, "")}[estimate.parameter.unit]
-    return factor * estimate.value, factor * estimate.std, unit
-
-
 def _toml(found: Calibration) -> str:
     offsets = found.motor_offsets().items()
     return "\n".join(f"[actuators.{name}]\noffset = {offset!r}\n" for name, offset in offsets)
 
 
 def _as_json(found: Calibration) -> dict[str, Any]:
-    names = [
-        "base", "tool", "expected", "held_out", "held_out_before", "block", "block_before", "confirmed",
-        "confirmed_here", "outliers",
-    ]  # fmt: skip
-    estimates = [
-        {"owner": one.parameter.owner, "what": one.parameter.what, "unit": one.parameter.unit, "value": one.value,
-         "std": one.std, "seen": one.seen}
-        for one in found.estimates
-    ]  # fmt: skip
-    said = {"arm": found.arm.name, "estimates": estimates, "warnings": found.warnings, "by_joint": found.by_joint()}
+    names = "base tool expected held_out held_out_before block block_before confirmed confirmed_here outliers"
+    said = {"arm": found.arm.name, "warnings": found.warnings, "by_joint": found.by_joint()}
     means = {"before": float(found.before.mean()), "after": float(found.after.mean())}
-    return said | means | {name: getattr(found, name) for name in names}
+    return said | means | entries(found, names)

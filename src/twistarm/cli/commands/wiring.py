@@ -10,6 +10,7 @@ import typer
 
 from ...arm.arm import Arm
 from ...calibration import Residual, WiringReport, check_wiring
+from ...calibration.calibration import amount
 from ..options import ArmArgument, Json
 from ..output import plain
 from ..outputs import Outputs
@@ -70,10 +71,12 @@ def _table(arm: Arm, report: WiringReport) -> Table:
         for motor, count, unit in zip(motors, counts, arm.actuators.units, strict=True)
     ]
     # A question mark: the fault may be another motor's.
-    doubt = ["?" if motor.verdict == "possible fault" else "" for motor in motors]
-    verdicts = [", ".join(motor.faults) + mark or motor.verdict for motor, mark in zip(motors, doubt, strict=True)]
-    offsets = [each.joint_offset.items() for each in motors]
-    added = [", ".join(f"{joint} {_amount(x, units[joint])}" for joint, x in each) for each in offsets]
+    verdicts = [
+        ", ".join(motor.faults) + "?" * (motor.verdict == "possible fault") or motor.verdict for motor in motors
+    ]
+    added = [
+        ", ".join(f"{joint} {amount(x, units[joint])}" for joint, x in motor.joint_offset.items()) for motor in motors
+    ]
     columns = [
         Column("motor", [motor.name for motor in motors]),
         Column("verdict", verdicts),
@@ -86,10 +89,6 @@ def _table(arm: Arm, report: WiringReport) -> Table:
 
 def _with_deviation(value: float, deviation: float) -> str:
     return f"{number(value)} ± {deviation:.1g}" if np.isfinite(deviation) else f"{number(value)} ± ?"
-
-
-def _amount(value: float, unit: str) -> str:
-    return f"{number(1000 * value, 1)} mm" if unit == "m" else f"{number(np.degrees(value), 2)}°"
 
 
 def _residual(residual: Residual) -> str:
