@@ -86,8 +86,7 @@ def test_the_text_for_other_readers_stays_as_it_was_written(tmp_path: Path) -> N
     assert arm.description.text == (tmp_path / "arm.urdf").read_text()
     assert {joint.part_of for joint in arm.description.joints.values()} == {"p", ""}
     left_out = crosscheck(arm, 5).left_out
-    assert left_out["yourdfpy"] == "yourdfpy takes the planar joint 'p' as fixed"
-    assert left_out["pinocchio as written"] == "Pinocchio's parser does not read the axis of the planar joint 'p'"
+    assert all("'p'" in left_out[reader] for reader in ("yourdfpy", "pinocchio as written"))
 
 
 REFUSED = {

@@ -47,9 +47,17 @@ def bake(arm: Arm, path: str | os.PathLike[str]) -> Path:
     """Write the arm as numbers to an arm.json, which `load_arm` reads without Pinocchio and the description.
 
     The file holds everything except `description` and `findings`. The same arm gives the same bytes. An error leaves no
-    partial file. Returns the path.
+    partial file.
 
-    Raises InputError for a name without the ending .json, and for the reasons of `write_whole`.
+    Args:
+        arm: The arm.
+        path: The file, with the ending .json.
+
+    Returns:
+        The path.
+
+    Raises:
+        InputError: The name lacks the ending .json, or the file cannot be written.
     """
     require_arm(arm)
     target = writable(path)

@@ -82,12 +82,25 @@ class ArmBuilder:
         _check_name(self.name, "the arm's name")
 
     def revolute(self, name: str, axis: ArrayLike, point: ArrayLike, **limits: float | None) -> ArmBuilder:
-        """A turn [rad] about the line along `axis` through `point`. Without bounds it is continuous."""
+        """A turn [rad] about the line along `axis` through `point`. Without bounds it is continuous.
+
+        Args:
+            name: The joint's name.
+            axis: The direction of the axis (3,).
+            point: A point (3,) of the axis [m].
+            **limits: `lower`, `upper`, `velocity` and `effort`, in SI units; each may be left out.
+        """
         with _joint(name):
             return self._with(_part(name, "revolute", axis, point, limits))
 
     def prismatic(self, name: str, axis: ArrayLike, **limits: float | None) -> ArmBuilder:
-        """A slide [m] along `axis`. It is drawn at the previous joint."""
+        """A slide [m] along `axis`. It is drawn at the previous joint.
+
+        Args:
+            name: The joint's name.
+            axis: The direction of the axis (3,).
+            **limits: `lower`, `upper`, `velocity` and `effort`, in SI units; each may be left out.
+        """
         with _joint(name):
             return self._with(_part(name, "prismatic", axis, self._last, limits))
 
@@ -95,6 +108,13 @@ class ArmBuilder:
         """A turn [rad] about a line with `pitch` [m/rad] of slide along it. A thread of lead l has the pitch l/2π.
 
         URDF has no helical joint. The file gets a turn with the `limits`, and a slide `name_z` that mimics it.
+
+        Args:
+            name: The joint's name.
+            axis: The direction of the axis (3,).
+            point: A point (3,) of the axis [m].
+            pitch: Slide of a turn [m/rad].
+            **limits: `lower`, `upper`, `velocity` and `effort`, in SI units; each may be left out.
         """
         with _joint(name):
             turn, slide = _cylinder(name, f"{name}_z", axis, point, limits)
@@ -102,7 +122,13 @@ class ArmBuilder:
             return self._with(turn, replace(slide, master=name, multiplier=advance))
 
     def cylindrical(self, name: str, axis: ArrayLike, point: ArrayLike) -> ArmBuilder:
-        """Add a turn `name_rz` [rad] about a line and a slide `name_z` [m] along it."""
+        """Add a turn `name_rz` [rad] about a line and a slide `name_z` [m] along it.
+
+        Args:
+            name: The joint's name, the start of the names of its coordinates.
+            axis: The direction of the line (3,).
+            point: A point (3,) of the line [m].
+        """
         with _joint(name):
             return self._with(*_cylinder(f"{name}_rz", f"{name}_z", axis, point))
 
@@ -111,6 +137,11 @@ class ArmBuilder:
 
         The columns of the rotation `axes` (3, 3), by default the identity, are the joint's x, y and z at rest. The
         coordinates are singular at name_ry = ±π/2; the ball itself is not.
+
+        Args:
+            name: The joint's name, the start of the names of its coordinates.
+            point: The centre (3,) [m].
+            axes: The rotation (3, 3) of the joint's axes at rest.
         """
         with _joint(name):
             turns = zip(("rz", "ry", "rx"), joints.spherical(point, axes).T, strict=True)
@@ -123,6 +154,12 @@ class ArmBuilder:
 
         The slides go along the columns of `joints.plane_axes(normal, x_axis)`. The file has the normal along z,
         because some readers ignore the axis of a planar joint.
+
+        Args:
+            name: The joint's name, the start of the names of its coordinates.
+            normal: The direction of the plane's normal (3,).
+            point: A point (3,) of the axis of the turn [m].
+            x_axis: The direction of the first slide; None for one by a rule.
         """
         with _joint(name):
             part = _part(name, "planar", (0.0, 0.0, 1.0), point)
@@ -132,7 +169,12 @@ class ArmBuilder:
     def tool(self, home: ArrayLike, name: str = "tool") -> ArmBuilder:
         """The tool frame `name` at `home` (4, 4), seen from the base with the arm at rest.
 
-        Raises InputError if home is not one pose in SE(3), or the tool is given already.
+        Args:
+            home: The pose of the frame.
+            name: The name of the frame, the tip of the arm.
+
+        Raises:
+            InputError: `home` is not one pose in SE(3), or the tool is given already.
         """
         _check_name(name, "the tool's name")
         if self._home is not None:
