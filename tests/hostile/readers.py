@@ -230,7 +230,5 @@ def cases() -> Iterator[Case]:
         for what, put in NO_FILES.items():
             if not (reader.walks and what == "a folder") and not (reader.stdin and what not in READABLE):
                 yield Case(f"{who}: {what}", reader, put)
-        if reader.file == "sub":
-            continue
         for what, content in (*ANY_TEXT.items(), *in_text(reader.good(), reader.language)):
             yield Case(f"{who}: {what}", reader, _writing(content))

@@ -35,6 +35,9 @@ NOT_IN_XML = re.compile(r"[\0-\x08\x0b\x0c\x0e-\x1f\ud800]")
 
 IN_XML = {name for name, text in NAMES.items() if not NOT_IN_XML.search(text)}
 IN_TOML = {name for name, text in NAMES.items() if "\ud800" not in text}
+NAMED = "NAMED"
+"""In a command: the file that has the name."""
+
 IN_FILE_NAMES = {name for name in IN_TOML if name not in ("a long name",)}
 
 
@@ -89,10 +92,8 @@ def _srdf(folder: Path, name: str) -> None:
 
 
 def _named_file(folder: Path, name: str) -> None:
-    below = folder / "arms" / name.replace("/", "_")
-    below.mkdir(parents=True)
-    _arm(below)
-    (below / f"{name.replace('/', '_')}.urdf").write_text("<robot/>")
+    (folder / "arms").mkdir()
+    (folder / "arms" / f"{name.replace('/', '_')}.urdf").write_text("<robot/>")
 
 
 EVERY_COMMAND = (
@@ -140,7 +141,7 @@ CARRIERS: Mapping[str, Carrier] = {
         IN_TOML,
     ),
     "an entry of an arm.toml": Carrier(
-        lambda folder, name: _toml(folder, "@ = 1\n", name), (("info", "arm.toml"), ("doctor", ".")), IN_TOML
+        lambda folder, name: _toml(folder, "@ = 1\n", name), (("info", "arm.toml"), ("doctor", "arm.toml")), IN_TOML
     ),
     "a golden file": Carrier(
         _golden,
@@ -166,7 +167,11 @@ CARRIERS: Mapping[str, Carrier] = {
     "an SRDF": Carrier(_srdf, (("info", "arm.urdf"), ("info", "arm.urdf", "--json")), IN_XML),
     "a file's name": Carrier(
         _named_file,
-        (("doctor", "arms"), ("doctor", "arms", "--json"), ("check", "arms", "--samples", "5")),
+        (
+            ("doctor", f"{NAMED}.urdf"),
+            ("doctor", f"{NAMED}.urdf", "--json"),
+            ("check", f"{NAMED}.urdf", "--samples", "5"),
+        ),
         IN_FILE_NAMES,
     ),
 }
@@ -188,7 +193,8 @@ def cases() -> Iterator[Case]:
         for what in NAMES:
             if what in carrier.names:
                 for command in carrier.commands:
-                    yield Case(f"{who}: {what}: {' '.join(command)}", carrier, NAMES[what], command)
+                    typed = tuple(part.replace(NAMED, f"arms/{NAMES[what].replace('/', '_')}") for part in command)
+                    yield Case(f"{who}: {what}: {' '.join(command)}", carrier, NAMES[what], typed)
 
 
 def fault(code: int, said: str, shows: str = "") -> str:

@@ -24,7 +24,6 @@ SAMPLED = (
     "a log of the wiring: a million columns",
     "a motion to play: /dev/zero",
     "a motion to play: one line of 100 MB",
-    "check's folder: 401 digits in it",
     "postures: 700 MB of nothing",
     "targets: a cell of a million characters",
 )
