@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.interpolate import PPoly
 
@@ -54,6 +54,7 @@ def ends(coefficients, times, order):
 @given(path=paths())
 def test_it_passes_the_waypoints_smoothly_and_rests_at_the_ends(fit, path):
     waypoints, times = path
+    assume(fit is not spline.unforced_quintic or len(times) > 2)
     smooth, resting = FITS[fit]
     coefficients = fit(waypoints, times)
     for order in range(smooth + 1):

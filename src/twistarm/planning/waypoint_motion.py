@@ -11,7 +11,7 @@ import numpy as np
 from ..support.checks import Array
 from .joint_path import JointPath
 from .piecewise import side_by_side
-from .spans import Progress
+from .spans import Progress, require_span
 from .stops import best_stops
 from .time_laws import PathBounds, TimeLaw, double_s, double_s_durations, line_durations, s_curve, time_optimal
 from .waypoint_path import spline_paths
@@ -38,6 +38,7 @@ def shortest_motion(
     """
     ways = np.diff(points, axis=0)
     alone = (double_s_durations if law == "s_curve" else line_durations)(ways, bounds)
+    require_span(float(alone.sum()))
     straight = _double_s if law == "s_curve" else _along_line
     every = range(1, len(alone))
 

@@ -20,6 +20,9 @@ FEW_WAYPOINTS = 30
 NEAR_SHARE = 0.2
 """A waypoint nearer to the last than this share of the median distance may be left out of the spline."""
 
+FEWEST_KNOTS = 3
+"""A quintic with free ends needs so many waypoints."""
+
 LEAST_KNOT = 3e-5
 """Least distance [rad, m] between the waypoints of a spline. Rounding of nearer ones makes the jerk large."""
 
@@ -123,7 +126,7 @@ def _far_apart(along: Array) -> NDArray[np.bool_]:
         if along[i] - last >= least <= along[-1] - along[i]:
             kept[i], last = True, along[i]
     kept[-1] = True
-    return kept
+    return kept if kept.sum() >= FEWEST_KNOTS else np.ones_like(kept)
 
 
 def _moved_apart(knots: Array, bounds: PathBounds) -> Array:
