@@ -86,12 +86,11 @@ def freeze(arm: Arm, path: str | os.PathLike[str]) -> None:
 
 def golden_text(arm: Arm) -> str:
     """What `freeze` writes."""
-    masses = _bodies_of(require_arm(arm))
-    written = masses and {
+    written = {
         link: {"mass": body.mass, "centre": body.centre.tolist(), "inertia": body.inertia.tolist()}
-        for link, body in masses.items()
+        for link, body in (_bodies_of(require_arm(arm)) or {}).items()
     }
-    return sealed(GOLDEN, content_of(arm) | {"bodies": written, "not_covered": list(NOT_COVERED)})
+    return sealed(GOLDEN, content_of(arm) | {"bodies": written if arm.description else None, "not_covered": list(NOT_COVERED)})
 
 
 def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
@@ -145,10 +144,11 @@ def _other(arm: Arm, against: Arm | str | os.PathLike[str]) -> tuple[Arm, Mappin
         other = load_arm(against)
         return other, _bodies_of(other)
     content = unsealed(path, GOLDEN, BAKED)
-    masses = content.get("bodies")
-    return arm_of(content), masses and {
-        link: Body(body["mass"], np.array(body["centre"]), np.array(body["inertia"])) for link, body in masses.items()
+    written = content.get("bodies")
+    masses = written and {
+        link: Body(body["mass"], np.array(body["centre"]), np.array(body["inertia"])) for link, body in written.items()
     }
+    return arm_of(content), masses
 
 
 def _bodies_of(arm: Arm) -> Mapping[str, Body] | None:

@@ -261,7 +261,7 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         near = closest(path.name, _names_beside(path))
         remedy = f"give a URDF, xacro or MJCF file, a DH table, an arm.toml or an arm of the catalogue{near}"
-        raise refusal("file-not-found", Place(text[:200]), why, remedy)
+        raise refusal("file-unreadable", Place(text[:200]), why, remedy)
     names = available_arms()
     raise UnknownNameError(
         f"no arm {text!r} in the catalogue, nor a file of that name{closest(text, names)} (arms: {', '.join(names)})"

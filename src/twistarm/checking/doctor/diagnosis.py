@@ -15,14 +15,19 @@ from ...description.tree import Description
 from ...support.errors import ComparisonError, DescriptionError, InputError, UnknownNameError
 from ...support.files import as_path
 from .abilities import Abilities, abilities_of
-from .axes import check_axes, check_closed_form
-from .collisions import check_collisions
-from .inertia import check_inertias
-from .limits import check_limits, check_mimics, check_reach, check_zero
 from .meshes import check_meshes
-from .postures import check_postures
-from .statements import check_abilities
-from .tool import check_off_the_chain, check_tool, check_without_effect
+from .motions import (
+    check_abilities,
+    check_axes,
+    check_collisions,
+    check_off_the_chain,
+    check_postures,
+    check_reach,
+    check_tool,
+    check_without_effect,
+    check_zero,
+)
+from .numbers import check_inertias, check_limits, check_mimics
 
 _ORDER = ("error", "warning", "info")
 
@@ -115,7 +120,6 @@ def examine_arm(arm: Arm) -> Diagnosis:
     able = abilities_of(arm)
     found = [*arm.findings, *check_zero(arm), *check_reach(arm), *check_postures(arm, able.rank)]
     found += [*check_abilities(arm, able), *check_without_effect(arm, able), *check_axes(arm)]
-    found += check_closed_form(arm)
     if arm.description is not None:
         found += _of_description(arm.description, arm)
         found += [*check_tool(arm, arm.description), *check_off_the_chain(arm, arm.description)]

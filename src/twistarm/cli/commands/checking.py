@@ -14,12 +14,11 @@ from rich.text import Text
 from ...checking.crosscheck import CrossCheck, crosscheck
 from ...checking.difference import NOT_COVERED, compare, golden_text
 from ...checking.doctor import Diagnosis, examine
+from ...checking.doctor.motions import summary
 from ...checking.doctor.repair import COPY, repair
-from ...checking.doctor.statements import summary
-from ...checking.doctor.wording import codes_page
 from ...collision import Scene
 from ...collision.survey import srdf_text, survey
-from ...description.findings import CODES, Finding
+from ...description.findings import CODES, Finding, codes_page
 from ...description.findings import refused as refusal_of
 from ...support.errors import InputError, printable
 from ...support.messages import plural
@@ -63,7 +62,7 @@ def doctor(
     diagnosis = examine(source.name, **source.keywords)
     findings, arm, able = diagnosis.findings, diagnosis.arm, diagnosis.able
     # A file that does not exist is the caller's error, not the doctor's business.
-    if any(one.code == "file-not-found" and one.place.file == source.name for one in findings):
+    if any(one.code == "file-unreadable" and one.place.file == source.name for one in findings):
         raise refusal_of(findings)
     out = outputs_of(output, {"urdf": (".urdf",)}, force=force, json=json, over_description=True)
     known = arm or diagnosis.description
