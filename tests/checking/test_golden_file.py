@@ -148,7 +148,7 @@ def test_what_is_no_golden_file(text: str, golden: Path, tmp_path: Path) -> None
 
 def test_the_helper_for_a_teams_own_tests(golden: Path, tmp_path: Path) -> None:
     assert assert_arm(build(tmp_path), against=golden).name == "ours"
-    with pytest.raises(AssertionError, match="ours: joint elbow moved 12 mm along x"):
+    with pytest.raises(AssertionError, match="joint elbow moved 12 mm along x"):
         assert_arm(build(tmp_path, elbow={"xyz": "0.412 0 0"}), against=golden)
 
 

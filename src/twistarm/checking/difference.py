@@ -90,7 +90,8 @@ def golden_text(arm: Arm) -> str:
         link: {"mass": body.mass, "centre": body.centre.tolist(), "inertia": body.inertia.tolist()}
         for link, body in (_bodies_of(require_arm(arm)) or {}).items()
     }
-    return sealed(GOLDEN, content_of(arm) | {"bodies": written if arm.description else None, "not_covered": list(NOT_COVERED)})
+    kept = {"bodies": written if arm.description else None, "not_covered": list(NOT_COVERED)}
+    return sealed(GOLDEN, content_of(arm) | kept)
 
 
 def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
