@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
-from ..arm.kinematics import ByExponentials, joint_values, walked_poses
 from ..arm.pinocchio_model import why_no_pinocchio
 from ..description.bounds import WIDE
 from ..support.checks import Array, as_whole, frozen, require_callback
@@ -190,7 +189,7 @@ def _fewer(theta: Array, size: int, usual: int) -> Array:
 
 
 def _pinocchio(arm: Arm, theta: Array) -> list[EngineComparison]:
-    g, spatial, body = by_exponentials(arm, theta)
+    g, spatial, body = arm.by_exponentials(theta)
     tolerance = POSE_TOL * _size(arm)
     identity = _compared("J^s = Ad J^b", ("poe", "poe"), spatial - adjoint(g) @ body, theta, tolerance)
     if arm.description is None:
@@ -206,7 +205,7 @@ def _core(arm: Arm, theta: Array) -> list[EngineComparison]:
     if arm.compiled is None:
         return [_skipped("pose, J^s, J^b", "core", arm.why_not_compiled)]
     answers = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
-    return _kinematics(("poe", "core"), by_exponentials(arm, theta), answers, theta, POSE_TOL * _size(arm))
+    return _kinematics(("poe", "core"), arm.by_exponentials(theta), answers, theta, POSE_TOL * _size(arm))
 
 
 def _kinematics(
@@ -222,16 +221,10 @@ def _kinematics(
     ]
 
 
-def by_exponentials(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
-    """g_st (..., 4, 4), J^s and J^b (..., 6, n) by product of exponentials, for any engine of the arm."""
-    kernels = ByExponentials(arm.screws, arm.home, arm.coupling.A)
-    return kernels.fk(theta), kernels.spatial_jacobian(theta), kernels.body_jacobian(theta)
-
-
 def _differences(arm: Arm, theta: Array) -> list[EngineComparison]:
     """(g⁻¹ ∂g/∂θ_i)^∨ by (8(g₊ − g₋) − (g₊₊ − g₋₋))/12h against the columns of J^b by product of exponentials."""
     theta = _fewer(theta, arm.coupling.A.size, USUAL_PRODUCT)
-    body = ByExponentials(arm.screws, arm.home, arm.coupling.A).body_jacobian(theta)
+    body = arm.by_exponentials(theta)[2]
     back = inverse(arm.fk(theta))
     numeric = np.empty_like(body)
     turns = np.abs(arm.coupling.A) * np.linalg.norm(arm.screws[3:], axis=0)[:, None]
@@ -253,7 +246,7 @@ def _links(arm: Arm, theta: Array) -> list[EngineComparison]:
     if arm.description is None or why_no_pinocchio():
         return []
     theta = _fewer(theta, len(arm.description.links), USUAL_LINKS)
-    ours, reference = walked_poses(arm, theta), arm.poses(theta)
+    ours, reference = arm.walked_poses(theta), arm.poses(theta)
     difference = np.stack([ours[link] - reference[link] for link in arm.description.links], axis=1)
     return [_compared("all links", ("walk", "pinocchio"), difference, theta, POSE_TOL * _size(arm))]
 
@@ -264,10 +257,10 @@ def _as_written(arm: Arm, theta: Array) -> list[EngineComparison]:
         return []
     theta = _fewer(theta[:WRITTEN_SAMPLES], len(arm.description.links), USUAL_LINKS)
     try:
-        theirs, written = as_written(arm.description, joint_values(arm, theta), arm.base)
+        theirs, written = as_written(arm.description, arm.joint_values(theta), arm.base)
     except InputError as error:
         return [_skipped("all links", AS_WRITTEN, str(error))]
-    ours = walked_poses(arm, theta)
+    ours = arm.walked_poses(theta)
     difference = np.stack([ours[link] for link in arm.description.links], axis=1) - theirs
     tolerance = WRITTEN_TOL * _size(arm)
     rows = [_compared("all links", ("walk", AS_WRITTEN), difference, theta, tolerance)]
@@ -289,13 +282,13 @@ def _yourdfpy(arm: Arm, theta: Array) -> list[EngineComparison]:
         return [_skipped("all links", "yourdfpy", reason)]
     subset = _fewer(theta[:YOURDFPY_SAMPLES], len(arm.description.links), YOURDFPY_LINKS)
     try:
-        theirs = yourdfpy_poses(arm.description, joint_values(arm, subset), arm.base)
+        theirs = yourdfpy_poses(arm.description, arm.joint_values(subset), arm.base)
     except MissingExtraError as error:
         return [_skipped("all links", "yourdfpy", str(error))]
     except Exception as error:  # another project's reader: whatever it raises on a file is its answer
         return [_skipped("all links", "yourdfpy", f"yourdfpy cannot read it: {type(error).__name__}: {error}")]
-    ours = walked_poses(arm, subset)
-    ours[arm.tip_link] = by_exponentials(arm, subset)[0] @ inverse(arm.tool)
+    ours = arm.walked_poses(subset)
+    ours[arm.tip_link] = arm.by_exponentials(subset)[0] @ inverse(arm.tool)
     difference = np.stack([ours[link] for link in arm.description.links], axis=1) - theirs
     engines = ("poe", "yourdfpy")
     tip = list(arm.description.links).index(arm.tip_link)

@@ -18,7 +18,6 @@ from ..description.inertial import Body
 from ..support.errors import ComparisonError, InputError
 from ..support.files import as_path
 from .changes import SAME_TOL, limit_changes, mass_changes, motor_changes, name_changes
-from .crosscheck import by_exponentials
 from .geometry_changes import geometry_changes
 from .golden_file import COLLISION_SAMPLES, GOLDEN, bodies_of, read_bodies
 
@@ -99,7 +98,7 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
     theta = then.random_theta(0, SAMPLES)
     g, spatial, body = (
         float(np.abs(was - now).max())
-        for was, now in zip(by_exponentials(then, theta), by_exponentials(arm, theta), strict=True)
+        for was, now in zip(then.by_exponentials(theta), arm.by_exponentials(theta), strict=True)
     )
     return Difference(arm.name, (*changes, *moved), g, max(spatial, body), notes)
 
