@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
-from ..arm.kinematics import ByExponentials, joint_values, walked_poses
 from ..arm.pinocchio_model import why_no_pinocchio
 from ..description.bounds import WIDE
 from ..support.checks import Array, as_whole, frozen, require_callback
@@ -182,24 +181,18 @@ def _fewer(theta: Array, size: int, usual: int) -> Array:
     return theta[: max(1, len(theta) * usual // max(size, usual))]
 
 
-def by_exponentials(arm: Arm, theta: Array) -> tuple[Array, Array, Array]:
-    """g_st (..., 4, 4), J^s and J^b (..., 6, n) by product of exponentials, for any engine of the arm."""
-    kernels = ByExponentials(arm.screws, arm.home, arm.coupling.A)
-    return kernels.fk(theta), kernels.spatial_jacobian(theta), kernels.body_jacobian(theta)
-
-
 def _kinematics(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
     """Pose and Jacobians against Pinocchio and the compiled core, which answers for the arm if it was built."""
-    ours, tolerance = by_exponentials(arm, theta), POSE_TOL * _size(arm)
+    ours, tolerance = arm.by_exponentials(theta), POSE_TOL * _size(arm)
     without = "the arm has no description" if arm.description is None else why_no_pinocchio()
     for engine, reason in (("pinocchio", without), ("core", "" if arm.compiled else arm.why_not_compiled)):
         if reason:
             yield _skipped("pose, J^s, J^b", engine, reason)
             continue
-        core = engine == "core"
-        theirs = (
-            (arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)) if core else arm.by_pinocchio(theta)
-        )
+        if engine == "pinocchio":
+            theirs = arm.by_pinocchio(theta)
+        else:
+            theirs = arm.fk(theta), arm.spatial_jacobian(theta), arm.body_jacobian(theta)
         for quantity, one, other in zip(("pose", "spatial Jacobian", "body Jacobian"), ours, theirs, strict=True):
             yield _compared(quantity, ("poe", engine), one - other, theta, tolerance)
     g, spatial, body = ours
@@ -209,7 +202,7 @@ def _kinematics(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
 def _differences(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
     """(g⁻¹ ∂g/∂θ_i)^∨ by (8(g₊ − g₋) − (g₊₊ − g₋₋))/12h against the columns of J^b by product of exponentials."""
     theta = _fewer(theta, arm.coupling.A.size, USUAL_PRODUCT)
-    _, _, body = by_exponentials(arm, theta)
+    _, _, body = arm.by_exponentials(theta)
     back = inverse(arm.fk(theta))
     numeric = np.empty_like(body)
     turns = np.abs(arm.coupling.A) * np.linalg.norm(arm.screws[3:], axis=0)[:, None]
@@ -230,7 +223,7 @@ def _differences(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
 
 def _walked(arm: Arm, theta: Array) -> Array:
     """The pose of every link (samples, links, 4, 4) by our own walk."""
-    poses = walked_poses(arm, theta)
+    poses = arm.walked_poses(theta)
     return np.stack([poses[link] for link in (arm.description.links if arm.description else ())], axis=1)
 
 
@@ -248,7 +241,7 @@ def _as_written(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
         return
     theta = _fewer(theta[:SLOW_SAMPLES], len(arm.description.links), USUAL_LINKS)
     try:
-        theirs, written = as_written(arm.description, joint_values(arm, theta), arm.base)
+        theirs, written = as_written(arm.description, arm.joint_values(theta), arm.base)
     except InputError as error:
         yield _skipped("all links", AS_WRITTEN, str(error))
         return
@@ -270,7 +263,7 @@ def _yourdfpy(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
         return
     theta = _fewer(theta[:SLOW_SAMPLES], len(arm.description.links), YOURDFPY_LINKS)
     try:
-        theirs = yourdfpy_poses(arm.description, joint_values(arm, theta), arm.base)
+        theirs = yourdfpy_poses(arm.description, arm.joint_values(theta), arm.base)
     except MissingExtraError as error:
         yield _skipped("all links", "yourdfpy", str(error))
         return
@@ -278,7 +271,7 @@ def _yourdfpy(arm: Arm, theta: Array) -> Iterator[EngineComparison]:
         yield _skipped("all links", "yourdfpy", f"yourdfpy cannot read it: {type(error).__name__}: {error}")
         return
     tip, tolerance = list(arm.description.links).index(arm.tip_link), YOURDFPY_TOL * _size(arm)
-    at_tip = by_exponentials(arm, theta)[0] @ inverse(arm.tool) - theirs[:, tip]
+    at_tip = arm.by_exponentials(theta)[0] @ inverse(arm.tool) - theirs[:, tip]
     yield _compared("pose", ("poe", "yourdfpy"), at_tip, theta, tolerance)
     yield _compared("all links", ("walk", "yourdfpy"), _walked(arm, theta) - theirs, theta, tolerance)
     yield _skipped("Jacobians", "yourdfpy", "yourdfpy computes none")

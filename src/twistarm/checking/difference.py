@@ -17,7 +17,6 @@ from ..limits.joint_limits import RATES, JointLimits
 from ..support.checks import Array
 from ..support.errors import ComparisonError, InputError
 from ..support.files import as_path, write_whole
-from .crosscheck import by_exponentials
 from .geometry_changes import SAME_TOL, geometry_changes
 
 GOLDEN = Kind("twistarm golden", "golden file", "twistarm freeze ARM -o FILE")
@@ -129,7 +128,7 @@ def compare(arm: Arm, against: Arm | str | os.PathLike[str]) -> Difference:
     theta = then.random_theta(0, SAMPLES)
     g, spatial, body = (
         float(np.abs(was - now).max())
-        for was, now in zip(by_exponentials(then, theta), by_exponentials(arm, theta), strict=True)
+        for was, now in zip(then.by_exponentials(theta), arm.by_exponentials(theta), strict=True)
     )
     return Difference(arm.name, tuple(changes), g, max(spatial, body), notes)
 
