@@ -13,8 +13,8 @@ from ..theory.rotations import skew
 from .measurements import Bools, Measurements
 from .problem import Problem
 
-LITTLE_ANGLE, LITTLE_LENGTH = float(np.radians(15.0)), 0.05
-"""A joint that moved by less [rad, m] has hardly moved."""
+LITTLE = {"rad": float(np.radians(15.0)), "m": 0.05}
+"""A joint that moved by less has hardly moved."""
 
 MOVED = 6.0
 """A base that moved lowers the squares by more than so many times what six more parameters do by chance."""
@@ -67,12 +67,10 @@ def faults_of(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
     `first` (Q,) are the unknowns with base and tool fitted alone.
     """
     arm, travel = problem.geometry.arm, np.ptp(problem.log.theta, axis=0)
-    least = np.where(np.array(arm.units) == "m", LITTLE_LENGTH, LITTLE_ANGLE)
-    least = np.minimum(least, 0.5 * (arm.limits.upper - arm.limits.lower))
+    least = np.minimum([LITTLE[unit] for unit in arm.units], 0.5 * (arm.limits.upper - arm.limits.lower))
     still = [name for name, moved, enough in zip(arm.joint_names, travel, least, strict=True) if moved < enough]
     if still:
-        enough = f"{np.degrees(LITTLE_ANGLE):.0f}° or {1000 * LITTLE_LENGTH:.0f} mm"
-        return (f"{listed(still)} hardly moves: the fit holds near one value only; move it by more than {enough}",)
+        return (f"{listed(still)} hardly moves: the fit holds near one value only; move it by more than 15° or 50 mm",)
     turned = np.linalg.norm(problem.misses(q)[problem.measured[:, 3], 3:], axis=1)
     if turned.size and np.median(turned) > TURNED:
         return ("the orientations do not fit: are they qx, qy, qz, qw in this order, of the tool in device axes?",)

@@ -36,7 +36,6 @@ Distance = Annotated[
 ]
 DistanceNoise = Annotated[float, quantity("m", "Standard deviation of the known distances.")]
 Scales = Annotated[bool, typer.Option("--scales", help="Fit a scale of each joint too.")]
-Eccentricity = Annotated[bool, typer.Option("--eccentricity", help="Fit eccentric gears too.")]
 Next = Annotated[int, whole(0, 1000, "Name N configurations to measure next.", "--next")]
 Written = Annotated[
     list[str] | None,
@@ -63,7 +62,6 @@ def calibrate(
     distance: Distance = None,
     distance_noise: DistanceNoise = 1e-4,
     scales: Scales = False,
-    eccentricity: Eccentricity = False,
     next_postures: Next = 0,
     avoid: Avoid = None,
     output: Written = None,
@@ -86,11 +84,9 @@ def calibrate(
         distances=dict(_distance(said) for said in distance or ()),
         distance_noise=distance_noise,
         scales=scales,
-        eccentricity=eccentricity,
     )
     more = found.next_postures(next_postures, scene=avoided(arm, avoid)) if next_postures else np.empty((0, arm.n))
-    answer = replace(outputs, files=())
-    answer.show(_as_json(found) | {"next": more}, *_parts(found, arm, more))
+    replace(outputs, files=()).show(_as_json(found) | {"next": more}, *_parts(found, arm, more))
     contents: dict[str, Callable[[], str | bytes]] = {
         "urdf": lambda: corrected_urdf(found, zeros=not apart, here=force),
         "toml": lambda: _toml(found.require(here=force)),
@@ -115,27 +111,9 @@ def _distance(said: str) -> tuple[tuple[str, str], float]:
 
 
 def _parts(found: Calibration, arm: Arm, more: Any) -> Iterator[Table | str]:
-    """What people read."""
-    unseen: dict[str, list[str]] = {}
-    for one in found.estimates:
-        if one.of_joint and not one.seen:
-            unseen.setdefault(one.parameter.owner, []).append(one.parameter.what)
-    held = "; ".join(f"{owner} {', '.join(what)}" for owner, what in unseen.items()) or "none"
+    """What people read: the corrections, where to measure next, the errors, and what is odd."""
+    held = "; ".join(str(one.parameter) for one in found.estimates if one.of_joint and not one.seen) or "none"
     yield f"held at 0, because others explain them in this log: {held}"
-    yield from _tables(found, arm, more)
-    if found.outliers:
-        yield f"rows that do not fit: {', '.join(found.problem.log.label[row - 1] for row in found.outliers)}"
-    for warning in found.warnings:
-        if warning not in found.faults:
-            yield f"warning: {warning}"
-    if found.confirmed_here and found.expected > 2.0 * found.held_out:
-        said = f"elsewhere in reach expect {1000 * found.expected:.2g} mm"
-        yield f"warning: {said}: measure at other configurations, as --next names them"
-    here = "confirmed only where the log was taken (--force writes it)" if found.confirmed_here else "not confirmed"
-    yield "confirmed" if found.confirmed else f"{here}: {found.why_not}"
-
-
-def _tables(found: Calibration, arm: Arm, more: Any) -> Iterator[Table]:
     every, sound = found.estimates, not found.faults
     columns = [
         Column("joint", [one.parameter.owner for one in every], key="owner"),
@@ -147,23 +125,24 @@ def _tables(found: Calibration, arm: Arm, more: Any) -> Iterator[Table]:
     ]
     rows = [i for i, one in enumerate(every) if one.of_joint and one.seen and sound]
     yield Table(f"{arm.name}: its corrections", columns, key="estimates", rows=rows)
-    if not sound:
-        return
-    names, thirds = found.by_joint().keys(), np.array(list(found.by_joint().values())).reshape(-1, 3)
-    parts = [Column(name, 1e3 * thirds[:, i], digits=3) for i, name in enumerate(("lower", "middle", "upper"))]
-    yield Table("median error [mm] by thirds of each joint's range", [Column("joint", list(names)), *parts])
-    if len(more):
+    if len(more) and sound:
         joints = (Column(*each) for each in zip(arm.joint_names, more.T, arm.units, strict=True))
         yield Table("to measure next", [Column("", range(1, len(more) + 1)), *joints])
-    errors = (
-        ("all rows", found.before.mean(), found.after.mean()),
-        ("rows left out", found.held_out_before, found.held_out),
-        ("a fifth left out at one end", found.block_before, found.block),
-    )
-    columns = [Column("", [name for name, _, _ in errors])]
-    for i, name in enumerate(("base and tool alone", "corrected"), 1):
-        columns.append(Column(name, [1e3 * float(each[i]) for each in errors], digits=3))
-    yield Table("mean error [mm]", columns)
+    if sound:
+        names = ["all rows", "rows left out", "a fifth left out at one end"]
+        before = [float(found.before.mean()), found.held_out_before, found.block_before]
+        after = [float(found.after.mean()), found.held_out, found.block]
+        errors = {"base and tool alone": before, "corrected": after}
+        means = [Column(name, [1e3 * metres for metres in each], digits=3) for name, each in errors.items()]
+        yield Table("mean error [mm]", [Column("", names), *means])
+    if found.outliers:
+        yield f"rows that do not fit: {', '.join(found.problem.log.label[row - 1] for row in found.outliers)}"
+    yield from (f"warning: {warning}" for warning in found.warnings if warning not in found.faults)
+    if found.confirmed_here and found.expected > 2.0 * found.held_out:
+        far = f"elsewhere in reach expect {1000 * found.expected:.2g} mm"
+        yield f"warning: {far}: measure at other configurations, as --next names them"
+    here = "confirmed only where the log was taken (--force writes it)" if found.confirmed_here else "not confirmed"
+    yield "confirmed" if found.confirmed else f"{here}: {found.why_not}"
 
 
 def _toml(found: Calibration) -> str:
@@ -172,7 +151,6 @@ def _toml(found: Calibration) -> str:
 
 
 def _as_json(found: Calibration) -> dict[str, Any]:
-    names = "base tool expected held_out held_out_before block block_before confirmed confirmed_here outliers"
-    said = {"arm": found.arm.name, "warnings": found.warnings, "by_joint": found.by_joint()}
+    names = "base tool expected held_out held_out_before block block_before confirmed confirmed_here outliers warnings"
     means = {"before": float(found.before.mean()), "after": float(found.after.mean())}
-    return said | means | entries(found, names)
+    return {"arm": found.arm.name} | means | entries(found, names)
