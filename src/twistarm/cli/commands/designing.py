@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 import typer
 
-from ...arm.arm import Arm
-from ...design import Cubes, Needs, Payload, compare_designs, load_panel
+from ...design import Needs, Payload, compare_designs, load_panel
 from ...design import payload as payload_of
 from ...support.checks import Array
 from ...support.csv_lines import csv_text
@@ -20,7 +18,7 @@ from ..options import CONFIGURATION, ArmArgument, Json, Radians, Source
 from ..output import note, plain, progress_bar
 from ..outputs import Force, Output, Outputs, outputs_of
 from ..quantities import quantity
-from ..tables import Column, Table, joint_heads, number, shown, theta_typed, units
+from ..tables import Column, Table, joint_heads, number, theta_typed
 from ..typed import parse_theta
 from .arms import joints_table
 from .kinematics import warn_outside
@@ -29,9 +27,6 @@ from .motion import Directions, Positions, Rpys
 Motion = Annotated[Path | None, typer.Option(metavar="FILE", help="Along a motion: *.csv, *.json, *.yaml or *.toml.")]
 Panel = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]
 Mass = Annotated[float, quantity("kg", "A wanted payload: what each joint and motor needs for it.", zero=True)]
-Voxel = Annotated[float | None, quantity("m", "-o writes the payload over space, in cubes of this side.")]
-SAMPLES = 200_000
-"""Random configurations of a map of the payload: four seconds."""
 
 
 def payload(
@@ -39,7 +34,6 @@ def payload(
     theta: Annotated[str | None, CONFIGURATION] = None,
     motion: Motion = None,
     mass: Mass = 0.0,
-    voxel: Voxel = None,
     output: Output = None,
     force: Force = False,
     rad: Radians = False,
@@ -50,17 +44,13 @@ def payload(
     out = outputs_of(output, {"csv": (".csv",)}, force=force, json=json, radians=rad)
     if motion is not None and theta is not None:
         raise InputError("--motion has its own configurations: leave out --theta")
-    if voxel is not None and (motion is not None or theta is not None):
-        raise InputError("--voxel maps random configurations: leave out --theta and --motion")
     x: Any = None if theta is None else parse_theta(arm, theta, rad)
     if x is not None:
         warn_outside(arm, x, rad)
-    x = arm.random_theta(0, SAMPLES) if voxel else x
     found = payload_of(arm, x if motion is None else motion_of_file(arm, motion, {})[1])
     needs, x = found.needs(mass), found.theta.reshape(-1, arm.n)
     by = [found.names[row] if row >= 0 else "nothing" for row in found.limiting.ravel()]
     worst = found.worst
-    cubes = None if voxel is None else found.in_cubes(voxel)
     for each in found.notes:
         note(each)
     data = {
@@ -72,7 +62,7 @@ def payload(
         data,
         _needs_table(found, needs, mass),
         *_sentences(found, by[worst], rad),
-        files={"csv": lambda: _csv(found, x, by) if cubes is None else _cubes_csv(cubes)},
+        files={"csv": lambda: _csv(found, x, by)},
     )
     return int(np.isnan(found.mass).any() or (needs.share > 1.0).any())
 
@@ -117,11 +107,6 @@ def _csv(found: Payload, theta: Array, by: list[str]) -> str:
     return csv_text(heads, ([*row, name] for row, name in zip(rows, by, strict=True)))
 
 
-def _cubes_csv(cubes: Cubes) -> str:
-    heads = ["x [m]", "y [m]", "z [m]", "configurations", "least payload [kg]", "greatest payload [kg]"]
-    return csv_text(heads, ([*p.round(9), *rest] for p, *rest in zip(*cubes, strict=True)))
-
-
 NUMBERS = {
     "reach [m]": "reach", "farthest [m]": "farthest", "volume [m³]": "volume", "condition, median": "condition",
     "near-singular, share": "singular", "least payload [kg]": "payload", "median payload [kg]": "median_payload",
@@ -140,7 +125,7 @@ def designs(
     rad: Radians = False,
     json: Json = False,
 ) -> None:
-    """Compare arms: reach, dexterity, payload, mass, joint ranges, the time of a motion through --xyz, a --panel."""
+    """Compare arms: reach, dexterity, payload, mass, the time of a motion through --xyz, the share of a --panel."""
     targets = typed_targets(xyz or (), rpy or (), direction or (), None, rad)
     if len(targets) == 1:
         raise InputError("a motion leads from one --xyz to another: give two or more, or none")
@@ -151,16 +136,6 @@ def designs(
     for each in found:
         for why in each.notes:
             note(f"{each.name}: {why}")
-    ranges = list(zip_longest(*(_ranges(arm, rad) for arm in arms), fillvalue=""))
-    columns = [Column("", [*NUMBERS, *(f"joint {i}" for i in range(1, len(ranges) + 1))])]
-    for each, its in zip(found, zip(*ranges, strict=True), strict=True):
-        columns.append(Column(each.name, [*(number(getattr(each, name), 3) for name in NUMBERS.values()), *its]))
-    records = [plain(each) | joints_table(each.arm).entries() for each in found]
-    Outputs(json=json, radians=rad).show({"designs": records}, Table("", columns))
-
-
-def _ranges(arm: Arm, radians: bool) -> list[str]:
-    """The range of each joint with its unit, or that it has no limits."""
-    ends = (shown(arm, x, radians) for x in (arm.limits.lower, arm.limits.upper))
-    rows = zip(*ends, units(arm, radians), strict=True)
-    return ["no limits" if low == high == "−" else f"{low} … {high} {unit}" for low, high, unit in rows]
+    columns = [Column(one.name, [number(getattr(one, name), 3) for name in NUMBERS.values()]) for one in found]
+    records = [plain(one) | joints_table(one.arm).entries() for one in found]
+    Outputs(json=json, radians=rad).show({"designs": records}, Table("", [Column("", list(NUMBERS)), *columns]))

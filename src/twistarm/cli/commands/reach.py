@@ -17,11 +17,11 @@ from ..quantities import quantity, whole
 from ..tables import Column, Table, number
 from ..typed import parse_numbers
 
-KINDS = {"npz": (".npz",), "png": (".png",), "ply": (".ply",)}
+KINDS = {"npz": (".npz",), "png": (".png",)}
 
 WORDS: dict[str, Any] = {"down": "down", "position": "position", "26": 26}
 
-Files = Annotated[list[str] | None, repeated("The map to *.npz, slices to *.png, a cloud to *.ply")]
+Files = Annotated[list[str] | None, repeated("The map to *.npz, slices to *.png")]
 Voxel = Annotated[float, quantity("m", "Side of a cube.")]
 Directions = Annotated[
     str, typer.Option(metavar="WHICH", help="down, position (in any orientation), 26 (all around) or 'X Y Z'.")
@@ -43,17 +43,21 @@ def reach(
     force: Force = False,
     json: Json = False,
 ) -> int:
-    """Map where the arm brings its tool, and in which directions; -o writes the map as .npz, .png or .ply."""
+    """Map where the arm brings its tool, and in which directions; -o writes the map as .npz or .png."""
     arm = source.load()
     out = outputs_of(output, KINDS, force=force, json=json)
     if any(name == STDOUT for _, name in out.files):
-        raise InputError("a map is no text for standard output: -o takes a file that ends in .npz, .png or .ply")
-    towards = WORDS[directions] if directions in WORDS else _direction(directions)
+        raise InputError("a map is no text for standard output: -o takes a file that ends in .npz or .png")
+    try:
+        towards = WORDS[directions] if directions in WORDS else parse_numbers(directions, "1 1 1", "--directions")
+    except InputError as error:
+        allowed = f"{', '.join(WORDS)} or three numbers, as in '0 0 -1'"
+        raise InputError(f"--directions takes {allowed}; got {directions!r}") from error
     how: dict[str, Any] = {"method": method, "scene": avoided(arm, avoid), "workers": workers, "folder": resume}
     with progress_bar("reach") as progress:
         found = reach_map(arm, voxel, towards, **how, progress=progress)
     for kind, name in out.files:
-        {"npz": found.save, "png": found.to_png, "ply": found.to_ply}[kind](name)
+        {"npz": found.save, "png": found.to_png}[kind](name)
     figures = _figures(found)
     columns = [
         Column("", [name.replace("_", " ") for name in figures]),
@@ -71,33 +75,21 @@ def reach(
     return 0 if found.counts.any() else 1
 
 
-def _direction(typed: str) -> Any:
-    try:
-        return parse_numbers(typed, "1 1 1", "--directions")
-    except InputError as error:
-        raise InputError(
-            f"--directions takes {', '.join(WORDS)} or three numbers, as in '0 0 -1'; got {typed!r}"
-        ) from error
-
-
 def _figures(found: ReachMap) -> dict[str, tuple[Any, str]]:
     """The figures of a map with their units."""
-    grid, counts = found.grid, found.counts.reshape(-1)
-    cells = np.flatnonzero(counts)
+    grid, cells = found.grid, np.flatnonzero(found.counts)
     figures: dict[str, tuple[Any, str]] = {
         "cubes": (grid.count, ""), "reached": (len(cells), ""), "volume": (found.volume, "m³"),
     }  # fmt: skip
     if not len(cells):
         return figures
-    centres = np.round(grid.centres(cells), 9)
-    i = np.lexsort((found.manipulability.reshape(-1)[cells], counts[cells]))[-1]
     if len(found.directions) > 1:
         figures["volume_in_all_directions"] = np.count_nonzero(found.share == 1.0) * grid.voxel**3, "m³"
+    centres = np.round(grid.centres(cells), 9)
+    share, measure, margin = (x.reshape(-1)[cells] for x in (found.share, found.manipulability, found.margin))
+    i = np.lexsort((measure, share))[-1]
     return figures | {
-        "lowest_x_y_z": (centres.min(axis=0), "m"),
-        "highest_x_y_z": (centres.max(axis=0), "m"),
-        "best_at_x_y_z": (centres[i], "m"),
-        "best_share": (found.share.reshape(-1)[cells[i]], ""),
-        "best_manipulability": (found.manipulability.reshape(-1)[cells[i]], ""),
-        "best_margin": (found.margin.reshape(-1)[cells[i]], "rad or m"),
-    }
+        "lowest_x_y_z": (centres.min(axis=0), "m"), "highest_x_y_z": (centres.max(axis=0), "m"),
+        "best_at_x_y_z": (centres[i], "m"), "best_share": (share[i], ""),
+        "best_manipulability": (measure[i], ""), "best_margin": (margin[i], "rad or m"),
+    }  # fmt: skip

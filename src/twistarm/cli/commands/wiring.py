@@ -42,14 +42,11 @@ def wiring(
 ) -> int:
     """Check signs, ratios and zeros of the motors against logged counts and measured tool positions."""
     arm = source.load()
-    report = check_wiring(
-        arm,
-        log,
-        position_noise=position_noise,
-        orientation_noise=orientation_noise,
-        base_position_noise=base_position_noise,
-        base_orientation_noise=base_orientation_noise,
-    )
+    noise: dict[str, float | None] = {
+        "position_noise": position_noise, "orientation_noise": orientation_noise,
+        "base_position_noise": base_position_noise, "base_orientation_noise": base_orientation_noise,
+    }  # fmt: skip
+    report = check_wiring(arm, log, **noise)
     before, after = _residual(report.before), _residual(report.after)
     rows = "1 row" if report.rows == 1 else f"{report.rows} rows"
     faults = [each for each in report.motors if each.verdict != "sound" and each.what]
@@ -63,32 +60,21 @@ def wiring(
 
 
 def _table(arm: Arm, report: WiringReport) -> Table:
-    assert arm.actuators is not None, "check_wiring has asked for them"
     motors, units = report.motors, dict(zip(arm.joint_names, arm.units, strict=True))
-    counts = arm.actuators.to_counts(np.ones(len(motors)))
-    plus = [
-        f"{_with_deviation(motor.offset * count, motor.offset_std * count)} {unit}"
-        for motor, count, unit in zip(motors, counts, arm.actuators.units, strict=True)
-    ]
     # A question mark: the fault may be another motor's.
     verdicts = [
         ", ".join(motor.faults) + "?" * (motor.verdict == "possible fault") or motor.verdict for motor in motors
     ]
+    times = [
+        f"{number(motor.scale)} ± {f'{motor.scale_std:.1g}' if np.isfinite(motor.scale_std) else '?'}"
+        for motor in motors
+    ]
     added = [
         ", ".join(f"{joint} {amount(x, units[joint])}" for joint, x in motor.joint_offset.items()) for motor in motors
     ]
-    columns = [
-        Column("motor", [motor.name for motor in motors]),
-        Column("verdict", verdicts),
-        Column("readings times", [_with_deviation(motor.scale, motor.scale_std) for motor in motors]),
-        Column("plus", plus),
-        Column("added to the joints", added),
-    ]
+    named = {"motor": [motor.name for motor in motors], "verdict": verdicts, "readings times": times}
+    columns = [Column(head, each) for head, each in (named | {"added to the joints": added}).items()]
     return Table(f"{report.arm}: its motors, and what fits the log", columns)
-
-
-def _with_deviation(value: float, deviation: float) -> str:
-    return f"{number(value)} ± {deviation:.1g}" if np.isfinite(deviation) else f"{number(value)} ± ?"
 
 
 def _residual(residual: Residual) -> str:
