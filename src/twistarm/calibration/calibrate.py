@@ -9,12 +9,13 @@ from typing import Literal
 import numpy as np
 
 from ..arm.arm import Arm, require_arm
-from ..support.checks import as_flag, as_positive, as_theta, require, require_choice
+from ..support.checks import Array, as_flag, as_positive, as_theta, require, require_choice
 from ..support.errors import InputError, listed, shown
+from ..support.unit_hints import theta_hint
+from ..theory.rotations import skew
 from .calibration import Calibration
 from .geometry import Geometry
-from .log_checks import faults_of, refuse_unusable
-from .measurements import Measurements, Rows, joined, read_measurements
+from .measurements import LITTLE, Bools, Measurements, Rows, joined, read_measurements, require_metres
 from .problem import LOUD, Problem, descend, observed, of_joints, started
 
 Frame = Literal["fit", "held"]
@@ -23,6 +24,18 @@ Log = Measurements | str | os.PathLike[str]
 FOLDS, BLOCK = 5, 0.2
 USUAL = {"zero": 0.2, "shift": 0.002, "tilt": 0.01, "scale": 0.1}
 """How far joints are out as a rule [m, rad, 1]: what the fit knows before the log."""
+
+MOVED = 6.0
+"""A base that moved lowers the squares by more than so many times what six more parameters do by chance."""
+
+FAR_TILT, FAR_SHIFT = 0.2, 0.1
+"""An axis that would tilt by more [rad], or move by more reaches, is no matter of tolerances."""
+
+TURNED = 0.2
+"""Orientations that are out by more [rad] are written in another way."""
+
+LEAST_PART = 6
+"""Rows on each side of the moment when a base moved."""
 
 
 def calibrate(
@@ -155,3 +168,73 @@ def _held_out(result: Calibration, parts: list[Rows], robust: bool) -> tuple[flo
             errors[i, left] = problem.errors(descend(problem.of_rows(left), fitted, own)[0])[left]
     few = errors[1] <= np.nanquantile(errors[1], 0.99)
     return float(errors[0, few].mean()), float(errors[1, few].mean())
+
+
+def refuse_unusable(problem: Problem, fitted: Bools) -> tuple[str, ...]:
+    """InputError for a log that nothing can be fitted to; what else is odd, in words. `fitted` (Q,) may move."""
+    log, arm = problem.log, problem.geometry.arm
+    hint = theta_hint(log.theta, arm.units, arm.limits.lower, arm.limits.upper)
+    if hint:
+        raise InputError(f"{hint}: name the unit in the header, as in {arm.joint_names[arm.units.index('rad')]} [deg]")
+    require_metres(log, arm)
+    rows, numbers, least = len(log.theta), problem.numbers, int(fitted[:12].sum()) + 3 * len(problem.places)
+    if numbers <= least:
+        raise InputError(
+            f"{rows} rows give {numbers} numbers; base, tool and places alone have {least} unknowns: measure more"
+        )
+    odd = []
+    if numbers < 2 * fitted.sum():
+        need = int(np.ceil(2 * fitted.sum() * rows / numbers))
+        odd.append(f"{rows} rows are few for {fitted.sum()} unknowns: measure {need}, twice as many numbers")
+    if not (log.located.any() or any(log.wire) or problem.distances):
+        odd.append("points and planes alone do not show the arm's size: give the distance of two points, or positions")
+    return tuple(odd)
+
+
+def faults_of(problem: Problem, q: Array, first: Array) -> tuple[str, ...]:
+    """What spoils the fit q (Q,): a joint at rest, a correction that no arm needs, or a base that moved.
+
+    `first` (Q,) are the unknowns with base and tool fitted alone.
+    """
+    arm, travel = problem.geometry.arm, np.ptp(problem.log.theta, axis=0)
+    least = np.minimum([LITTLE[unit] for unit in arm.units], 0.5 * (arm.limits.upper - arm.limits.lower))
+    still = [name for name, moved, enough in zip(arm.joint_names, travel, least, strict=True) if moved < enough]
+    if still:
+        return (f"{listed(still)} hardly moves: the fit holds near one value only; move it by more than 15° or 50 mm",)
+    turned = np.linalg.norm(problem.misses(q)[problem.measured[:, 3], 3:], axis=1)
+    if turned.size and np.median(turned) > TURNED:
+        return ("the orientations do not fit: are they qx, qy, qz, qw in this order, of the tool in device axes?",)
+    moved = _moved_base(problem, q) or _moved_base(problem, first)
+    left = float(np.median(np.linalg.norm(problem.misses(q)[:, :3], axis=1)))
+    axes = np.abs(problem.geometry.split(q[: problem.P])[3])
+    tilt, shift = float(axes[:, 3:].max()), float(axes[:, :3].max())
+    if moved or not (left > 0.03 * arm.reach or tilt > FAR_TILT or shift > FAR_SHIFT * arm.reach):
+        return moved
+    far = f"{1000 * left:.3g} mm are left, with axes moved by up to {np.degrees(tilt):.0f}° and {1000 * shift:.0f} mm"
+    return (f"no arm fits these rows: {far}; are columns swapped, signs reversed, or units mixed?",)
+
+
+def _moved_base(problem: Problem, q: Array) -> tuple[str, ...]:
+    """The row at which a rigid motion of the base explains the residuals best, if it explains much."""
+    at = np.flatnonzero(problem.log.located)
+    if len(at) < 4 * LEAST_PART:
+        return ()
+    r = problem.misses(q)[at, :3]
+    size = np.linalg.norm(r, axis=1)
+    r = r * np.minimum(1.0, np.quantile(size, 0.75) / np.maximum(size, 1e-12))[:, None]  # an outlier counts as others
+    p = problem.log.position[at] - problem.log.position[at].mean(axis=0)
+    A = np.concatenate([np.broadcast_to(np.eye(3), (len(at), 3, 3)), -skew(p)], axis=2)
+    H, b = np.cumsum(np.einsum("kij,kil->kjl", A, A), axis=0), np.cumsum(np.einsum("kij,ki->kj", A, r), axis=0)
+    cuts = np.unique(np.linspace(LEAST_PART, len(at) - LEAST_PART, 60).astype(int))
+    gains = [
+        b[c - 1] @ np.linalg.lstsq(H[c - 1], b[c - 1], rcond=1e-9)[0]
+        + (b[-1] - b[c - 1]) @ np.linalg.lstsq(H[-1] - H[c - 1], b[-1] - b[c - 1], rcond=1e-9)[0]
+        for c in cuts
+    ]
+    best = int(np.argmax(gains))
+    # What is left is at least the noise: less than that shows nothing.
+    left = max((float((r * r).sum()) - float(gains[best])) / (3 * len(at)), float(np.median(problem.sigma)) ** 2)
+    if gains[best] / 12 < MOVED * left or gains[best] < 0.3 * (r * r).sum():
+        return ()
+    near = problem.log.label[at[cuts[best]]]
+    return (f"the base or the tracker seems to have moved near {near}: fit the parts alone",)

@@ -32,6 +32,9 @@ POSITION, ROTATION = ("x", "y", "z"), ("qx", "qy", "qz", "qw")
 UNIT_LENGTH_TOL = 0.01
 """A logged quaternion is rounded to a few digits; one that is further from length 1 holds something else."""
 
+LITTLE = {"rad": float(np.radians(15.0)), "m": 0.05}
+"""A joint that moved by less has hardly moved."""
+
 Units = Mapping[str, Mapping[str, float]]
 """The columns that a log may have, and the units of each with their factors; the first is meant without brackets."""
 
@@ -179,6 +182,17 @@ def _columns(header: Row, units: Units, needed: Sequence[str], place: str) -> di
     if missing:
         raise InputError(f"{place}: no column {listed(missing)}; {allowed}")
     return at
+
+
+def require_metres(log: Measurements, arm: Arm) -> None:
+    """InputError for positions farther apart than the arm reaches many times over, with the likely unit."""
+    spread = float(np.ptp(log.position[log.located], axis=0).max()) if log.located.any() else 0.0
+    if spread > 20.0 * arm.reach:
+        unit = min(UNITS["m"], key=lambda unit: abs(np.log(spread * UNITS["m"][unit] / arm.reach)))
+        raise InputError(
+            f"the positions lie {spread:.4g} m apart, and the arm reaches {arm.reach:.3g} m: are they in {unit}? "
+            f"Name the unit in the header, as in x [{unit}]"
+        )
 
 
 def require_motors(arm: Arm) -> Actuators:

@@ -16,8 +16,7 @@ from ..support.checks import Array, as_not_negative, as_positive, as_theta
 from ..support.display import Brief
 from ..support.errors import ComparisonError, InputError, listed
 from ..theory.screws import exp, inverse_of
-from .log_checks import LITTLE, require_metres
-from .measurements import Measurements, read_measurements, require_motors
+from .measurements import LITTLE, Measurements, read_measurements, require_metres, require_motors
 from .problem import LOUD
 from .wiring import ANYTHING, KINDS, MOST_ROWS, Explanation, Found, Wiring, explained, sign_patterns
 

@@ -35,11 +35,10 @@ from ..support.errors import InputError, TwistarmError, listed
 from ..support.files import as_path, writable, write_whole
 from .allowed_pairs import allowed_pairs
 from .answers import Collision, Contact, Distance
-from .near_pairs import NearPairs
 from .obstacles import Obstacles
 from .obstacles import Placed as Placed
 from .scene_file import Entry, SceneFile, read_scene, scene_text
-from .swept import FINE, Sweep, pair_speeds, shifted
+from .swept import FINE, NearPairs, Sweep, pair_speeds, shifted
 
 T = TypeVar("T")
 

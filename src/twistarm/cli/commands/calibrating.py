@@ -1,4 +1,4 @@
-"""`calibrate`: the arm's axes and zeros from measurements of its tool."""
+"""`wiring` and `calibrate`: an arm's motors, axes and zeros against a log of measurements."""
 
 from __future__ import annotations
 
@@ -11,24 +11,34 @@ import numpy as np
 import typer
 
 from ...arm.arm import Arm
-from ...calibration import Calibration, corrected_urdf
+from ...calibration import Calibration, Residual, WiringReport, check_wiring, corrected_urdf
 from ...calibration import calibrate as fit
 from ...calibration.calibration import amount
 from ...support.errors import InputError
 from ...viewer import Viewer
 from ..options import ArmArgument, Avoid, Json, avoided
-from ..output import entries
-from ..outputs import outputs_of, repeated
+from ..output import entries, plain
+from ..outputs import Outputs, outputs_of, repeated
 from ..quantities import LENGTH, quantity, typed_number, whole
-from ..tables import Column, Table
+from ..tables import Column, Table, number
 from .viewing import show_address
-from .wiring import OrientationNoise
 
+Log = Annotated[
+    Path, typer.Argument(metavar="LOG", help="CSV: a column per motor, x, y, z [m], and qx, qy, qz, qw if measured.")
+]
+PositionNoise = Annotated[float, quantity("m", "Standard deviation of the measured positions.")]
+OrientationNoise = Annotated[float, quantity("rad", "Standard deviation of the measured orientations [°].")]
+BasePositionNoise = Annotated[
+    float | None, quantity("m", "Standard deviation of the base's own position; 0 if exactly known.", zero=True)
+]
+BaseOrientationNoise = Annotated[
+    float | None,
+    quantity("rad", "Standard deviation of the base's own orientation [°]; 0 if exactly known.", zero=True),
+]
 Logs = Annotated[
     list[Path],
     typer.Argument(metavar="LOG…", help="CSV: a column per joint, then x, y, z, or point, plane, wire and length."),
 ]
-Noise = Annotated[float, quantity("m", "Standard deviation of the measured positions.")]
 HeldBase = Annotated[bool, typer.Option("--base-held", help="Positions are in the base frame; do not fit it.")]
 HeldTool = Annotated[bool, typer.Option("--tool-held", help="The measured point is the tip; do not fit it.")]
 Distance = Annotated[
@@ -52,10 +62,61 @@ Anyway = Annotated[
 View = Annotated[bool, typer.Option("--view", help="Show the residuals in the browser, magnified, until Ctrl-C.")]
 
 
+def wiring(
+    source: ArmArgument,
+    log: Log,
+    position_noise: PositionNoise = 0.002,
+    orientation_noise: OrientationNoise = 1.0,
+    base_position_noise: BasePositionNoise = None,
+    base_orientation_noise: BaseOrientationNoise = None,
+    json: Json = False,
+) -> int:
+    """Check signs, ratios and zeros of the motors against logged counts and measured tool positions."""
+    arm = source.load()
+    noise: dict[str, float | None] = {
+        "position_noise": position_noise, "orientation_noise": orientation_noise,
+        "base_position_noise": base_position_noise, "base_orientation_noise": base_orientation_noise,
+    }  # fmt: skip
+    report = check_wiring(arm, log, **noise)
+    before, after = _residual(report.before), _residual(report.after)
+    rows = "1 row" if report.rows == 1 else f"{report.rows} rows"
+    faults = [each for each in report.motors if each.verdict != "sound" and each.what]
+    lines = [
+        f"{rows}; measured against computed: {before} as the arm.toml says, {after} as found here",
+        *(f"{motor.name}: {'; '.join(filter(None, (motor.what, motor.remedy)))}" for motor in faults),
+        f"{report.verdict}: {report.what}",
+    ]
+    Outputs(json=json).show(plain(report) | {"ok": report.ok}, _motors_table(arm, report), *lines)
+    return 0 if report.ok else 1
+
+
+def _motors_table(arm: Arm, report: WiringReport) -> Table:
+    motors, units = report.motors, dict(zip(arm.joint_names, arm.units, strict=True))
+    # A question mark: the fault may be another motor's.
+    verdicts = [
+        ", ".join(motor.faults) + "?" * (motor.verdict == "possible fault") or motor.verdict for motor in motors
+    ]
+    times = [
+        f"{number(motor.scale)} ± {f'{motor.scale_std:.1g}' if np.isfinite(motor.scale_std) else '?'}"
+        for motor in motors
+    ]
+    added = [
+        ", ".join(f"{joint} {amount(x, units[joint])}" for joint, x in motor.joint_offset.items()) for motor in motors
+    ]
+    named = {"motor": [motor.name for motor in motors], "verdict": verdicts, "readings times": times}
+    columns = [Column(head, each) for head, each in (named | {"added to the joints": added}).items()]
+    return Table(f"{report.arm}: its motors, and what fits the log", columns)
+
+
+def _residual(residual: Residual) -> str:
+    position = f"{1000 * residual.position:.1f} mm"
+    return position if residual.rotation is None else f"{position} and {np.degrees(residual.rotation):.2f}°"
+
+
 def calibrate(
     source: ArmArgument,
     logs: Logs,
-    position_noise: Noise = 1e-4,
+    position_noise: PositionNoise = 1e-4,
     orientation_noise: OrientationNoise = 0.06,
     base_held: HeldBase = False,
     tool_held: HeldTool = False,

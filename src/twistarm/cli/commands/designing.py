@@ -1,4 +1,4 @@
-"""`payload` and `designs`: what an arm holds, and arms side by side."""
+"""Questions before an arm is built: `payload`, `reach`, `panel`, and `designs` side by side."""
 
 from __future__ import annotations
 
@@ -8,25 +8,51 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from ...design import Needs, Payload, compare_designs, load_panel
+from ...design import Needs, PanelReport, Payload, best_parking, check_panel, compare_designs, load_panel
 from ...design import payload as payload_of
 from ...support.checks import Array
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError
+from ...sweeps import ReachMap, reach_map
+from ...theory.rotations import to_rpy
 from ..asked_motion import motion_of_file, typed_targets
-from ..options import CONFIGURATION, ArmArgument, Json, Radians, Source
+from ..command import PLACE
+from ..options import CONFIGURATION, ArmArgument, Avoid, Json, Radians, Source, avoided
 from ..output import note, plain, progress_bar
-from ..outputs import Force, Output, Outputs, outputs_of
-from ..quantities import quantity
-from ..tables import Column, Table, joint_heads, number, theta_typed
-from ..typed import parse_theta
+from ..outputs import STDOUT, Force, Output, Outputs, outputs_of, repeated
+from ..quantities import quantity, whole
+from ..tables import Column, Table, joint_heads, number, quantity_text, theta_typed, unit_text
+from ..typed import parse_numbers, parse_theta
 from .arms import joints_table
 from .kinematics import warn_outside
-from .motion import Directions, Positions, Rpys
+from .motion import MOTION_KINDS, Directions, MaxTime, Positions, Rpys, Step, Unwrap, motion_texts
 
 Motion = Annotated[Path | None, typer.Option(metavar="FILE", help="Along a motion: *.csv, *.json, *.yaml or *.toml.")]
-Panel = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]
+PanelOption = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]
 Mass = Annotated[float, quantity("kg", "A wanted payload: what each joint and motor needs for it.", zero=True)]
+
+KINDS = {"npz": (".npz",), "png": (".png",)}
+
+WORDS: dict[str, Any] = {"down": "down", "position": "position", "26": 26}
+
+MapFiles = Annotated[list[str] | None, repeated("The map to *.npz, slices to *.png")]
+Voxel = Annotated[float, quantity("m", "Side of a cube.")]
+Towards = Annotated[
+    str, typer.Option(metavar="WHICH", help="down, position (in any orientation), 26 (all around) or 'X Y Z'.")
+]
+Method = Annotated[str, typer.Option(metavar="ik|fk", help="ik is exact; fk, by random configurations, a first look.")]
+Resume = Annotated[Path | None, typer.Option(metavar="FOLDER", help="Keep what is done there, and go on from it.")]
+Workers = Annotated[int | None, whole(1, 1024, "Threads; else one per processor.")]
+
+PanelFile = Annotated[Path, typer.Argument(metavar="PANEL", help="A panel.toml with tasks, and where to park.")]
+BasePose = Annotated[
+    str | None,
+    typer.Option(
+        "--base-pose", metavar=PLACE, help="Check x, y [m] and yaw [°, or rad with --rad] instead of a search."
+    ),
+]
+Speed = Annotated[float | None, quantity("m/s", "The tool goes no faster in the motion of -o.", "--linear-speed")]
+MotionFiles = Annotated[list[str] | None, repeated("One motion through all tasks that are done, as plan writes it")]
 
 
 def payload(
@@ -121,7 +147,7 @@ def designs(
     xyz: Positions = None,
     rpy: Rpys = None,
     direction: Directions = None,
-    panel: Panel = None,
+    panel: PanelOption = None,
     rad: Radians = False,
     json: Json = False,
 ) -> None:
@@ -139,3 +165,138 @@ def designs(
     columns = [Column(one.name, [number(getattr(one, name), 3) for name in NUMBERS.values()]) for one in found]
     records = [plain(one) | joints_table(one.arm).entries() for one in found]
     Outputs(json=json, radians=rad).show({"designs": records}, Table("", [Column("", list(NUMBERS)), *columns]))
+
+
+def reach(
+    source: ArmArgument,
+    voxel: Voxel = 0.05,
+    directions: Towards = "down",
+    avoid: Avoid = None,
+    method: Method = "ik",
+    resume: Resume = None,
+    workers: Workers = None,
+    output: MapFiles = None,
+    force: Force = False,
+    json: Json = False,
+) -> int:
+    """Map where the arm brings its tool, and in which directions; -o writes the map as .npz or .png."""
+    arm = source.load()
+    out = outputs_of(output, KINDS, force=force, json=json)
+    if any(name == STDOUT for _, name in out.files):
+        raise InputError("a map is no text for standard output: -o takes a file that ends in .npz or .png")
+    try:
+        towards = WORDS[directions] if directions in WORDS else parse_numbers(directions, "1 1 1", "--directions")
+    except InputError as error:
+        allowed = f"{', '.join(WORDS)} or three numbers, as in '0 0 -1'"
+        raise InputError(f"--directions takes {allowed}; got {directions!r}") from error
+    how: dict[str, Any] = {"method": method, "scene": avoided(arm, avoid), "workers": workers, "folder": resume}
+    with progress_bar("reach") as progress:
+        found = reach_map(arm, voxel, towards, **how, progress=progress)
+    for kind, name in out.files:
+        {"npz": found.save, "png": found.to_png}[kind](name)
+    figures = _figures(found)
+    columns = [
+        Column("", [name.replace("_", " ") for name in figures]),
+        Column("", [" ".join(map(number, np.ravel(value))) for value, _ in figures.values()]),
+        Column("unit", [unit for _, unit in figures.values()]),
+    ]
+    nothing = "nothing is reached in these directions; --directions position leaves them free"
+    out.show(
+        {"arm": arm, "frame": found.frame, "voxel": voxel, "directions": found.directions}
+        | {name: value for name, (value, _) in figures.items()},
+        Table(f"{arm.name}: reach in the frame {found.frame}, cubes of {voxel:g} m", columns),
+        *([] if found.counts.any() else [nothing]),
+        written=[name for _, name in out.files],
+    )
+    return 0 if found.counts.any() else 1
+
+
+def _figures(found: ReachMap) -> dict[str, tuple[Any, str]]:
+    """The figures of a map with their units."""
+    grid, cells = found.grid, np.flatnonzero(found.counts)
+    figures: dict[str, tuple[Any, str]] = {
+        "cubes": (grid.count, ""), "reached": (len(cells), ""), "volume": (found.volume, "m³"),
+    }  # fmt: skip
+    if not len(cells):
+        return figures
+    if len(found.directions) > 1:
+        figures["volume_in_all_directions"] = np.count_nonzero(found.share == 1.0) * grid.voxel**3, "m³"
+    centres = np.round(grid.centres(cells), 9)
+    share, measure, margin = (x.reshape(-1)[cells] for x in (found.share, found.manipulability, found.margin))
+    i = np.lexsort((measure, share))[-1]
+    return figures | {
+        "lowest_x_y_z": (centres.min(axis=0), "m"), "highest_x_y_z": (centres.max(axis=0), "m"),
+        "best_at_x_y_z": (centres[i], "m"), "best_share": (share[i], ""),
+        "best_manipulability": (measure[i], ""), "best_margin": (margin[i], "rad or m"),
+    }  # fmt: skip
+
+
+def panel(
+    source: ArmArgument,
+    file: PanelFile,
+    base_pose: BasePose = None,
+    avoid: Avoid = None,
+    linear_speed: Speed = None,
+    unwrap: Unwrap = False,
+    max_time: MaxTime = 5.0,
+    output: MotionFiles = None,
+    force: Force = False,
+    dt: Step = 0.01,
+    rad: Radians = False,
+    json: Json = False,
+) -> int:
+    """Tell which tasks of a panel the arm does, why it fails at others, and where the rover parks best."""
+    arm = source.load()
+    out = outputs_of(output, MOTION_KINDS, force=force, json=json, radians=rad)
+    asked = load_panel(file)
+    place = None if base_pose is None else parse_numbers(base_pose, "m m rad", "--base-pose", rad)
+    scene = avoided(arm, avoid)
+    with progress_bar("tasks") as progress:
+        if place is None:
+            found = best_parking(arm, asked, scene, progress)
+        else:
+            x, y, yaw = place.tolist()
+            found = check_panel(arm, asked, asked.base_at(x, y, yaw), scene, progress)
+    x, y, z = found.base[:3, 3].tolist()
+    yaw = float(to_rpy(found.base[:3, :3])[2])
+    done, count = len(found.done), len(found.results)
+    typed = " ".join([quantity_text(x, "m", rad), quantity_text(y, "m", rad), quantity_text(yaw, "rad", rad, 6)])
+    missed = [f"{each.task.name}, {each.code}: {each.why}" for each in found.results if each.code != "done"]
+    sentence = f'{done} of {count} tasks are done with the arm\'s base at --base-pose "{typed}"' + " --rad" * rad
+    written: list[str] = []
+    try:
+        if out.files and not found.done:
+            note("no task is done, so no motion is written")
+        elif out.files:
+            with progress_bar("planning") as progress:
+                motion = found.motion(linear_speed=linear_speed, unwrap=unwrap, max_time=max_time, progress=progress)
+            for each in motion.notes:
+                note(each, radians=rad)
+            written = out.write(motion_texts(arm, motion, out, dt))
+    finally:  # the answer is good where the motion fails
+        data = {"arm": arm, "done": done, "share": done / count, "base": {"x": x, "y": y, "z": z, "yaw": yaw}}
+        out.show(data | {"places": found.places}, _tasks_table(found, rad), *missed, sentence, written=written)
+    return int(done < count)
+
+
+def _tasks_table(found: PanelReport, radians: bool) -> Table:
+    results = found.results
+    unit_of = dict(zip(found.arm.joint_names, found.arm.units, strict=True))
+    nearest = []
+    for each in results:
+        unit = unit_of.get(each.joint, "")
+        margin = f"{each.joint} {quantity_text(each.margin, unit, radians)} {unit_text(unit, radians)}"
+        nearest.append(margin if each.code == "done" else "")
+    millimetres = [number(1e3 * each.clearance, 1) if each.code == "done" else "" for each in results]
+    columns = [
+        Column("task", [each.task.name for each in results]),
+        Column("kind", [each.task.kind for each in results]),
+        Column("code", [each.code for each in results]),
+        Column("why", [each.why for each in results], people=False),
+        Column("nearest limit", [each.joint for each in results], text=nearest, key="joint"),
+        Column("margin", [each.margin for each in results], people=False),
+        Column("condition", [each.condition for each in results], digits=1),
+        Column("clearance", [each.clearance for each in results], "mm", text=millimetres),
+        Column("theta", [each.theta[:1] for each in results], people=False),
+    ]
+    return Table(f"{found.arm.name}: tasks of the panel", columns, "tasks")
