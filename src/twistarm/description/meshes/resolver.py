@@ -9,7 +9,7 @@ from urllib.parse import unquote
 
 from ...support.errors import one_line
 from ...support.files import read_bounded, stamp
-from ..packages import is_too_wide, package_name
+from ..packages import home_of, is_too_wide
 from .mesh import RefusedError
 
 ENDINGS = {"obj": ".mtl", "gltf": ".bin", "glb": ".bin"}
@@ -33,8 +33,7 @@ class Resolver:
 
     def __init__(self, kind: str, path: Path, left: int, files: Stamps) -> None:
         self._ending, self._place, self._left = ENDINGS.get(kind), Path(os.path.realpath(path)), left
-        parents = self._place.parents
-        self._root = next((f for f in parents if not is_too_wide(f) and package_name(f)), self._place.parent)
+        self._root = home_of(self._place)
         self._files = files
         self.refused: RefusedError | None = None
 
