@@ -12,20 +12,18 @@ from rich.padding import Padding
 from rich.text import Text
 
 from ...checking.crosscheck import CrossCheck, crosscheck
-from ...checking.difference import compare
+from ...checking.difference import NOT_COVERED, compare, golden_text
 from ...checking.doctor import Diagnosis, examine
+from ...checking.doctor.motions import summary
 from ...checking.doctor.repair import COPY, repair
-from ...checking.doctor.statements import summary
-from ...checking.doctor.wording import codes_page
-from ...checking.golden_file import NOT_COVERED, golden_text
 from ...collision import Scene
 from ...collision.survey import srdf_text, survey
-from ...description.findings import CODES, Finding
+from ...description.findings import CODES, Finding, codes_page
 from ...description.findings import refused as refusal_of
 from ...support.errors import InputError, printable
 from ...support.messages import plural
 from ...support.path_redaction import without_places
-from ..options import SELF, ArmArgument, Json, Radians, SceneFile, avoided
+from ..options import ArmArgument, Json, Radians, SceneFile
 from ..output import entries, note, plain, progress_bar, say
 from ..outputs import STDOUT, Force, Output, Outputs, outputs_of
 from ..quantities import quantity, whole
@@ -64,7 +62,7 @@ def doctor(
     diagnosis = examine(source.name, **source.keywords)
     findings, arm, able = diagnosis.findings, diagnosis.arm, diagnosis.able
     # A file that does not exist is the caller's error, not the doctor's business.
-    if any(one.code == "file-not-found" and one.place.file == source.name for one in findings):
+    if any(one.code == "file-unreadable" and one.place.file == source.name for one in findings):
         raise refusal_of(findings)
     out = outputs_of(output, {"urdf": (".urdf",)}, force=force, json=json, over_description=True)
     known = arm or diagnosis.description
@@ -174,17 +172,11 @@ def comparisons(result: CrossCheck) -> tuple[Table | str, ...]:
     return Table("", columns, "comparisons", rows=compared), *lines
 
 
-Collisions = Annotated[
-    bool, typer.Option("--collisions", help="Keep how often each pair of links collides, to notice changed shapes.")
-]
-
-
-def freeze(source: ArmArgument, collisions: Collisions = False, output: Output = None, force: Force = False) -> None:
-    """Write a golden file: names, screws, home, limits, motors and masses; --collisions adds pairs of links."""
+def freeze(source: ArmArgument, output: Output = None, force: Force = False) -> None:
+    """Write a golden file: names, screws, home, limits, motors and masses."""
     arm = source.load()
-    scene = avoided(arm, SELF) if collisions else None
     out = outputs_of(output or f"{Path(arm.name).name}.golden.json", {"json": (".json",)}, force=force)
-    for name in out.write({"json": lambda: golden_text(arm, scene)}):
+    for name in out.write({"json": lambda: golden_text(arm)}):
         if name != STDOUT:
             later = f"later, with the same ARM and options: twistarm check … --against {name}"
             say(f"{name}: {arm.name} frozen; {later}", f"not covered: {', '.join(NOT_COVERED)}")
