@@ -269,7 +269,8 @@ def _objects(item: Mapping[str, Any]) -> Iterator[Entry]:
         given, poses = list(item.get(many) or ()), list(item.get(f"{kind}_poses") or ())
         if len(poses) > len(given):
             raise InputError(f"it has {len(poses)} {kind}_poses for {len(given)} {many}")
-        shapes += [(kind, value, pose) for value, pose in zip_longest(given, poses, fillvalue={})]
+        placed: Iterator[tuple[Any, Any]] = zip_longest(given, poses, fillvalue={})
+        shapes += [(kind, *each) for each in placed]
     if not shapes:
         raise InputError(f"{name!r} has no primitives, meshes or planes")
     for k, (kind, value, pose) in enumerate(shapes):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -140,11 +140,11 @@ def load_panel(path: str | os.PathLike[str]) -> Panel:
                 raise InputError(f"name: another task is already called {task.name!r}; give each its own name")
             tasks[task.name] = task
     more = {name: placed[name] for name in ("size", "gap") if name in placed} | top.get("parking", {})
-    tolerances = {name: top[name] for name in ("position_tol", "orientation_tol") if name in top}
+    tolerances: dict[str, float] = {name: top[name] for name in ("position_tol", "orientation_tol") if name in top}
     return Panel(tuple(tasks.values()), g, tolerances=tolerances, clearance=top.get("clearance", 0.05), **more)
 
 
-def _task(value: Any, angle: Check) -> PanelTask:
+def _task(value: Any, angle: Callable[..., float]) -> PanelTask:
     kind = one_of(tuple(KINDS))(value.get("kind") if isinstance(value, dict) else value, "kind")
     sense, hold, back = KINDS[kind]
     needed: dict[str, Check] = {"name": word, "kind": word, "xyz": _three(_length)}
@@ -153,8 +153,12 @@ def _task(value: Any, angle: Check) -> PanelTask:
         needed["travel"] = _positive(LONGEST)
     else:
         optional |= {"axis": _direction, "point": _three(_length)}
-        needed["angle"] = partial(angle, turns=TURNS if kind == "screw" else 1.0)
-        needed |= {"screw": {"lead": partial(_length, most=LEAD)}, "flip": {"axis": _direction}}.get(kind, {})
+        turns = TURNS if kind == "screw" else 1.0
+        needed["angle"] = lambda value, name: angle(value, name, turns)
+        if kind == "screw":
+            needed["lead"] = partial(_length, most=LEAD)
+        if kind == "flip":
+            needed["axis"] = _direction
     table = fields(value, f"a {kind}", needed, optional)
     place, direction = table["xyz"], table.get("direction", -np.eye(3)[2])
     if sense:

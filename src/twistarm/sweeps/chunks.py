@@ -6,7 +6,7 @@ import hashlib
 import io
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass
@@ -102,7 +102,7 @@ class Sweep:
                 yield first, arrays
                 tell(done / total)
 
-    def _results(self, pool: Executor, left: list[int]) -> Iterator[tuple[int, Arrays]]:
+    def _results(self, pool: Executor, left: list[int]) -> Generator[tuple[int, Arrays], None, None]:
         """The chunks that begin at these items, as they are done."""
         rest, waiting = iter(left), dict[Future[Arrays], int]()
         try:

@@ -73,7 +73,7 @@ def wiring(
 ) -> int:
     """Check signs, ratios and zeros of the motors against logged counts and measured tool positions."""
     arm = source.load()
-    noise: dict[str, float | None] = {
+    noise: dict[str, Any] = {
         "position_noise": position_noise, "orientation_noise": orientation_noise,
         "base_position_noise": base_position_noise, "base_orientation_noise": base_orientation_noise,
     }  # fmt: skip
