@@ -15,13 +15,11 @@ from ...calibration import Calibration, corrected_urdf
 from ...calibration import calibrate as fit
 from ...calibration.calibration import amount
 from ...support.errors import InputError
-from ...viewer import Viewer
-from ..options import ArmArgument, Avoid, Json, avoided
-from ..output import entries
-from ..outputs import outputs_of, repeated
-from ..quantities import LENGTH, quantity, typed_number, whole
+from ..numbers import LENGTH, quantity, typed_number, whole
+from ..options import ArmArgument, Avoid, answers, avoided
+from ..output import Outputs, entries
 from ..tables import Column, Table
-from .viewing import show_address
+from .viewing import Page
 from .wiring import OrientationNoise
 
 Logs = Annotated[
@@ -39,16 +37,14 @@ Scales = Annotated[bool, typer.Option("--scales", help="Fit a scale of each join
 Eccentricity = Annotated[bool, typer.Option("--eccentricity", help="Fit eccentric gears too.")]
 Next = Annotated[int, whole(0, 1000, "Name N configurations to measure next.", "--next")]
 Written = Annotated[
-    list[str] | None,
-    repeated(
-        "The corrected description (*.urdf), or the motors' offsets for arm.toml (*.toml). "
-        "With a toml the zeros are not in the urdf"
+    Outputs,
+    answers(
+        "output force json",
+        {"urdf": (".urdf",), "toml": (".toml",)},
+        output="The corrected description (*.urdf), or the motors' offsets for arm.toml (*.toml). "
+        "With a toml the zeros are not in the urdf; repeat it.",
+        force="Replace files that are there; write what is confirmed only where the log was taken.",
     ),
-]
-
-Anyway = Annotated[
-    bool,
-    typer.Option("--force", help="Replace files that are there; write what is confirmed only where the log was taken."),
 ]
 View = Annotated[bool, typer.Option("--view", help="Show the residuals in the browser, magnified, until Ctrl-C.")]
 
@@ -56,6 +52,7 @@ View = Annotated[bool, typer.Option("--view", help="Show the residuals in the br
 def calibrate(
     source: ArmArgument,
     logs: Logs,
+    outputs: Written,
     position_noise: Noise = 1e-4,
     orientation_noise: OrientationNoise = 0.06,
     base_held: HeldBase = False,
@@ -66,15 +63,10 @@ def calibrate(
     eccentricity: Eccentricity = False,
     next_postures: Next = 0,
     avoid: Avoid = None,
-    output: Written = None,
-    force: Anyway = False,
-    json: Json = False,
     view: View = False,
 ) -> int:
     """Fit the arm's axes and zeros to measured positions of its tool, and write the corrected URDF."""
     arm = source.load()
-    kinds = {"urdf": (".urdf",), "toml": (".toml",)}
-    outputs = outputs_of(output, kinds, force=force, json=json)
     apart = any(kind == "toml" for kind, _ in outputs.files)
     found = fit(
         arm,
@@ -92,16 +84,16 @@ def calibrate(
     answer = replace(outputs, files=())
     answer.show(_as_json(found) | {"next": more}, *_parts(found, arm, more))
     contents: dict[str, Callable[[], str | bytes]] = {
-        "urdf": lambda: corrected_urdf(found, zeros=not apart, here=force),
-        "toml": lambda: _toml(found.require(here=force)),
+        "urdf": lambda: corrected_urdf(found, zeros=not apart, here=outputs.force),
+        "toml": lambda: _toml(found.require(here=outputs.force)),
     }
     try:
         outputs.say(outputs.write(contents))
     finally:  # a correction that is refused is the one to look at
         if view:
-            with Viewer(arm, open_browser=False) as viewer:
+            with Page().viewer(arm, None) as viewer:
                 viewer.show_residuals(found)
-                show_address(viewer, browser=True, out=outputs.words)
+                Page().show_address(viewer, outputs.words)
                 viewer.wait()
     return 0 if found.confirmed else 1
 

@@ -15,16 +15,13 @@ from ...design import payload as payload_of
 from ...support.checks import Array
 from ...support.csv_lines import csv_text
 from ...support.errors import InputError
-from ..asked_motion import motion_of_file, typed_targets
-from ..options import CONFIGURATION, ArmArgument, Json, Radians, Source
-from ..output import note, plain, progress_bar
-from ..outputs import Force, Output, Outputs, outputs_of
-from ..quantities import quantity
-from ..tables import Column, Table, joint_heads, number, shown, theta_typed, units
-from ..typed import parse_theta
+from ..asked_motion import motion_of_file
+from ..numbers import quantity
+from ..options import Answer, ArmArgument, CsvAnswer, Source, Theta
+from ..output import note, plain, progress_bar, warn
+from ..tables import Column, Table, joint_heads, number, outside, shown, theta_typed, units
+from ..targets import Directions, Positions, Rpys, typed_targets
 from .arms import joints_table
-from .kinematics import warn_outside
-from .motion import Directions, Positions, Rpys
 
 Motion = Annotated[Path | None, typer.Option(metavar="FILE", help="Along a motion: *.csv, *.json, *.yaml or *.toml.")]
 Panel = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]
@@ -36,27 +33,23 @@ SAMPLES = 200_000
 
 def payload(
     source: ArmArgument,
-    theta: Annotated[str | None, CONFIGURATION] = None,
+    out: CsvAnswer,
+    theta: Theta = None,
     motion: Motion = None,
     mass: Mass = 0.0,
     voxel: Voxel = None,
-    output: Output = None,
-    force: Force = False,
-    rad: Radians = False,
-    json: Json = False,
 ) -> int:
     """Show the greatest mass at the tool anywhere inside the limits, at --theta, or along --motion."""
     arm = source.load()
-    out = outputs_of(output, {"csv": (".csv",)}, force=force, json=json, radians=rad)
     if motion is not None and theta is not None:
         raise InputError("--motion has its own configurations: leave out --theta")
     if voxel is not None and (motion is not None or theta is not None):
         raise InputError("--voxel maps random configurations: leave out --theta and --motion")
-    x: Any = None if theta is None else parse_theta(arm, theta, rad)
-    if x is not None:
-        warn_outside(arm, x, rad)
+    x: Any = None if theta is None else theta.of(arm)
+    for words in [] if x is None else outside(arm, x, out.radians):
+        warn(words)
     x = arm.random_theta(0, SAMPLES) if voxel else x
-    found = payload_of(arm, x if motion is None else motion_of_file(arm, motion, {})[1])
+    found = payload_of(arm, x if motion is None else motion_of_file(arm, motion)[1])
     needs, x = found.needs(mass), found.theta.reshape(-1, arm.n)
     by = [found.names[row] if row >= 0 else "nothing" for row in found.limiting.ravel()]
     worst = found.worst
@@ -71,7 +64,7 @@ def payload(
     out.show(
         data,
         _needs_table(found, needs, mass),
-        *_sentences(found, by[worst], rad),
+        *_sentences(found, by[worst], out.radians),
         files={"csv": lambda: _csv(found, x, by) if cubes is None else _cubes_csv(cubes)},
     )
     return int(np.isnan(found.mass).any() or (needs.share > 1.0).any())
@@ -133,15 +126,14 @@ NUMBERS = {
 def designs(
     source: ArmArgument,
     others: Annotated[list[Source], typer.Argument(metavar="ARM...", parser=Source, help="The arms to compare with.")],
+    out: Answer,
     xyz: Positions = None,
     rpy: Rpys = None,
     direction: Directions = None,
     panel: Panel = None,
-    rad: Radians = False,
-    json: Json = False,
 ) -> None:
     """Compare arms: reach, dexterity, payload, mass, joint ranges, the time of a motion through --xyz, a --panel."""
-    targets = typed_targets(xyz or (), rpy or (), direction or (), None, rad)
+    targets = typed_targets(xyz or (), rpy or (), direction or ())
     if len(targets) == 1:
         raise InputError("a motion leads from one --xyz to another: give two or more, or none")
     asked = None if panel is None else load_panel(panel)
@@ -151,12 +143,12 @@ def designs(
     for each in found:
         for why in each.notes:
             note(f"{each.name}: {why}")
-    ranges = list(zip_longest(*(_ranges(arm, rad) for arm in arms), fillvalue=""))
+    ranges = list(zip_longest(*(_ranges(arm, out.radians) for arm in arms), fillvalue=""))
     columns = [Column("", [*NUMBERS, *(f"joint {i}" for i in range(1, len(ranges) + 1))])]
     for each, its in zip(found, zip(*ranges, strict=True), strict=True):
         columns.append(Column(each.name, [*(number(getattr(each, name), 3) for name in NUMBERS.values()), *its]))
     records = [plain(each) | joints_table(each.arm).entries() for each in found]
-    Outputs(json=json, radians=rad).show({"designs": records}, Table("", columns))
+    out.show({"designs": records}, Table("", columns))
 
 
 def _ranges(arm: Arm, radians: bool) -> list[str]:

@@ -3,57 +3,54 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from ...design import PanelReport, best_parking, check_panel, load_panel
 from ...theory.rotations import to_rpy
-from ..command import PLACE
-from ..options import ArmArgument, Avoid, Json, Radians, avoided
-from ..output import note, progress_bar
-from ..outputs import Force, outputs_of, repeated
-from ..quantities import quantity
+from ..numbers import PLACE, numbers, quantity
+from ..options import ArmArgument, Avoid, answers, avoided
+from ..output import Outputs, note, progress_bar
 from ..tables import Column, Table, number, quantity_text, unit_text
-from ..typed import parse_numbers
 from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_texts
 
 PanelFile = Annotated[Path, typer.Argument(metavar="PANEL", help="A panel.toml with tasks, and where to park.")]
 BasePose = Annotated[
-    str | None,
-    typer.Option(
-        "--base-pose", metavar=PLACE, help="Check x, y [m] and yaw [°, or rad with --rad] instead of a search."
+    Any, numbers("m m rad", PLACE, "Check x, y [m] and yaw [°, or rad with --rad] instead of a search.")
+]
+Speed = Annotated[float | None, quantity("m/s", "The tool goes no faster in the motion of -o.")]
+Files = Annotated[
+    Outputs,
+    answers(
+        "output force rad json",
+        MOTION_KINDS,
+        output="One motion through all tasks that are done, as plan writes it; repeat it.",
     ),
 ]
-Speed = Annotated[float | None, quantity("m/s", "The tool goes no faster in the motion of -o.", "--linear-speed")]
-Files = Annotated[list[str] | None, repeated("One motion through all tasks that are done, as plan writes it")]
 
 
 def panel(
     source: ArmArgument,
     file: PanelFile,
+    out: Files,
     base_pose: BasePose = None,
     avoid: Avoid = None,
     linear_speed: Speed = None,
     unwrap: Unwrap = False,
     max_time: MaxTime = 5.0,
-    output: Files = None,
-    force: Force = False,
     dt: Step = 0.01,
-    rad: Radians = False,
-    json: Json = False,
 ) -> int:
     """Tell which tasks of a panel the arm does, why it fails at others, and where the rover parks best."""
     arm = source.load()
-    out = outputs_of(output, MOTION_KINDS, force=force, json=json, radians=rad)
+    rad = out.radians
     asked = load_panel(file)
-    place = None if base_pose is None else parse_numbers(base_pose, "m m rad", "--base-pose", rad)
     scene = avoided(arm, avoid)
     with progress_bar("tasks") as progress:
-        if place is None:
+        if base_pose is None:
             found = best_parking(arm, asked, scene, progress)
         else:
-            x, y, yaw = place.tolist()
+            x, y, yaw = base_pose.tolist()
             found = check_panel(arm, asked, asked.base_at(x, y, yaw), scene, progress)
     x, y, z = found.base[:3, 3].tolist()
     yaw = float(to_rpy(found.base[:3, :3])[2])

@@ -10,18 +10,19 @@ import typer
 
 from ...support.errors import InputError
 from ...sweeps import ReachMap, reach_map
-from ..options import ArmArgument, Avoid, Json, avoided
-from ..output import progress_bar
-from ..outputs import STDOUT, Force, outputs_of, repeated
-from ..quantities import quantity, whole
+from ..numbers import parse_numbers, quantity, whole
+from ..options import ArmArgument, Avoid, answers, avoided
+from ..output import STDOUT, Outputs, progress_bar
 from ..tables import Column, Table, number
-from ..typed import parse_numbers
 
 KINDS = {"npz": (".npz",), "png": (".png",), "ply": (".ply",)}
 
 WORDS: dict[str, Any] = {"down": "down", "position": "position", "26": 26}
 
-Files = Annotated[list[str] | None, repeated("The map to *.npz, slices to *.png, a cloud to *.ply")]
+Files = Annotated[
+    Outputs,
+    answers("output force json", KINDS, output="The map to *.npz, slices to *.png, a cloud to *.ply; repeat it."),
+]
 Voxel = Annotated[float, quantity("m", "Side of a cube.")]
 Directions = Annotated[
     str, typer.Option(metavar="WHICH", help="down, position (in any orientation), 26 (all around) or 'X Y Z'.")
@@ -33,19 +34,16 @@ Workers = Annotated[int | None, whole(1, 1024, "Threads; else one per processor.
 
 def reach(
     source: ArmArgument,
+    out: Files,
     voxel: Voxel = 0.05,
     directions: Directions = "down",
     avoid: Avoid = None,
     method: Method = "ik",
     resume: Resume = None,
     workers: Workers = None,
-    output: Files = None,
-    force: Force = False,
-    json: Json = False,
 ) -> int:
     """Map where the arm brings its tool, and in which directions; -o writes the map as .npz, .png or .ply."""
     arm = source.load()
-    out = outputs_of(output, KINDS, force=force, json=json)
     if any(name == STDOUT for _, name in out.files):
         raise InputError("a map is no text for standard output: -o takes a file that ends in .npz, .png or .ply")
     towards = WORDS[directions] if directions in WORDS else _direction(directions)

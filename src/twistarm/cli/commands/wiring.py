@@ -11,10 +11,9 @@ import typer
 from ...arm.arm import Arm
 from ...calibration import Residual, WiringReport, check_wiring
 from ...calibration.calibration import amount
+from ..numbers import quantity
 from ..options import ArmArgument, Json
 from ..output import plain
-from ..outputs import Outputs
-from ..quantities import quantity
 from ..tables import Column, Table, number
 
 Log = Annotated[
@@ -34,11 +33,11 @@ BaseOrientationNoise = Annotated[
 def wiring(
     source: ArmArgument,
     log: Log,
+    out: Json,
     position_noise: PositionNoise = 0.002,
     orientation_noise: OrientationNoise = 1.0,
     base_position_noise: BasePositionNoise = None,
     base_orientation_noise: BaseOrientationNoise = None,
-    json: Json = False,
 ) -> int:
     """Check signs, ratios and zeros of the motors against logged counts and measured tool positions."""
     arm = source.load()
@@ -58,7 +57,7 @@ def wiring(
         *(f"{motor.name}: {'; '.join(filter(None, (motor.what, motor.remedy)))}" for motor in faults),
         f"{report.verdict}: {report.what}",
     ]
-    Outputs(json=json).show(plain(report) | {"ok": report.ok}, _table(arm, report), *lines)
+    out.show(plain(report) | {"ok": report.ok}, _table(arm, report), *lines)
     return 0 if report.ok else 1
 
 
