@@ -86,7 +86,7 @@ def differential(rover: twistarm.Arm, effort: float) -> twistarm.Arm:
 
 def test_two_motors_share_a_joint(rover: twistarm.Arm) -> None:
     arm = differential(rover, 0.1)
-    own, with_one = (rover.gravity_torques("ready", payload=m)[3] for m in (0.0, 1.0))
+    own, with_one = (rover.torques("ready", payload=m)[3] for m in (0.0, 1.0))
     found = payload(arm, "ready")
     assert np.isclose(found.mass, (2 * 60 * 0.1 - abs(own)) / abs(with_one - own))
     assert found.names[found.limiting] in ("motor left", "motor right")

@@ -412,7 +412,8 @@ class Scene(Obstacles):
 
     def _base(self, theta: Array) -> Array:
         """The base's pose (4, 4) in Pinocchio's world."""
-        return self._model.link_pose(self._model.q(theta), self._description.root, self.arm.base)
+        base = self.arm.base
+        return self._model.link_poses([self._model.q(theta)], self._description.root, [base])[base][0]
 
     @property
     def _checker(self) -> Checker:

@@ -45,7 +45,7 @@ def read_axis(element: ET.Element, kind: str, reading: Reading) -> tuple[Array, 
     norm = float(np.linalg.norm(vector))
     if norm < 1e-9:
         remedy = "give the axis it moves along or about"
-        raise reading.error(element, "axis-zero", "a moving joint with a zero axis", remedy)
+        raise reading.error(element, "number-malformed", "a moving joint with a zero axis", remedy)
     if abs(norm - 1.0) > AXIS_TOL:
         what = f"its axis {axis.get('xyz')} has length {norm:.4g}; only the direction counts"
         reading.note("axis-not-unit", element, what, "write a unit vector", repaired=True)
@@ -83,7 +83,7 @@ def read_bounds(element: ET.Element, kind: str, given: Mapping[str, float], read
         raise reading.error(element, "limits-swapped", what, "write both" if missing else "exchange them")
     if lower == upper:
         remedy = f"give its range as limits.{element.get('name')} in arm.toml"
-        reading.note("limit-zero-range", element, f"lower and upper are both {lower:g}: the joint cannot move", remedy)
+        reading.note("limit-incomplete", element, f"lower and upper are both {lower:g}: the joint cannot move", remedy)
     return (lower if lower > -WIDE else -np.inf), (upper if upper < WIDE else np.inf)
 
 

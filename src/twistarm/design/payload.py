@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arm.arm import Arm, require_arm
-from ..checking.doctor.inertia import check_inertias
+from ..checking.doctor.numbers import check_inertias
 from ..limits.joint_limits import AS_GOOD_AS_UNBOUNDED
 from ..planning import Trajectory
 from ..support.checks import LARGEST_ARRAY, Array, as_not_negative, as_positive, as_whole

@@ -30,7 +30,6 @@ from ...support.files import NO_SUCH_FILE, as_path, as_paths, is_file, why_no_fi
 from ...support.messages import Argument, Text, plural
 from ..arm import Arm, Coupling, Proof
 from ..baking import BAKED, SUFFIX, fields_of, unsealed
-from ..kinematics import ByExponentials
 from ..pinocchio_model import why_no_pinocchio
 from .overrides import Changes, fitted_actuators, fitted_limits, fitted_poses, fitted_states
 
@@ -219,8 +218,7 @@ def available_arms() -> tuple[str, ...]:
 def prove(arm: Arm) -> Proof:
     """Compare the screws with Pinocchio at five seeded configurations. ComparisonError if they differ."""
     theta = arm.random_theta(0, PROOF_SAMPLES)
-    kernels = ByExponentials(arm.screws, arm.home, arm.coupling.A)
-    g, J = kernels.fk(theta), kernels.spatial_jacobian(theta)
+    g, J, _ = arm.by_exponentials(theta)
     reference, spatial, _ = arm.by_pinocchio(theta)
     proof = Proof(
         pose_error=float(np.abs(g - reference).max()),
@@ -261,7 +259,7 @@ def _specification(source: str | os.PathLike[str]) -> ArmSpecification:
     if why != NO_SUCH_FILE or path.suffix or len(path.parts) > 1:
         near = closest(path.name, _names_beside(path))
         remedy = f"give a URDF, xacro or MJCF file, a DH table, an arm.toml or an arm of the catalogue{near}"
-        raise refusal("file-not-found", Place(text[:200]), why, remedy)
+        raise refusal("file-unreadable", Place(text[:200]), why, remedy)
     names = available_arms()
     raise UnknownNameError(
         f"no arm {text!r} in the catalogue, nor a file of that name{closest(text, names)} (arms: {', '.join(names)})"

@@ -72,7 +72,7 @@ def fitted_poses(arm: Arm, specification: ArmSpecification) -> tuple[dict[str, A
         reason = _contradiction(values, specification.locked_joints) or _of_another_chain(values, arm, specification)
         if reason:
             place = Place(specification.source, None, "pose", name)
-            noted.append(finding("pose-left-out", place, f"{reason}; it is left out", "nothing, where that is meant"))
+            noted.append(finding("companion-doubtful", place, f"{reason}; it is left out", "nothing, if that is meant"))
         else:
             poses[name] = _pose(arm, name, values, specification)
     return poses, noted
@@ -145,7 +145,7 @@ def _unfit(arm: Arm, state: GroupState, locked_joints: Mapping[str, float]) -> t
         return "companion-not-used", f"it says nothing of {listed(missing)}"
     contradiction = _contradiction(state.values, locked_joints)
     if contradiction:
-        return "pose-left-out", contradiction
+        return "companion-doubtful", contradiction
     outside = _outside(arm, _theta(arm, state), STATE_TOL)
     return ("outside-limits", outside) if outside else ("", "")
 

@@ -14,7 +14,7 @@ from ...description.tree import Description
 from ...support.checks import Array
 from ...support.errors import listed
 from ...support.files import is_file, open_regular
-from .limits import LONGEST_REACH
+from .motions import LONGEST_REACH
 
 TOO_LARGE = 20.0
 """Times the arm's own size: no link is as long."""

@@ -80,7 +80,7 @@ def engine_of(arm: Arm) -> str:
     """The engine of this arm's kinematics."""
     if arm.compiled is not None:
         return f"compiled core ({arm.compiled.instruction_set})"
-    return "product of exponentials" if arm.description is None else "Pinocchio"
+    return "NumPy"
 
 
 def joints_table(arm: Arm) -> Table:
@@ -145,7 +145,7 @@ def show_installation(out: Outputs) -> None:
         "twistarm": version(),
         "python": platform.python_version(),
         "platform": platform.platform(),
-        "engine": f"compiled core ({engine.instruction_set()})" if engine.core() else "Pinocchio",
+        "engine": f"compiled core ({engine.instruction_set()})" if engine.core() else "NumPy",
         "core": engine.instruction_set() or None,
         "why_no_core": engine.why_not() or None,
         "libraries": libraries,

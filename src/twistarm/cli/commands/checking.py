@@ -13,21 +13,19 @@ from rich.padding import Padding
 from rich.text import Text
 
 from ...checking.crosscheck import CrossCheck, crosscheck
-from ...checking.difference import compare
+from ...checking.difference import NOT_COVERED, compare, golden_text
 from ...checking.doctor import Diagnosis, examine
+from ...checking.doctor.motions import summary
 from ...checking.doctor.repair import COPY, repair
-from ...checking.doctor.statements import summary
-from ...checking.doctor.wording import codes_page
-from ...checking.golden_file import NOT_COVERED, golden_text
 from ...collision import Scene
 from ...collision.survey import srdf_text, survey
-from ...description.findings import CODES, Finding
+from ...description.findings import CODES, Finding, codes_page
 from ...description.findings import refused as refusal_of
 from ...support.errors import InputError, printable
 from ...support.messages import plural
 from ...support.path_redaction import without_places
 from ..numbers import quantity, whole
-from ..options import SELF, ArmArgument, Json, SceneFile, answers, avoided
+from ..options import ArmArgument, Json, SceneFile, answers
 from ..output import STDOUT, Outputs, entries, note, plain, progress_bar, say
 from ..tables import Column, Table, joint_heads, theta_values
 from ..wording import words
@@ -59,7 +57,7 @@ def doctor(source: ArmArgument, out: Repaired, strict: Strict = False, fix: Fix 
     diagnosis = examine(source.name, **source.keywords)
     findings, arm, able = diagnosis.findings, diagnosis.arm, diagnosis.able
     # A file that does not exist is the caller's error, not the doctor's business.
-    if any(one.code == "file-not-found" and one.place.file == source.name for one in findings):
+    if any(one.code == "file-unreadable" and one.place.file == source.name for one in findings):
         raise refusal_of(findings)
     known = arm or diagnosis.description
     name = known.name if known else source.name
@@ -169,20 +167,14 @@ def comparisons(result: CrossCheck) -> tuple[Table | str, ...]:
     return Table("", columns, "comparisons", rows=compared), *lines
 
 
-Collisions = Annotated[
-    bool, typer.Option("--collisions", help="Keep how often each pair of links collides, to notice changed shapes.")
-]
-
-
 Golden = Annotated[Outputs, answers("output force", {"json": (".json",)})]
 
 
-def freeze(source: ArmArgument, out: Golden, collisions: Collisions = False) -> None:
-    """Write a golden file: names, screws, home, limits, motors and masses; --collisions adds pairs of links."""
+def freeze(source: ArmArgument, out: Golden) -> None:
+    """Write a golden file: names, screws, home, limits, motors and masses."""
     arm = source.load()
     out = out if out.files else out.named(f"{Path(arm.name).name}.golden.json")
-    scene = avoided(arm, SELF) if collisions else None
-    for name in out.write({"json": lambda: golden_text(arm, scene)}):
+    for name in out.write({"json": lambda: golden_text(arm)}):
         if name != STDOUT:
             later = f"later, with the same ARM and options: twistarm check … --against {name}"
             say(f"{name}: {arm.name} frozen; {later}", f"not covered: {', '.join(NOT_COVERED)}")
