@@ -15,13 +15,11 @@ from ...calibration import Calibration, Residual, WiringReport, check_wiring, co
 from ...calibration import calibrate as fit
 from ...calibration.calibration import amount
 from ...support.errors import InputError
-from ...viewer import Viewer
-from ..options import ArmArgument, Avoid, Json, avoided
-from ..output import entries, plain
-from ..outputs import Outputs, outputs_of, repeated
-from ..quantities import LENGTH, quantity, typed_number, whole
+from ..numbers import LENGTH, quantity, typed_number, whole
+from ..options import ArmArgument, Avoid, Json, answers, avoided
+from ..output import Outputs, entries, plain
 from ..tables import Column, Table, number
-from .viewing import show_address
+from .viewing import Page
 
 Log = Annotated[
     Path, typer.Argument(metavar="LOG", help="CSV: a column per motor, x, y, z [m], and qx, qy, qz, qw if measured.")
@@ -48,16 +46,14 @@ DistanceNoise = Annotated[float, quantity("m", "Standard deviation of the known 
 Scales = Annotated[bool, typer.Option("--scales", help="Fit a scale of each joint too.")]
 Next = Annotated[int, whole(0, 1000, "Name N configurations to measure next.", "--next")]
 Written = Annotated[
-    list[str] | None,
-    repeated(
-        "The corrected description (*.urdf), or the motors' offsets for arm.toml (*.toml). "
-        "With a toml the zeros are not in the urdf"
+    Outputs,
+    answers(
+        "output force json",
+        {"urdf": (".urdf",), "toml": (".toml",)},
+        output="The corrected description (*.urdf), or the motors' offsets for arm.toml (*.toml). "
+        "With a toml the zeros are not in the urdf; repeat it.",
+        force="Replace files that are there; write what is confirmed only where the log was taken.",
     ),
-]
-
-Anyway = Annotated[
-    bool,
-    typer.Option("--force", help="Replace files that are there; write what is confirmed only where the log was taken."),
 ]
 View = Annotated[bool, typer.Option("--view", help="Show the residuals in the browser, magnified, until Ctrl-C.")]
 
@@ -65,11 +61,11 @@ View = Annotated[bool, typer.Option("--view", help="Show the residuals in the br
 def wiring(
     source: ArmArgument,
     log: Log,
+    out: Json,
     position_noise: PositionNoise = 0.002,
     orientation_noise: OrientationNoise = 1.0,
     base_position_noise: BasePositionNoise = None,
     base_orientation_noise: BaseOrientationNoise = None,
-    json: Json = False,
 ) -> int:
     """Check signs, ratios and zeros of the motors against logged counts and measured tool positions."""
     arm = source.load()
@@ -86,7 +82,7 @@ def wiring(
         *(f"{motor.name}: {'; '.join(filter(None, (motor.what, motor.remedy)))}" for motor in faults),
         f"{report.verdict}: {report.what}",
     ]
-    Outputs(json=json).show(plain(report) | {"ok": report.ok}, _motors_table(arm, report), *lines)
+    out.show(plain(report) | {"ok": report.ok}, _motors_table(arm, report), *lines)
     return 0 if report.ok else 1
 
 
@@ -116,6 +112,7 @@ def _residual(residual: Residual) -> str:
 def calibrate(
     source: ArmArgument,
     logs: Logs,
+    outputs: Written,
     position_noise: PositionNoise = 1e-4,
     orientation_noise: OrientationNoise = 0.06,
     base_held: HeldBase = False,
@@ -125,15 +122,10 @@ def calibrate(
     scales: Scales = False,
     next_postures: Next = 0,
     avoid: Avoid = None,
-    output: Written = None,
-    force: Anyway = False,
-    json: Json = False,
     view: View = False,
 ) -> int:
     """Fit the arm's axes and zeros to measured positions of its tool, and write the corrected URDF."""
     arm = source.load()
-    kinds = {"urdf": (".urdf",), "toml": (".toml",)}
-    outputs = outputs_of(output, kinds, force=force, json=json)
     apart = any(kind == "toml" for kind, _ in outputs.files)
     found = fit(
         arm,
@@ -149,16 +141,16 @@ def calibrate(
     more = found.next_postures(next_postures, scene=avoided(arm, avoid)) if next_postures else np.empty((0, arm.n))
     replace(outputs, files=()).show(_as_json(found) | {"next": more}, *_parts(found, arm, more))
     contents: dict[str, Callable[[], str | bytes]] = {
-        "urdf": lambda: corrected_urdf(found, zeros=not apart, here=force),
-        "toml": lambda: _toml(found.require(here=force)),
+        "urdf": lambda: corrected_urdf(found, zeros=not apart, here=outputs.force),
+        "toml": lambda: _toml(found.require(here=outputs.force)),
     }
     try:
         outputs.say(outputs.write(contents))
     finally:  # a correction that is refused is the one to look at
         if view:
-            with Viewer(arm, open_browser=False) as viewer:
+            with Page().viewer(arm, None) as viewer:
                 viewer.show_residuals(found)
-                show_address(viewer, browser=True, out=outputs.words)
+                Page().show_address(viewer, outputs.words)
                 viewer.wait()
     return 0 if found.confirmed else 1
 

@@ -15,17 +15,14 @@ from ...support.csv_lines import csv_text
 from ...support.errors import InputError
 from ...sweeps import ReachMap, reach_map
 from ...theory.rotations import to_rpy
-from ..asked_motion import motion_of_file, typed_targets
-from ..command import PLACE
-from ..options import CONFIGURATION, ArmArgument, Avoid, Json, Radians, Source, avoided
-from ..output import note, plain, progress_bar
-from ..outputs import STDOUT, Force, Output, Outputs, outputs_of, repeated
-from ..quantities import quantity, whole
-from ..tables import Column, Table, joint_heads, number, quantity_text, theta_typed, unit_text
-from ..typed import parse_numbers, parse_theta
+from ..asked_motion import motion_of_file
+from ..numbers import PLACE, numbers, parse_numbers, quantity, whole
+from ..options import Answer, ArmArgument, Avoid, CsvAnswer, Source, Theta, answers, avoided
+from ..output import STDOUT, Outputs, note, plain, progress_bar, warn
+from ..tables import Column, Table, joint_heads, number, outside, quantity_text, theta_typed, unit_text
+from ..targets import Directions, Positions, Rpys, typed_targets
 from .arms import joints_table
-from .kinematics import warn_outside
-from .motion import MOTION_KINDS, Directions, MaxTime, Positions, Rpys, Step, Unwrap, motion_texts
+from .motion import MOTION_KINDS, MaxTime, Step, Unwrap, motion_texts
 
 Motion = Annotated[Path | None, typer.Option(metavar="FILE", help="Along a motion: *.csv, *.json, *.yaml or *.toml.")]
 PanelOption = Annotated[Path | None, typer.Option(metavar="FILE", help="Which share of a panel.toml each arm does.")]
@@ -35,7 +32,9 @@ KINDS = {"npz": (".npz",), "png": (".png",)}
 
 WORDS: dict[str, Any] = {"down": "down", "position": "position", "26": 26}
 
-MapFiles = Annotated[list[str] | None, repeated("The map to *.npz, slices to *.png")]
+MapFiles = Annotated[
+    Outputs, answers("output force json", KINDS, output="The map to *.npz, slices to *.png; repeat it."),
+]  # fmt: skip
 Voxel = Annotated[float, quantity("m", "Side of a cube.")]
 Towards = Annotated[
     str, typer.Option(metavar="WHICH", help="down, position (in any orientation), 26 (all around) or 'X Y Z'.")
@@ -46,34 +45,28 @@ Workers = Annotated[int | None, whole(1, 1024, "Threads; else one per processor.
 
 PanelFile = Annotated[Path, typer.Argument(metavar="PANEL", help="A panel.toml with tasks, and where to park.")]
 BasePose = Annotated[
-    str | None,
-    typer.Option(
-        "--base-pose", metavar=PLACE, help="Check x, y [m] and yaw [°, or rad with --rad] instead of a search."
+    Any, numbers("m m rad", PLACE, "Check x, y [m] and yaw [°, or rad with --rad] instead of a search.")
+]
+Speed = Annotated[float | None, quantity("m/s", "The tool goes no faster in the motion of -o.")]
+MotionFiles = Annotated[
+    Outputs,
+    answers(
+        "output force rad json",
+        MOTION_KINDS,
+        output="One motion through all tasks that are done, as plan writes it; repeat it.",
     ),
 ]
-Speed = Annotated[float | None, quantity("m/s", "The tool goes no faster in the motion of -o.", "--linear-speed")]
-MotionFiles = Annotated[list[str] | None, repeated("One motion through all tasks that are done, as plan writes it")]
 
 
-def payload(
-    source: ArmArgument,
-    theta: Annotated[str | None, CONFIGURATION] = None,
-    motion: Motion = None,
-    mass: Mass = 0.0,
-    output: Output = None,
-    force: Force = False,
-    rad: Radians = False,
-    json: Json = False,
-) -> int:
+def payload(source: ArmArgument, out: CsvAnswer, theta: Theta = None, motion: Motion = None, mass: Mass = 0.0) -> int:
     """Show the greatest mass at the tool anywhere inside the limits, at --theta, or along --motion."""
     arm = source.load()
-    out = outputs_of(output, {"csv": (".csv",)}, force=force, json=json, radians=rad)
     if motion is not None and theta is not None:
         raise InputError("--motion has its own configurations: leave out --theta")
-    x: Any = None if theta is None else parse_theta(arm, theta, rad)
-    if x is not None:
-        warn_outside(arm, x, rad)
-    found = payload_of(arm, x if motion is None else motion_of_file(arm, motion, {})[1])
+    x: Any = None if theta is None else theta.of(arm)
+    for words in [] if x is None else outside(arm, x, out.radians):
+        warn(words)
+    found = payload_of(arm, x if motion is None else motion_of_file(arm, motion)[1])
     needs, x = found.needs(mass), found.theta.reshape(-1, arm.n)
     by = [found.names[row] if row >= 0 else "nothing" for row in found.limiting.ravel()]
     worst = found.worst
@@ -87,7 +80,7 @@ def payload(
     out.show(
         data,
         _needs_table(found, needs, mass),
-        *_sentences(found, by[worst], rad),
+        *_sentences(found, by[worst], out.radians),
         files={"csv": lambda: _csv(found, x, by)},
     )
     return int(np.isnan(found.mass).any() or (needs.share > 1.0).any())
@@ -144,15 +137,14 @@ NUMBERS = {
 def designs(
     source: ArmArgument,
     others: Annotated[list[Source], typer.Argument(metavar="ARM...", parser=Source, help="The arms to compare with.")],
+    out: Answer,
     xyz: Positions = None,
     rpy: Rpys = None,
     direction: Directions = None,
     panel: PanelOption = None,
-    rad: Radians = False,
-    json: Json = False,
 ) -> None:
     """Compare arms: reach, dexterity, payload, mass, the time of a motion through --xyz, the share of a --panel."""
-    targets = typed_targets(xyz or (), rpy or (), direction or (), None, rad)
+    targets = typed_targets(xyz or (), rpy or (), direction or ())
     if len(targets) == 1:
         raise InputError("a motion leads from one --xyz to another: give two or more, or none")
     asked = None if panel is None else load_panel(panel)
@@ -164,24 +156,21 @@ def designs(
             note(f"{each.name}: {why}")
     columns = [Column(one.name, [number(getattr(one, name), 3) for name in NUMBERS.values()]) for one in found]
     records = [plain(one) | joints_table(one.arm).entries() for one in found]
-    Outputs(json=json, radians=rad).show({"designs": records}, Table("", [Column("", list(NUMBERS)), *columns]))
+    out.show({"designs": records}, Table("", [Column("", list(NUMBERS)), *columns]))
 
 
 def reach(
     source: ArmArgument,
+    out: MapFiles,
     voxel: Voxel = 0.05,
     directions: Towards = "down",
     avoid: Avoid = None,
     method: Method = "ik",
     resume: Resume = None,
     workers: Workers = None,
-    output: MapFiles = None,
-    force: Force = False,
-    json: Json = False,
 ) -> int:
     """Map where the arm brings its tool, and in which directions; -o writes the map as .npz or .png."""
     arm = source.load()
-    out = outputs_of(output, KINDS, force=force, json=json)
     if any(name == STDOUT for _, name in out.files):
         raise InputError("a map is no text for standard output: -o takes a file that ends in .npz or .png")
     try:
@@ -234,28 +223,24 @@ def _figures(found: ReachMap) -> dict[str, tuple[Any, str]]:
 def panel(
     source: ArmArgument,
     file: PanelFile,
+    out: MotionFiles,
     base_pose: BasePose = None,
     avoid: Avoid = None,
     linear_speed: Speed = None,
     unwrap: Unwrap = False,
     max_time: MaxTime = 5.0,
-    output: MotionFiles = None,
-    force: Force = False,
     dt: Step = 0.01,
-    rad: Radians = False,
-    json: Json = False,
 ) -> int:
     """Tell which tasks of a panel the arm does, why it fails at others, and where the rover parks best."""
     arm = source.load()
-    out = outputs_of(output, MOTION_KINDS, force=force, json=json, radians=rad)
+    rad = out.radians
     asked = load_panel(file)
-    place = None if base_pose is None else parse_numbers(base_pose, "m m rad", "--base-pose", rad)
     scene = avoided(arm, avoid)
     with progress_bar("tasks") as progress:
-        if place is None:
+        if base_pose is None:
             found = best_parking(arm, asked, scene, progress)
         else:
-            x, y, yaw = place.tolist()
+            x, y, yaw = base_pose.tolist()
             found = check_panel(arm, asked, asked.base_at(x, y, yaw), scene, progress)
     x, y, z = found.base[:3, 3].tolist()
     yaw = float(to_rpy(found.base[:3, :3])[2])
