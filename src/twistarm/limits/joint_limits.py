@@ -17,6 +17,9 @@ from ..support.fields import number
 FIELDS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 RATES = FIELDS[2:]
 
+SLIDING = frozenset({"prismatic"})
+"""Types whose coordinate is a length; every other one is an angle, a helical joint's too."""
+
 AS_GOOD_AS_UNBOUNDED = 1e4
 """Greatest position [rad, m]. Files write larger numbers for "no limit"."""
 
@@ -124,8 +127,8 @@ class JointLimits:
 
 
 def slides(kind: str) -> bool:
-    """Tell whether the coordinate of a joint of this type is a length. That of a helical joint is an angle."""
-    return kind == "prismatic"
+    """Tell whether the coordinate of a joint of this type is a length."""
+    return kind in SLIDING
 
 
 def unit_of(kind: str) -> str:
