@@ -138,7 +138,7 @@ def build_description(text: str, reading: Reading) -> Description:
 
 def _note_copies(reading: Reading) -> None:
     """Note packages found only by a folder's name."""
-    for package, folder in reading.packages.copies().items():
+    for package, folder in reading.packages.copies.items():
         if folder.parent == models_share():  # the wheel's own, which pip has put there
             continue
         what = f"no package.xml names package {package!r}: it is taken to be the folder {folder}, for its name"

@@ -16,7 +16,7 @@ from ...support.fields import number_in
 from ...support.files import is_file
 from ...support.messages import Argument, Text
 from ..document import Reading, existing_file, parse_xml, read_text
-from ..expansion.arguments import declared_arguments
+from ..expansion.arguments import arguments_in
 from ..expansion.expand import expand_xacro, is_xacro
 from ..findings import Finding, Place, finding, refusal
 from ..packages import package_index
@@ -106,7 +106,7 @@ def read_srdf(
     index, text = package_index(file, package_dirs), read_text(file, MAX_BYTES)
     if not is_xacro(file):
         return _semantics(text, Reading(file, index))
-    known = declared_arguments(file, parse_xml(text, Reading(file, index)))
+    known = arguments_in(parse_xml(text, Reading(file, index)))
     given = {name: value for name, value in xacro_args.items() if name in known}
     text = expand_xacro(file, index, given, ignore_packages, env_vars).text
     return _semantics(text, Reading(file, index, show_lines=False))
