@@ -20,5 +20,5 @@ print(f"ratios from {least:.0f} to {greatest:.0f}; the arm could carry {held.mas
 
 # From rest to rest the joints' work goes into height alone: none of it into speed, and nothing is lost to friction.
 t, theta, theta_dot, theta_ddot = motion.sample(0.001)
-push = arm.torques(theta, theta_dot, theta_ddot, payload=MASS) - arm.gravity_torques(theta, payload=MASS)
+push = arm.torques(theta, theta_dot, theta_ddot, payload=MASS) - arm.torques(theta, payload=MASS)
 assert abs((push * theta_dot).sum() * 0.001) < 1e-3

@@ -88,7 +88,7 @@ def on_a_line(arm, rng):
 
 def least_singular_value(arm, theta):
     """Of those of Pinocchio's Jacobian that are not 0 almost everywhere."""
-    J = arm.pinocchio.pose_and_body_jacobian(theta, arm.base, arm.tip_link)[1]
+    J = arm.pinocchio.kinematics(np.atleast_2d(theta), arm.base, arm.tip_link)[2][0]
     return np.linalg.svd(J, compute_uv=False)[min(6, arm.n) - 1]
 
 
@@ -128,7 +128,7 @@ def free_direction(arm):
 
 def hybrid(arm, theta):
     """Pinocchio's Jacobian (6, n) in base axes, at the tool's frame."""
-    g, J = arm.pinocchio.pose_and_body_jacobian(np.asarray(theta), arm.base, arm.tip_link)
+    (g,), _, (J,) = arm.pinocchio.kinematics(np.atleast_2d(theta), arm.base, arm.tip_link)
     return np.vstack([g[:3, :3] @ J[:3], g[:3, :3] @ J[3:]])
 
 
@@ -194,7 +194,7 @@ def tilted(arm, rng):
 @cache
 def tool_roll_axis(arm):
     """The last joint's axis (3,) in tool axes, in which it stands still."""
-    J = arm.pinocchio.pose_and_body_jacobian(np.zeros(arm.n), arm.base, arm.tip_link)[1]
+    J = arm.pinocchio.kinematics(np.zeros((1, arm.n)), arm.base, arm.tip_link)[2][0]
     return J[3:, -1] / np.linalg.norm(J[3:, -1])
 
 

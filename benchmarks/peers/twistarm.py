@@ -32,7 +32,7 @@ class Solver:
         return solutions.theta, solutions.converged
 
     def kinematics(self) -> dict[str, dict[str, Callable[[np.ndarray], Any]]]:
-        both = self.arm._fk_and_body_jacobian
+        both = self.arm.fk_and_body_jacobian
         return {
             "one": {
                 "fk": self.arm.fk,

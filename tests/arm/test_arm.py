@@ -80,7 +80,7 @@ def test_every_method_takes_leading_axes(shape: tuple[int, ...], rover: twistarm
     for J in (rover.spatial_jacobian(theta), rover.body_jacobian(theta), rover.hybrid_jacobian(theta)):
         assert J.shape == (*shape, 6, n)
     assert rover.joint_torques(theta, np.ones(6)).shape == (*shape, n)
-    assert rover.gravity_torques(theta, payload=1.0).shape == (*shape, n)
+    assert rover.torques(theta, payload=1.0).shape == (*shape, n)
     assert rover.manipulability(theta).singular_values.shape == (*shape, min(6, n))
     assert {g.shape for g in rover.poses(theta).values()} == {(*shape, 4, 4)}
     if theta.size:
@@ -120,9 +120,9 @@ def test_gravity_torques_are_the_gradient_of_the_potential_energy(tmp_path: Path
 
     h = 1e-6
     expected = (energy(0.4 + h) - energy(0.4 - h)) / (2 * h)
-    torque = arm.gravity_torques([0.4], gravity=gravity, payload=payload, payload_com=com)
+    torque = arm.torques([0.4], gravity=gravity, payload=(payload, com))
     assert np.isclose(torque[0], expected, atol=1e-7)
-    assert np.isclose(arm.gravity_torques([0.4])[0], arm.gravity_torques([[0.4], [0.2]])[0, 0])
+    assert np.isclose(arm.torques([0.4])[0], arm.torques([[0.4], [0.2]])[0, 0])
 
 
 def test_torques_of_followers_do_the_work_that_the_energy_gains(tmp_path: Path) -> None:
@@ -281,7 +281,6 @@ BY_NAME = {
     "pose": lambda arm, theta: arm.pose(theta, "forearm"),
     "poses": lambda arm, theta: arm.poses(theta)["forearm"],
     "manipulability": lambda arm, theta: arm.manipulability(theta).singular_values,
-    "gravity_torques": lambda arm, theta: arm.gravity_torques(theta),
     "solve_ik(theta0=)": lambda arm, theta: twistarm.solve_ik(arm, THERE, theta).theta,
     "ServoState.at": lambda arm, theta: twistarm.ServoState.at(arm, theta).theta,
     "SimulatedJoints": lambda arm, theta: SimulatedJoints(arm, theta).read(0.0).theta,
@@ -302,10 +301,10 @@ WRONG_ARGUMENTS = {
     "theta with NaN": (lambda arm: arm.poses([0.0, np.nan, 0, 0, 0]), r"it holds nan at index \[1\]"),
     "theta of words": (lambda arm: arm.body_jacobian(["a"] * 5), "theta must be an array of real numbers"),
     "a Jacobian's theta": (lambda arm: arm.spatial_jacobian([[0.0]]), "theta must have shape"),
-    "gravity's theta": (lambda arm: arm.gravity_torques([np.inf] * 5), "theta must be finite"),
-    "a stack of gravities": (lambda arm: arm.gravity_torques("ready", gravity=np.zeros((2, 3))), "gravity must be one"),
-    "two payloads": (lambda arm: arm.gravity_torques("ready", payload=[1.0, 2.0]), "payload must be one number"),
-    "a payload below zero": (lambda arm: arm.gravity_torques("ready", payload=-1.0), "payload must not be negative"),
+    "gravity's theta": (lambda arm: arm.torques([np.inf] * 5), "theta must be finite"),
+    "a stack of gravities": (lambda arm: arm.torques("ready", gravity=np.zeros((2, 3))), "gravity must be one"),
+    "payloads": (lambda arm: arm.torques("ready", payload=[1.0, 2.0, 3.0]), "payload must be one number"),
+    "a payload below zero": (lambda arm: arm.torques("ready", payload=-1.0), "payload must not be negative"),
     "a rate too short": (lambda arm: arm.torques("ready", [0.1]), "theta_dot must have shape"),
     "rates that do not fit": (lambda arm: arm.torques(np.zeros((2, 5)), np.zeros((3, 5))), "leading axes do not match"),
     "no place of a payload": (lambda arm: arm.torques("ready", payload=(1.0, 2.0)), "the payload's place must have"),
@@ -362,7 +361,7 @@ def test_an_arm_by_hand_answers_without_a_description() -> None:
     assert np.allclose(by_hand.spatial_jacobian(theta), scara.spatial_jacobian(theta), atol=ROUNDING)
     assert by_hand.joint_types == ("revolute", "revolute", "revolute", "prismatic")
     with pytest.raises(TwistarmError, match="made from screws, not from a description"):
-        by_hand.gravity_torques(theta[0])
+        by_hand.torques(theta[0])
 
 
 Z_AXIS = joints.revolute([0, 0, 1], np.zeros(3))

@@ -27,13 +27,10 @@ def assert_same_answers(baked: Arm, arm: Arm) -> None:
     """Against Pinocchio's own account."""
     theta = arm.random_theta(np.random.default_rng(3), 12)
     assert np.array_equal(baked.random_theta(np.random.default_rng(3), 12), theta)
-    model = arm.pinocchio
-    for row in theta:
-        spatial = model.spatial_jacobian(row, arm.base, arm.tip_link)
-        g = model.link_pose(model.q(row), arm.base, arm.tip_link) @ arm.tool
-        assert np.abs(baked.fk(row) - g).max() < TOL
-        assert np.abs(baked.spatial_jacobian(row) - spatial).max() < TOL
-        assert np.abs(baked.body_jacobian(row) - arm.body_jacobian(row)).max() < TOL
+    g, spatial, body = arm.by_pinocchio(theta)
+    assert np.abs(baked.fk(theta) - g).max() < TOL
+    assert np.abs(baked.spatial_jacobian(theta) - spatial).max() < TOL
+    assert np.abs(baked.body_jacobian(theta) - body).max() < TOL
     mine, theirs = baked.manipulability(theta), arm.manipulability(theta)
     assert np.abs(mine.singular_values - theirs.singular_values).max() < TOL
 
@@ -211,7 +208,7 @@ def test_what_needs_the_description_says_so(rover: Arm, tmp_path: Path) -> None:
     baked = load_arm(bake(rover, tmp_path))
     asked: tuple[Callable[[], object], ...] = (
         lambda: baked.pinocchio,
-        lambda: baked.gravity_torques(baked.ready),
+        lambda: baked.torques(baked.ready),
         lambda: baked.pose(baked.ready, "forearm"),
     )
     for ask in asked:

@@ -116,4 +116,4 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
     assert run(["fk", "rover_arm.json", "--json"]) == 0
     g = np.array(json.loads(capsys.readouterr().out)["matrix"])
     arm = load("rover_arm")
-    assert np.abs(g - arm.pinocchio.link_pose(arm.pinocchio.q(arm.ready), arm.base, arm.tip)).max() < TOL
+    assert np.abs(g - arm.by_pinocchio(arm.ready)[0]).max() < TOL

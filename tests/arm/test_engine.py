@@ -210,11 +210,11 @@ def test_where_it_was_not_built(
     assert "get a C++17 compiler" in engine.why_not()
     assert run(["info", "rover_arm"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert f"engine: Pinocchio; no compiled core: {engine.why_not()}" in shown
+    assert f"engine: NumPy; no compiled core: {engine.why_not()}" in shown
     assert len([record for record in caplog.records if engine.why_not() in record.getMessage()]) == 1
     assert run(["info", "rover_arm", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
-    assert (answer["engine"], answer["core"]) == ("Pinocchio", None)
+    assert (answer["engine"], answer["core"]) == ("NumPy", None)
 
 
 @pytest.mark.usefixtures("fresh")

@@ -18,8 +18,8 @@ from random_mjcf import Random
 from twistarm import Arm, crosscheck, load_arm
 from twistarm.description.findings import Finding
 from twistarm.description.inertial import bodies
-from twistarm.description.mjcf.compilation import ending_at_once
 from twistarm.support.errors import DescriptionError, MissingExtraError, TwistarmError
+from twistarm.support.interrupts import ending_at_once
 
 DATA = Path(__file__).parents[1] / "data" / "mjcf"
 FILES = sorted(DATA.glob("*.xml"))
@@ -307,7 +307,7 @@ def test_torques_hold_the_arm_in_the_gravity_of_the_file(path: Path) -> None:
     for theta in arm.random_theta(1, 5):
         moved(model, data, arm, theta)
         mujoco.mj_forward(model, data)
-        np.testing.assert_allclose(arm.gravity_torques(theta), data.qfrc_bias[dofs], atol=1e-9)
+        np.testing.assert_allclose(arm.torques(theta), data.qfrc_bias[dofs], atol=1e-9)
 
 
 def test_gravity_is_in_axes_of_the_base() -> None:

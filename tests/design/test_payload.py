@@ -86,7 +86,7 @@ def differential(rover: twistarm.Arm, effort: float) -> twistarm.Arm:
 
 def test_two_motors_share_a_joint(rover: twistarm.Arm) -> None:
     arm = differential(rover, 0.1)
-    own, with_one = (rover.gravity_torques("ready", payload=m)[3] for m in (0.0, 1.0))
+    own, with_one = (rover.torques("ready", payload=m)[3] for m in (0.0, 1.0))
     found = payload(arm, "ready")
     assert np.isclose(found.mass, (2 * 60 * 0.1 - abs(own)) / abs(with_one - own))
     assert found.names[found.limiting] in ("motor left", "motor right")
@@ -160,17 +160,3 @@ def test_wrong_arguments(case: str, rover: twistarm.Arm) -> None:
     call, message = WRONG[case]
     with pytest.raises(InputError, match=message):
         call(rover)
-
-
-def test_cubes_hold_the_least_and_the_greatest_of_their_states(rover: twistarm.Arm) -> None:
-    held = payload(rover, rover.random_theta(2, 3000))
-    cubes = held.in_cubes(0.3)
-    assert cubes.states.sum() == 3000
-    p = rover.fk(held.theta)[:, :3, 3]
-    for centre, count, least, greatest in zip(*cubes, strict=True):
-        inside = (np.abs(p - centre) < 0.15).all(axis=1)
-        assert inside.sum() == count
-        assert (held.mass[inside].min(), held.mass[inside].max()) == (least, greatest)
-    assert payload(rover, "ready").in_cubes(0.3).states.tolist() == [1]
-    with pytest.raises(InputError):
-        held.in_cubes(0.0)

@@ -217,7 +217,8 @@ OBJECTS: dict[type, Any] = {
 UNCHECKED = {
     "Arm", "AllSolutionsBatch", "IKBatch", "Roots", "screws.Screw",
     "ServoOutput.of", "rotations.cross", "rotations.split", "rotations.log_of", "screws.adjoint_of",
-    "screws.inverse_of", "poe.columns", "poe.motions",
+    "screws.inverse_of", "screws.exp_along", "screws.turn_and_slide", "poe.columns", "poe.motions", "poe.products",
+    "Arm.joint_values", "Arm.require_core", "Arm.walked_poses",
 }  # fmt: skip
 """Results, which functions make, and calls for inner loops, whose callers have checked."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -41,12 +41,13 @@ from ..theory.screws import adjoint, inverse
 from . import engine
 from .almost_exact import almost_exact, rounding_of
 from .configurations import Configurations, theta_by_joint, usual_ready
-from .kinematics import ByExponentials, ByPinocchio, walked_poses
 from .pinocchio_model import PinocchioModel, why_no_pinocchio
 from .ready_pose.merit import RANK_SAMPLES, Mechanism
 from .ready_pose.overlaps import overlapping_links
 from .ready_pose.search import round_configuration
 from .roll_axis import roll_axis
+
+NOTHING: Mapping[str, float] = MappingProxyType({})
 
 
 class Coupling(NamedTuple):
@@ -79,8 +80,7 @@ class Arm:
     SRDF exempts from collision checks. `moving_names` are the moving joints of the chain, base to tip. There is one per
     column of `screws`, and followers count. `known_ready` is the ready pose of a baked arm.
 
-    An arm is plain data and picklable. The compiled core computes `fk` and the Jacobians. Without the core Pinocchio
-    does, and `poe` for an arm without a description.
+    An arm is plain data and picklable. The compiled core computes `fk` and the Jacobians, and NumPy without the core.
     """
 
     name: str
@@ -233,7 +233,7 @@ class Arm:
         numbers = self.screws, self.home, self.coupling.A
         return engine.chain_of(*numbers, bounds, self.sampling_bounds, self.reach, self.rounding)
 
-    def _core(self, what: str) -> engine.Chain:
+    def require_core(self, what: str) -> engine.Chain:
         """The arm in the compiled core. Without it raise TwistarmError, which names `what` and the remedy."""
         if self.compiled is None:
             raise TwistarmError(f"{what} needs the compiled core: {self.why_not_compiled}")
@@ -248,31 +248,32 @@ class Arm:
         return engine.why_not() or f"its chains have at most {engine.MOST_JOINTS} joints; {self.name} has {count}"
 
     @cached_property
-    def _readable(self) -> ByExponentials | ByPinocchio:
-        """The kinematics in Python: by Pinocchio, or by exponentials without it or without a description."""
-        if self.description is None or why_no_pinocchio():
-            return ByExponentials(self.screws, self.home, self.coupling.A)
-        return ByPinocchio(self.pinocchio, self.base, self.tip_link, self.tool)
+    def _numpy(self) -> engine.NumpyChain:
+        return engine.NumpyChain(self.screws, self.home, self.coupling.A)
 
     @cached_property
-    def _kinematics(self) -> engine.Chain | ByExponentials | ByPinocchio:
-        """The engine of `fk` and the Jacobians: the compiled core if it has the arm."""
-        return self._readable if self.compiled is None else self.compiled
+    def _engine(self) -> Any:
+        """The engine of `fk` and the Jacobians: the compiled core if it has the arm, else NumPy."""
+        return self._numpy if self.compiled is None else self.compiled
+
+    def by_exponentials(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
+        """g_st (..., 4, 4), J^s and J^b (..., 6, n) by product of exponentials in NumPy, without the compiled core."""
+        x = self._asked_at(theta)
+        g, body = self._numpy.fk_and_body_jacobian(x)
+        return g, self._numpy.spatial_jacobian(x), body
 
     def by_pinocchio(self, theta: ArrayLike) -> tuple[Array, Array, Array]:
         """g_st (..., 4, 4), J^s and J^b (..., 6, n) by Pinocchio, independent of the engine of `fk`."""
-        kernels = ByPinocchio(self.pinocchio, self.base, self.tip_link, self.tool)
-        return (
-            self._each(kernels.fk, theta, (4, 4)),
-            self._each(kernels.spatial_jacobian, theta, (6, self.n)),
-            self._each(kernels.body_jacobian, theta, (6, self.n)),
-        )
+        x = self._asked_at(theta)
+        answers = self.pinocchio.kinematics(x.reshape(-1, self.n), self.base, self.tip_link)
+        g, spatial, body = (each.reshape(*x.shape[:-1], *each.shape[1:]) for each in answers)
+        return g @ self.tool, spatial, adjoint(inverse(self.tool)) @ body
 
     # -- forward kinematics --------------------------------------------------------------------------------------
 
     def fk(self, theta: ArrayLike) -> Array:
         """Forward kinematics g_st(theta), (..., 4, 4): the tool seen from the base."""
-        return self._asked(self._kinematics.fk, theta, (4, 4))
+        return self._computed(self._engine.fk, theta, (4, 4))
 
     def pose(self, theta: ArrayLike, frame: str) -> Array:
         """Pose (..., 4, 4) of a frame of `frame_names` seen from the base.
@@ -291,14 +292,8 @@ class Arm:
             raise unknown_name("frame", frame, self.frame_names, within=within, listing=listing)
         if frame == self.tip:
             return self.fk(theta)
-        if self.description is None:
-            return self._identity(theta)
-        if why_no_pinocchio():
-            return self.poses(theta)[frame]
-        model = self.pinocchio
-        return self._each(
-            lambda rows: np.array([model.link_pose(model.q(row), self.base, frame) for row in rows]), theta, (4, 4)
-        )
+        x = self._asked_at(theta)
+        return self._link_poses(x, {}, [frame])[frame] if self.description else self._identity(x)
 
     def poses(self, theta: ArrayLike, other_joints: Mapping[str, float] | None = None) -> dict[str, Array]:
         """Pose (..., 4, 4) of every frame in the base frame, {frame: g}.
@@ -318,35 +313,46 @@ class Arm:
         )
         if self.description is None:
             return {self.base: self._identity(x), self.tip: self.fk(x)}
-        poses = self._link_poses(x, other_joints or {})
+        poses = self._link_poses(x, other_joints or {}, self.description.links)
         if self.tip not in poses:
             poses[self.tip] = poses[self.tip_link] @ self.tool
         return poses
 
-    def _link_poses(self, x: Array, others: Mapping[str, float]) -> dict[str, Array]:
-        """Pose (..., 4, 4) of every link of the description in the base frame."""
-        assert self.description is not None
+    def _link_poses(self, x: Array, others: Mapping[str, float], links: Iterable[str]) -> dict[str, Array]:
+        """Pose (..., 4, 4) of links in the base frame, by Pinocchio if it is installed."""
         rows = x.reshape(-1, self.n)
         if why_no_pinocchio():
-            return {link: g.reshape(*x.shape[:-1], 4, 4) for link, g in walked_poses(self, rows, others).items()}
-        model = self.pinocchio
-        each = [model.link_poses(model.q(row, others), self.base) for row in rows]
-        if x.ndim == 1:  # called for every frame of a view
-            return {link: each[0][link] for link in self.description.links}
+            poses = self.walked_poses(rows, others)
+        else:
+            model = self.pinocchio
+            poses = model.link_poses([model.q(row, others) for row in rows], self.base, links)
+        return {link: poses[link].reshape(*x.shape[:-1], 4, 4) for link in links}
+
+    def walked_poses(self, theta: Array, others: Mapping[str, float] = NOTHING) -> dict[str, Array]:
+        """Every link's pose (N, 4, 4) in the base frame at theta (N, n), by exponentials along the tree of joints."""
+        assert self.description is not None
+        poses = self.description.link_poses(self.joint_values(theta, others))
+        back = inverse(poses[self.base])
+        return {link: np.array(np.broadcast_to(back @ g, (len(theta), 4, 4))) for link, g in poses.items()}
+
+    def joint_values(self, theta: Array, others: Mapping[str, float] = NOTHING) -> dict[str, Array]:
+        """The value (N,) of each moving joint at theta (N, n); joints outside the chain are at `others`, or 0."""
+        columns = dict(zip(self.joint_names, theta.T, strict=True)) | {k: np.array(x) for k, x in others.items()}
+        zero = np.zeros(len(theta))
         return {
-            link: np.array([poses[link] for poses in each]).reshape(*x.shape[:-1], 4, 4)
-            for link in self.description.links
+            name: affine.multiplier * columns.get(affine.master or "", zero) + affine.offset + zero
+            for name, affine in self.couplings.items()
         }
 
     # -- differential kinematics ---------------------------------------------------------------------------------
 
     def spatial_jacobian(self, theta: ArrayLike) -> Array:
         """Spatial Jacobian J^s (..., 6, n): V^s = J^s θ̇ with V^s = (ġ g⁻¹)^∨, linear part first. MLS §3.4.1."""
-        return self._asked(self._kinematics.spatial_jacobian, theta, (6, self.n))
+        return self._computed(self._engine.spatial_jacobian, theta, (6, self.n))
 
     def body_jacobian(self, theta: ArrayLike) -> Array:
         """Body Jacobian J^b (..., 6, n): V^b = J^b θ̇ with V^b = (g⁻¹ ġ)^∨, linear part first. MLS §3.4.1."""
-        return self._asked(self._kinematics.body_jacobian, theta, (6, self.n))
+        return self._computed(self._engine.body_jacobian, theta, (6, self.n))
 
     def hybrid_jacobian(self, theta: ArrayLike) -> Array:
         """(..., 6, n): velocity of the tool's origin and its angular velocity, both in base axes.
@@ -376,10 +382,10 @@ class Arm:
             lambda index, steps: self.body_jacobian(x[index] + steps * unit),
         )  # fmt: skip
 
-    def _fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
-        """g_st (4, 4) and J^b (6, n) of one configuration in one pass, for inner loops. theta is not checked."""
-        both = self._kinematics.fk_and_body_jacobian(theta)
-        return self._readable.fk_and_body_jacobian(theta) if both is None else both
+    def fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
+        """g_st (..., 4, 4) and J^b (..., 6, n) in one pass, for inner loops. The units of theta are not checked."""
+        both = None if self.compiled is None else self.compiled.fk_and_body_jacobian(theta)
+        return self._numpy.fk_and_body_jacobian(self._theta_of(theta)) if both is None else both
 
     # -- statics -------------------------------------------------------------------------------------------------
 
@@ -396,28 +402,6 @@ class Arm:
         F = as_twist(wrench_body, "wrench_body")
         return np.einsum("...in,...i->...n", self.body_jacobian(theta), F)
 
-    def gravity_torques(
-        self,
-        theta: ArrayLike,
-        *,
-        gravity: ArrayLike | None = None,
-        payload: float = 0.0,
-        payload_com: ArrayLike = (0.0, 0.0, 0.0),
-    ) -> Array:
-        """Torques (..., n) [N m or N] that hold the arm still against gravity: `torques` at rest.
-
-        Args:
-            theta: Configurations (..., n) [rad, m].
-            gravity: Acceleration of free fall (3,) [m/s²], in base axes; None is `self.gravity`.
-            payload: Mass carried by the tool [kg].
-            payload_com: The payload's centre of mass (3,) [m], in tool axes.
-
-        Raises:
-            InputError: An argument has another shape, or the payload is negative.
-            TwistarmError: The arm has no description, and so no masses.
-        """
-        return self.torques(theta, payload=(payload, payload_com), gravity=gravity)
-
     def torques(
         self,
         theta: ArrayLike,
@@ -428,6 +412,8 @@ class Arm:
         gravity: ArrayLike | None = None,
     ) -> Array:
         """τ = M(θ) θ̈ + C(θ, θ̇) θ̇ + N(θ), (..., n) [N m or N]: the inverse dynamics, with the base at rest.
+
+        Of theta alone they are the torques N(θ) that hold the arm still against gravity.
 
         Every joint of the description counts that theta moves, mimic followers too: τ = Aᵀ τ_joints with their coupling
         A. Locked joints stand still. The model has no friction, no elasticity and no inertia of motors. A link without
@@ -604,21 +590,19 @@ class Arm:
         """Marks (n,) the coordinates that are lengths."""
         return np.array([slides(kind) for kind in self.joint_types])
 
-    def _identity(self, theta: ArrayLike) -> Array:
+    def _identity(self, theta: Array) -> Array:
         """The base seen from itself, one for each configuration."""
-        return np.tile(np.eye(4), (*self._asked_at(theta).shape[:-1], 1, 1))
+        return np.tile(np.eye(4), (*theta.shape[:-1], 1, 1))
 
-    def _asked(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
-        """`kernel` of theta. If the core does not take theta as given, `_each` converts it."""
-        answer = kernel(theta) if self.compiled is not None else None
-        return self._each(kernel, theta, shape) if answer is None else answer
-
-    def _each(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
-        """`kernel` of each configuration of theta (..., n)."""
-        x = self._asked_at(theta)
-        answers = kernel(np.require(x.reshape(-1, self.n), np.float64, ["C", "A"]))
-        assert answers is not None
-        return answers.reshape(*x.shape[:-1], *shape)
+    def _computed(self, kernel: Callable[[Any], Array | None], theta: ArrayLike, shape: tuple[int, ...]) -> Array:
+        """`kernel` of theta (..., n), a method of `_engine`. The core answers None where theta is no plain array."""
+        answer = None if self.compiled is None else kernel(theta)
+        if answer is None:
+            x = self._asked_at(theta)
+            answer = kernel(np.require(x.reshape(-1, self.n), np.float64, ["C", "A"]))
+            assert answer is not None
+            answer = answer.reshape(*x.shape[:-1], *shape)
+        return answer
 
     def _check_others(self, other_joints: Mapping[str, float]) -> None:
         masters = {affine.master for affine in self.couplings.values() if affine.master is not None}

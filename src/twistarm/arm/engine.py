@@ -1,4 +1,4 @@
-"""The compiled core `twistarm._core`, or the reason why it is missing."""
+"""The two engines of an arm's kinematics: the compiled core `twistarm._core`, and NumPy where that is missing."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..support.checks import Array
 from ..support.errors import TwistarmError
+from ..theory import poe
+from ..theory.screws import adjoint_of, exp_along, inverse_of, turn_and_slide
 
 if TYPE_CHECKING:
     from .._core import Chain as Chain
@@ -25,6 +27,38 @@ _PACKAGE = __package__.partition(".")[0]
 _LOG = logging.getLogger(_PACKAGE)
 
 _AGAIN = "pip install --force-reinstall --no-deps --no-cache-dir twistarm (or . in a checkout)"
+
+
+class NumpyChain:
+    """The chain of screws (6, m), home (4, 4) and A (m, n) in NumPy, with kernels of `_core.Chain`.
+
+    g_st(theta) = Π exp(ξ_i (Aθ)_i) · home, MLS §3.2.2, eq. 3.3. The kernels take theta (..., n) and check nothing.
+    """
+
+    def __init__(self, screws: Array, home: Array, A: Array) -> None:
+        self._screws, self._home, self._A = screws, home, A
+        self._terms = turn_and_slide(screws.T)
+
+    def fk(self, theta: Array) -> Array:
+        """g_st (..., 4, 4)."""
+        return self._motions(theta)[..., -1, :, :] @ self._home
+
+    def spatial_jacobian(self, theta: Array) -> Array:
+        """J^s (..., 6, n), linear part first. MLS §3.4.1."""
+        return poe.columns(self._motions(theta), self._screws) @ self._A
+
+    def body_jacobian(self, theta: Array) -> Array:
+        """J^b (..., 6, n), linear part first. MLS §3.4.1."""
+        return self.fk_and_body_jacobian(theta)[1]
+
+    def fk_and_body_jacobian(self, theta: Array) -> tuple[Array, Array]:
+        """Both, with the exponentials computed once."""
+        moved = self._motions(theta)
+        g = moved[..., -1, :, :] @ self._home
+        return g, adjoint_of(inverse_of(g)) @ poe.columns(moved, self._screws) @ self._A
+
+    def _motions(self, theta: Array) -> Array:
+        return poe.products(exp_along(*self._terms, theta @ self._A.T))
 
 
 def core() -> ModuleType | None:

@@ -106,7 +106,7 @@ def span(arm: Arm, theta: Array, half: Half, before: Sequence[int], frame: str) 
 
     Only motions that leave the components `before` at rest count, as in `lacks`.
     """
-    g, J = arm._fk_and_body_jacobian(theta)
+    g, J = arm.fk_and_body_jacobian(theta)
     turned = J if frame == "tool" else np.kron(np.eye(2), g[:3, :3]) @ J
     rows = scaled_jacobian(turned, np.array(arm.units) == "m", arm.reach)
     _, size, Vt = np.linalg.svd(rows[list(before)])

@@ -6,7 +6,7 @@ import functools
 import os
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -83,34 +83,33 @@ class PinocchioModel:
                     q[self._index[joint]] = affine.multiplier * value + affine.offset
         return q
 
-    def link_pose(self, q: Array, base: str, link: str) -> Array:
-        """Pose (4, 4) of `link` in the frame of `base`."""
-        data = self.data
-        self._pin.forwardKinematics(self.model, data, q)
-        return self._relative(data, base, link)
+    def link_poses(self, configurations: Sequence[Array], base: str, links: Iterable[str]) -> dict[str, Array]:
+        """Pose (N, 4, 4) of links in the frame of `base`, at N configurations q (nq,)."""
+        data, poses = self.data, {link: np.empty((len(configurations), 4, 4)) for link in links}
+        for row, q in enumerate(configurations):
+            self._pin.framesForwardKinematics(self.model, data, q)
+            base_world = data.oMf[self._frames[base]].inverse()
+            for link, g in poses.items():
+                g[row] = (base_world * data.oMf[self._frames[link]]).homogeneous
+        return poses
 
-    def link_poses(self, q: Array, base: str) -> dict[str, Array]:
-        """Pose (4, 4) of every link in the frame of `base`."""
-        data = self.data
-        self._pin.framesForwardKinematics(self.model, data, q)
-        world_base = data.oMf[self._frames[base]].inverse()
-        return {link: (world_base * data.oMf[frame]).homogeneous for link, frame in self._frames.items()}
+    def kinematics(self, theta: Array, base: str, tip: str) -> tuple[Array, Array, Array]:
+        """Pose (N, 4, 4) of `tip` in `base`, and its Jacobians J^s and J^b (N, 6, n), linear part first.
 
-    def pose_and_body_jacobian(self, theta: Array, base: str, tip: str) -> tuple[Array, Array]:
-        """Pose (4, 4) of `tip` in `base` and its body Jacobian (6, n) for the independent coordinates."""
-        data = self.data
-        # computeJointJacobians runs the forward kinematics that the frame's pose is read from.
-        self._pin.computeJointJacobians(self.model, data, self._A @ theta + self._b)
-        J = self._pin.getFrameJacobian(self.model, data, self._frames[tip], self._pin.ReferenceFrame.LOCAL)
-        return self._relative(data, base, tip), J.reshape(6, -1) @ self._A_chain
-
-    def spatial_jacobian(self, theta: Array, base: str, tip: str) -> Array:
-        """Spatial Jacobian (6, n) in the frame of `base`, from the WORLD Jacobian: Ad(g_root,base⁻¹) J_WORLD."""
-        data = self.data
-        self._pin.computeJointJacobians(self.model, data, self._A @ theta + self._b)
-        J = self._pin.getFrameJacobian(self.model, data, self._frames[tip], self._pin.ReferenceFrame.WORLD)
-        world_base = self._pin.updateFramePlacement(self.model, data, self._frames[base])
-        return world_base.toActionMatrixInverse() @ J.reshape(6, -1) @ self._A_chain
+        J^s = Ad(g_root,base⁻¹) J_WORLD.
+        """
+        pin, model, data = self._pin, self.model, self.data
+        at_base, at_tip, frames = self._frames[base], self._frames[tip], pin.ReferenceFrame
+        g, spatial, body = (np.empty((len(theta), *shape)) for shape in ((4, 4), (6, model.nv), (6, model.nv)))
+        for row, q in enumerate(theta @ self._A.T + self._b):
+            pin.computeJointJacobians(model, data, q)  # with the forward kinematics
+            world_base = pin.updateFramePlacement(model, data, at_base)
+            g[row] = world_base.actInv(pin.updateFramePlacement(model, data, at_tip)).homogeneous
+            # A model with one joint has Jacobians of shape (6,).
+            J = pin.getFrameJacobian(model, data, at_tip, frames.WORLD).reshape(6, -1)
+            spatial[row] = world_base.toActionMatrixInverse() @ J
+            body[row] = pin.getFrameJacobian(model, data, at_tip, frames.LOCAL).reshape(6, -1)
+        return g, spatial @ self._A_chain, body @ self._A_chain
 
     @property
     def moved_mass(self) -> float:
@@ -149,14 +148,6 @@ class PinocchioModel:
         if not hasattr(self._local, "model"):
             self._local.model = self.model.copy()
         return self._local.model
-
-    def _relative(self, data: Any, base: str, link: str) -> Array:
-        world_link = self._pin.updateFramePlacement(self.model, data, self._frames[link])
-        frame = self.model.frames[self._frames[base]]
-        if frame.parentJoint == 0:
-            return frame.placement.actInv(world_link).homogeneous
-        world_base = self._pin.updateFramePlacement(self.model, data, self._frames[base])
-        return world_base.actInv(world_link).homogeneous
 
 
 def import_pinocchio() -> Any:

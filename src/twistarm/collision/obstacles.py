@@ -269,7 +269,7 @@ class Obstacles:
         return x
 
     def _relative(self, theta: ArrayLike, frame: str, link: str) -> Array:
-        return self._model.link_pose(self._model.q(self._one(theta)), frame, link)
+        return self._model.link_poses([self._model.q(self._one(theta))], frame, [link])[link][0]
 
     def _joint_of(self, link: str) -> int:
         """The joint that carries a link, by Pinocchio's number; 0 for the world."""

@@ -50,7 +50,7 @@ def cpp_header(arm: Arm) -> str:
     constant transforms between joints that turn about z (core/include/twistarm/kinematics/chain.hpp). TwistarmError
     without a core.
     """
-    constants: Mapping[str, Any] = arm._core("a C++ header").constants()
+    constants: Mapping[str, Any] = arm.require_core("a C++ header").constants()
     joints, n = constants["joints"], constants["coordinates"]
     lower, upper = arm.sampling_bounds
     poses = {"ready": arm.ready, **arm.named_states}

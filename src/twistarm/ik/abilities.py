@@ -86,7 +86,7 @@ def _with_rotation(arm: Arm, target: AnyTarget, theta: Array) -> float | None:
 
     def look(theta: Array) -> tuple[Array, Array]:
         (p, J_p), (r, J_r) = (
-            rows(*arm._fk_and_body_jacobian(theta)) for rows in (target._position_rows, target._rotation_rows)
+            rows(*arm.fk_and_body_jacobian(theta)) for rows in (target._position_rows, target._rotation_rows)
         )
         return np.concatenate([p, HELD_WEIGHT * r]), np.vstack([J_p, HELD_WEIGHT * J_r])
 
@@ -110,12 +110,12 @@ def _with_rotation(arm: Arm, target: AnyTarget, theta: Array) -> float | None:
 
 def out_of_surface(arm: Arm, target: AnyTarget, theta: Array) -> Array:
     """Directions (k, 3) in base axes of a missed position in which the tool's origin never moves."""
-    g = arm._fk_and_body_jacobian(theta)[0]
+    g = arm.fk_and_body_jacobian(theta)[0]
     error, axes = target._position_rows(g, np.vstack([np.eye(3), np.zeros((3, 3))]))
     offset = g[:3, :3] @ axes.T @ error
     motions = []
     for each in arm.random_theta(0, RANK_SAMPLES):
-        g, J_b = arm._fk_and_body_jacobian(each)
+        g, J_b = arm.fk_and_body_jacobian(each)
         motions.append(g[:3, :3] @ J_b[:3] / arm.reach)
     U, size, _ = np.linalg.svd(np.hstack(motions))
     across = U[:, int((size > RANK_TOL).sum()) :]
@@ -136,7 +136,7 @@ def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, fl
     normal = _approach_normal(arm, target, theta, tool_axis)
     if normal is None:
         return None
-    g, J_b = arm._fk_and_body_jacobian(theta)
+    g, J_b = arm.fk_and_body_jacobian(theta)
     for motion in _holding_position(target, g, J_b).T:
         moved = _moved_to(arm, g[:3, 3], theta + SIDESTEP * motion)
         there = _approach_normal(arm, target, moved, tool_axis)
@@ -148,7 +148,7 @@ def approach_plane(arm: Arm, target: AnyTarget, theta: Array) -> tuple[Array, fl
 def _moved_to(arm: Arm, p: Array, theta: Array) -> Array:
     """A theta nearby with the tool's origin at p (3,), limits aside, by Newton's shortest steps."""
     for _ in range(STEPS):
-        g, J_b = arm._fk_and_body_jacobian(theta)
+        g, J_b = arm.fk_and_body_jacobian(theta)
         offset = g[:3, :3].T @ (p - g[:3, 3])
         if np.linalg.norm(offset) <= HELD:
             break
@@ -158,7 +158,7 @@ def _moved_to(arm: Arm, p: Array, theta: Array) -> Array:
 
 def _approach_normal(arm: Arm, target: AnyTarget, theta: Array, tool_axis: Array) -> Array | None:
     """The normal of the plane of the approach axis at theta, in base axes, or None."""
-    g, J_b = arm._fk_and_body_jacobian(theta)
+    g, J_b = arm.fk_and_body_jacobian(theta)
     turning = np.cross((J_b[3:] @ _holding_position(target, g, J_b)).T, tool_axis)
     _, size, directions = np.linalg.svd(turning)
     if not len(turning) or size[0] <= RANK_TOL or (size[1:] > RANK_TOL * size[0]).any():

@@ -143,7 +143,7 @@ def solve_ik_all_batch(
         UnknownNameError: `fixed_joints` names no joint of the arm.
         TwistarmError: The arm is not in the compiled core. The message says how to get it.
     """
-    require_arm(arm)._core("solve_ik_all_batch")
+    require_arm(arm).require_core("solve_ik_all_batch")
     as_flag(include_turns, "include_turns")
     count = as_whole(redundancy_samples, "redundancy_samples", 1, 1000)
     met = position_tol, orientation_tol

@@ -171,7 +171,7 @@ def solve_ik_batch(
             max_time=max_time, rng=rng, posture=posture, threads=threads, progress=progress,
         )  # fmt: skip
         return free_batch(batch, scene, solve_ik, ends, threads)
-    chain = require_arm(arm)._core("solve_ik_batch")
+    chain = require_arm(arm).require_core("solve_ik_batch")
     how = position_tol, orientation_tol, restarts, rng, max_time
     start = arm.ready if theta0 is None else named(arm, theta0)
     preferred = None if posture is None else named(arm, posture, start)

@@ -64,7 +64,7 @@ def free_batch(batch: IKBatch, scene: Scene, solve: Solve, deadline: Deadline, t
 
 def _rounds(arm: Arm, first: IKResult, start: Array) -> Iterator[Array]:
     """Configurations (k, n) that meet the target, several at a time."""
-    met, chain, target = first.tolerances, arm._core("solve_ik with a scene"), first.target
+    met, chain, target = first.tolerances, arm.require_core("solve_ik with a scene"), first.target
     numbers = np.repeat(target.numbers[None], SEARCHES, axis=0)
     rng, ranges = np.random.default_rng(0), joint_ranges(arm)
     for spread in SPREADS:

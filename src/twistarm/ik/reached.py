@@ -82,7 +82,7 @@ def reachable(
         InputError: A target (the message says which), the start or a number is unusable.
         TwistarmError: The arm is not in the compiled core. The message says how to get it.
     """
-    chain = require_arm(arm)._core("reachable")
+    chain = require_arm(arm).require_core("reachable")
     request = checked(arm, theta0, None, position_tol, orientation_tol, restarts, 0, None)
     workers = as_whole(threads, "threads", 1, MAX_THREADS)
     require_callback(progress, "progress", "(fraction)")

@@ -112,7 +112,7 @@ def solve_ik_all(
         answer = _at_once(require_arm(arm), target, theta0, position_tol, orientation_tol)
         if answer is not None and (len(answer) or (answer.complete and not any(arm.rounding))):
             return answer
-    require_arm(arm)._core("solve_ik_all")
+    require_arm(arm).require_core("solve_ik_all")
     asked = checked_target(arm, target)
     request = checked(arm, theta0, None, position_tol, orientation_tol, 1, 0, max_time)
     require_callback(progress, "progress", "(fraction)")

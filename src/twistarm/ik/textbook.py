@@ -110,7 +110,7 @@ def search(problem: Problem, theta: Array, near: Array) -> Search:
     lower, upper = np.where(ranges.turns, [[-np.inf], [np.inf]], [ranges.lower, ranges.upper])
     theta, best, stalls, iterations = np.clip(theta, lower, upper), math.inf, 0, 0
     while True:
-        g, J_b = problem.arm._fk_and_body_jacobian(theta)
+        g, J_b = problem.arm.fk_and_body_jacobian(theta)
         errors = problem.target.position_error(g), problem.target.orientation_error(g)
         error, J = _error_and_rows(problem, g, J_b)
         E = float(error @ error)
@@ -152,7 +152,7 @@ def toward_posture(problem: Problem, found: Search, posture: Array, deadline: De
 
 def _null_space_step(problem: Problem, theta: Array, posture: Array) -> Array:
     """(I − J⁺J)(posture − θ) on joints inside their bounds, up to the first bound."""
-    J = _error_and_rows(problem, *problem.arm._fk_and_body_jacobian(theta))[1]
+    J = _error_and_rows(problem, *problem.arm.fk_and_body_jacobian(theta))[1]
     free = np.ones(len(theta), dtype=np.bool_)
     while True:
         step = np.where(free, posture - theta, 0.0)

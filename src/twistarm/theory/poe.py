@@ -72,8 +72,8 @@ def body_jacobian(screws: ArrayLike, home: ArrayLike, x: ArrayLike) -> Array:
         x: Joint values (..., m) [rad, m].
     """
     S, home = _as_screws(screws), _as_home(home)
-    products = motions(S, x)
-    return adjoint_of(inverse_of(_motion(products) @ home)) @ columns(products, S)
+    moved = motions(S, x)
+    return adjoint_of(inverse_of(_motion(moved) @ home)) @ columns(moved, S)
 
 
 def motions(S: Array, x: ArrayLike) -> Array:
@@ -83,29 +83,33 @@ def motions(S: Array, x: ArrayLike) -> Array:
         S: Space twists (6, m), already checked.
         x: Joint values (..., m) [rad, m].
     """
-    products = exp(S.T, as_theta(x, S.shape[1], "x"))
-    for i in range(1, S.shape[1]):
-        products[..., i, :, :] = products[..., i - 1, :, :] @ products[..., i, :, :]
-    return products
+    return products(exp(S.T, as_theta(x, S.shape[1], "x")))
 
 
-def _motion(products: Array) -> Array:
-    """The last of the products (..., 4, 4); the identity for a chain without joints."""
-    if products.shape[-3] == 0:
-        return np.broadcast_to(np.eye(4), (*products.shape[:-3], 4, 4))
-    return products[..., -1, :, :]
+def products(factors: Array) -> Array:
+    """g₁, g₁ g₂, … of the factors (..., m, 4, 4), which they replace."""
+    for i in range(1, factors.shape[-3]):
+        factors[..., i, :, :] = factors[..., i - 1, :, :] @ factors[..., i, :, :]
+    return factors
 
 
-def columns(products: Array, S: Array) -> Array:
+def _motion(moved: Array) -> Array:
+    """The last of the motions (..., 4, 4); the identity for a chain without joints."""
+    if moved.shape[-3] == 0:
+        return np.broadcast_to(np.eye(4), (*moved.shape[:-3], 4, 4))
+    return moved[..., -1, :, :]
+
+
+def columns(moved: Array, S: Array) -> Array:
     """J^s (..., 6, m): each twist of S carried along. A joint's own motion leaves its twist where it is.
 
     Args:
-        products: The joints' motions (..., m, 4, 4), as `motions` gives them.
+        moved: The joints' motions (..., m, 4, 4), as `motions` gives them.
         S: Space twists (6, m).
     """
-    J = np.empty((*products.shape[:-3], *S.shape))
-    v, w = np.moveaxis(products[..., :3, :3] @ S.T.reshape(-1, 2, 3).swapaxes(1, 2), -1, 0)
-    J[..., :3, :] = np.swapaxes(v + cross(products[..., :3, 3], w), -1, -2)
+    J = np.empty((*moved.shape[:-3], *S.shape))
+    v, w = np.moveaxis(moved[..., :3, :3] @ S.T.reshape(-1, 2, 3).swapaxes(1, 2), -1, 0)
+    J[..., :3, :] = np.swapaxes(v + cross(moved[..., :3, 3], w), -1, -2)
     J[..., 3:, :] = np.swapaxes(w, -1, -2)
     return J
 

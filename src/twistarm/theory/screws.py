@@ -135,25 +135,29 @@ def exp(xi: ArrayLike, theta: ArrayLike = 1.0) -> Array:
     """
     xi, theta = as_twist(xi, "xi"), as_floats(theta, "theta")
     require_broadcast(xi=xi.shape[:-1], theta=theta.shape)
-    u, length = rotations.split(xi[..., 3:])
+    return exp_along(*turn_and_slide(xi), theta)
+
+
+def exp_along(terms: Array, length: Array, theta: Array) -> Array:
+    """`exp` (..., 4, 4) of twists with these `turn_and_slide`, unchecked."""
     half = 0.5 * length * theta
     sin_half = np.sin(half)
     coefficients = np.empty((*half.shape, 1, 3))
     coefficients[..., 0, 0] = 2.0 * sin_half * np.cos(half)
     coefficients[..., 0, 1] = 2.0 * sin_half**2
     coefficients[..., 0, 2] = theta
-    terms = _turn_and_slide(xi[..., :3], u, length)
     return (coefficients @ terms).reshape(*half.shape, 4, 4) + np.eye(4)
 
 
-def _turn_and_slide(v: Array, u: Array, length: Array) -> Array:
-    """A, A² and C of `exp`, each flattened: (..., 3, 16)."""
+def turn_and_slide(xi: Array) -> tuple[Array, Array]:
+    """A, A² and C of `exp`, each flattened, (..., 3, 16), and ‖w‖ (...), of twists (..., 6)."""
+    v, (u, length) = xi[..., :3], rotations.split(xi[..., 3:])
     turning = (length > 0)[..., None]
     along = np.where(turning, u * np.sum(u * v, axis=-1, keepdims=True), v)
     across = (v - along) / np.where(turning, length[..., None], 1.0)
     A = hat(np.concatenate([across, u], axis=-1))
     C = hat(np.concatenate([along, np.zeros_like(u)], axis=-1))
-    return np.stack([A, A @ A, C], axis=-3).reshape(*length.shape, 3, 16)
+    return np.stack([A, A @ A, C], axis=-3).reshape(*length.shape, 3, 16), length
 
 
 def log(g: ArrayLike) -> Array:

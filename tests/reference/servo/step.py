@@ -202,7 +202,7 @@ def _way_left(bounds: Bounds, theta: Array, way: Array) -> float:
 
 def _jacobian(arm: Arm, bounds: Bounds, theta: Array, frame: str) -> Array:
     """The scaled rows (6, n) for scaled rates, in axes of the frame."""
-    g, J = arm._fk_and_body_jacobian(theta)
+    g, J = arm.fk_and_body_jacobian(theta)
     turned = _in_axes(g[:3, :3], J) if frame == BASE else J
     rows: Array = _scaled(bounds, turned.T).T * bounds.unit
     return rows

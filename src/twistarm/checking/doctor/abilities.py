@@ -54,7 +54,7 @@ class Abilities:
 def abilities_of(arm: Arm) -> Abilities:
     """Ranks and common directions at seeded random configurations inside the limits."""
     prismatic = np.array([slides(kind) for kind in arm.joint_types])
-    pairs = [arm._fk_and_body_jacobian(theta) for theta in arm.random_theta(0, SAMPLES)]
+    pairs = [arm.fk_and_body_jacobian(theta) for theta in arm.random_theta(0, SAMPLES)]
     R = np.stack([g[:3, :3] for g, _ in pairs])
     body = np.stack([scaled_jacobian(J, prismatic, arm.reach) for _, J in pairs])
     linear, angular = R @ body[:, :3], R @ body[:, 3:]

@@ -17,27 +17,25 @@ from ...description.companions.arm_file import MOTOR_LIMITS
 from ...ik import closed_form_of
 from ...limits.actuators import Actuators
 from ...support.path_redaction import without_places
-from ..options import ARM, Json, Radians, Source
-from ..output import entries
-from ..outputs import Outputs
+from ..options import ARM, Answer, Json, Source
+from ..output import Outputs, entries
 from ..tables import Column, Table, number
 
 
-def arms(json: Json = False) -> None:
+def arms(out: Json) -> None:
     """List the arms that can be loaded by name."""
     own, models = catalog.own_arms(), catalog.model_arms()
     installed = catalog.models_share() is not None
     missing = "" if installed else "   (not installed: pip install 'twistarm[models]')"
-    Outputs(json=json).show(
+    out.show(
         {"own": own, "models": models, "models_installed": installed},
         f"twistarm's own:      {', '.join(own)}",
         f"example-robot-data:  {', '.join(models)}{missing}",
     )
 
 
-def info(source: Annotated[Source | None, ARM] = None, rad: Radians = False, json: Json = False) -> None:
+def info(out: Answer, source: Annotated[Source | None, ARM] = None) -> None:
     """Show the loaded arm: joints, limits, base, tip, poses, findings, proof; without ARM the installation."""
-    out = Outputs(json=json, radians=rad)
     if source is None:
         show_installation(out)
     else:
@@ -82,7 +80,7 @@ def engine_of(arm: Arm) -> str:
     """The engine of this arm's kinematics."""
     if arm.compiled is not None:
         return f"compiled core ({arm.compiled.instruction_set})"
-    return "product of exponentials" if arm.description is None else "Pinocchio"
+    return "NumPy"
 
 
 def joints_table(arm: Arm) -> Table:
@@ -147,7 +145,7 @@ def show_installation(out: Outputs) -> None:
         "twistarm": version(),
         "python": platform.python_version(),
         "platform": platform.platform(),
-        "engine": f"compiled core ({engine.instruction_set()})" if engine.core() else "Pinocchio",
+        "engine": f"compiled core ({engine.instruction_set()})" if engine.core() else "NumPy",
         "core": engine.instruction_set() or None,
         "why_no_core": engine.why_not() or None,
         "libraries": libraries,

@@ -83,7 +83,7 @@ class Asked:
 
     def rows(self, theta: Array) -> tuple[Array, Array]:
         """The error of theta (n,) from the target [m, rad] (k,), and its derivative (k, n)."""
-        g, J_b = self.arm._fk_and_body_jacobian(theta)
+        g, J_b = self.arm.fk_and_body_jacobian(theta)
         (e_p, J_p), (e_r, J_r) = self.target._position_rows(g, J_b), self.target._rotation_rows(g, J_b)
         return np.concatenate([e_p, e_r]), np.concatenate([J_p, J_r])
 

@@ -108,7 +108,7 @@ def numbers(arm: Arm, theta: Array, rates: Array | None = None) -> dict[str, Any
     smallest, below, standing (in words): of the body Jacobian, with metres divided by `reach`. linear, angular: the
     ellipsoids. motion: V^s = J^s θ̇ for `rates` (n,), as twist and screw, and the tool origin's velocity.
     """
-    g, J_b = arm._fk_and_body_jacobian(theta)
+    g, J_b = arm.fk_and_body_jacobian(theta)
     J_s = arm.spatial_jacobian(theta)
     hybrid = (g[:3, :3] @ J_b.reshape(2, 3, -1)).reshape(6, -1)
     return {
