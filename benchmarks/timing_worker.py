@@ -88,7 +88,7 @@ def twistarm_through(asked: Asked) -> Answer:
     names = [f"joint{i + 1}" for i in range(n)]
     given = {rate: dict(zip(names, asked[rate], strict=True)) for rate in ("velocity", "acceleration")}
     arm = arm_from_screws(np.eye(6)[:, [5] * n], np.eye(4), joints=names, limits=given)
-    motion, ns = timed(lambda: plan_joint(arm, asked["waypoints"], kind="quintic"))
+    motion, ns = timed(lambda: plan_joint(arm, asked["waypoints"], kind="time_optimal"))
     t = np.linspace(0.0, motion.duration, 20 * len(motion.breakpoints))
     return {"duration": motion.duration, "ns": ns, "excess": excess((motion(t, 1), motion(t, 2)), asked)}
 

@@ -9,7 +9,7 @@ from twistarm import load_arm, plan_joint
 
 arm = load_arm("rover_arm")
 waypoints = [arm.ready, arm.ready + [0.2, 0.3, -0.4, 0.2, 1.0], arm.ready + [-0.2, 0.1, 0.3, -0.3, -1.0]]
-motion = plan_joint(arm, waypoints, kind="quintic")
+motion = plan_joint(arm, waypoints)
 
 # It is at rest at both ends, passes every waypoint, and keeps the limits everywhere: the peaks are exact.
 assert np.allclose(motion(motion.times), waypoints, atol=1e-9)

@@ -15,7 +15,7 @@ LATENCY, PERIOD = 0.05, 0.01  # s: of the drives, of the loop
 arm = load_arm("rover_arm")
 goal = arm.ready + [0.2, 0.3, -0.4, 0.2, 1.0]
 with tempfile.TemporaryDirectory() as folder:  # as it would come to the robot: in a file
-    planned = plan_joint(arm, [arm.ready, goal], kind="quintic")
+    planned = plan_joint(arm, [arm.ready, goal])
     motion = load_trajectory(arm, planned.to_csv(Path(folder) / "motion.csv"))
 
 

@@ -258,7 +258,7 @@ def test_options_reach_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     arm = load_arm("rr_planar")
-    motion = plan_joint(arm, [[0.3, 0.8], [0.6, 0.4]], kind="quintic", limits={"velocity": 1.0, "acceleration": 4.0})
+    motion = plan_joint(arm, [[0.3, 0.8], [0.6, 0.4]], limits={"velocity": 1.0, "acceleration": 4.0})
     motion = replace(motion, labels=((0.1, "close gripper"),))
     return motion.to_json(tmp_path_factory.mktemp("follow") / "motion.json")
 

@@ -21,7 +21,7 @@ def gantry() -> Arm:
     return replace(arm_of("two"), limits=JointLimits.unbounded(2))
 
 
-@pytest.mark.parametrize("kind", ["trapezoid", "time_optimal"])
+@pytest.mark.parametrize("kind", ["s_curve", "time_optimal"])
 def test_a_line_is_bound_by_acceleration_velocity_acceleration(gantry, kind):
     """Lynch & Park §9.2.2.2: V/A to come to full speed, as long to stop, the rest of the way at V."""
     motion = plan_joint(gantry, [[0, 0], [3.0, 1.5]], kind=kind, limits=LIMITS)

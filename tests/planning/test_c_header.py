@@ -82,7 +82,7 @@ def instants(trajectory):
 @pytest.mark.parametrize("language", [C99, CPP17], ids=["C99", "C++17"])
 def test_in_double_it_is_the_trajectory(rover, tmp_path, language):
     way = [rover.ready, rover.ready + [0.1, 0.3, -0.4, 0.2, 1.0], rover.ready]
-    planned = plan_joint(rover, way, kind="quintic", limits={"acceleration": 2.0})
+    planned = plan_joint(rover, way, limits={"acceleration": 2.0})
     planned = replace(planned, labels=((0.5, 'close "it" ü */ ??/'), (1.0, "\\n%s")))
     planned.to_header(tmp_path / "motion.h")
     t = instants(planned)

@@ -119,7 +119,7 @@ def plan_joint(
         NotConvergedError: A target is not met; the message names the waypoint and explains why.
         PathError: The motion collides; the message gives time and pair.
     """
-    kind = _as_kind(kind, times)
+    chosen = _as_kind(kind, times)
     as_flag(stop_at_waypoints, "stop_at_waypoints")
     require_callback(progress, "progress", "(fraction)")
     as_flag(unwrap, "unwrap")
@@ -132,10 +132,10 @@ def plan_joint(
     if times is None:
         knots, owner, merged = distinct(points)
         said += merged
-        timed = _timed_by_law(knots, kind, stop_at_waypoints, inside, progress)
+        timed = _timed_by_law(knots, chosen, stop_at_waypoints, inside, progress)
         timed = timed[0][owner], *timed[1:]
     else:
-        timed = _at_times(points, kind, stop_at_waypoints, as_times(times, len(points)), inside)
+        timed = _at_times(points, chosen, stop_at_waypoints, as_times(times, len(points)), inside)
     motion = Trajectory(arm.joint_names, arm.units, points, *timed, arm.actuators, notes=(*notes, *said), limits=bounds)
     if times is not None:
         require_rates(motion, bounds)
@@ -150,7 +150,7 @@ def plan_joint(
     return motion
 
 
-def _as_kind(kind: Kind | None, times: ArrayLike | None) -> Kind:
+def _as_kind(kind: str | None, times: ArrayLike | None) -> str:
     """Return the kind, or the default one. Laws find times, splines need them."""
     fitting, other = (LAWS, SPLINES) if times is None else (SPLINES, LAWS)
     if kind in other:
@@ -159,14 +159,13 @@ def _as_kind(kind: Kind | None, times: ArrayLike | None) -> Kind:
     return fitting[0] if kind is None else require_choice(kind, fitting, "kind")
 
 
-def _timed_by_law(knots: Array, kind: Kind, stop: bool, bounds: PathBounds, progress: Progress | None) -> Motion:
+def _timed_by_law(knots: Array, kind: str, stop: bool, bounds: PathBounds, progress: Progress | None) -> Motion:
     if len(knots) == 1:
         return np.zeros(1), np.zeros(2), knots[None]
-    law = "s_curve" if kind == "s_curve" else "time_optimal"
-    return shortest_motion(knots, law, bounds, stop=stop, progress=progress)
+    return shortest_motion(knots, kind, bounds, stop=stop, progress=progress)
 
 
-def _at_times(points: Array, kind: Kind, stop: bool, times: Array, bounds: PathBounds) -> Motion:
+def _at_times(points: Array, kind: str, stop: bool, times: Array, bounds: PathBounds) -> Motion:
     if len(points) == 1:
         return times, np.zeros(2), points[None]
     return times, *pulled_in(FITS[kind, stop](points, times), times, points, bounds.limits)

@@ -109,4 +109,3 @@ def _straight(waypoints: Array, times: Array, unit: tuple[float, ...]) -> Array:
     coefficients = rescaled(np.array(unit)[:, None, None] * np.diff(waypoints, axis=0), 1.0 / np.diff(times))
     coefficients[-1] += waypoints[:-1]
     return coefficients
-

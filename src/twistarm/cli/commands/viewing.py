@@ -188,7 +188,7 @@ def demo(page: PageOptions, view: View = True) -> None:
         raise InputError("the demo's target was not reached: please report it")
     say("", "5. A trajectory through three poses: stowed, ready, and that target", "")
     through = np.array([arm.named_states["stowed"], arm.ready, solution.theta])
-    trajectory = plan_joint(arm, through, kind="quintic")
+    trajectory = plan_joint(arm, through)
     out.show({}, *plan_tables(arm, trajectory, arm.limits))
     if not (view and sys.stdout.isatty()):
         say("", f"written: {save_html(arm, Path('demo.html'), trajectory=trajectory)} (opens in a browser, offline)")
