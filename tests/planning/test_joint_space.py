@@ -239,7 +239,7 @@ def test_limits_of_motors_are_kept(kind: str) -> None:
     planned = plan_joint(arm, POINTS, kind=kind, limits=LIMITS)
     if kind == "time_optimal":
         with pytest.raises(LimitError, match=r"motor 'm\d' would need .* limit is .*: multiply times by"):
-            plan_joint(arm, POINTS, times=0.8 * planned.times)
+            plan_joint(arm, POINTS, limits={"lower": -3.0, "upper": 3.0}, times=0.8 * planned.times)
     motion = planned.to_motors()
     rates = [(1, 60.0), (2, 200.0), *([(3, 2000.0)] if kind == "s_curve" else [])]
     assert 1.0 - MET < max(motion.peak(order).max() / limit for order, limit in rates) < 1.0 + RATE
