@@ -12,16 +12,11 @@ import yaml
 from numpy.testing import assert_allclose, assert_array_equal
 
 from test_export import LABELS, plain, with_motors
-from twistarm import Actuators, load_arm, load_trajectory, plan_joint
+from twistarm import Actuators, load_trajectory, plan_joint, save_trajectory
 from twistarm.cli.application import run
-from twistarm.planning import Trajectory
 from twistarm.support.errors import InputError, LimitError
 
-WRITERS = {
-    ".csv": Trajectory.to_csv,
-    ".json": Trajectory.to_json,
-    ".mcap": lambda motion, path, *dt: motion.to_mcap(path, load_arm("rover_arm"), *dt),
-}
+ENDINGS = (".csv", ".json", ".mcap")
 RATES = {"velocity": 1.0, "acceleration": 2.0}
 
 
@@ -32,12 +27,12 @@ def motion(rover):
     return replace(planned, labels=tuple((time * planned.duration / 5.0, text) for time, text in LABELS))
 
 
-@pytest.mark.parametrize("ending", WRITERS)
+@pytest.mark.parametrize("ending", ENDINGS)
 @pytest.mark.parametrize("kind", ["s_curve", "time_optimal"])
 def test_what_was_written_is_read_back(rover, motion, tmp_path, kind, ending):
     planned = plan_joint(rover, motion.waypoints, kind=kind, limits=RATES)
     planned = replace(planned, labels=((0.0, "open"), (1.0, "close"), (1.0, "-5 °C, \"now\": '…' \\"), (1.2345, "ü😀")))
-    read = load_trajectory(rover, WRITERS[ending](planned, tmp_path / f"motion{ending}", 0.02))
+    read = load_trajectory(rover, save_trajectory(planned, tmp_path / f"motion{ending}", dt=0.02, arm=rover))
     assert read.labels == planned.labels
     assert read.joint_names == planned.joint_names
     assert read.actuators is rover.actuators
@@ -54,16 +49,16 @@ def test_what_was_written_is_read_back(rover, motion, tmp_path, kind, ending):
     assert np.abs(read(between) - planned(between)).max() <= jump * 0.02**2 / 32
 
 
-@pytest.mark.parametrize("ending", WRITERS)
+@pytest.mark.parametrize("ending", ENDINGS)
 def test_a_motion_of_no_length_is_read_back(rover, tmp_path, ending):
     still = plan_joint(rover, [rover.ready], limits=RATES)
-    assert load_trajectory(rover, WRITERS[ending](still, tmp_path / f"still{ending}")).duration == 0.0
+    assert load_trajectory(rover, save_trajectory(still, tmp_path / f"still{ending}", arm=rover)).duration == 0.0
 
 
 def test_a_file_for_the_firmware_alone(tmp_path):
     arm, planned = with_motors()
-    path = planned.to_csv(tmp_path / "firmware.csv", 0.05, counts=True)
-    whole = planned.to_csv(tmp_path / "whole.csv", 0.05)
+    path = save_trajectory(planned, tmp_path / "firmware.csv", dt=0.05, counts=True)
+    whole = save_trajectory(planned, tmp_path / "whole.csv", dt=0.05)
     with path.open(newline="") as counted, whole.open(newline="") as every:
         ours, theirs = csv.DictReader(counted), csv.DictReader(every)
         rows = list(ours)
@@ -72,7 +67,7 @@ def test_a_file_for_the_firmware_alone(tmp_path):
     with pytest.raises(InputError, match="the motors .* do not determine joint 'slide'"):
         load_trajectory(arm, path)
     with pytest.raises(InputError, match="this trajectory knows no motors"):
-        plain(planned).to_csv(tmp_path / "none.csv", counts=True)
+        save_trajectory(plain(planned), tmp_path / "none.csv", counts=True)
     assert not (tmp_path / "none.csv").exists()
 
 
@@ -84,7 +79,7 @@ def test_counts_are_read_back_where_the_motors_drive_every_joint(tmp_path):
     every = Actuators(("lift", "a", "b", "left", "right"), arm.joint_names, G, np.arange(5.0), units, ticks)
     arm = replace(arm, actuators=every)
     planned = plan_joint(arm, [arm.ready, arm.random_theta(2)], limits=RATES)
-    read = load_trajectory(arm, planned.to_csv(tmp_path / "counts.csv", 0.05, counts=True))
+    read = load_trajectory(arm, save_trajectory(planned, tmp_path / "counts.csv", dt=0.05, counts=True))
     assert_allclose(read(read.times), planned(read.times), atol=1e-12)
     assert_allclose(read(read.times, 1), planned(read.times, 1), atol=1e-12)
 
@@ -140,7 +135,7 @@ BAD_CSV = {
 
 @pytest.mark.parametrize(("change", "why"), BAD_CSV.values(), ids=list(BAD_CSV))
 def test_a_bad_line_is_told(rover, motion, tmp_path, change, why):
-    file = replace(motion, labels=()).to_csv(tmp_path / "a.csv", 0.02)
+    file = save_trajectory(replace(motion, labels=()), tmp_path / "a.csv", dt=0.02)
     with pytest.raises((InputError, LimitError), match=why) as caught:
         load_trajectory(rover, changed(file, change))
     assert "changed.csv" in str(caught.value)
@@ -179,7 +174,7 @@ BAD_MESSAGES = {
 
 @pytest.mark.parametrize(("change", "why"), BAD_MESSAGES.values(), ids=list(BAD_MESSAGES))
 def test_a_bad_message_is_told(rover, motion, tmp_path, change, why):
-    message = json.loads(motion.to_json(tmp_path / "a.json", 0.1).read_text())
+    message = json.loads(save_trajectory(motion, tmp_path / "a.json", dt=0.1).read_text())
     change(message)
     for ending, write in ((".json", json.dumps), (".yaml", yaml.safe_dump)):
         path = tmp_path / f"changed{ending}"

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import ArrayLike, NDArray
 
 from recorded_poses import HOME, LEFT, REACH, ask, done, said
-from twistarm import Arm, ArmBuilder, Viewer, load_trajectory, plan_joint
+from twistarm import Arm, ArmBuilder, Viewer, load_trajectory, plan_joint, save_trajectory
 from twistarm.arm.usual_limits import with_defaults
 from twistarm.planning.trajectory import Trajectory
 from twistarm.support.errors import InputError
@@ -154,7 +154,7 @@ def test_a_jump_is_plotted_as_a_jump(arm: Arm) -> None:
 
 def test_a_trajectory_of_python_is_plotted_against_its_own_limits_or_the_arm_s(arm: Arm, tmp_path: Path) -> None:
     motion = plan_joint(arm, [HOME, REACH], limits={"velocity": 0.4, "acceleration": 1.7})
-    read = load_trajectory(arm, motion.to_csv(tmp_path / "m.csv"))
+    read = load_trajectory(arm, save_trajectory(motion, tmp_path / "m.csv"))
     for each, velocity, acceleration in (
         (motion, [0.4] * 3, [1.7] * 3),
         (read, [0.4] * 3, [1.7] * 3),

@@ -153,7 +153,7 @@ def plan_joint(
 def _as_kind(kind: str | None, times: ArrayLike | None) -> str:
     """Return the kind, or the default one. Laws find times, splines need them."""
     fitting, other = (LAWS, SPLINES) if times is None else (SPLINES, LAWS)
-    if kind in other:
+    if isinstance(kind, str) and kind in other:
         laws, splines = (" or ".join(map(repr, kinds)) for kinds in (LAWS, SPLINES))
         raise InputError(f"kind is {laws} without times, {splines} at given times; got {kind!r}")
     return fitting[0] if kind is None else require_choice(kind, fitting, "kind")

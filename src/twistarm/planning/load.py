@@ -41,7 +41,7 @@ BEYOND_LIMIT = 1e-6
 
 
 def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
-    """Read a motion of `arm` from a file of `to_csv`, `to_json`, `to_mcap` or another program.
+    """Read a motion of `arm` from a file of `save_trajectory` or another program.
 
     Between two instants a polynomial meets the positions, rates and accelerations of both. It is quintic, cubic, or
     straight for positions alone, as in ROS's joint_trajectory_controller. The first instant is t = 0. The arm is at
@@ -50,7 +50,7 @@ def load_trajectory(arm: Arm, path: str | os.PathLike[str]) -> Trajectory:
 
     - CSV: columns `time [s]`, and for each joint `<joint>.position [rad]` and `<joint>.velocity [rad/s]`, with or
       without `<joint>.acceleration [rad/s^2]` (m for slides), in any order. Counts of the motors' drives may replace
-      them, as `to_csv(counts=True)` writes. Columns of limits are optional. Other columns are ignored.
+      them, as `save_trajectory(counts=True)` writes. Columns of limits are optional. Other columns are ignored.
     - JSON, YAML: a `trajectory_msgs/JointTrajectory` in rad and m, joints in any order, others ignored. YAML may last
       some minutes at most.
     - MCAP, with the extra `mcap`: the setpoints of a recorded stream, as sent. Of another recording of ROS 2 its only

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,10 +11,8 @@ from ...support.c_text import c_number, c_string, c_strings, identifier_of
 from ...support.checks import Array, as_flag
 from ...support.templates import filled
 from ..piecewise import derivative, rescaled
-from .motor_values import counted, motors_of, require_motors
-
-if TYPE_CHECKING:
-    from ..trajectory import Trajectory
+from ..trajectory import Trajectory, motors_of, require_motors
+from .motor_values import counted
 
 FOLDER = Path(__file__).parent
 
@@ -28,7 +25,7 @@ SUFFIXES = (".h", ".hpp", ".hh", ".hxx")
 def header_text(
     trajectory: Trajectory, file: str = "motion.h", actuators: Actuators | None = None, *, counts: bool = False
 ) -> str:
-    """Return the text that `Trajectory.to_header` writes. Every name in it begins with that of the file."""
+    """Return the text that `save_trajectory` writes. Every name in it begins with that of the file."""
     name = identifier_of(Path(file).stem, "motion")
     if as_flag(counts, "counts"):
         trajectory = counted(trajectory, require_motors(motors_of(trajectory, actuators)))

@@ -8,7 +8,7 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,11 +20,9 @@ from ...support.files import TEMPORARY, why_no_file, writable, write_whole
 from ...support.path_redaction import without_places
 from ...theory.rotations import to_xyzw
 from ...theory.screws import inverse_of
+from ..trajectory import Trajectory
 from .joint_trajectory import FIELDS, points_in
 from .points import Points
-
-if TYPE_CHECKING:
-    from ..trajectory import Trajectory
 
 TRAJECTORY, STATE, TEXT = "trajectory_msgs/msg/JointTrajectory", "sensor_msgs/msg/JointState", "std_msgs/msg/String"
 GEOMETRY, TIMES = "geometry_msgs/msg/", "builtin_interfaces/msg/"
@@ -159,7 +157,7 @@ class Bag(Closeable):
 
 
 def mcap_bytes(trajectory: Trajectory, arm: Arm, dt: float) -> bytes:
-    """Return the content of the file that `Trajectory.to_mcap` writes."""
+    """Return the content of the file that `save_trajectory` writes."""
     if require_arm(arm).joint_names != trajectory.joint_names:
         raise InputError(f"{arm.name} has other joints than {listed(trajectory.joint_names)}: give the motion's arm")
     points = list(zip(*trajectory.sample(dt), strict=True))
