@@ -128,6 +128,10 @@ BAD_CSV = {
         "line 7: no arm moves so far or so fast; got",
     ),
     "beyond": (line(7, lambda text: ",".join([text.split(",")[0], "9", *text.split(",")[2:]])), "joint 'slide' at 9 m"),
+    "times in ms": (
+        lambda lines: lines[:1] + [f"{1e3 * float(each.split(',')[0])},{each.partition(',')[2]}" for each in lines[1:]],
+        "velocities mean .* times the change of the positions: check the unit of the times",
+    ),
     "a limit of 0": (line(2, lambda text: text.rsplit(",", 1)[0] + ",0"), "line 2: wrist_roll.acceleration_limit"),
     "no line": (lambda lines: lines[:1], "holds no point of a motion"),
 }
@@ -139,6 +143,24 @@ def test_a_bad_line_is_told(rover, motion, tmp_path, change, why):
     with pytest.raises((InputError, LimitError), match=why) as caught:
         load_trajectory(rover, changed(file, change))
     assert "changed.csv" in str(caught.value)
+
+
+def test_a_motion_that_would_swing_beyond_a_limit_between_its_points_is_refused(rover, tmp_path):
+    """From rest up to the elbow's limit at speed: the cubic between these points goes beyond it."""
+    top = rover.limits.upper[2]
+    rows = ["time [s]," + ",".join(f"{name}.{rate}" for name in rover.joint_names for rate in ("position", "velocity"))]
+    units = [unit for unit in rover.units for unit in (f" [{unit}]", f" [{unit}/s]")]
+    rows[0] = "time [s]," + ",".join(f"{name}{unit}" for name, unit in zip(rows[0].split(",")[1:], units, strict=True))
+    for time, elbow, speed in (
+        (0.0, top - 0.5, 0.0),
+        (1.0, top - 0.1, 0.8),
+        (2.0, top - 0.1, -0.8),
+        (3.0, top - 0.5, 0.0),
+    ):
+        rows.append(",".join([f"{time},0,0,0,0,{elbow},{speed}", "0,0,0,0"]))
+    (tmp_path / "swing.csv").write_text("\n".join(rows) + "\n")
+    with pytest.raises(LimitError, match=r"swing.csv: .*joint 'elbow' would swing to"):
+        load_trajectory(rover, tmp_path / "swing.csv")
 
 
 def at(*path, value=None):
