@@ -7,9 +7,9 @@ It reads one JSON object per line and answers with one line each, as `worker.py`
   {"do": "through", "waypoints", "velocity", "acceleration"}                          {"duration", "excess", "ns"}
   {"do": "line", "seed", "arm", "length"}                                             {"duration", "ns"}
 
-`grid` is the number of intervals, or null for an automatic grid. `excess` is the largest excess over a limit, as a
-part of it. The library's own evaluation gives it, at 20 times as many instants as the result has pieces. `ns` is the least
-of several calls.
+`grid` is the number of intervals, or null for an automatic grid. `excess` is the largest excess over a limit, as a part
+of it, by the library's own evaluation at 20 times as many instants as the result has pieces. `ns` is the least of
+several calls.
 """
 
 from __future__ import annotations
