@@ -132,7 +132,6 @@ BY_CALL: dict[str, dict[str, Any]] = {
     "DesignTable.column": {"name": "n"},
     "calibrate": {"measurements": MEASURED},
     "corrected_urdf": {"calibration": CALIBRATION},
-    "Viewer.show_residuals": {"calibration": CALIBRATION},
     "Viewer.show_reach": {"m": MAP},
     "Viewer.slider": {"lo": 0.0, "hi": 1.0, "on_change": print, "value": 0.5},
     "Viewer.button": {"on_click": print},

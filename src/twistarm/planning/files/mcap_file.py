@@ -32,10 +32,7 @@ SECOND = 10**9  # nanoseconds
 NONE = np.zeros(0)
 
 MAX_BYTES, MAX_MESSAGES = 1_000_000_000, 200_000
-"""Of a file, packed and unpacked, and of a topic that is read: half an hour at 100 Hz."""
-
-MAX_CHUNK = 100_000_000
-"""Bytes of a chunk, which is decompressed at once. rosbag2 ends a chunk at 0.8 MB, or after a longer message."""
+"""Of a file, and of a topic that is read: half an hour at 100 Hz."""
 
 MAGIC, PROFILE = b"\x89MCAP0\r\n", b"\4\0\0\0ros2"
 """The bytes at both ends of a file, and those behind the 17th."""
@@ -49,30 +46,6 @@ def _import_rosbags() -> tuple[Any, Any, Any]:
     except ImportError as error:
         raise missing_extra("an MCAP file", "rosbags", "mcap") from error
     return rosbag2, interfaces, typesys.get_typestore(typesys.Stores.LATEST)
-
-
-def _bound_chunks() -> None:
-    """Let rosbags unpack no chunk beyond the size that it gives or `MAX_CHUNK`, and `MAX_BYTES` until the next call.
-
-    rosbags compares the sizes only afterwards. A few kilobytes may hold gigabytes of zeros.
-    """
-    from lz4.frame import LZ4FrameDecompressor
-    from rosbags.rosbag2 import storage_mcap
-
-    left = MAX_BYTES
-
-    def bounded(kind: Any, data: bytes, size: int) -> bytes:
-        nonlocal left
-        left -= size
-        if size > MAX_CHUNK or left < 0:
-            what = f"a chunk of more than {MAX_CHUNK:,}" if size > MAX_CHUNK else f"more than {MAX_BYTES:,}"
-            raise InputError(f"it unpacks to {what} bytes; record it in smaller parts, or only the topics of the arm")
-        unpacked: bytes = kind().decompress(data, size + 1)
-        return unpacked
-
-    storage: Any = storage_mcap
-    storage.DECOMPRESSORS["zstd"] = partial(bounded, storage.zstd.ZstdDecompressor)
-    storage.DECOMPRESSORS["lz4"] = partial(bounded, LZ4FrameDecompressor)
 
 
 class Bag(Closeable):
@@ -177,7 +150,6 @@ def read_mcap(arm: Arm, file: Path) -> Points:
     if why := why_no_file(file) or _why_no_recording(file):
         raise InputError(f"cannot read {file}: {why}")
     rosbag2, _, store = _import_rosbags()
-    _bound_chunks()
     try:
         with rosbag2.Reader(file) as reader:
             message = _motion(arm, reader, store)
@@ -213,7 +185,6 @@ def _motion(arm: Arm, reader: Any, store: Any) -> dict[str, Any]:
     """Return the setpoints of a recording, its only JointTrajectory, or its joint states, as plain data."""
 
     def heard(kind: str, ending: str = "") -> Iterator[tuple[int, Any]]:
-        _bound_chunks()
         layout = store.get_msgdef(kind)
         topics = [each for each in reader.connections if each.msgtype == kind and each.topic.endswith(ending)]
         for number, (_, time, data) in enumerate(reader.messages(topics) if topics else ()):
