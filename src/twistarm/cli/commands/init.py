@@ -16,7 +16,7 @@ from ...support.errors import InputError
 from ...support.messages import Argument
 from ..options import Source
 from ..output import say
-from ..outputs import NAMED, STDOUT, Force, Outputs, outputs_of
+from ..outputs import NAMED, STDOUT, Force, outputs_of
 from ..wording import written
 
 Motion = Annotated[
@@ -40,23 +40,18 @@ def init(
     if output != STDOUT and not output.endswith(".toml"):
         raise InputError(f"{'a motion' if motion else 'an arm'} file is named *.toml; got {output}")
     if motion:
-        _motion(source, output, outputs)
-        return
-    for name in ("limits", "locked_joints"):
-        if name in source.keywords:
-            raise InputError(f"{'--limits' if name == 'limits' else '--locked-joint'} goes into the arm.toml by hand")
-    draft = draft_arm_file(source.name, Path(os.path.realpath(output)).parent, **source.keywords)
-    outputs.write({"toml": lambda: draft})
-    if output != STDOUT:
-        arm = load_arm(output, env_vars=source.keywords["env_vars"])
-        say(f"{output}: {arm.n} joints from {arm.base} to {arm.tip}; next: twistarm info {output}")
-
-
-def _motion(source: Source, output: str, outputs: Outputs) -> None:
-    """A first motion.toml for an arm: a description, an arm.toml or a name."""
-    arm = source.load()
-    outputs.write({"toml": lambda: draft_motion_file(arm)})
-    if output != STDOUT:
+        text = draft_motion_file(source.load())
         options = [written(Argument(name, value)) for name, value in source.keywords.items() if value]
         plan = " ".join(["twistarm plan", shlex.quote(source.name), shlex.quote(output), *options])
-        say(f"{output}: a motion with every kind of segment; next: {plan}")
+        told = f"{output}: a motion with every kind of segment; next: {plan}"
+    else:
+        for name, option in (("limits", "--limits"), ("locked_joints", "--locked-joint")):
+            if name in source.keywords:
+                raise InputError(f"{option} goes into the arm.toml by hand")
+        text = draft_arm_file(source.name, Path(os.path.realpath(output)).parent, **source.keywords)
+    outputs.write({"toml": lambda: text})
+    if output != STDOUT and not motion:
+        arm = load_arm(output, env_vars=source.keywords["env_vars"])
+        told = f"{output}: {arm.n} joints from {arm.base} to {arm.tip}; next: twistarm info {output}"
+    if output != STDOUT:
+        say(told)
